@@ -1,0 +1,18 @@
+# Libraries, all from Debian 12's packages (scripts/install_packages names them).
+find_package(Threads REQUIRED)
+find_package(embree 3.13 REQUIRED)
+find_package(TBB REQUIRED)
+# Debian's CMake package of Imath asks for its Python modules; pkg-config does not.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR>=3.1)
+find_package(assimp REQUIRED)
+find_package(draco REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_path(GLM_INCLUDE_DIR glm/vec3.hpp REQUIRED)
+find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
+find_library(STB_LIBRARY stb REQUIRED)

@@ -1,0 +1,41 @@
+# Build options and compiler flags.
+option(RELUME_BUILD_TESTS "Build the tests" ON)
+option(RELUME_BUILD_BENCHMARKS "Build the benchmarks" ON)
+option(RELUME_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
+option(RELUME_SANITIZE "Build with AddressSanitizer and UndefinedBehaviorSanitizer" OFF)
+option(RELUME_FUZZERS "Build the libFuzzer targets (needs Clang)" OFF)
+set(RELUME_ARCH "x86-64-v3" CACHE STRING "-march of the build: x86-64-v3 (AVX2), x86-64 (any), native")
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# What every target of the project compiles with.
+add_library(relume_flags INTERFACE)
+target_compile_options(relume_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  # The same bits whatever the optimiser does: no fused multiply-add, no reassociation.
+  -ffp-contract=off
+  -fno-math-errno -fno-trapping-math)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  target_compile_options(relume_flags INTERFACE -march=${RELUME_ARCH})
+endif()
+if(RELUME_WARNINGS_AS_ERRORS)
+  target_compile_options(relume_flags INTERFACE -Werror)
+endif()
+if(RELUME_SANITIZE)
+  set(sanitizers -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_compile_options(relume_flags INTERFACE ${sanitizers})
+  target_link_options(relume_flags INTERFACE ${sanitizers})
+endif()

@@ -1,0 +1,23 @@
+# relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
+# is a ctest of its own.
+if(RELUME_BUILD_TESTS)
+  enable_testing()
+  find_package(GTest REQUIRED)
+  include(GoogleTest)
+endif()
+
+function(relume_add_tests name)
+  if(NOT RELUME_BUILD_TESTS)
+    return()
+  endif()
+  add_executable(${name}_tests ${ARGN})
+  target_link_libraries(${name}_tests PRIVATE relume relume_flags GTest::gtest_main)
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT 300)
+endfunction()
+
+# relume_add_benchmarks(source...): *_bench.cpp files join the one program `relume_bench`.
+function(relume_add_benchmarks)
+  foreach(source ${ARGN})
+    set_property(GLOBAL APPEND PROPERTY RELUME_BENCH_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/${source})
+  endforeach()
+endfunction()

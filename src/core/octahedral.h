@@ -1,0 +1,39 @@
+// Unit vectors in 32 bits: the octahedral map with 16 bits a coordinate ([Cigolle14]).
+#pragma once
+
+#include "core/vec.h"
+
+namespace relume {
+
+/// Unit vector to the square [-1, 1]².
+RELUME_HD inline Vec2 octahedral_from_direction(const Vec3& d) {
+  const float s = 1.0f / (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
+  const Vec2 p{d.x * s, d.y * s};
+  if (d.z >= 0.0f) return p;
+  return {std::copysign(1.0f - std::fabs(p.y), p.x), std::copysign(1.0f - std::fabs(p.x), p.y)};
+}
+
+/// Square [-1, 1]² to the unit vector.
+RELUME_HD inline Vec3 direction_from_octahedral(const Vec2& p) {
+  Vec3 d{p.x, p.y, 1.0f - std::fabs(p.x) - std::fabs(p.y)};
+  if (d.z < 0.0f) {
+    const float x = d.x;
+    d.x = std::copysign(1.0f - std::fabs(d.y), x);
+    d.y = std::copysign(1.0f - std::fabs(x), d.y);
+  }
+  return glm::normalize(d);
+}
+
+RELUME_HD inline uint32_t pack_direction(const Vec3& d) {
+  const Vec2 p = octahedral_from_direction(d);
+  const auto quantise = [](float x) { return static_cast<uint32_t>(std::lround((clamp(x, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f)); };
+  return quantise(p.x) | (quantise(p.y) << 16);
+}
+
+RELUME_HD inline Vec3 unpack_direction(uint32_t bits) {
+  constexpr float kScale = 2.0f / 65535.0f;
+  return direction_from_octahedral(
+      {static_cast<float>(bits & 0xffffu) * kScale - 1.0f, static_cast<float>(bits >> 16) * kScale - 1.0f});
+}
+
+}  // namespace relume

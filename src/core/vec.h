@@ -1,0 +1,74 @@
+// Vectors and matrices (glm), and the few scalar helpers that every kernel uses.
+#pragma once
+
+#if defined(__CUDACC__)
+#include <cuda.h>  // glm 0.9.9 finds the CUDA version only through this header
+#endif
+
+#include <cmath>
+#include <cstdint>
+
+#include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "core/hd.h"
+
+namespace relume {
+
+using Vec2 = glm::vec2;
+using Vec3 = glm::vec3;
+using Vec4 = glm::vec4;
+using IVec2 = glm::ivec2;
+using UVec2 = glm::uvec2;
+using UVec3 = glm::uvec3;
+using Mat3 = glm::mat3;
+using Mat4 = glm::mat4;
+
+/// Linear Rec. 709 colour: radiance, reflectance or throughput.
+using Rgb = glm::vec3;
+
+inline constexpr float kPi = 3.14159265358979324f;
+inline constexpr float kInvPi = 0.318309886183790672f;
+inline constexpr float kInfinity = __builtin_huge_valf();
+/// Largest float below one: keeps uniform numbers in [0, 1).
+inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
+
+RELUME_HD constexpr float sqr(float x) { return x * x; }
+RELUME_HD constexpr float lerp(float a, float b, float t) { return (1.0f - t) * a + t * b; }
+RELUME_HD constexpr float clamp(float x, float low, float high) { return x < low ? low : (x > high ? high : x); }
+RELUME_HD constexpr float saturate(float x) { return clamp(x, 0.0f, 1.0f); }
+
+/// Square root that maps small negative rounding errors to zero.
+RELUME_HD inline float safe_sqrt(float x) { return std::sqrt(x > 0.0f ? x : 0.0f); }
+
+RELUME_HD inline float max_component(const Vec3& v) { return std::fmax(v.x, std::fmax(v.y, v.z)); }
+RELUME_HD inline float min_component(const Vec3& v) { return std::fmin(v.x, std::fmin(v.y, v.z)); }
+RELUME_HD inline float length_squared(const Vec3& v) { return glm::dot(v, v); }
+RELUME_HD inline Vec3 abs(const Vec3& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
+
+/// Relative luminance of linear Rec. 709 (ITU-R BT.709, item 3.2).
+RELUME_HD inline float luminance(const Rgb& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+
+RELUME_HD inline bool is_black(const Rgb& c) { return c.r == 0.0f && c.g == 0.0f && c.b == 0.0f; }
+
+RELUME_HD inline bool is_finite(float x) { return std::fabs(x) <= 3.402823466e+38f; }
+RELUME_HD inline bool is_finite(const Vec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+
+/// Component-wise exponential, for absorption.
+RELUME_HD inline Rgb exp(const Rgb& x) { return {std::exp(x.r), std::exp(x.g), std::exp(x.b)}; }
+
+/// `m` applied to a point (w = 1, affine).
+RELUME_HD inline Vec3 transform_point(const Mat4& m, const Vec3& p) {
+  return Vec3(m[0]) * p.x + Vec3(m[1]) * p.y + Vec3(m[2]) * p.z + Vec3(m[3]);
+}
+/// `m` applied to a direction (w = 0); not normalised.
+RELUME_HD inline Vec3 transform_vector(const Mat4& m, const Vec3& v) {
+  return Vec3(m[0]) * v.x + Vec3(m[1]) * v.y + Vec3(m[2]) * v.z;
+}
+
+}  // namespace relume

@@ -1,0 +1,32 @@
+// A pointer and a count: how kernels see arrays that somebody else owns.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/hd.h"
+
+namespace relume {
+
+template <typename T>
+struct View {
+  T* data = nullptr;
+  uint32_t size = 0;
+
+  RELUME_HD T& operator[](uint32_t i) const { return data[i]; }
+  RELUME_HD T* begin() const { return data; }
+  RELUME_HD T* end() const { return data + size; }
+  RELUME_HD bool empty() const { return size == 0; }
+};
+
+/// View of all elements; valid as long as `v` lives and is not resized.
+template <typename T>
+View<const T> view_of(const std::vector<T>& v) {
+  return {v.data(), static_cast<uint32_t>(v.size())};
+}
+template <typename T>
+View<T> mutable_view_of(std::vector<T>& v) {
+  return {v.data(), static_cast<uint32_t>(v.size())};
+}
+
+}  // namespace relume
