@@ -139,6 +139,7 @@ std::vector<Index> import_assimp_meshes(const aiScene& source, Scene& scene, War
     if (in.mNumAnimMeshes > 0) warnings.add("morph targets are not supported; meshes keep their rest shape");
     Mesh mesh = convert_mesh(in, source);
     repair_mesh(mesh, warnings);
+    if (mesh.triangles.empty()) continue;
     mesh_of[i] = static_cast<Index>(scene.meshes.size());
     scene.meshes.push_back(std::move(mesh));
   }
