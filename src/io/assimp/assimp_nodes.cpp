@@ -6,6 +6,7 @@
 #include <assimp/camera.h>
 #include <assimp/light.h>
 #include <assimp/mesh.h>
+#include <assimp/metadata.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
@@ -59,6 +60,23 @@ Mesh convert_mesh(const aiMesh& source, const aiScene& scene) {
   }
   if (source.mMaterialIndex < scene.mNumMaterials) mesh.material = static_cast<Index>(source.mMaterialIndex);
   return mesh;
+}
+
+/// FBX files say which of their axes point right, up and to the viewer; assimp 5.2 reports but does not apply that.
+Mat4 to_y_up(const aiScene& source) {
+  int32_t axes[3] = {0, 1, 2};
+  int32_t signs[3] = {1, 1, 1};
+  constexpr const char* kNames[3] = {"CoordAxis", "UpAxis", "FrontAxis"};
+  if (!source.mMetaData) return Mat4(1);
+  Mat3 rows(0);
+  for (int i = 0; i < 3; ++i) {
+    source.mMetaData->Get(kNames[i], axes[i]);
+    source.mMetaData->Get(std::string(kNames[i]) + "Sign", signs[i]);
+    if (axes[i] < 0 || axes[i] > 2) return Mat4(1);
+    rows[i][axes[i]] = signs[i] < 0 ? -1.0f : 1.0f;
+  }
+  // Anything but a rotation is a mistake of the file.
+  return glm::determinant(rows) > 0.5f ? Mat4(glm::transpose(rows)) : Mat4(1);
 }
 
 /// assimp ties lights and cameras to nodes by name.
@@ -160,6 +178,7 @@ void import_assimp_nodes(const aiScene& source, const std::vector<Index>& mesh_o
     node.name = in.mName.C_Str();
     node.parent = pending[k].parent;
     node.matrix = to_matrix(in.mTransformation);
+    if (k == 0) node.matrix = to_y_up(source) * *node.matrix;
     if (!is_finite_matrix(*node.matrix)) {
       warnings.add(fmt::format("node '{}': its matrix is not finite and is ignored", node.name));
       node.matrix.reset();

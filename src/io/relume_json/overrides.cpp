@@ -152,6 +152,22 @@ glm::quat euler_rotation(const Vec3& deg) {
   return glm::normalize(z * y * x);
 }
 
+/// Appends keys for a turn that ends at `time`. Quaternions take the shorter way round, so wide turns need keys in
+/// between.
+void add_turn(const Vec3& from_deg, const Vec3& to_deg, float time, AnimationChannel& channel) {
+  constexpr float kStepDeg = 45;
+  constexpr float kMostSteps = 4096;
+  const float start = channel.times.back();
+  const int steps = static_cast<int>(clamp(std::ceil(max_component(abs(to_deg - from_deg)) / kStepDeg), 1, kMostSteps));
+  for (int i = 1; i <= steps; ++i) {
+    const float t = static_cast<float>(i) / static_cast<float>(steps);
+    const float key_time = i == steps ? time : lerp(start, time, t);
+    if (key_time <= channel.times.back()) continue;  // closer than two floats
+    channel.times.push_back(key_time);
+    channel.values.push_back(as_value(euler_rotation(from_deg + (to_deg - from_deg) * t)));
+  }
+}
+
 void override_transform(const JsonObject& object, Node& node) {
   Transform& t = node.transform;
   t.translation = object.vec3("translation", t.translation);
@@ -163,11 +179,20 @@ void add_channel(const std::vector<JsonObject>& keys, const char* name, Animated
                  Scene& scene) {
   AnimationChannel channel{node, property, Interpolation::linear, {}, {}};
   const std::vector<float> times = key_times(keys);
+  Vec3 previous(0);
   for (size_t i = 0; i < keys.size(); ++i) {
     if (!keys[i].has(name)) continue;
     const Vec3 value = keys[i].vec3(name, Vec3(0));
-    channel.times.push_back(times[i]);
-    channel.values.push_back(property == AnimatedProperty::rotation ? as_value(euler_rotation(value)) : Vec4(value, 0));
+    if (property != AnimatedProperty::rotation) {
+      channel.times.push_back(times[i]);
+      channel.values.emplace_back(value, 0.0f);
+    } else if (channel.times.empty()) {
+      channel.times.push_back(times[i]);
+      channel.values.push_back(as_value(euler_rotation(value)));
+    } else {
+      add_turn(previous, value, times[i], channel);
+    }
+    previous = value;
   }
   if (channel.times.empty()) return;
   std::erase_if(scene.animation, [&](const AnimationChannel& c) { return c.node == node && c.property == property; });
