@@ -1,0 +1,26 @@
+#include "scene/builtin.h"
+
+#include "scene/builtin/scenes.h"
+
+namespace relume {
+
+const std::vector<BuiltinScene>& builtin_scenes() {
+  static const std::vector<BuiltinScene> scenes = {
+      {"cornell", "Cornell box with two slightly glossy boxes", build_cornell},
+      {"cornell-spheres", "Cornell box with a mirror and a glass sphere", build_cornell_spheres},
+      {"cornell-mirror", "Cornell box with a mirror sphere before a mirror wall", build_cornell_mirror},
+      {"cornell-water", "Cornell box with waves under a small lamp: caustics on floor and walls", build_cornell_water},
+      {"cornell-glass", "Cornell box with glass spheres under a small lamp: caustics", build_cornell_glass},
+      {"furnace", "white sphere in uniform light: a right image is 1 everywhere", build_furnace},
+  };
+  return scenes;
+}
+
+const BuiltinScene* find_builtin_scene(std::string_view name) {
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    if (scene.name == name) return &scene;
+  }
+  return nullptr;
+}
+
+}  // namespace relume
