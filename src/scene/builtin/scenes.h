@@ -10,6 +10,12 @@ Scene build_cornell_spheres();
 Scene build_cornell_mirror();
 Scene build_cornell_water();
 Scene build_cornell_glass();
+Scene build_corridor();
+Scene build_warehouse();
+Scene build_cover();
+Scene build_turntable();
+Scene build_slit();
+Scene build_door();
 Scene build_furnace();
 
 }  // namespace relume
