@@ -7,6 +7,8 @@ namespace relume {
 const std::vector<BuiltinScene>& builtin_scenes() {
   static const std::vector<BuiltinScene> scenes = {
       {"cornell", "Cornell box with two slightly glossy boxes", build_cornell},
+      {"cornell-closed", "the Cornell box with a front wall, seen from inside while turning (animated)",
+       build_cornell_closed},
       {"cornell-spheres", "Cornell box with a mirror and a glass sphere", build_cornell_spheres},
       {"cornell-mirror", "Cornell box with a mirror sphere before a mirror wall", build_cornell_mirror},
       {"cornell-water", "Cornell box with waves under a small lamp: caustics on floor and walls", build_cornell_water},
@@ -18,6 +20,9 @@ const std::vector<BuiltinScene>& builtin_scenes() {
        build_turntable},
       {"slit", "lamps travelling behind a slit: quick, sharp shadows (animated)", build_slit},
       {"door", "pots in a room lit only through the gap of a door", build_door},
+      {"mine", "gallery lit through its mouth by sun and sky, round a bend", build_mine},
+      {"city", "instanced buildings, 13 million triangles under sun and sky", build_city},
+      {"lamp-room", "a floor lamp that lights the ceiling and a spotlight on a glass egg", build_lamp_room},
       {"furnace", "white sphere in uniform light: a right image is 1 everywhere", build_furnace},
   };
   return scenes;

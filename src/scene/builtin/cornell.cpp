@@ -1,5 +1,6 @@
 // The Cornell box (Goral et al. 1984) and its variants: a cube of 5.5 m about the y axis, open towards +Z.
 #include <cmath>
+#include <vector>
 
 #include "scene/builtin/builder.h"
 #include "scene/builtin/scenes.h"
@@ -70,13 +71,13 @@ float wave_height(float x, float z) {
          0.012f * std::sin(6.3f * x - 5.1f * z + 2.5f) + 0.006f * std::sin(9.7f * x + 8.3f * z);
 }
 
-/// The water's whole boundary. It reaches 2 cm into walls and floor, where nothing sees it, so that no film of air
+/// The water's whole boundary. It reaches 5 mm into walls and floor, where nothing sees it, so that no film of air
 /// stays between; its front is a plane just behind the opening.
 Mesh water_body() {
   constexpr int cells = 256;
-  const float side = kHalf + 0.02f;
+  const float side = kHalf + 0.005f;
   const float front = kHalf - 0.01f;
-  const float bottom = -0.02f;
+  const float bottom = -0.005f;
   const auto skirt = [&](const Vec3& from, const Vec3& to) {
     return flat_shaded(parametric_surface(cells, 1, [&](float u, float v) {
       const Vec3 p = from + u * (to - from);
@@ -103,6 +104,25 @@ Scene build_cornell() {
   add_boxes(builder);
   add_lamp(builder, 1.3f, 1.05f);
   add_front_camera(builder);
+  return builder.take();
+}
+
+Scene build_cornell_closed() {
+  SceneBuilder builder("cornell-closed");
+  add_open_box(builder);
+  const Index blue = builder.add_material(lambert("blue", {0.2f, 0.3f, 0.55f}));
+  builder.add("front wall", quad({kHalf, 0, kHalf}, {-kSize, 0, 0}, {0, kSize, 0}), blue);
+  add_boxes(builder);
+  add_lamp(builder, 1.3f, 1.05f);
+  // Turns by 100 degrees in ten seconds, as in the measurements of Schalk (section 4.3).
+  const Vec3 eye(-1.9f, 2.9f, 2.1f);
+  std::vector<CameraKey> keys;
+  for (int i = 0; i <= 10; ++i) {
+    const float angle = glm::radians(-25.0f + 10.0f * static_cast<float>(i));
+    keys.push_back({static_cast<float>(i), eye, eye + Vec3(std::sin(angle), -0.15f, -std::cos(angle))});
+  }
+  const Index camera = builder.add_camera(keys.front().eye, keys.front().target, 60);
+  builder.add_camera_path(camera, keys);
   return builder.take();
 }
 

@@ -44,22 +44,22 @@ void add_furniture(SceneBuilder& builder) {
 
 Scene build_corridor() {
   SceneBuilder builder("corridor");
-  const Index floor = builder.add_material(glossy("floor", {0.42f, 0.38f, 0.34f}, 0.5f));
-  const Index white = builder.add_material(lambert("ceiling", Rgb(0.8f)));
+  const Index floor = builder.add_material(glossy("floor", {0.58f, 0.53f, 0.47f}, 0.5f));
+  const Index white = builder.add_material(lambert("ceiling", Rgb(0.85f)));
   builder.add("floor", plan_floor(kPlan), floor);
   builder.add("ceiling", plan_ceiling(kPlan), white);
-  const std::pair<char, Rgb> legs[] = {{'a', {0.78f, 0.76f, 0.7f}},
-                                       {'b', {0.72f, 0.55f, 0.38f}},
-                                       {'c', {0.75f, 0.74f, 0.7f}},
-                                       {'d', {0.55f, 0.68f, 0.75f}}};
+  const std::pair<char, Rgb> legs[] = {{'a', {0.82f, 0.8f, 0.76f}},
+                                       {'b', {0.82f, 0.68f, 0.52f}},
+                                       {'c', {0.82f, 0.82f, 0.79f}},
+                                       {'d', {0.7f, 0.8f, 0.84f}}};
   for (const auto& [mark, albedo] : legs) {
     const std::string name = std::string("walls ") + mark;
     builder.add(name, plan_walls(kPlan, mark), builder.add_material(lambert(name, albedo)));
   }
   add_furniture(builder);
 
-  const Index light = builder.add_material(emitter("lamp", {2400, 2200, 1850}));
-  builder.add("lamp", quad(kPlan.middle(1, 1, kPlan.height - 0.02f) - Vec3(0.8f, 0, 0.25f), {1.6f, 0, 0}, {0, 0, 0.5f}),
+  const Index light = builder.add_material(emitter("lamp", {4000, 3700, 3200}));
+  builder.add("lamp", quad(kPlan.middle(1, 1, kPlan.height - 0.02f) - Vec3(1.0f, 0, 0.6f), {2.0f, 0, 0}, {0, 0, 1.2f}),
               light);
 
   const auto eye = [](int row, int column) { return kPlan.middle(row, column, 1.6f); };

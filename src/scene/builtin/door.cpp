@@ -28,7 +28,7 @@ Texture planks() {
       const float grain =
           0.5f + 0.5f * std::sin(0.6f * static_cast<float>(x) + 3 * std::sin(0.03f * static_cast<float>(shifted)));
       const float tone =
-          joint ? 0.25f : 0.55f + 0.1f * grain + 0.12f * static_cast<float>((plank * 5 + shifted / 256 * 3) % 4) / 3;
+          joint ? 0.35f : 0.66f + 0.1f * grain + 0.12f * static_cast<float>((plank * 5 + shifted / 256 * 3) % 4) / 3;
       for (const float channel : {tone * 0.95f, tone * 0.72f, tone * 0.5f, 1.0f})
         texture.texels.push_back(static_cast<std::byte>(std::lround(255 * channel)));
     }
@@ -150,7 +150,7 @@ Scene build_door() {
   builder.add("canvas", quad({-1.63f, 1.32f, -2.915f}, {0.86f, 0, 0}, {0, 0.66f, 0}), canvas);
 
   // On the far wall of the next room, to the left: the gap sees its light only at a slant.
-  const Index light = builder.add_material(emitter("lamp", {700, 615, 490}));
+  const Index light = builder.add_material(emitter("lamp", {1000, 880, 700}));
   builder.add("lamp", quad({-2.2f, 0.9f, -6.45f}, {1.4f, 0, 0}, {0, 1.4f, 0}), light);
   builder.add_camera({-0.75f, 1.65f, 2.75f}, {0.05f, 0.95f, -1.2f}, 48);
   return builder.take();

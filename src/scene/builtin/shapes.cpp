@@ -95,22 +95,13 @@ Mesh uv_sphere(float radius, int segments, int rings) {
     const float v = static_cast<float>(r) / static_cast<float>(rings);
     for (int s = 0; s <= segments; ++s) {
       const float u = static_cast<float>(s) / static_cast<float>(segments);
-      const Vec3 n = around_y(std::sin(kPi * v), -std::cos(kPi * v), s == segments ? 0.0f : u);
+      const bool pole = r == 0 || r == rings;  // exactly on the axis
+      const Vec3 n = around_y(pole ? 0 : std::sin(kPi * v), -std::cos(kPi * v), s == segments ? 0.0f : u);
       add_vertex(mesh, radius * n, n, {u, 1 - v});
     }
   }
   add_grid_triangles(mesh, 0, segments, rings);
-  // The triangles that touch a pole with two vertices have no area.
-  std::erase_if(mesh.triangles, [&](const UVec3& t) {
-    const auto at_pole = [&](uint32_t i) {
-      const uint32_t row = i / (static_cast<uint32_t>(segments) + 1);
-      return row == 0 ? -1 : (row == static_cast<uint32_t>(rings) ? 1 : 0);
-    };
-    const int a = at_pole(t.x);
-    const int b = at_pole(t.y);
-    const int c = at_pole(t.z);
-    return (a != 0 && (a == b || a == c)) || (b != 0 && b == c);
-  });
+  remove_degenerate(mesh);
   return mesh;
 }
 
@@ -189,16 +180,9 @@ Mesh lathe(const std::vector<Vec2>& profile, int segments) {
         add_vertex(mesh, around_y(p.x, p.y, turn), glm::normalize(around_y(n.x, n.y, turn)), {u, 1 - v});
       }
     }
-    const size_t before = mesh.triangles.size();
     add_grid_triangles(mesh, first, segments, 1);
-    // Where the profile touches the axis, every second triangle has no area.
-    const uint32_t stride = static_cast<uint32_t>(segments) + 1;
-    const auto on_axis = [&](uint32_t vertex) { return profile[i + (vertex - first) / stride].x == 0.0f; };
-    mesh.triangles.erase(
-        std::remove_if(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(before), mesh.triangles.end(),
-                       [&](const UVec3& t) { return int{on_axis(t.x)} + int{on_axis(t.y)} + int{on_axis(t.z)} > 1; }),
-        mesh.triangles.end());
   }
+  remove_degenerate(mesh);
   return mesh;
 }
 
@@ -292,6 +276,15 @@ Mesh flat_shaded(Mesh mesh) {
   return mesh;
 }
 
+void remove_degenerate(Mesh& mesh) {
+  std::erase_if(mesh.triangles, [&](const UVec3& t) {
+    const Vec3& a = mesh.positions[t.x];
+    const Vec3& b = mesh.positions[t.y];
+    const Vec3& c = mesh.positions[t.z];
+    return a == b || b == c || c == a;
+  });
+}
+
 void smooth_normals(Mesh& mesh) {
   mesh.normals.assign(mesh.positions.size(), Vec3(0));
   for (const UVec3& t : mesh.triangles) {
@@ -301,7 +294,10 @@ void smooth_normals(Mesh& mesh) {
     mesh.normals[t.y] += twice_area;
     mesh.normals[t.z] += twice_area;
   }
-  for (Vec3& n : mesh.normals) n = glm::normalize(n);
+  for (Vec3& n : mesh.normals) {
+    const float length = glm::length(n);
+    n = length > 0 ? n / length : Vec3(0, 1, 0);  // a vertex of degenerate triangles only
+  }
 }
 
 Mat4 translation(const Vec3& offset) { return glm::translate(Mat4(1), offset); }

@@ -57,6 +57,9 @@ Mesh flipped(Mesh mesh);
 /// Without normals, so that triangles are shaded flat.
 Mesh flat_shaded(Mesh mesh);
 
+/// Drops triangles without area, as grids have them where a row shrinks to a point.
+void remove_degenerate(Mesh& mesh);
+
 /// Replaces normals by the area-weighted average over the triangles that share a vertex *index*.
 void smooth_normals(Mesh& mesh);
 
