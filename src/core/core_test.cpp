@@ -89,8 +89,8 @@ TEST(Hash, FlipsHalfOfTheBits) {
 TEST(Octahedral, KeepsDirections) {
   for (const Vec3& d : directions()) {
     EXPECT_LT(distance(direction_from_octahedral(octahedral_from_direction(d)), d), 1e-6f);
-    // Half a step of 16 bits on [-1, 1] is h = 1.53e-5. Off by h in x and y, z is off by 2 h; normalising stretches that by
-    // sqrt(3) in the middle of a face: 5.3e-5, and some roundings.
+    // Half a step of 16 bits on [-1, 1] is h = 1.53e-5. Off by h in x and y, z is off by 2 h; normalising stretches
+    // that by sqrt(3) in the middle of a face: 5.3e-5, and some roundings.
     EXPECT_LT(distance(unpack_direction(pack_direction(d)), d), 5.5e-5f);
     EXPECT_NEAR(length_squared(unpack_direction(pack_direction(d))), 1.0f, 1e-6f);
   }
