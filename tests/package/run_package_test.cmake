@@ -1,5 +1,6 @@
 # Installs relume under WORK, then configures, builds and runs the project beside this file against it. Arguments:
-# BUILD (relume's build folder), WORK (scratch folder), BUILD_TYPE, CXX, CXX_FLAGS.
+# BUILD (relume's build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE,
+# CXX, CXX_FLAGS.
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${WORK})
 
@@ -23,6 +24,6 @@ foreach(file ${exports})
   endforeach()
 endforeach()
 run("Configuring against the package" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build
-  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
+  -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run("Building against the package" ${CMAKE_COMMAND} --build ${WORK}/build)
 run("The program built against the package" ${WORK}/build/package_test)
