@@ -157,7 +157,7 @@ TEST(Exr, FindsLayersAndNamesMissingChannels) {
   ExrFile exr;
   exr.width = exr.height = 1;
   for (const char* name : {"view.B", "view.G", "view.R", "z.Z"})
-    exr.channels.push_back({name, {static_cast<float>(name[5])}});
+    exr.channels.push_back({name, {static_cast<float>(std::string_view(name).back())}});
   EXPECT_EQ(image_from_exr(exr, "", "x").at(0, 0), Rgb('R', 'G', 'B'));
   EXPECT_EQ(image_from_exr(exr, "view", "x").at(0, 0), Rgb('R', 'G', 'B'));
   try {
