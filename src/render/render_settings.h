@@ -4,18 +4,13 @@
 #include <string>
 
 #include "settings/setting.h"
+#include "techniques/path/path_settings.h"
 
 namespace relume {
 
 enum class EstimatorChoice : int { path };
 enum class LightSelectionChoice : int { uniform, power };
 enum class ToneMapChoice : int { none, reinhard, aces, agx };
-
-/// Settings of the path estimator.
-struct PathSettings {
-  int max_bounces = 8;
-  bool russian_roulette = true;
-};
 
 struct RenderSettings {
   int width = 1280;
@@ -26,10 +21,10 @@ struct RenderSettings {
   float time_s = 0;        ///< time of the animation
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
+  bool auxiliary = false;  ///< record albedo, normal, depth and motion of the first hit
   PathSettings path;
 };
 
-SettingList describe(PathSettings& settings);
 SettingList describe(RenderSettings& settings);
 
 }  // namespace relume
