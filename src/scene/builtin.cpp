@@ -21,7 +21,7 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"slit", "lamps travelling behind a slit: quick, sharp shadows (animated)", build_slit},
       {"door", "pots in a room lit only through the gap of a door", build_door},
       {"mine", "gallery lit through its mouth by sun and sky, round a bend", build_mine},
-      {"city", "instanced buildings, 13 million triangles under sun and sky", build_city},
+      {"city", "instanced buildings, 19 million triangles under sun and sky", build_city},
       {"lamp-room", "a floor lamp that lights the ceiling and a spotlight on a glass egg", build_lamp_room},
       {"furnace", "white sphere in uniform light: a right image is 1 everywhere", build_furnace},
   };

@@ -1,5 +1,5 @@
-// More than ten million triangles, nearly all of them instances: 34 × 34 lots with one of twelve buildings, or with a
-// park. Every window is modelled; only 150,000 triangles are in memory.
+// Nineteen million triangles, nearly all of them instances: 34 × 34 lots with one of twelve buildings, or with a
+// park. Every window is modelled; fewer than 300,000 triangles are in memory.
 #include <string>
 #include <vector>
 

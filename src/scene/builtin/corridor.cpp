@@ -58,7 +58,7 @@ Scene build_corridor() {
   }
   add_furniture(builder);
 
-  const Index light = builder.add_material(emitter("lamp", {4000, 3700, 3200}));
+  const Index light = builder.add_material(emitter("lamp", {6000, 5500, 4800}));
   builder.add("lamp", quad(kPlan.middle(1, 1, kPlan.height - 0.02f) - Vec3(1.0f, 0, 0.6f), {2.0f, 0, 0}, {0, 0, 1.2f}),
               light);
 

@@ -16,9 +16,8 @@ Transform at(const Vec3& position) {
 
 void add_floor_lamp(SceneBuilder& builder, const Vec3& foot) {
   const Index brass = builder.add_material(metal("brass", {0.78f, 0.62f, 0.35f}, 0.3f));
-  const Index light = builder.add_material(emitter("bulb", {210, 185, 145}));
-  Mesh stand = lathe({{0, 0.03f}, {0.18f, 0.03f}, {0.18f, 0}}, 64);
-  stand = flipped(std::move(stand));
+  const Index light = builder.add_material(emitter("bulb", {620, 545, 430}));
+  Mesh stand = lathe({{0.18f, 0}, {0.18f, 0.03f}, {0, 0.03f}}, 64);
   append(stand, transformed(cylinder(0.018f, 1.6f, 32, false), translation({0, 0.02f, 0})));
   // A bowl with an outside and an inside, 8 mm thick.
   append(stand, lathe({{0, 1.55f},
@@ -34,14 +33,14 @@ void add_floor_lamp(SceneBuilder& builder, const Vec3& foot) {
   builder.add("bulb", transformed(disc(0.09f, 48), translation({0, 1.62f, 0})), light, at(foot));
 }
 
-/// A shade that points along its -Y, with the lamp deep inside.
+/// A shade that opens towards its +Y, with the lamp deep inside.
 void add_spotlight(SceneBuilder& builder, const Vec3& position, float tilt_deg) {
   const Index black = builder.add_material(lambert("shade", Rgb(0.06f)));
-  const Index light = builder.add_material(emitter("spot bulb", {1500, 1350, 1100}));
+  const Index light = builder.add_material(emitter("spot bulb", {4500, 4050, 3300}));
   Transform place = at(position);
   place.rotation = glm::quat_cast(Mat3(rotation(tilt_deg, Vec3(0, 0, 1))));
   const Index shade = builder.add(
-      "shade", lathe({{0, 0}, {0.055f, 0}, {0.055f, 0.21f}, {0.06f, 0.21f}, {0.06f, -0.008f}, {0, -0.008f}}, 64), black,
+      "shade", lathe({{0, -0.008f}, {0.06f, -0.008f}, {0.06f, 0.21f}, {0.055f, 0.21f}, {0.055f, 0}, {0, 0}}, 64), black,
       place);
   builder.add("spot bulb", transformed(disc(0.03f, 48), translation({0, 0.01f, 0})), light, {}, shade);
 }

@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-constexpr float kInnerEnd = -16;
+constexpr float kInnerEnd = -14;
 constexpr float kMouth = 12;
 constexpr float kHalfWidth = 2.1f;
 
@@ -22,7 +22,7 @@ float smooth_step(float low, float high, float x) {
 /// Middle of the gallery's floor at x.
 Vec3 gallery(float x) {
   const float t = (x - kInnerEnd) / (kMouth - kInnerEnd);
-  return {x, 0, 6.5f * (1 - smooth_step(0.2f, 0.75f, t))};
+  return {x, 0, 5.0f * (1 - smooth_step(0.15f, 0.75f, t))};
 }
 
 /// Places something that looks along +X onto the gallery's floor at x, turned along the gallery.
@@ -33,13 +33,16 @@ Mat4 on_track(float x) {
 
 /// The rock seen from inside: an arch with a flattened floor, closed at the inner end.
 Mesh rock() {
-  Mesh mesh = parametric_surface(144, 480, [](float u, float v) {
+  Mesh mesh = parametric_surface(256, 640, [](float u, float v) {
     const float x = lerp(kInnerEnd, kMouth, v);
     // The rings of the last two metres shrink to a point.
     const float closing = saturate((x - kInnerEnd) / 2);
     const float size = std::sqrt(1 - sqr(1 - closing));
     const float angle = 2 * kPi * u;
-    const float roughness = 1 + 0.16f * fractal_noise({x * 0.55f, 3 * std::cos(angle), 3 * std::sin(angle)}, 5, 17);
+    const Vec3 q(x * 0.7f, 1.4f * std::cos(angle), 1.4f * std::sin(angle));
+    // Ridges where the noise changes sign, as broken rock has them.
+    const float ridges = std::fabs(fractal_noise(q * 1.6f, 5, 29));
+    const float roughness = 1 + 0.13f * fractal_noise(q, 3, 17) + 0.15f * ridges;
     Vec3 p(0, 1.35f + 1.75f * std::sin(angle) * roughness * size, kHalfWidth * std::cos(angle) * roughness * size);
     const float floor = 0.05f * fractal_noise({x * 1.5f, 0, p.z * 1.5f}, 4, 5) - 0.08f;
     // A soft maximum keeps the crease between floor and wall from folding over.
@@ -115,7 +118,7 @@ void add_track(SceneBuilder& builder) {
   }
   Node node;
   node.name = "cart";
-  const Mat4 place = on_track(1.2f);
+  const Mat4 place = on_track(4.2f);
   Transform transform;
   transform.translation = Vec3(place[3]);
   transform.rotation = glm::quat_cast(Mat3(place));
@@ -126,7 +129,7 @@ void add_track(SceneBuilder& builder) {
 
 Scene build_mine() {
   SceneBuilder builder("mine");
-  const Index stone_material = builder.add_material(lambert("rock", {0.46f, 0.38f, 0.3f}));
+  const Index stone_material = builder.add_material(lambert("rock", {0.6f, 0.52f, 0.43f}));
   builder.add("rock", rock(), stone_material);
   const Index earth = builder.add_material(lambert("earth", {0.45f, 0.4f, 0.3f}));
   builder.add("ground outside",
@@ -141,18 +144,18 @@ Scene build_mine() {
 
   Environment environment;
   environment.kind = EnvironmentKind::sun_sky;
-  environment.sun_sky.sun_elevation_rad = glm::radians(25.0f);
+  environment.sun_sky.sun_elevation_rad = glm::radians(20.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(84.0f);  // nearly along +X, into the mouth
   builder.set_environment(environment);
 
   const auto eye = [](float x, float y, float z) { return transform_point(on_track(x), Vec3(0, y, z)); };
-  const Vec3 start = eye(-8.5f, 1.6f, 0.7f);
-  const Vec3 target = eye(4.0f, 0.9f, -0.3f);
+  const Vec3 start = eye(-3.0f, 1.55f, 0.7f);
+  const Vec3 target = eye(7.0f, 1.0f, -0.2f);
   const Index camera = builder.add_camera(start, target, 60);
   builder.add_camera_path(camera, {{0, start, target},
-                                   {4, eye(-3, 1.6f, 0.6f), eye(8, 1.0f, 0)},
-                                   {8, eye(3, 1.6f, 0.9f), eye(12, 1.2f, 0)},
-                                   {11, eye(7, 1.6f, 0), eye(18, 1.6f, 0)}});
+                                   {4, eye(0.5f, 1.6f, 0.9f), eye(9, 1.0f, 0)},
+                                   {7, eye(4, 1.6f, 1.0f), eye(12, 1.2f, 0)},
+                                   {10, eye(8, 1.6f, 0), eye(18, 1.6f, 0)}});
   return builder.take();
 }
 
