@@ -16,8 +16,6 @@ enum class AllocationChoice : int { uniform };
 enum class HistoryChoice : int { accumulate };
 enum class DenoiseChoice : int { none };
 
-enum class ToneMapChoice : int { none, reinhard, aces, agx };
-
 /// Settings of the path estimator.
 struct PathSettings {
   int max_bounces = 8;  ///< scattering events after the camera

@@ -64,7 +64,7 @@ SettingList describe(OutputSettings& s) {
        "Brightness of PNG and JPEG files and displays: radiance times 2 to this power",
        {.min = -64, .max = 64, .unit = "stops", .resets_history = false}},
       {"tone-map",
-       choice(s.tone_map, {"none", "reinhard", "aces", "agx"}),
+       choice(s.tone_map, {kToneMapNames.begin(), kToneMapNames.end()}),
        "How PNG and JPEG files and displays map radiance to [0, 1]; none: clip",
        {.resets_history = false}},
   };

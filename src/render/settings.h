@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "film/tone_map.h"
 #include "render/render_settings.h"
 #include "settings/settings_docs.h"
 
@@ -30,7 +31,7 @@ inline constexpr int kDefaultSpp = 64;
 /// How linear radiance becomes a display-ready picture. EXR and HDR files hold radiance and ignore it.
 struct OutputSettings {
   float exposure = 0;  ///< stops
-  ToneMapChoice tone_map = ToneMapChoice::agx;
+  ToneMap tone_map = ToneMap::agx;
 };
 
 struct Settings {
