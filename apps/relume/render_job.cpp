@@ -146,6 +146,7 @@ void RenderJob::load() {
 
   scene_time_s_ = settings_.render.time_s;
   settings_.render.time_s = frame_time_s(0);
+  settings_.render.auxiliary = !plan_.aovs.empty();
   session_.emplace(std::move(scene), settings_.render);
   for (const std::string& note : session_->notes()) tell(verbosity_, note);
   tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "settings/setting.h"
+#include "techniques/path/path_settings.h"
 
 namespace relume {
 
@@ -15,12 +16,6 @@ enum class CacheChoice : int { none };
 enum class AllocationChoice : int { uniform };
 enum class HistoryChoice : int { accumulate };
 enum class DenoiseChoice : int { none };
-
-/// Settings of the path estimator.
-struct PathSettings {
-  int max_bounces = 8;  ///< scattering events after the camera
-  bool russian_roulette = true;
-};
 
 struct RenderSettings {
   int width = 1280;
@@ -36,12 +31,13 @@ struct RenderSettings {
   AllocationChoice allocation = AllocationChoice::uniform;
   HistoryChoice history = HistoryChoice::accumulate;
   DenoiseChoice denoise = DenoiseChoice::none;
+  /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
+  /// name of its own.
+  bool auxiliary = false;
   PathSettings path;
 };
 
-SettingList describe(PathSettings& settings);
-
-/// All of the above. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
+/// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
 SettingList describe(RenderSettings& settings);
 
 /// The parts of describe(RenderSettings&), as reference pages and widgets group them.

@@ -1,0 +1,17 @@
+// glTF from memory.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace relume {
+
+/// As load_gltf() for the bytes of a .gltf or .glb file. URIs are relative to `base_dir`; `place` names the file in
+/// messages. Throws Error.
+Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesystem::path& base_dir,
+                            const std::string& place);
+
+}  // namespace relume

@@ -1,0 +1,114 @@
+#include "io/gltf/gltf_meshes.h"
+
+#include <fmt/format.h>
+
+#include "io/gltf/gltf_primitive.h"
+#include "io/mesh_repair.h"
+
+namespace relume::gltf {
+namespace {
+
+/// Bound on the vertices that all primitives of a file read together, so that a small file in which many primitives
+/// share a large accessor ends in an error rather than in hours of reading.
+constexpr size_t kMaxVerticesRead = size_t{1} << 32;
+
+/// Whether attribute `name` is there and fits the other attributes.
+bool usable(const PrimitiveReader& reader, const std::string& name, size_t vertex_count, int low, int high,
+            const std::string& mesh, Warnings& warnings) {
+  const int components = reader.components(name);
+  if (components == 0) return false;
+  if (components >= low && components <= high && reader.count(name) == vertex_count) return true;
+  warnings.add(
+      fmt::format("mesh '{}': attribute {} ({} elements of {} components) does not fit its {} vertices and is ignored",
+                  mesh, name, reader.count(name), components, vertex_count));
+  return false;
+}
+
+std::vector<Vec4> read_colors(const PrimitiveReader& reader) {
+  if (reader.components("COLOR_0") == 4) return reader.vec4("COLOR_0");
+  std::vector<Vec4> colors;
+  for (const Vec3& rgb : reader.vec3("COLOR_0")) colors.emplace_back(rgb, 1.0f);
+  return colors;
+}
+
+}  // namespace
+
+std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int mode) {
+  std::vector<UVec3> triangles;
+  if (indices.size() < 3) return triangles;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    triangles.reserve(indices.size() / 3);
+    for (size_t i = 0; i + 2 < indices.size(); i += 3)
+      triangles.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
+    return triangles;
+  }
+  triangles.reserve(indices.size() - 2);
+  for (size_t i = 0; i + 2 < indices.size(); ++i) {
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+      triangles.emplace_back(indices[i + 1], indices[i + 2], indices[0]);
+    } else {
+      // glTF 2.0, §3.7.2.1: every other triangle of a strip swaps two vertices to keep its orientation.
+      triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+    }
+  }
+  return triangles;
+}
+
+void MeshImporter::count_vertices(size_t count) {
+  vertices_read_ += count;
+  if (vertices_read_ > kMaxVerticesRead)
+    document_.fail(fmt::format("its primitives read more than {} vertices", kMaxVerticesRead));
+}
+
+std::optional<Mesh> MeshImporter::convert(const tinygltf::Primitive& primitive, const std::string& name) {
+  const bool is_surface = primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+                          primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+  if (!is_surface) {
+    document_.warnings.add(fmt::format("mesh '{}': points and lines are skipped", name));
+    return std::nullopt;
+  }
+  const PrimitiveReader reader(document_, primitive);
+  const size_t count = reader.count("POSITION");
+  if (count == 0) {
+    document_.warnings.add(fmt::format("mesh '{}': a primitive without positions is skipped", name));
+    return std::nullopt;
+  }
+  count_vertices(count);
+  if (!primitive.targets.empty())
+    document_.warnings.add("morph targets are not supported; meshes keep their rest shape");
+  const auto has = [&](const char* attribute, int low, int high) {
+    return usable(reader, attribute, count, low, high, name, document_.warnings);
+  };
+  Mesh mesh;
+  mesh.name = name;
+  mesh.positions = reader.vec3("POSITION");
+  if (has("NORMAL", 3, 3)) mesh.normals = reader.vec3("NORMAL");
+  if (!mesh.normals.empty() && has("TANGENT", 4, 4)) mesh.tangents = reader.vec4("TANGENT");
+  if (has("TEXCOORD_0", 2, 2)) mesh.uv0 = reader.vec2("TEXCOORD_0");
+  if (has("TEXCOORD_1", 2, 2)) mesh.uv1 = reader.vec2("TEXCOORD_1");
+  if (has("COLOR_0", 3, 4)) mesh.colors = read_colors(reader);
+  // Draco yields separate triangles whatever the mode says.
+  mesh.triangles = assemble_triangles(reader.indices(count),
+                                      is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
+  mesh.material = materials_.import(primitive.material);
+  repair_mesh(mesh, document_.warnings);
+  return mesh;
+}
+
+const std::vector<Index>& MeshImporter::import(int mesh) {
+  const auto [entry, is_new] = known_.try_emplace(mesh);
+  if (!is_new) return entry->second;
+  if (mesh < 0 || static_cast<size_t>(mesh) >= document_.model.meshes.size())
+    document_.fail(fmt::format("a node refers to mesh {}, which does not exist; the file is damaged", mesh));
+  const tinygltf::Mesh& source = document_.model.meshes[static_cast<size_t>(mesh)];
+  const std::string name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
+  for (const tinygltf::Primitive& primitive : source.primitives) {
+    auto converted = convert(primitive, name);
+    if (!converted) continue;
+    entry->second.push_back(static_cast<Index>(scene_.meshes.size()));
+    scene_.meshes.push_back(std::move(*converted));
+  }
+  return entry->second;
+}
+
+}  // namespace relume::gltf

@@ -1,0 +1,39 @@
+// Collects what a loader ignored or repaired.
+#pragma once
+
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+namespace relume {
+
+/// Sentences for Scene::warnings. A sentence that repeats is kept once, and only the first kMaxWarnings are kept, so
+/// that a file with a million flaws stays readable.
+class Warnings {
+ public:
+  static constexpr size_t kMaxWarnings = 100;
+
+  explicit Warnings(std::string place) : place_(std::move(place)) {}
+
+  void add(const std::string& sentence) {
+    if (sentences_.size() >= kMaxWarnings) {
+      ++omitted_;
+    } else if (seen_.insert(sentence).second) {
+      sentences_.push_back(place_ + ": " + sentence);
+    }
+  }
+
+  std::vector<std::string> take() {
+    if (omitted_ > 0) sentences_.push_back(place_ + ": " + std::to_string(omitted_) + " more warnings are not shown");
+    return std::move(sentences_);
+  }
+
+ private:
+  std::string place_;
+  std::vector<std::string> sentences_;
+  std::unordered_set<std::string> seen_;
+  size_t omitted_ = 0;
+};
+
+}  // namespace relume
