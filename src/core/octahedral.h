@@ -26,7 +26,9 @@ RELUME_HD inline Vec3 direction_from_octahedral(const Vec2& p) {
 
 RELUME_HD inline uint32_t pack_direction(const Vec3& d) {
   const Vec2 p = octahedral_from_direction(d);
-  const auto quantise = [](float x) { return static_cast<uint32_t>(std::lround((clamp(x, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f)); };
+  const auto quantise = [](float x) {
+    return static_cast<uint32_t>(std::lround((clamp(x, -1.0f, 1.0f) * 0.5f + 0.5f) * 65535.0f));
+  };
   return quantise(p.x) | (quantise(p.y) << 16);
 }
 

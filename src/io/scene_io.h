@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -16,8 +18,10 @@ Scene load_gltf(const std::filesystem::path& file);
 Scene load_assimp(const std::filesystem::path& file);
 Scene load_relume_json(const std::filesystem::path& file);
 
-/// Writes .gltf (with .bin and .png beside it) or .glb. Reading it back gives the same picture.
-void write_gltf(const std::filesystem::path& file, const Scene& scene);
+/// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives
+/// the same picture; docs/scenes.md says where things go that glTF has no form for. Returns what could not be said
+/// exactly, one sentence each. Throws Error for other extensions and when a file cannot be written.
+std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene);
 
 /// Replaces the environment by an equirectangular EXR or HDR file. Throws Error.
 void load_environment_map(const std::filesystem::path& file, Environment& environment);

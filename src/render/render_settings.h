@@ -4,32 +4,45 @@
 #include <string>
 
 #include "settings/setting.h"
+#include "techniques/path/path_settings.h"
 
 namespace relume {
 
+// The slots (docs/concepts): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path };
 enum class LightSelectionChoice : int { uniform, power };
-enum class ToneMapChoice : int { none, reinhard, aces, agx };
-
-/// Settings of the path estimator.
-struct PathSettings {
-  int max_bounces = 8;
-  bool russian_roulette = true;
-};
+enum class GuideChoice : int { bsdf };
+enum class CacheChoice : int { none };
+enum class AllocationChoice : int { uniform };
+enum class HistoryChoice : int { accumulate };
+enum class DenoiseChoice : int { none };
 
 struct RenderSettings {
   int width = 1280;
   int height = 720;
   int seed = 0;
-  int threads = 0;         ///< 0: all
-  std::string camera;      ///< name or index; empty: the file's first
-  float time_s = 0;        ///< time of the animation
+  int threads = 0;     ///< 0: all
+  std::string camera;  ///< name or index; empty: the file's first
+  float time_s = 0;    ///< time of the animation
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
+  GuideChoice guide = GuideChoice::bsdf;
+  CacheChoice cache = CacheChoice::none;
+  AllocationChoice allocation = AllocationChoice::uniform;
+  HistoryChoice history = HistoryChoice::accumulate;
+  DenoiseChoice denoise = DenoiseChoice::none;
+  /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
+  /// name of its own.
+  bool auxiliary = false;
   PathSettings path;
 };
 
-SettingList describe(PathSettings& settings);
+/// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
 SettingList describe(RenderSettings& settings);
+
+/// The parts of describe(RenderSettings&), as reference pages and widgets group them.
+SettingList describe_picture(RenderSettings& settings);
+SettingList describe_slots(RenderSettings& settings);
+SettingList describe_transport(RenderSettings& settings);
 
 }  // namespace relume

@@ -70,6 +70,9 @@ class Session {
   /// Hash of everything in the scene that the picture depends on.
   uint64_t scene_hash() const;
 
+  /// The per-pixel buffers, for inspection.
+  const BufferTable& buffers() const;
+
   /// Everything needed to continue later, bit for bit. Load throws Error if scene or settings differ.
   void save_checkpoint(const std::filesystem::path& file) const;
   void load_checkpoint(const std::filesystem::path& file);

@@ -12,6 +12,8 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "core/vec.h"
+#include "materials/microfacet.h"
+#include "materials/texture.h"
 
 namespace relume {
 
@@ -21,13 +23,6 @@ inline constexpr Index kNone = -1;
 
 // --- Textures -----------------------------------------------------------------------------------------
 
-enum class PixelFormat : uint8_t {
-  rgba8_srgb,    ///< 4 bytes a texel; RGB carries the sRGB transfer function, alpha is linear
-  rgba8_linear,  ///< 4 bytes a texel, data (roughness, normals)
-  rgba32_float,  ///< 16 bytes a texel, linear
-};
-
-enum class WrapMode : uint8_t { repeat, clamp, mirror };
 enum class FilterMode : uint8_t { nearest, linear };
 
 /// An image for look-ups on surfaces. Row 0 is the top row; glTF's v runs downwards.
@@ -56,7 +51,6 @@ struct TextureRef {
 // --- Materials ----------------------------------------------------------------------------------------
 
 enum class AlphaMode : uint8_t { opaque, mask, blend };
-enum class MicrofacetModel : uint8_t { ggx, beckmann };
 
 /// glTF 2.0 metallic-roughness with the KHR extensions named beside each member. A texture multiplies its
 /// factor, in the channels that glTF says.

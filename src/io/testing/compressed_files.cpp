@@ -24,8 +24,7 @@ Bytes encode_triangles(const std::vector<uint32_t>& indices) {
 }
 
 /// Makes view `view` compressed: it belongs to the fallback buffer 1, its data to buffer 0.
-int compress(GltfBuilder& file, const Bytes& data, size_t count, size_t stride, const char* mode,
-             const char* filter) {
+int compress(GltfBuilder& file, const Bytes& data, size_t count, size_t stride, const char* mode, const char* filter) {
   const int view = file.add_view(data);
   json& v = file.doc["bufferViews"][static_cast<size_t>(view)];
   const json extension = {{"buffer", 0},

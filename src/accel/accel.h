@@ -1,0 +1,30 @@
+// Ray queries. On the host Embree answers them; kernels see only these functions.
+#pragma once
+
+#include <cstdint>
+
+#include "core/ray.h"
+
+namespace relume {
+
+/// Handle to the acceleration structure of a compiled scene.
+struct AccelView {
+  void* scene = nullptr;
+};
+
+/// Nearest hit along the ray. `ray_id` decides stochastic alpha: the same (ray id, instance, primitive) decides the same.
+RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id);
+
+/// Whether anything lies on the ray before ray.t_max.
+RELUME_HD bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id);
+
+/// Rays a host packet holds.
+inline constexpr int kPacketSize = 8;
+
+/// Host only: nearest hits of up to kPacketSize rays at once; pays for coherent rays.
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count, bool coherent);
+
+/// Host only: occlusion of up to kPacketSize rays at once.
+void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* occluded, int count);
+
+}  // namespace relume

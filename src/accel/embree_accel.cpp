@@ -1,0 +1,249 @@
+#include "accel/embree_accel.h"
+
+#include <atomic>
+#include <utility>
+#include <vector>
+
+#include <embree3/rtcore.h>
+
+#include "core/error.h"
+#include "core/hash.h"
+
+namespace relume {
+namespace {
+
+/// What a filter callback knows about its geometry.
+struct GeometryContext {
+  const CoverageFunction* coverage = nullptr;
+  uint32_t instance = 0;  ///< used where the geometry is not below an instance node
+};
+
+/// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive does no harm.
+void coverage_filter(const RTCFilterFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] != -1) continue;
+    const uint32_t instance_node = RTCHitN_instID(args->hit, args->N, i, 0);
+    const uint32_t instance = instance_node == RTC_INVALID_GEOMETRY_ID ? geometry.instance : instance_node;
+    const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
+    const float u = RTCHitN_u(args->hit, args->N, i);
+    const float v = RTCHitN_v(args->hit, args->N, i);
+    const float coverage = geometry.coverage->function(geometry.coverage->context, instance, primitive, u, v);
+    const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
+    const bool accepted = coverage >= 1.0f || (coverage > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < coverage);
+    if (!accepted) args->valid[i] = 0;
+  }
+}
+
+void on_error(void* message, RTCError code, const char* text) {
+  if (code != RTC_ERROR_NONE) *static_cast<std::string*>(message) = text ? text : "unknown error";
+}
+
+RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
+
+RTCRay to_embree(const Ray& ray, uint32_t ray_id) {
+  RTCRay r;
+  r.org_x = ray.origin.x;
+  r.org_y = ray.origin.y;
+  r.org_z = ray.origin.z;
+  r.tnear = 0.0f;
+  r.dir_x = ray.direction.x;
+  r.dir_y = ray.direction.y;
+  r.dir_z = ray.direction.z;
+  r.time = 0.0f;
+  r.tfar = ray.t_max;
+  r.mask = 0xffffffffu;
+  r.id = ray_id;
+  r.flags = 0;
+  return r;
+}
+
+uint32_t instance_of(uint32_t geometry, uint32_t instance_node) {
+  return instance_node == RTC_INVALID_GEOMETRY_ID ? geometry : instance_node;
+}
+
+template <typename Packet>
+void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id) {
+  packet.org_x[i] = ray.origin.x;
+  packet.org_y[i] = ray.origin.y;
+  packet.org_z[i] = ray.origin.z;
+  packet.tnear[i] = 0.0f;
+  packet.dir_x[i] = ray.direction.x;
+  packet.dir_y[i] = ray.direction.y;
+  packet.dir_z[i] = ray.direction.z;
+  packet.time[i] = 0.0f;
+  packet.tfar[i] = ray.t_max;
+  packet.mask[i] = 0xffffffffu;
+  packet.id[i] = ray_id;
+  packet.flags[i] = 0;
+}
+
+}  // namespace
+
+struct EmbreeAccel::State {
+  std::string error;
+  std::atomic<int64_t> bytes{0};
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::vector<RTCScene> mesh_scenes;               ///< by mesh; null unless some instance needs it
+  std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
+  std::vector<GeometryContext> contexts;           ///< one an instance, then one a mesh
+  CoverageFunction coverage;
+
+  ~State() {
+    if (scene) rtcReleaseScene(scene);
+    for (RTCScene s : mesh_scenes) {
+      if (s) rtcReleaseScene(s);
+    }
+    if (device) rtcReleaseDevice(device);
+  }
+
+  void check() const {
+    if (!error.empty()) throw Error("the acceleration structure could not be built: Embree reports '" + error + "'; is there enough memory?");
+  }
+
+  RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0, mesh.position_stride, mesh.vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0, 3 * sizeof(uint32_t), mesh.triangle_count);
+    if (mesh.needs_coverage) {
+      rtcSetGeometryUserData(geometry, context);
+      rtcSetGeometryIntersectFilterFunction(geometry, coverage_filter);
+      rtcSetGeometryOccludedFilterFunction(geometry, coverage_filter);
+    }
+    rtcCommitGeometry(geometry);
+    return geometry;
+  }
+
+  RTCScene new_mesh_scene(const AccelMesh& mesh, GeometryContext* context) const {
+    RTCScene result = rtcNewScene(device);
+    RTCGeometry geometry = new_triangles(mesh, context);
+    rtcAttachGeometry(result, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneBuildQuality(result, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(result);
+    return result;
+  }
+
+  void add_instance(uint32_t index, const AccelInstance& instance) {
+    RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
+    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.to_world);
+    rtcCommitGeometry(node);
+    rtcAttachGeometryByID(scene, node, index);
+    rtcReleaseGeometry(node);
+    instance_nodes.emplace_back(index, node);
+  }
+};
+
+EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, CoverageFunction coverage)
+    : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.coverage = coverage;
+  s.device = rtcNewDevice(nullptr);
+  if (!s.device) throw Error("Embree could not start on this processor; it needs at least SSE2");
+  rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
+  rtcSetDeviceMemoryMonitorFunction(
+      s.device,
+      [](void* bytes, ssize_t change, bool) {
+        *static_cast<std::atomic<int64_t>*>(bytes) += change;
+        return true;
+      },
+      &s.bytes);
+  s.scene = rtcNewScene(s.device);
+  // Instances of one mesh share its scene; the context of instance i is contexts[i].
+  s.contexts.resize(instances.size());
+  s.mesh_scenes.resize(meshes.size(), nullptr);
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    const AccelInstance& instance = instances[i];
+    const AccelMesh& mesh = meshes[instance.mesh];
+    if (mesh.triangle_count == 0) continue;
+    s.contexts[i] = {&s.coverage, i};
+    if (instance.in_world_space) {
+      RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
+      rtcAttachGeometryByID(s.scene, geometry, i);
+      rtcReleaseGeometry(geometry);
+      continue;
+    }
+    if (!s.mesh_scenes[instance.mesh]) s.mesh_scenes[instance.mesh] = s.new_mesh_scene(mesh, &s.contexts[i]);
+    s.add_instance(i, instance);
+  }
+  rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
+  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
+  rtcCommitScene(s.scene);
+  s.check();
+}
+
+EmbreeAccel::~EmbreeAccel() = default;
+
+void EmbreeAccel::update(std::span<const AccelInstance> instances) {
+  for (const auto& [index, node] : state_->instance_nodes) {
+    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instances[index].to_world);
+    rtcCommitGeometry(node);
+  }
+  rtcCommitScene(state_->scene);
+  state_->check();
+}
+
+AccelView EmbreeAccel::view() const { return {state_->scene}; }
+
+size_t EmbreeAccel::memory_bytes() const { return static_cast<size_t>(state_->bytes.load()); }
+
+std::string EmbreeAccel::embree_version() { return RTC_VERSION_STRING; }
+
+Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query;
+  query.ray = to_embree(ray, ray_id);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(as_scene(accel), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar};
+}
+
+bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay query = to_embree(ray, ray_id);
+  rtcOccluded1(as_scene(accel), &context, &query);
+  return query.tfar < 0.0f;
+}
+
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count, bool coherent) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  RTCRayHit8 query;
+  alignas(32) int valid[kPacketSize];
+  for (int i = 0; i < kPacketSize; ++i) {
+    valid[i] = i < count ? -1 : 0;
+    const int k = i < count ? i : 0;
+    fill_packet(query.ray, i, rays[k], ray_ids[k]);
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  rtcIntersect8(valid, as_scene(accel), &context, &query);
+  for (int i = 0; i < count; ++i) {
+    hits[i] = query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
+                  ? Hit{}
+                  : Hit{instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i], query.hit.u[i], query.hit.v[i], query.ray.tfar[i]};
+  }
+}
+
+void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay8 query;
+  alignas(32) int valid[kPacketSize];
+  for (int i = 0; i < kPacketSize; ++i) {
+    valid[i] = i < count ? -1 : 0;
+    const int k = i < count ? i : 0;
+    fill_packet(query, i, rays[k], ray_ids[k]);
+  }
+  rtcOccluded8(valid, as_scene(accel), &context, &query);
+  for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
+}
+
+}  // namespace relume

@@ -1,0 +1,60 @@
+// Builds Embree's acceleration structure over a compiled scene.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "accel/accel.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// Decides how much of a triangle is there, for alpha masks and blending: value in [0, 1].
+struct CoverageFunction {
+  float (*function)(const void* context, uint32_t instance, uint32_t primitive, float u, float v) = nullptr;
+  const void* context = nullptr;
+};
+
+/// One appearance of a triangle mesh.
+struct AccelInstance {
+  uint32_t mesh = 0;
+  Mat4 to_world{1};
+  bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made
+};
+
+struct AccelMesh {
+  const float* positions = nullptr;  ///< first of all vertices
+  size_t position_stride = 0;        ///< bytes
+  size_t vertex_count = 0;           ///< of the whole array
+  const uint32_t* indices = nullptr; ///< three a triangle, into the whole array
+  size_t triangle_count = 0;
+  bool needs_coverage = false;
+};
+
+/// Owns the structure. The vertex, index and coverage arrays must outlive it.
+class EmbreeAccel {
+ public:
+  EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, CoverageFunction coverage);
+  ~EmbreeAccel();
+  EmbreeAccel(const EmbreeAccel&) = delete;
+  EmbreeAccel& operator=(const EmbreeAccel&) = delete;
+
+  /// Moves the instances that are not in world space; rebuilds the top level.
+  void update(std::span<const AccelInstance> instances);
+
+  AccelView view() const;
+
+  /// Bytes that Embree holds.
+  size_t memory_bytes() const;
+
+  /// Version of the library, "3.13.5".
+  static std::string embree_version();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace relume

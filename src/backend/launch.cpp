@@ -1,0 +1,95 @@
+#include "backend/launch.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#if defined(__SSE__)
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+#endif
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kTileSize = 16;
+
+/// Embree wants denormals flushed to zero in every thread that traces. Restores the caller's mode.
+class FlushDenormals {
+ public:
+#if defined(__SSE__)
+  FlushDenormals() : saved_(_mm_getcsr()) {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+  FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+ private:
+  unsigned saved_;
+#endif
+};
+
+}  // namespace
+
+struct Backend::State {
+  explicit State(int threads) : arena(threads > 0 ? threads : tbb::task_arena::automatic) {
+    arena.initialize();
+    const int wanted = arena.max_concurrency();
+    control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(wanted));
+  }
+  tbb::task_arena arena;
+  std::unique_ptr<tbb::global_control> control;
+};
+
+Backend::Backend(int threads) : state_(std::make_unique<State>(threads)) {}
+Backend::~Backend() = default;
+
+int Backend::threads() const { return state_->arena.max_concurrency(); }
+
+void Backend::add_time(std::string_view name, double seconds) {
+  const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
+  LaunchTime& entry = found != times_.end() ? *found : times_.emplace_back(LaunchTime{std::string(name), 0, 0});
+  entry.seconds += seconds;
+  ++entry.launches;
+}
+
+bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height, void (*run_tile)(const void*, const Tile&), const void* context,
+                            const std::stop_token& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  const uint32_t columns = (width + kTileSize - 1) / kTileSize;
+  const uint32_t rows = (height + kTileSize - 1) / kTileSize;
+  std::atomic<bool> complete{true};
+  state_->arena.execute([&] {
+    tbb::parallel_for(
+        uint32_t{0}, columns * rows,
+        [&](uint32_t index) {
+          if (stop.stop_requested()) {
+            complete.store(false, std::memory_order_relaxed);
+            return;
+          }
+          const FlushDenormals guard;
+          const uint32_t x = index % columns * kTileSize;
+          const uint32_t y = index / columns * kTileSize;
+          run_tile(context, {x, y, std::min(x + kTileSize, width), std::min(y + kTileSize, height)});
+        },
+        tbb::simple_partitioner());
+  });
+  add_time(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  return complete.load();
+}
+
+void Backend::run(std::string_view name, const std::function<void()>& function) {
+  const auto start = std::chrono::steady_clock::now();
+  state_->arena.execute([&] {
+    const FlushDenormals guard;
+    function();
+  });
+  add_time(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+}  // namespace relume

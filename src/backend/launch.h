@@ -1,0 +1,95 @@
+// Starts pass kernels. A pass kernel is a trivially copyable struct of views and settings with
+//
+//   RELUME_HD void operator()(uint32_t x, uint32_t y) const;
+//
+// called once for each element of a grid. On the host the grid is cut into tiles that TBB spreads over the threads; in a CUDA
+// build the same struct is a kernel argument. A kernel may offer the host a second form that treats a tile at once (packets of
+// rays, say) and must then do the same as its one-element form:
+//
+//   void operator()(const Tile& tile) const;
+#pragma once
+
+#include <chrono>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "core/hd.h"
+
+namespace relume {
+
+/// Elements [x0, x1) × [y0, y1) of a grid.
+struct Tile {
+  uint32_t x0 = 0;
+  uint32_t y0 = 0;
+  uint32_t x1 = 0;
+  uint32_t y1 = 0;
+};
+
+template <typename K>
+concept TileKernel = requires(const K& k, const Tile& tile) { k(tile); };
+
+/// What may be launched: plain data of at most 4 KiB, as a kernel argument must be.
+template <typename K>
+concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_v<K> && sizeof(K) <= 4096 &&
+                     requires(const K& k, uint32_t x, uint32_t y) {
+                       { k(x, y) } -> std::same_as<void>;
+                     };
+
+/// Time spent in launches of one name.
+struct LaunchTime {
+  std::string name;
+  double seconds = 0;
+  uint64_t launches = 0;
+};
+
+/// The processor's threads.
+class Backend {
+ public:
+  /// `threads` 0: as many as the machine has.
+  explicit Backend(int threads = 0);
+  ~Backend();
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  int threads() const;
+  const std::vector<LaunchTime>& times() const { return times_; }
+
+  /// Calls run(context, tile) for every tile. False if `stop` was requested before all were done.
+  bool for_each_tile(std::string_view name, uint32_t width, uint32_t height, void (*run_tile)(const void* context, const Tile& tile),
+                     const void* context, const std::stop_token& stop);
+
+  /// Runs host code on the backend's threads, timed like a launch: for preparing passes that are not grids.
+  void run(std::string_view name, const std::function<void()>& function);
+
+ private:
+  void add_time(std::string_view name, double seconds);
+
+  struct State;
+  std::unique_ptr<State> state_;
+  std::vector<LaunchTime> times_;
+};
+
+/// Runs `kernel` over a width × height grid. Returns false if `stop` was requested first; some elements are then missing.
+template <PassKernel K>
+bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height, const std::stop_token& stop = {}) {
+  const auto run = [](const void* context, const Tile& tile) {
+    const K& k = *static_cast<const K*>(context);
+    if constexpr (TileKernel<K>) {
+      k(tile);
+    } else {
+      for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+        for (uint32_t x = tile.x0; x < tile.x1; ++x) k(x, y);
+      }
+    }
+  };
+  return backend.for_each_tile(name, width, height, run, &kernel, stop);
+}
+
+}  // namespace relume

@@ -1,0 +1,110 @@
+// Light from all around: constant, or an equirectangular map that is sampled in proportion to its luminance.
+#pragma once
+
+#include "core/view.h"
+#include "lights/light_types.h"
+#include "sampling/distribution_2d.h"
+
+namespace relume {
+
+struct EnvironmentView {
+  Rgb scale{0};           ///< constant: the radiance; map: multiplies
+  View<const Rgb> map;    ///< empty: constant
+  uint32_t width = 0;
+  uint32_t height = 0;
+  float cos_rotation = 1;
+  float sin_rotation = 0;
+  Distribution2D distribution;
+  Rgb mean{0};            ///< mean radiance over all directions
+
+  RELUME_HD bool black() const { return is_black(scale); }
+  /// A constant environment is left to BSDF sampling, which is at least as good there.
+  RELUME_HD bool worth_sampling() const { return !black() && !distribution.empty(); }
+
+  /// The centre of the map looks along −Z, +X lies to its right, row 0 is +Y; rotation turns it about +Y.
+  RELUME_HD Vec2 uv_from_direction(const Vec3& w) const {
+    const float x = cos_rotation * w.x - sin_rotation * w.z;
+    const float z = sin_rotation * w.x + cos_rotation * w.z;
+    const float u = 0.5f + std::atan2(x, -z) * (0.5f * kInvPi);
+    return {u, std::acos(clamp(w.y, -1.0f, 1.0f)) * kInvPi};
+  }
+
+  RELUME_HD Vec3 direction_from_uv(const Vec2& uv, float* sin_theta) const {
+    const float phi = (uv.x - 0.5f) * (2.0f * kPi);
+    const float theta = uv.y * kPi;
+    *sin_theta = std::sin(theta);
+    const float x = *sin_theta * std::sin(phi);
+    const float z = -*sin_theta * std::cos(phi);
+    return {cos_rotation * x + sin_rotation * z, std::cos(theta), -sin_rotation * x + cos_rotation * z};
+  }
+
+  /// Radiance that arrives along −w, bilinear.
+  RELUME_HD Rgb radiance(const Vec3& w) const {
+    if (map.empty()) return scale;
+    const Vec2 uv = uv_from_direction(w);
+    const float x = uv.x * static_cast<float>(width) - 0.5f;
+    const float y = uv.y * static_cast<float>(height) - 0.5f;
+    const float fx = std::floor(x);
+    const float fy = std::floor(y);
+    const Rgb top = texel(static_cast<int>(fx), static_cast<int>(fy)) * (1.0f - (x - fx)) + texel(static_cast<int>(fx) + 1, static_cast<int>(fy)) * (x - fx);
+    const Rgb bottom =
+        texel(static_cast<int>(fx), static_cast<int>(fy) + 1) * (1.0f - (x - fx)) + texel(static_cast<int>(fx) + 1, static_cast<int>(fy) + 1) * (x - fx);
+    return scale * (top * (1.0f - (y - fy)) + bottom * (y - fy));
+  }
+
+ private:
+  RELUME_HD Rgb texel(int x, int y) const {
+    const int w = static_cast<int>(width);
+    const int h = static_cast<int>(height);
+    x = x < 0 ? x + w : (x >= w ? x - w : x);
+    y = y < 0 ? 0 : (y >= h ? h - 1 : y);
+    return map[static_cast<uint32_t>(y) * width + static_cast<uint32_t>(x)];
+  }
+};
+
+RELUME_HD inline float pdf_li(const EnvironmentView& environment, const Vec3& wi) {
+  if (environment.distribution.empty()) return environment.black() ? 0.0f : sphere_pdf();
+  const float sin_theta = safe_sqrt(1.0f - wi.y * wi.y);
+  if (!(sin_theta > 0.0f)) return 0.0f;
+  return environment.distribution.pdf(environment.uv_from_direction(wi)) / (2.0f * kPi * kPi * sin_theta);
+}
+
+RELUME_HD inline LightSample sample_li(const EnvironmentView& environment, const Vec2& u) {
+  LightSample s;
+  s.distance = kInfinity;
+  if (environment.distribution.empty()) {
+    s.wi = sphere_from_square(u);
+    s.pdf_w = sphere_pdf();
+  } else {
+    const Distribution2D::Sample point = environment.distribution.sample(u);
+    float sin_theta;
+    s.wi = environment.direction_from_uv(point.point, &sin_theta);
+    if (!(sin_theta > 0.0f)) return s;
+    s.pdf_w = point.pdf / (2.0f * kPi * kPi * sin_theta);
+  }
+  s.radiance = environment.radiance(s.wi);
+  return s;
+}
+
+RELUME_HD inline EmissionSample sample_le(const EnvironmentView& environment, const SceneBounds& bounds, const Vec2& u_position, const Vec2& u_direction) {
+  const LightSample towards = sample_li(environment, u_direction);
+  EmissionSample s;
+  s.direction = -towards.wi;
+  s.origin = disk_origin(bounds, s.direction, u_position);
+  s.le = towards.radiance;
+  s.pdf_a = disk_origin_pdf(bounds);
+  s.pdf_w = towards.pdf_w;
+  s.infinite = true;
+  return s;
+}
+
+RELUME_HD inline EmissionPdf pdf_le(const EnvironmentView& environment, const SceneBounds& bounds, const Vec3& direction) {
+  return {disk_origin_pdf(bounds), pdf_li(environment, -direction)};
+}
+
+/// What crosses the bounding sphere: π R² times the integral of the radiance over all directions.
+RELUME_HD inline Rgb power(const EnvironmentView& environment, const SceneBounds& bounds) {
+  return environment.mean * (4.0f * kPi * kPi * sqr(bounds.radius));
+}
+
+}  // namespace relume

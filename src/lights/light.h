@@ -1,0 +1,111 @@
+// Emitters: a closed list of kinds and one switch. Every kind can be sampled from a point that it lights (sample_li, pdf_li)
+// and can emit rays of its own (sample_le, pdf_le); power() says how much it emits.
+#pragma once
+
+#include "core/ray.h"
+#include "core/view.h"
+#include "lights/environment.h"
+#include "lights/light_types.h"
+#include "lights/directional_light.h"
+#include "lights/point_light.h"
+#include "lights/spot_light.h"
+#include "lights/triangle_light.h"
+
+namespace relume {
+
+/// Index into LightsView::lights; stable as long as the scene's instances, meshes and lights stay.
+using LightId = uint32_t;
+inline constexpr LightId kNoLight = 0xffffffffu;
+
+enum class LightKind : uint8_t { triangle, point, spot, directional, environment };
+inline constexpr int kLightKindCount = 5;
+
+struct Light {
+  LightKind kind;
+  bool changed;  ///< since the previous frame: moved, or its emission differs
+  union {
+    TriangleLight triangle;
+    PointLight point;
+    SpotLight spot;
+    DirectionalLight directional;
+  };
+
+  RELUME_HD Light() : kind(LightKind::environment), changed(false), point{} {}
+};
+
+/// All emitters of a scene. Lights at infinity (directional, environment) come last.
+struct LightsView {
+  View<const Light> lights;
+  uint32_t first_infinite = 0;
+  TexturedEmission textured;
+  EnvironmentView environment;
+  SceneBounds bounds;
+};
+
+/// Light that reaches `p` from a sampled direction.
+RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
+  const Light& light = view.lights[id];
+  switch (light.kind) {
+    case LightKind::triangle: return sample_li(light.triangle, view.textured, p, u);
+    case LightKind::point: return sample_li(light.point, p);
+    case LightKind::spot: return sample_li(light.spot, p);
+    case LightKind::directional: return sample_li(light.directional, u);
+    case LightKind::environment: return sample_li(view.environment, u);
+  }
+  return {};
+}
+
+/// pdf_w with which sample_li(id, p) chooses direction `wi`; 0 for delta lights. For triangles `on_light` is the point that wi
+/// meets (others ignore it).
+RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi, const EmitterPoint& on_light) {
+  const Light& light = view.lights[id];
+  switch (light.kind) {
+    case LightKind::triangle: return pdf_li(light.triangle, view.textured, p, wi, on_light);
+    case LightKind::point:
+    case LightKind::spot: return 0.0f;
+    case LightKind::directional: return pdf_li(light.directional, wi);
+    case LightKind::environment: return pdf_li(view.environment, wi);
+  }
+  return 0.0f;
+}
+
+/// A ray that leaves the light, with the densities of its origin and direction.
+RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position, const Vec2& u_direction) {
+  const Light& light = view.lights[id];
+  switch (light.kind) {
+    case LightKind::triangle: return sample_le(light.triangle, view.textured, u_position, u_direction);
+    case LightKind::point: return sample_le(light.point, u_direction);
+    case LightKind::spot: return sample_le(light.spot, u_direction);
+    case LightKind::directional: return sample_le(light.directional, view.bounds, u_position, u_direction);
+    case LightKind::environment: return sample_le(view.environment, view.bounds, u_position, u_direction);
+  }
+  return {};
+}
+
+/// Densities with which sample_le emits along `direction` (away from the light) from `on_light`.
+RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const EmitterPoint& on_light, const Vec3& direction) {
+  const Light& light = view.lights[id];
+  switch (light.kind) {
+    case LightKind::triangle: return pdf_le(light.triangle, view.textured, on_light, direction);
+    case LightKind::point: return pdf_le(light.point);
+    case LightKind::spot: return pdf_le(light.spot, direction);
+    case LightKind::directional: return pdf_le(light.directional, view.bounds, direction);
+    case LightKind::environment: return pdf_le(view.environment, view.bounds, direction);
+  }
+  return {};
+}
+
+/// Emitted power in watts; for lights at infinity, what crosses the scene's bounding sphere.
+RELUME_HD inline Rgb power(const LightsView& view, LightId id) {
+  const Light& light = view.lights[id];
+  switch (light.kind) {
+    case LightKind::triangle: return power(light.triangle, view.textured);
+    case LightKind::point: return power(light.point);
+    case LightKind::spot: return power(light.spot);
+    case LightKind::directional: return power(light.directional, view.bounds);
+    case LightKind::environment: return power(view.environment, view.bounds);
+  }
+  return Rgb(0);
+}
+
+}  // namespace relume

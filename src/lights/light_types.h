@@ -1,0 +1,67 @@
+// What sampling a light returns.
+#pragma once
+
+#include "core/frame.h"
+#include "core/vec.h"
+#include "sampling/warp.h"
+
+namespace relume {
+
+/// Sphere around everything, metres: where light from infinity enters.
+struct SceneBounds {
+  Vec3 center{0};
+  float radius = 1;
+};
+
+/// A point on an emissive triangle.
+struct EmitterPoint {
+  Vec3 position{0};
+  Vec2 barycentric{0};  ///< weights of vertices 1 and 2
+};
+
+/// Light that arrives at a point from one sampled direction.
+struct LightSample {
+  Vec3 wi{0};
+  float distance = 0;  ///< to the emitter; infinite for lights at infinity
+  Rgb radiance{0};     ///< delta lights: irradiance on a plane that faces the light
+  float pdf_w = 0;     ///< delta lights: 1
+  bool delta = false;  ///< no other strategy can find this light
+  Vec3 position{0};    ///< on the emitter (finite lights)
+  Vec3 normal{0};      ///< of the emitter; zero for point lights and lights at infinity
+  Vec2 barycentric{0};
+
+  RELUME_HD bool valid() const { return pdf_w > 0.0f && !is_black(radiance); }
+};
+
+/// A ray that leaves a light. Throughput of the light path: le · cos / (pdf_a · pdf_w).
+struct EmissionSample {
+  Vec3 origin{0};
+  Vec3 direction{0};   ///< away from the light
+  Vec3 normal{0};      ///< of the emitter; zero: point light
+  Rgb le{0};           ///< radiance; intensity for point and spot lights; irradiance for delta directional lights
+  float pdf_a = 0;     ///< of the origin (on the disk that faces the direction for lights at infinity); 1 for points
+  float pdf_w = 0;     ///< of the direction; 1 for delta directional lights
+  float cos_theta = 1; ///< between normal and direction; 1 where there is no normal
+  bool delta_position = false;
+  bool delta_direction = false;
+  bool infinite = false;
+
+  RELUME_HD bool valid() const { return pdf_a > 0.0f && pdf_w > 0.0f && !is_black(le); }
+};
+
+struct EmissionPdf {
+  float pdf_a = 0;
+  float pdf_w = 0;
+};
+
+/// Origin on the far side of the scene for light that travels along `direction`, uniform over the disk that covers the bounding sphere.
+RELUME_HD inline Vec3 disk_origin(const SceneBounds& bounds, const Vec3& direction, const Vec2& u) {
+  const Frame frame = make_frame(direction);
+  const Vec2 d = disk_from_square(u);
+  return bounds.center + bounds.radius * (d.x * frame.t + d.y * frame.b - direction);
+}
+
+/// pdf_a of disk_origin.
+RELUME_HD inline float disk_origin_pdf(const SceneBounds& bounds) { return kInvPi / sqr(bounds.radius); }
+
+}  // namespace relume

@@ -1,0 +1,179 @@
+// Emissive triangles. Sampled uniformly in area or, where a texture modulates the emission, in proportion to it.
+#pragma once
+
+#include "core/view.h"
+#include "lights/light_types.h"
+#include "materials/texture.h"
+#include "sampling/alias_table.h"
+
+namespace relume {
+
+struct TriangleLight {
+  Vec3 v0;
+  Vec3 e1;              ///< v1 − v0
+  Vec3 e2;              ///< v2 − v0
+  Vec3 normal;          ///< unit, of the front
+  float area;           ///< m²
+  Rgb radiance;         ///< emitted where the texture is white
+  uint32_t instance;
+  uint32_t primitive;
+  int32_t textured;     ///< index into TexturedEmission::triangles, or −1
+  bool two_sided;
+
+  RELUME_HD Vec3 position(const Vec2& b) const { return v0 + b.x * e1 + b.y * e2; }
+  /// Cosine at the light towards a receiver; 0 on the side that does not emit.
+  RELUME_HD float emission_cosine(const Vec3& away) const {
+    const float c = glm::dot(normal, away);
+    return two_sided ? std::fabs(c) : std::fmax(c, 0.0f);
+  }
+};
+
+/// The texture on one emissive triangle and a table over its subdivision into grid² equal triangles, whose weights are their
+/// mean luminance.
+struct TexturedTriangle {
+  int32_t emission_texture;  ///< −1: none
+  int32_t coverage_texture;  ///< alpha; −1: none
+  Vec2 emission_uv[3];
+  Vec2 coverage_uv[3];
+  float alpha_factor;
+  float alpha_cutoff;
+  bool mask;
+  uint32_t grid;
+  uint32_t first_entry;  ///< of grid² entries
+  Rgb mean_emission;     ///< texture mean, without the light's radiance
+};
+
+/// Everything that textured emitters share.
+struct TexturedEmission {
+  View<const TexturedTriangle> triangles;
+  View<const AliasEntry> entries;
+  View<const TextureView> textures;
+
+  RELUME_HD AliasTable table(const TexturedTriangle& t) const { return {{entries.data + t.first_entry, t.grid * t.grid}}; }
+};
+
+RELUME_HD inline Vec2 interpolate_uv(const Vec2 uv[3], const Vec2& b) { return uv[0] * (1.0f - b.x - b.y) + uv[1] * b.x + uv[2] * b.y; }
+
+/// What the texture lets through at a point: emission times coverage.
+RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
+  Rgb value(1);
+  if (t.emission_texture >= 0) {
+    value = Rgb(e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_uv(t.emission_uv, b), 0));
+  }
+  if (t.coverage_texture >= 0) {
+    const float alpha =
+        t.alpha_factor * e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_uv(t.coverage_uv, b), 0).w;
+    value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
+  }
+  return value;
+}
+
+/// Small triangles are numbered row by row; row r has 2(grid − r) − 1 of them, upright and inverted in turn.
+RELUME_HD inline uint32_t small_triangle_at(uint32_t grid, const Vec2& b) {
+  const float s = b.x * static_cast<float>(grid);
+  const float t = b.y * static_cast<float>(grid);
+  uint32_t row = t > 0.0f ? static_cast<uint32_t>(t) : 0u;
+  if (row >= grid) row = grid - 1;
+  uint32_t column = s > 0.0f ? static_cast<uint32_t>(s) : 0u;
+  const uint32_t last_column = grid - 1 - row;
+  if (column > last_column) column = last_column;
+  const bool inverted = (s - static_cast<float>(column)) + (t - static_cast<float>(row)) > 1.0f && column < last_column;
+  return row * (2 * grid - row) + 2 * column + (inverted ? 1u : 0u);
+}
+
+/// Barycentrics of the whole triangle from those inside small triangle `index`.
+RELUME_HD inline Vec2 barycentric_in_small_triangle(uint32_t grid, uint32_t index, const Vec2& inner) {
+  uint32_t row = 0;
+  uint32_t rest = index;
+  // Row r starts at r(2·grid − r); solved by the quadratic formula and corrected for rounding.
+  const float g = static_cast<float>(grid);
+  row = static_cast<uint32_t>(g - std::sqrt(std::fmax(g * g - static_cast<float>(index), 0.0f)));
+  while (row > 0 && row * (2 * grid - row) > index) --row;
+  while ((row + 1) * (2 * grid - row - 1) <= index) ++row;
+  rest = index - row * (2 * grid - row);
+  const float column = static_cast<float>(rest / 2);
+  const Vec2 corner(column, static_cast<float>(row));
+  return (rest % 2 == 0 ? corner + inner : corner + Vec2(1) - inner) / g;
+}
+
+struct TrianglePoint {
+  Vec2 barycentric;
+  float pdf_a;
+};
+
+RELUME_HD inline TrianglePoint sample_area(const TriangleLight& light, const TexturedEmission& e, const Vec2& u) {
+  if (light.textured < 0) return {triangle_from_square(u), 1.0f / light.area};
+  const TexturedTriangle& t = e.triangles[static_cast<uint32_t>(light.textured)];
+  const DiscreteSample chosen = e.table(t).sample(u.x);
+  const float count = static_cast<float>(t.grid * t.grid);
+  return {barycentric_in_small_triangle(t.grid, chosen.index, triangle_from_square({chosen.u, u.y})), chosen.pmf * count / light.area};
+}
+
+RELUME_HD inline float pdf_area(const TriangleLight& light, const TexturedEmission& e, const Vec2& b) {
+  if (light.textured < 0) return 1.0f / light.area;
+  const TexturedTriangle& t = e.triangles[static_cast<uint32_t>(light.textured)];
+  const float count = static_cast<float>(t.grid * t.grid);
+  return e.table(t).pmf(small_triangle_at(t.grid, b)) * count / light.area;
+}
+
+RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const TexturedEmission& e, const Vec2& b) {
+  if (light.textured < 0) return light.radiance;
+  return light.radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
+}
+
+RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec2& u) {
+  const TrianglePoint point = sample_area(light, e, u);
+  LightSample s;
+  s.barycentric = point.barycentric;
+  s.position = light.position(point.barycentric);
+  const Vec3 d = s.position - p;
+  const float distance_squared = length_squared(d);
+  if (!(distance_squared > 0.0f)) return s;
+  s.distance = std::sqrt(distance_squared);
+  s.wi = d / s.distance;
+  const float cos_light = light.emission_cosine(-s.wi);
+  if (!(cos_light > 0.0f)) return s;
+  s.pdf_w = pdf_w_from_pdf_a(point.pdf_a, distance_squared, cos_light);
+  s.radiance = emitted_radiance(light, e, point.barycentric);
+  s.normal = light.normal;
+  return s;
+}
+
+RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec3& wi, const EmitterPoint& on_light) {
+  const float cos_light = light.emission_cosine(-wi);
+  if (!(cos_light > 0.0f)) return 0.0f;
+  return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
+}
+
+/// Two-sided triangles choose a side with the first number of the direction.
+RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const TexturedEmission& e, const Vec2& u_position, Vec2 u_direction) {
+  const TrianglePoint point = sample_area(light, e, u_position);
+  Vec3 normal = light.normal;
+  if (light.two_sided) {
+    const bool back = u_direction.x >= 0.5f;
+    u_direction.x = clamp(2.0f * u_direction.x - (back ? 1.0f : 0.0f), 0.0f, kOneMinusEpsilon);
+    if (back) normal = -normal;
+  }
+  const Vec3 local = cosine_hemisphere_from_square(u_direction);
+  EmissionSample s;
+  s.origin = light.position(point.barycentric);
+  s.direction = make_frame(normal).to_world(local);
+  s.normal = normal;
+  s.le = emitted_radiance(light, e, point.barycentric);
+  s.pdf_a = point.pdf_a;
+  s.pdf_w = cosine_hemisphere_pdf(local.z) * (light.two_sided ? 0.5f : 1.0f);
+  s.cos_theta = local.z;
+  return s;
+}
+
+RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEmission& e, const EmitterPoint& on_light, const Vec3& direction) {
+  const float pdf_w = cosine_hemisphere_pdf(light.emission_cosine(direction)) * (light.two_sided ? 0.5f : 1.0f);
+  return {pdf_area(light, e, on_light.barycentric), pdf_w};
+}
+
+RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e) {
+  const Rgb mean = light.textured < 0 ? Rgb(1) : e.triangles[static_cast<uint32_t>(light.textured)].mean_emission;
+  return light.radiance * mean * (kPi * light.area * (light.two_sided ? 2.0f : 1.0f));
+}
+
+}  // namespace relume

@@ -1,0 +1,224 @@
+// The BSDF at one surface point: a few lobes, one switch. All directions are local: +Z is the shading normal on the side of
+// wo. `f` excludes the cosine; densities are per solid angle of wi.
+#pragma once
+
+#include "materials/lobes/dielectric.h"
+#include "materials/lobes/lambert.h"
+#include "materials/lobes/reflection.h"
+#include "materials/lobes/thin_transmission.h"
+
+namespace relume {
+
+inline constexpr int kMaxLobes = 5;
+
+struct BsdfEval {
+  Rgb f{0};               ///< 1/sr
+  float pdf_forward = 0;  ///< pdf_w of wi given wo; delta lobes contribute nothing
+  float pdf_reverse = 0;  ///< pdf_w of wo given wi; filled by eval_pdf<true> only
+};
+
+struct BsdfSample {
+  Vec3 wi{0};
+  Rgb weight{0};    ///< f · |cos θ| / pdf; zero: the path ends
+  float pdf_w = 0;  ///< density of the whole mixture; meaningless for delta
+  float alpha = 1;  ///< width of the lobe that was chosen (diffuse: 1), for ray cones
+  bool delta = false;
+  bool valid = false;
+
+  RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
+};
+
+/// Lobes of one surface point, ready for wo.
+struct Bsdf {
+  Lobe lobes[kMaxLobes];
+  int lobe_count = 0;
+  float coat = 0;               ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  const EnergyTables* tables = nullptr;
+
+  RELUME_HD bool empty() const { return lobe_count == 0; }
+  RELUME_HD bool has_coat() const { return coat > 0.0f; }
+};
+
+RELUME_HD constexpr bool is_delta(LobeKind kind) {
+  return kind == LobeKind::mirror || kind == LobeKind::smooth_dielectric || kind == LobeKind::pass_through;
+}
+
+/// Whether any lobe can be evaluated, so that next event estimation makes sense.
+RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (!is_delta(bsdf.lobes[i].kind)) return true;
+  }
+  return false;
+}
+
+/// Value and density of one lobe; zero for delta lobes.
+RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+  switch (lobe.kind) {
+    case LobeKind::lambert: return lambert::eval(lobe, wi);
+    case LobeKind::covered_lambert: return covered_lambert::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
+    case LobeKind::reflection: return reflection::eval(lobe, wo, wi);
+    case LobeKind::multiple_reflection: return multiple_reflection::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
+    case LobeKind::dielectric: return dielectric::eval(lobe, wo, wi, mode);
+    case LobeKind::thin_transmission: return thin_transmission::eval(lobe, wo, wi);
+    case LobeKind::mirror:
+    case LobeKind::smooth_dielectric:
+    case LobeKind::pass_through: return {};
+  }
+  return {};
+}
+
+/// A direction from one lobe; for delta lobes with its weight. `u_side` decides between reflection and refraction.
+RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u, TransportMode mode) {
+  switch (lobe.kind) {
+    case LobeKind::lambert:
+    case LobeKind::covered_lambert:
+    case LobeKind::multiple_reflection: return lambert::sample(u);
+    case LobeKind::reflection: return reflection::sample(lobe, wo, u);
+    case LobeKind::dielectric: return dielectric::sample(lobe, wo, u_side, u);
+    case LobeKind::thin_transmission: return thin_transmission::sample(lobe, wo, u);
+    case LobeKind::mirror: return mirror::sample(lobe, wo);
+    case LobeKind::smooth_dielectric: return smooth_dielectric::sample(lobe, wo, u_side, mode);
+    case LobeKind::pass_through: return pass_through::sample(lobe, wo);
+  }
+  return {};
+}
+
+/// How much light the lobe returns for directions at `cos_theta`: decides how often it is sampled. Exact for reflection, an
+/// estimate for transmission.
+RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
+  const EnergyTable& table = tables.of(lobe.microfacet.model);
+  switch (lobe.kind) {
+    case LobeKind::lambert: return lobe.color * lobe.weight;
+    case LobeKind::covered_lambert: return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
+    case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
+    case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
+    case LobeKind::mirror: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
+    case LobeKind::dielectric:
+    case LobeKind::smooth_dielectric: {
+      const float fresnel = fresnel_dielectric(cos_theta, lobe.eta);
+      return (Rgb(fresnel) + lobe.color * (1.0f - fresnel)) * lobe.weight;
+    }
+    case LobeKind::thin_transmission:
+    case LobeKind::pass_through:
+      return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, lobe.f90, cos_theta)) * lobe.weight;
+  }
+  return Rgb(0);
+}
+
+/// Share of light that the clearcoat lets through at `cos_theta`.
+RELUME_HD inline float coat_transmittance(const Bsdf& bsdf, float cos_theta) {
+  if (!bsdf.has_coat()) return 1.0f;
+  return 1.0f - luminance(lobe_albedo(bsdf.lobes[0], *bsdf.tables, std::fabs(cos_theta)));
+}
+
+/// Sampling weight of each lobe for a direction at `cos_theta`; their sum is returned.
+RELUME_HD inline float lobe_weights(const Bsdf& bsdf, float cos_theta, float weights[kMaxLobes]) {
+  const float below_coat = coat_transmittance(bsdf, cos_theta);
+  float sum = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const bool is_coat = i == 0 && bsdf.has_coat();
+    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * (is_coat ? 1.0f : below_coat);
+    sum += weights[i];
+  }
+  return sum;
+}
+
+/// Fills the lobes' sampling probabilities for wo. A BSDF that reflects nothing loses its lobes.
+RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
+  if (bsdf.lobe_count == 1) {
+    bsdf.lobes[0].probability = 1.0f;
+    return;
+  }
+  float weights[kMaxLobes];
+  const float sum = lobe_weights(bsdf, cos_theta_o, weights);
+  if (!(sum > 0.0f)) {
+    bsdf.lobe_count = 0;
+    return;
+  }
+  for (int i = 0; i < bsdf.lobe_count; ++i) bsdf.lobes[i].probability = weights[i] / sum;
+}
+
+/// The lobe as seen from the other side of the interface.
+RELUME_HD inline Lobe flipped(const Lobe& lobe) {
+  Lobe other = lobe;
+  other.eta = 1.0f / lobe.eta;
+  return other;
+}
+
+/// pdf_w with which wo would be sampled if light arrived from wi.
+RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  float weights[kMaxLobes];
+  const float sum = lobe_weights(bsdf, std::fabs(wi.z), weights);
+  if (!(sum > 0.0f)) return 0.0f;
+  const bool same_side = wi.z > 0.0f;
+  const Vec3 from = same_side ? wi : -wi;
+  const Vec3 to = same_side ? wo : -wo;
+  float pdf = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe lobe = same_side ? bsdf.lobes[i] : flipped(bsdf.lobes[i]);
+    pdf += weights[i] / sum * eval_lobe(lobe, *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
+  }
+  return pdf;
+}
+
+/// BSDF value and densities of all lobes but delta ones. wo.z > 0.
+template <bool kReverse = false>
+RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
+  BsdfEval result;
+  const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe& lobe = bsdf.lobes[i];
+    const LobeEval e = eval_lobe(lobe, *bsdf.tables, wo, wi, mode);
+    const bool is_coat = i == 0 && bsdf.has_coat();
+    result.f += e.f * (lobe.weight * (is_coat ? 1.0f : below_coat));
+    result.pdf_forward += lobe.probability * e.pdf_w;
+  }
+  if constexpr (kReverse) result.pdf_reverse = reverse_pdf(bsdf, wo, wi);
+  return result;
+}
+
+/// A direction from the mixture of all lobes.
+RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
+                                   TransportMode mode = TransportMode::radiance) {
+  if (bsdf.empty()) return {};
+  int i = 0;
+  while (i + 1 < bsdf.lobe_count && u_lobe >= bsdf.lobes[i].probability) u_lobe -= bsdf.lobes[i++].probability;
+  const Lobe& lobe = bsdf.lobes[i];
+  if (!(lobe.probability > 0.0f)) return {};
+  const float u_side = clamp(u_lobe / lobe.probability, 0.0f, kOneMinusEpsilon);
+
+  const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
+  if (!s.valid) return {};
+  BsdfSample result;
+  result.wi = s.wi;
+  result.delta = is_delta(lobe.kind);
+  if (result.delta) {
+    const bool is_coat = i == 0 && bsdf.has_coat();
+    const float below_coat = is_coat ? 1.0f : coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, s.wi.z);
+    result.weight = s.weight * (lobe.weight * below_coat / lobe.probability);
+    result.alpha = 0.0f;
+    result.valid = true;
+    return result;
+  }
+  const BsdfEval e = eval_pdf(bsdf, wo, s.wi, mode);
+  if (!(e.pdf_forward > 0.0f)) return {};
+  result.weight = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
+  result.pdf_w = e.pdf_forward;
+  const bool narrow = lobe.kind == LobeKind::reflection || lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::thin_transmission;
+  result.alpha = narrow ? lobe.microfacet.alpha : 1.0f;
+  result.valid = true;
+  return result;
+}
+
+/// Directional albedo of everything that is reflected or transmitted: what demodulation divides by.
+RELUME_HD inline Rgb albedo(const Bsdf& bsdf, float cos_theta_o) {
+  const float below_coat = coat_transmittance(bsdf, cos_theta_o);
+  Rgb sum(0);
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const bool is_coat = i == 0 && bsdf.has_coat();
+    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * (is_coat ? 1.0f : below_coat);
+  }
+  return sum;
+}
+
+}  // namespace relume

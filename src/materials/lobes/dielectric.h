@@ -1,0 +1,70 @@
+// The interface of a transparent body: reflection and refraction, rough ([Walter07]) or smooth.
+#pragma once
+
+#include "materials/lobes/lobe.h"
+
+namespace relume::dielectric {
+
+/// Radiance is compressed into a smaller solid angle where it enters a denser medium; importance is not.
+RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
+  return mode == TransportMode::radiance ? 1.0f / (eta * eta) : 1.0f;
+}
+
+RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const Vec3& wo, const Vec3& wi) {
+  const Microfacet& mf = lobe.microfacet;
+  const Vec3 m = glm::normalize(wo + wi);
+  const float cos_om = glm::dot(wo, m);
+  if (cos_om <= 0.0f) return {};
+  const float fresnel = fresnel_dielectric(cos_om, lobe.eta);
+  const float f = fresnel * mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z);
+  return {Rgb(f), fresnel * mf.pdf(wo, m) / (4.0f * cos_om)};
+}
+
+/// [Walter07], eq. 21 and 17.
+RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+  const Microfacet& mf = lobe.microfacet;
+  Vec3 m = wo + lobe.eta * wi;
+  if (length_squared(m) < 1e-12f) return {};
+  m = glm::normalize(m);
+  if (m.z < 0.0f) m = -m;
+  const float cos_om = glm::dot(wo, m);
+  const float cos_im = glm::dot(wi, m);
+  if (cos_om <= 0.0f || cos_im >= 0.0f) return {};
+  const float transmittance = 1.0f - fresnel_dielectric(cos_om, lobe.eta);
+  const float jacobian_i = -cos_im * lobe.eta * lobe.eta / sqr(cos_om + lobe.eta * cos_im);
+  const Vec3 wi_up(wi.x, wi.y, -wi.z);
+  const float f = transmittance * mf.d(m) * mf.g2(wo, wi_up) * cos_om * jacobian_i / (wo.z * wi_up.z);
+  return {lobe.color * (f * transport_scale(lobe.eta, mode)), transmittance * mf.pdf(wo, m) * jacobian_i};
+}
+
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+  if (wi.z == 0.0f) return {};
+  return wi.z > 0.0f ? eval_reflection(lobe, wo, wi) : eval_refraction(lobe, wo, wi, mode);
+}
+
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u) {
+  const Vec3 m = lobe.microfacet.sample(wo, u);
+  const float cos_om = glm::dot(wo, m);
+  if (cos_om <= 0.0f) return {};
+  if (u_side < fresnel_dielectric(cos_om, lobe.eta)) {
+    const Vec3 wi = reflect(wo, m);
+    return {wi, Rgb(0), wi.z > 0.0f};
+  }
+  Vec3 wi;
+  if (!refract(wo, m, lobe.eta, &wi)) return {};
+  return {wi, Rgb(0), wi.z < 0.0f};
+}
+
+}  // namespace relume::dielectric
+
+namespace relume::smooth_dielectric {
+
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_side, TransportMode mode) {
+  const Vec3 n(0, 0, 1);
+  if (u_side < fresnel_dielectric(wo.z, lobe.eta)) return {{-wo.x, -wo.y, wo.z}, Rgb(1), true};
+  Vec3 wi;
+  if (!refract(wo, n, lobe.eta, &wi)) return {};
+  return {wi, lobe.color * dielectric::transport_scale(lobe.eta, mode), true};
+}
+
+}  // namespace relume::smooth_dielectric

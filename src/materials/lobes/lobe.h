@@ -1,0 +1,50 @@
+// One lobe of a BSDF: a closed list of kinds that share one set of parameters. Directions are local (+Z is the shading
+// normal on the side of wo, so wo.z > 0). Each kind has its header with eval, pdf and sample; bsdf.h switches.
+#pragma once
+
+#include "materials/energy_tables.h"
+#include "materials/fresnel.h"
+#include "materials/microfacet.h"
+
+namespace relume {
+
+enum class LobeKind : uint8_t {
+  lambert,            ///< diffuse reflection
+  covered_lambert,    ///< diffuse reflection below a dielectric interface
+  reflection,         ///< single scattering off microfacets
+  multiple_reflection,  ///< what bounces between microfacets
+  mirror,             ///< delta reflection
+  dielectric,         ///< rough interface: reflection and refraction
+  smooth_dielectric,  ///< delta reflection and refraction
+  thin_transmission,  ///< through a rough thin wall, not refracted
+  pass_through,       ///< delta, straight on
+};
+inline constexpr int kLobeKindCount = 9;
+
+/// Which way radiance flows. Refraction scales radiance, not importance ([Veach97], §5.2).
+enum class TransportMode : uint8_t { radiance, importance };
+
+struct Lobe {
+  LobeKind kind = LobeKind::lambert;
+  Microfacet microfacet;
+  float eta = 1;          ///< dielectric: index beyond over index on wo's side
+  Rgb color{0};           ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
+  Rgb f0{0};              ///< Schlick's Fresnel; covered_lambert: of the cover
+  Rgb f90{0};
+  float weight = 1;       ///< share of the mixture that this lobe stands for
+  float probability = 0;  ///< with which sampling chooses this lobe
+};
+
+/// Value and density of a lobe for one pair of directions.
+struct LobeEval {
+  Rgb f{0};         ///< BSDF, without cosine, 1/sr
+  float pdf_w = 0;  ///< of wi given wo
+};
+
+struct LobeSample {
+  Vec3 wi{0};
+  Rgb weight{0};          ///< delta lobes: f·cos / pdf
+  bool valid = false;
+};
+
+}  // namespace relume

@@ -1,0 +1,65 @@
+// Reflection off microfacets: single scattering, what bounces between them, and the delta limit.
+#pragma once
+
+#include "materials/lobes/lobe.h"
+
+namespace relume::reflection {
+
+/// f = F D G2 / (4 cos θo cos θi) ([Walter07], eq. 20).
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const Vec3& wo, const Vec3& wi) {
+  if (wi.z <= 0.0f) return {};
+  const Vec3 m = glm::normalize(wo + wi);
+  const float cos_om = glm::dot(wo, m);
+  const Microfacet& mf = lobe.microfacet;
+  const Rgb fresnel = fresnel_schlick(lobe.f0, lobe.f90, cos_om);
+  const float d = mf.d(m);
+  const Rgb f = fresnel * (d * mf.g2(wo, wi) / (4.0f * wo.z * wi.z));
+  const float pdf_m = mf.model == MicrofacetModel::ggx ? mf.g1(wo) * cos_om * d / wo.z : d * m.z;
+  return {f, pdf_m / (4.0f * cos_om)};
+}
+
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, const Vec2& u) {
+  const Vec3 m = lobe.microfacet.sample(wo, u);
+  const Vec3 wi = reflect(wo, m);
+  return {wi, Rgb(0), wi.z > 0.0f && glm::dot(wo, m) > 0.0f};
+}
+
+/// Albedo for Schlick's Fresnel.
+RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
+  const EnergyShares e = table.directional_shares(cos_theta, std::sqrt(lobe.microfacet.alpha));
+  return lobe.f0 * (e.total - e.grazing) + lobe.f90 * e.grazing;
+}
+
+}  // namespace relume::reflection
+
+namespace relume::multiple_reflection {
+
+/// F_ms: colour of light after two and more reflections between microfacets ([Kulla17]); 1 for a lossless mirror.
+RELUME_HD inline Rgb color(const Rgb& f0, const Rgb& f90, float average_albedo) {
+  const Rgb f_avg = f0 + (f90 - f0) * (1.0f / 21.0f);
+  return f_avg * f_avg * average_albedo / (Rgb(1) - f_avg * (1.0f - average_albedo));
+}
+
+/// f = F_ms (1 − E(wo)) (1 − E(wi)) / (π (1 − E_avg)).
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const EnergyTable& table, const Vec3& wo, const Vec3& wi) {
+  if (wi.z <= 0.0f) return {};
+  const float r = std::sqrt(lobe.microfacet.alpha);
+  const float missing_o = 1.0f - table.directional_shares(wo.z, r).total;
+  const float missing_i = 1.0f - table.directional_shares(wi.z, r).total;
+  const float missing_avg = 1.0f - table.average_shares(r).total;
+  return {lobe.color * (kInvPi * missing_o * missing_i / missing_avg), cosine_hemisphere_pdf(wi.z)};
+}
+
+RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
+  return lobe.color * (1.0f - table.directional_shares(cos_theta, std::sqrt(lobe.microfacet.alpha)).total);
+}
+
+}  // namespace relume::multiple_reflection
+
+namespace relume::mirror {
+
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo) {
+  return {{-wo.x, -wo.y, wo.z}, fresnel_schlick(lobe.f0, lobe.f90, wo.z), true};
+}
+
+}  // namespace relume::mirror

@@ -1,0 +1,109 @@
+// From glTF's parameters to lobes: metallic-roughness, specular, transmission, clearcoat.
+#pragma once
+
+#include "materials/bsdf.h"
+#include "materials/material.h"
+
+namespace relume {
+
+/// A material's parameters at one point, textures applied.
+struct MaterialSample {
+  Rgb base_color{1};
+  float metallic = 0;
+  float roughness = 1;
+  float specular = 1;
+  Rgb specular_color{1};
+  float transmission = 0;
+  float clearcoat = 0;
+  float clearcoat_roughness = 0;
+};
+
+namespace bsdf_assembly {
+
+RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfacet) {
+  Lobe& lobe = bsdf.lobes[bsdf.lobe_count++];
+  lobe = Lobe{};
+  lobe.kind = kind;
+  lobe.microfacet = microfacet;
+  return lobe;
+}
+
+/// Below this share of light the second bounce between microfacets is left out, for speed.
+inline constexpr float kNegligibleMultipleScattering = 2e-3f;
+
+RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
+  const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};
+  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::mirror : LobeKind::reflection, microfacet);
+  lobe.f0 = Rgb(0.04f);
+  lobe.f90 = Rgb(1);
+  lobe.weight = m.clearcoat;
+  bsdf.coat = m.clearcoat;
+}
+
+RELUME_HD inline void add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, const Microfacet& microfacet) {
+  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::mirror : LobeKind::reflection, microfacet);
+  lobe.f0 = f0;
+  lobe.f90 = f90;
+}
+
+RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const Rgb& f0, const Rgb& f90,
+                                       float weight, bool front_face, const Microfacet& microfacet) {
+  if (material.volume) {
+    Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric, microfacet);
+    lobe.eta = front_face ? material.ior : 1.0f / material.ior;
+    lobe.color = m.base_color;
+    lobe.weight = weight;
+    return;
+  }
+  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::pass_through : LobeKind::thin_transmission, microfacet);
+  lobe.color = m.base_color;
+  lobe.f0 = f0;
+  lobe.f90 = f90;
+  lobe.weight = weight;
+}
+
+}  // namespace bsdf_assembly
+
+/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base or,
+/// by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base colour.
+RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const EnergyTables& tables, float cos_theta_o,
+                                bool front_face) {
+  using namespace bsdf_assembly;
+  bsdf.lobe_count = 0;
+  bsdf.coat = 0;
+  bsdf.tables = &tables;
+  if (m.clearcoat > 0.0f) add_clearcoat(bsdf, m, material.microfacet_model);
+
+  const Microfacet microfacet{material.microfacet_model, sqr(m.roughness)};
+  const float transparent = (1.0f - m.metallic) * m.transmission;
+  const float diffuse = (1.0f - m.metallic) * (1.0f - m.transmission);
+  // A refracting interface brings its own reflection; a thin wall shares the opaque part's.
+  const float interface_share = material.volume ? diffuse : 1.0f - m.metallic;
+  const Rgb dielectric_f0 = glm::min(f0_from_ior(material.ior) * m.specular_color, Rgb(1)) * m.specular;
+  const Rgb dielectric_f90(m.specular);
+  const Rgb f0 = dielectric_f0 * interface_share + m.base_color * m.metallic;
+  const Rgb f90 = dielectric_f90 * interface_share + Rgb(m.metallic);
+
+  const bool covered = m.specular > 0.0f;
+  if (!is_black(f0) || !is_black(f90)) {
+    add_reflection(bsdf, f0, f90, microfacet);
+    if (m.metallic > 0.0f && !microfacet.smooth()) {
+      const float average = tables.of(microfacet.model).average_shares(m.roughness).total;
+      const Rgb color = multiple_reflection::color(m.base_color, Rgb(1), average) * m.metallic;
+      if (luminance(color) * (1.0f - average) > kNegligibleMultipleScattering) {
+        add(bsdf, LobeKind::multiple_reflection, microfacet).color = color;
+      }
+    }
+  }
+  const Rgb diffuse_albedo = m.base_color * diffuse;
+  if (!is_black(diffuse_albedo)) {
+    Lobe& lobe = add(bsdf, covered ? LobeKind::covered_lambert : LobeKind::lambert, microfacet);
+    lobe.color = diffuse_albedo;
+    lobe.f0 = dielectric_f0;
+    lobe.f90 = dielectric_f90;
+  }
+  if (transparent > 0.0f) add_transmission(bsdf, m, material, dielectric_f0, dielectric_f90, transparent, front_face, microfacet);
+  prepare(bsdf, cos_theta_o);
+}
+
+}  // namespace relume

@@ -1,0 +1,114 @@
+// Texture look-up: tiled texels, mip levels, a level chosen stochastically between the two nearest.
+#pragma once
+
+#include "core/hash.h"
+#include "core/view.h"
+#include "core/vec.h"
+
+namespace relume {
+
+enum class PixelFormat : uint8_t {
+  rgba8_srgb,    ///< 4 bytes a texel; RGB carries the sRGB transfer function, alpha is linear
+  rgba8_linear,  ///< 4 bytes a texel, data (roughness, normals)
+  rgba32_float,  ///< 16 bytes a texel, linear
+};
+enum class WrapMode : uint8_t { repeat, clamp, mirror };
+
+inline constexpr uint32_t kMaxMipLevels = 16;
+
+/// Affine map of texture coordinates (KHR_texture_transform): uv' = m · uv + offset, row by row.
+struct UvTransform {
+  float m00 = 1, m01 = 0, m10 = 0, m11 = 1;
+  Vec2 offset{0};
+
+  RELUME_HD Vec2 operator()(const Vec2& uv) const {
+    return Vec2(m00 * uv.x + m01 * uv.y, m10 * uv.x + m11 * uv.y) + offset;
+  }
+  RELUME_HD float area_scale() const { return std::fabs(m00 * m11 - m01 * m10); }
+};
+
+/// One texture. Texels lie in 4 × 4 blocks, so that a bilinear look-up mostly stays in one cache line.
+struct TextureView {
+  const void* texels = nullptr;
+  const float* srgb_table = nullptr;  ///< linear value of each 8-bit sRGB code
+  uint32_t level_offset[kMaxMipLevels] = {};  ///< first texel of each level
+  int width = 0;
+  int height = 0;
+  int level_count = 0;
+  PixelFormat format = PixelFormat::rgba8_srgb;
+  WrapMode wrap_u = WrapMode::repeat;
+  WrapMode wrap_v = WrapMode::repeat;
+  bool nearest = false;
+
+  RELUME_HD int level_width(int level) const { return width >> level > 1 ? width >> level : 1; }
+  RELUME_HD int level_height(int level) const { return height >> level > 1 ? height >> level : 1; }
+
+  /// Texel of a level, linear RGBA. Coordinates in range.
+  RELUME_HD Vec4 texel(int level, int x, int y) const {
+    const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
+    const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
+    const uint32_t index = level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
+    if (format == PixelFormat::rgba32_float) return static_cast<const Vec4*>(texels)[index];
+    const uint8_t* c = static_cast<const uint8_t*>(texels) + static_cast<size_t>(index) * 4;
+    constexpr float kScale = 1.0f / 255.0f;
+    const float alpha = static_cast<float>(c[3]) * kScale;
+    if (format == PixelFormat::rgba8_srgb) return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
+    return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale, alpha};
+  }
+
+  /// Bilinear (or nearest) look-up in one level.
+  RELUME_HD Vec4 sample_level(const Vec2& uv, int level) const {
+    const int w = level_width(level);
+    const int h = level_height(level);
+    const float x = wrap_coordinate(uv.x, wrap_u) * static_cast<float>(w);
+    const float y = wrap_coordinate(uv.y, wrap_v) * static_cast<float>(h);
+    if (nearest) return texel(level, clamp_index(static_cast<int>(x), w), clamp_index(static_cast<int>(y), h));
+    const float fx = std::floor(x - 0.5f);
+    const float fy = std::floor(y - 0.5f);
+    const float tx = x - 0.5f - fx;
+    const float ty = y - 0.5f - fy;
+    const int x0 = wrap_index(static_cast<int>(fx), w, wrap_u);
+    const int x1 = wrap_index(static_cast<int>(fx) + 1, w, wrap_u);
+    const int y0 = wrap_index(static_cast<int>(fy), h, wrap_v);
+    const int y1 = wrap_index(static_cast<int>(fy) + 1, h, wrap_v);
+    const Vec4 top = texel(level, x0, y0) * (1.0f - tx) + texel(level, x1, y0) * tx;
+    const Vec4 bottom = texel(level, x0, y1) * (1.0f - tx) + texel(level, x1, y1) * tx;
+    return top * (1.0f - ty) + bottom * ty;
+  }
+
+  /// Look-up with a footprint of `lod` = log2(texels) at level 0. The level is dithered by a hash of the coordinates,
+  /// whose mean is the trilinear value.
+  RELUME_HD Vec4 sample(const Vec2& uv, float lod) const {
+    if (!(lod > 0.0f)) return sample_level(uv, 0);
+    const float dither = to_unit_float(hash(float_bits(uv.x), float_bits(uv.y)));
+    const float last = static_cast<float>(level_count - 1);
+    return sample_level(uv, static_cast<int>(clamp(lod + dither, 0.0f, last)));
+  }
+
+ private:
+  /// To [0, 1]; mirror folds.
+  RELUME_HD static float wrap_coordinate(float x, WrapMode wrap) {
+    if (!is_finite(x)) return 0.0f;
+    if (wrap == WrapMode::clamp) return saturate(x);
+    if (wrap == WrapMode::repeat) return x - std::floor(x);
+    const float t = std::fabs(x - 2.0f * std::floor(0.5f * x + 0.5f));
+    return t;
+  }
+  RELUME_HD static int clamp_index(int i, int count) { return i < 0 ? 0 : (i < count ? i : count - 1); }
+  /// Neighbours across the border; i in [-1, count].
+  RELUME_HD static int wrap_index(int i, int count, WrapMode wrap) {
+    if (wrap != WrapMode::repeat) return clamp_index(i, count);
+    return i < 0 ? count - 1 : (i >= count ? (i == count ? 0 : count - 1) : i);
+  }
+};
+
+/// A material's use of a texture.
+struct TextureUse {
+  int32_t texture = -1;
+  uint32_t uv_set = 0;
+  UvTransform transform;
+
+  RELUME_HD bool used() const { return texture >= 0; }
+};
+
+}  // namespace relume

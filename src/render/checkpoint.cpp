@@ -1,0 +1,110 @@
+#include "render/checkpoint.h"
+
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace relume {
+namespace {
+
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '1'};
+
+void put(std::ostream& out, const void* data, size_t size) { out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size)); }
+template <typename T>
+void put(std::ostream& out, const T& value) {
+  put(out, &value, sizeof(T));
+}
+void put_text(std::ostream& out, const std::string& text) {
+  put(out, static_cast<uint64_t>(text.size()));
+  put(out, text.data(), text.size());
+}
+
+class Reader {
+ public:
+  Reader(std::istream& in, const std::filesystem::path& file) : in_(in), file_(file) {}
+  void get(void* data, size_t size) {
+    if (!in_.read(static_cast<char*>(data), static_cast<std::streamsize>(size))) damaged();
+  }
+  template <typename T>
+  T get() {
+    T value;
+    get(&value, sizeof(T));
+    return value;
+  }
+  std::string get_text() {
+    const auto size = get<uint64_t>();
+    if (size > (1u << 20)) damaged();
+    std::string text(size, '\0');
+    get(text.data(), size);
+    return text;
+  }
+  [[noreturn]] void damaged() const { throw Error(fmt::format("{}: the checkpoint is damaged or incomplete; delete it to start over", file_.string())); }
+
+ private:
+  std::istream& in_;
+  const std::filesystem::path& file_;
+};
+
+}  // namespace
+
+std::string checkpoint_key(const RenderSettings& s) {
+  return fmt::format("{}x{} seed {} camera '{}' time {} estimator {} lights {} bounces {} roulette {} auxiliary {}", s.width, s.height, s.seed, s.camera, s.time_s,
+                     static_cast<int>(s.estimator), static_cast<int>(s.lights), s.path.max_bounces, s.path.russian_roulette, s.auxiliary);
+}
+
+void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers) {
+  std::filesystem::path temporary = file;
+  temporary += ".tmp";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    put(out, kMagic, sizeof(kMagic));
+    put(out, header.scene_hash);
+    put_text(out, header.settings);
+    put(out, header.samples);
+    for (const auto& buffer : buffers.all()) {
+      if (!buffer->description().persistent) continue;
+      put_text(out, buffer->description().name);
+      put(out, static_cast<uint64_t>(buffer->bytes().size()));
+      put(out, buffer->bytes().data(), buffer->bytes().size());
+    }
+    put_text(out, "end");
+    out.flush();
+    if (!out) {
+      out.close();
+      std::filesystem::remove(temporary);
+      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?", file.string()));
+    }
+  }
+  std::filesystem::rename(temporary, file);
+}
+
+uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(fmt::format("{}: the checkpoint cannot be opened", file.string()));
+  Reader reader(in, file);
+  char magic[sizeof(kMagic)];
+  reader.get(magic, sizeof(magic));
+  if (std::memcmp(magic, kMagic, sizeof(magic)) != 0) throw Error(fmt::format("{}: this is not a checkpoint of this version of relume", file.string()));
+  if (reader.get<uint64_t>() != expected.scene_hash) throw Error(fmt::format("{}: the checkpoint belongs to another scene; delete it to start over", file.string()));
+  const std::string settings = reader.get_text();
+  if (settings != expected.settings) {
+    throw Error(fmt::format("{}: the checkpoint was made with other settings ({}, now {}); use those or delete it", file.string(), settings, expected.settings));
+  }
+  const auto samples = reader.get<uint32_t>();
+  std::vector<std::pair<Buffer*, std::vector<std::byte>>> loaded;
+  for (std::string name = reader.get_text(); name != "end"; name = reader.get_text()) {
+    Buffer* buffer = buffers.find(name);
+    const auto size = reader.get<uint64_t>();
+    if (!buffer || buffer->bytes().size() != size) reader.damaged();
+    auto& [target, bytes] = loaded.emplace_back(buffer, std::vector<std::byte>(size));
+    reader.get(bytes.data(), size);
+  }
+  for (auto& [buffer, bytes] : loaded) std::memcpy(buffer->bytes().data(), bytes.data(), bytes.size());
+  return samples;
+}
+
+}  // namespace relume

@@ -1,0 +1,46 @@
+// Discrete distributions in constant time: Walker's alias method.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/view.h"
+#include "core/vec.h"
+
+namespace relume {
+
+struct AliasEntry {
+  float keep;      ///< probability of staying in this bin once it is chosen
+  uint32_t alias;  ///< the bin to go to otherwise
+  float pmf;       ///< probability of this bin
+};
+
+struct DiscreteSample {
+  uint32_t index;
+  float pmf;
+  float u;  ///< what is left of the random number, uniform in [0, 1)
+};
+
+/// Table over n bins; empty if all weights are zero.
+struct AliasTable {
+  View<const AliasEntry> entries;
+
+  RELUME_HD bool empty() const { return entries.empty(); }
+
+  RELUME_HD DiscreteSample sample(float u) const {
+    const float scaled = u * static_cast<float>(entries.size);
+    uint32_t i = static_cast<uint32_t>(scaled);
+    if (i >= entries.size) i = entries.size - 1;
+    const float v = scaled - static_cast<float>(i);
+    const AliasEntry& entry = entries[i];
+    if (v < entry.keep) return {i, entry.pmf, clamp(v / entry.keep, 0.0f, kOneMinusEpsilon)};
+    return {entry.alias, entries[entry.alias].pmf, clamp((v - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
+  }
+
+  RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }
+};
+
+/// Entries for weights ≥ 0 ([Vose91]); none if their sum is zero or not finite.
+std::vector<AliasEntry> build_alias_table(std::span<const float> weights);
+
+}  // namespace relume

@@ -1,0 +1,21 @@
+// A white sphere under light that comes equally from everywhere: every pixel of a correct image is 1.
+#include "scene/builtin/builder.h"
+#include "scene/builtin/scenes.h"
+#include "scene/builtin/shapes.h"
+
+namespace relume {
+
+Scene build_furnace() {
+  SceneBuilder builder("furnace");
+  const Index white = builder.add_material(lambert("white", Rgb(1)));
+  // Flat: an interpolated normal would send some directions into the surface, and their light would be missing.
+  builder.add("sphere", flat_shaded(icosphere(1.0f, 4)), white);
+  builder.add_camera({0, 0, 4}, {0, 0, 0}, 40);
+  Environment environment;
+  environment.kind = EnvironmentKind::constant;
+  environment.color = Rgb(1);
+  builder.set_environment(environment);
+  return builder.take();
+}
+
+}  // namespace relume

@@ -1,0 +1,278 @@
+// What holds for every built-in scene, and what each was built to have.
+#include "scene/builtin.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace relume {
+namespace {
+
+/// Every scene is built once for all tests.
+const Scene& scene_named(const std::string& name) {
+  static std::map<std::string, Scene> built;
+  const auto [entry, is_new] = built.try_emplace(name);
+  if (is_new) entry->second = find_builtin_scene(name)->build();
+  return entry->second;
+}
+
+size_t copies(const Node& node) { return node.instances.empty() ? 1 : node.instances.size(); }
+
+/// Triangles with every copy counted, of materials for which `counts` holds.
+template <typename Predicate>
+size_t triangle_count(const Scene& scene, Predicate counts) {
+  size_t sum = 0;
+  for (const Node& node : scene.nodes) {
+    for (const Index i : node.meshes) {
+      const Mesh& mesh = scene.meshes[static_cast<size_t>(i)];
+      if (counts(scene.materials[static_cast<size_t>(mesh.material)])) sum += copies(node) * mesh.triangles.size();
+    }
+  }
+  return sum;
+}
+
+size_t triangle_count(const Scene& scene) {
+  return triangle_count(scene, [](const Material&) { return true; });
+}
+
+size_t emissive_count(const Scene& scene) {
+  return triangle_count(scene, [](const Material& m) { return !is_black(m.emission); });
+}
+
+size_t camera_node(const Scene& scene) {
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].camera != kNone) return i;
+  }
+  ADD_FAILURE() << "no camera";
+  return 0;
+}
+
+struct Hit {
+  float distance = kInfinity;
+  const Material* material = nullptr;
+  bool front = false;
+};
+
+/// Nearest intersection by going through all triangles (Möller and Trumbore 1997).
+Hit trace(const Scene& scene, const Vec3& origin, const Vec3& direction) {
+  Hit hit;
+  const std::vector<Mat4> world = world_matrices(scene, 0);
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    for (size_t k = 0; k < copies(node); ++k) {
+      const Mat4 matrix = glm::inverse(node.instances.empty() ? world[i] : world[i] * node.instances[k]);
+      const Vec3 o = transform_point(matrix, origin);
+      const Vec3 d = transform_vector(matrix, direction);
+      for (const Index m : node.meshes) {
+        const Mesh& mesh = scene.meshes[static_cast<size_t>(m)];
+        for (const UVec3& t : mesh.triangles) {
+          const Vec3 a = mesh.positions[t.x];
+          const Vec3 e1 = mesh.positions[t.y] - a;
+          const Vec3 e2 = mesh.positions[t.z] - a;
+          const Vec3 p = glm::cross(d, e2);
+          const float det = glm::dot(e1, p);
+          if (det == 0) continue;
+          const float u = glm::dot(o - a, p) / det;
+          const Vec3 q = glm::cross(o - a, e1);
+          const float v = glm::dot(d, q) / det;
+          const float distance = glm::dot(e2, q) / det;
+          if (u < 0 || v < 0 || u + v > 1 || distance <= 1e-4f || distance >= hit.distance) continue;
+          hit = {distance, &scene.materials[static_cast<size_t>(mesh.material)], det > 0};
+        }
+      }
+    }
+  }
+  return hit;
+}
+
+/// Unit directions spread evenly over the sphere (Fibonacci lattice).
+Vec3 spread(int i, int count) {
+  const float y = 1 - (2 * static_cast<float>(i) + 1) / static_cast<float>(count);
+  const float angle = static_cast<float>(i) * kPi * (3 - std::sqrt(5.0f));
+  const float r = safe_sqrt(1 - y * y);
+  return {r * std::cos(angle), y, r * std::sin(angle)};
+}
+
+TEST(BuiltinScenes, NamesAreUniqueAndFound) {
+  std::set<std::string_view> names;
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    EXPECT_TRUE(names.insert(scene.name).second) << scene.name;
+    EXPECT_FALSE(scene.summary.empty()) << scene.name;
+    EXPECT_EQ(find_builtin_scene(scene.name), &scene);
+    EXPECT_EQ(scene_named(std::string(scene.name)).name, scene.name);
+  }
+  EXPECT_EQ(find_builtin_scene("no such scene"), nullptr);
+}
+
+class EveryScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScene, Validates) {
+  const Scene& scene = scene_named(GetParam());
+  EXPECT_NO_THROW(validate(scene, GetParam()));
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_P(EveryScene, HasOneCameraAndLight) {
+  const Scene& scene = scene_named(GetParam());
+  EXPECT_EQ(scene.cameras.size(), 1u);
+  EXPECT_EQ(scene.nodes[camera_node(scene)].camera, 0);
+  EXPECT_TRUE(emissive_count(scene) > 0 || scene.environment.kind != EnvironmentKind::none);
+}
+
+TEST_P(EveryScene, NormalsAgreeWithWinding) {
+  for (const Mesh& mesh : scene_named(GetParam()).meshes) {
+    EXPECT_FALSE(mesh.triangles.empty()) << mesh.name;
+    size_t wrong = 0;
+    size_t degenerate = 0;
+    for (const UVec3& t : mesh.triangles) {
+      const Vec3 a = mesh.positions[t.x];
+      const Vec3 cross = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+      degenerate += cross == Vec3(0);
+      if (mesh.normals.empty()) continue;
+      for (const uint32_t i : {t.x, t.y, t.z}) wrong += glm::dot(cross, mesh.normals[i]) <= 0;
+    }
+    EXPECT_EQ(wrong, 0u) << mesh.name;
+    EXPECT_EQ(degenerate, 0u) << mesh.name;
+    for (const Vec3& n : mesh.normals) ASSERT_NEAR(glm::length(n), 1, 1e-5f) << mesh.name;  // a few float roundings
+  }
+}
+
+TEST_P(EveryScene, MaterialsArePlausible) {
+  const bool furnace = GetParam() == "furnace";
+  for (const Material& m : scene_named(GetParam()).materials) {
+    const float most = max_component(m.base_color);
+    if (m.transmission == 0) {
+      EXPECT_LE(most, furnace ? 1.0f : 0.9f) << m.name;
+    }
+    EXPECT_GE(min_component(m.base_color), 0.0f) << m.name;
+    EXPECT_FALSE(m.double_sided) << m.name;
+  }
+}
+
+TEST_P(EveryScene, MatricesKeepOrientation) {
+  const Scene& scene = scene_named(GetParam());
+  for (const Mat4& m : world_matrices(scene, 0)) EXPECT_GT(glm::determinant(Mat3(m)), 0);
+  for (const Node& node : scene.nodes) {
+    for (const Mat4& m : node.instances) EXPECT_GT(glm::determinant(Mat3(m)), 0) << node.name;
+  }
+}
+
+/// A path that starts at time 0 shows what the still camera shows.
+TEST_P(EveryScene, AnimationStartsAtTheStill) {
+  const Scene& scene = scene_named(GetParam());
+  Scene still = scene;
+  still.animation.clear();
+  const std::vector<Mat4> moving = world_matrices(scene, 0);
+  const std::vector<Mat4> at_rest = world_matrices(still, 0);
+  for (size_t i = 0; i < moving.size(); ++i) {
+    for (int c = 0; c < 4; ++c) {
+      EXPECT_LT(glm::distance(moving[i][c], at_rest[i][c]), 1e-3f) << scene.nodes[i].name;  // matrices of up to 1e3
+    }
+  }
+}
+
+std::vector<std::string> all_names() {
+  std::vector<std::string> names;
+  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryScene, testing::ValuesIn(all_names()), [](const auto& param) {
+  std::string name = param.param;
+  for (char& c : name) c = c == '-' ? '_' : c;
+  return name;
+});
+
+TEST(BuiltinScenes, SizesAreAsPromised) {
+  EXPECT_GE(triangle_count(scene_named("cover")), 1'000'000u);
+  EXPECT_EQ(emissive_count(scene_named("cover")), 2u * 10);
+  EXPECT_EQ(emissive_count(scene_named("warehouse")), 2u * 350);
+  const Scene& city = scene_named("city");
+  EXPECT_GE(triangle_count(city), 10'000'000u);
+  size_t in_memory = 0;
+  for (const Mesh& mesh : city.meshes) in_memory += mesh.triangles.size();
+  EXPECT_LE(in_memory, 300'000u);
+}
+
+TEST(BuiltinScenes, AnimatedOnesMove) {
+  for (const char* name : {"turntable", "slit", "corridor", "city", "warehouse", "mine", "cornell-closed"}) {
+    const Scene& scene = scene_named(name);
+    EXPECT_FALSE(scene.animation.empty()) << name;
+    EXPECT_GT(animation_end(scene), 5.0f) << name;
+  }
+  for (const char* name : {"corridor", "city", "warehouse", "mine", "cornell-closed"}) {
+    const Scene& scene = scene_named(name);
+    EXPECT_TRUE(animated_nodes(scene)[camera_node(scene)]) << name;
+  }
+}
+
+/// Lamps whose caustics are to be found by chance only are at most 0.1 % of the ceiling (5.5 m squared).
+TEST(BuiltinScenes, CausticLampsAreSmall) {
+  for (const char* name : {"cornell-water", "cornell-glass"}) {
+    const Scene& scene = scene_named(name);
+    float area = 0;
+    for (const Mesh& mesh : scene.meshes) {
+      if (is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
+      for (const UVec3& t : mesh.triangles) {
+        const Vec3 a = mesh.positions[t.x];
+        area += 0.5f * glm::length(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
+      }
+    }
+    EXPECT_GT(area, 0.0f);
+    EXPECT_LE(area, 0.001f * sqr(5.5f));
+  }
+}
+
+/// From inside a closed room every ray meets a front: no gap, no wall turned inside out.
+TEST(BuiltinScenes, RoomsAreClosed) {
+  for (const char* name : {"cornell-closed", "cornell-mirror", "corridor", "warehouse", "slit", "door", "lamp-room"}) {
+    const Scene& scene = scene_named(name);
+    const Vec3 eye(world_matrices(scene, 0)[camera_node(scene)][3]);
+    const int rays = 500;
+    for (int i = 0; i < rays; ++i) {
+      const Hit hit = trace(scene, eye, spread(i, rays));
+      ASSERT_NE(hit.material, nullptr) << name << ", ray " << i;
+      ASSERT_TRUE(hit.front) << name << ", ray " << i << " meets the back of " << hit.material->name;
+    }
+  }
+}
+
+/// The single lamp is hidden: no ray from the camera finds it.
+TEST(BuiltinScenes, HiddenLampsAreHidden) {
+  for (const char* name : {"corridor", "door"}) {
+    const Scene& scene = scene_named(name);
+    const std::vector<Mat4> world = world_matrices(scene, 0);
+    const Vec3 eye(world[camera_node(scene)][3]);
+    for (size_t i = 0; i < scene.nodes.size(); ++i) {
+      for (const Index m : scene.nodes[i].meshes) {
+        const Mesh& mesh = scene.meshes[static_cast<size_t>(m)];
+        if (is_black(scene.materials[static_cast<size_t>(mesh.material)].emission)) continue;
+        for (int k = 0; k < 100; ++k) {
+          const Vec2 uv(0.05f + 0.1f * static_cast<float>(k % 10), 0.05f + 0.1f * static_cast<float>(k / 10));
+          const Vec3 p = mesh.positions[0] + uv.x * (mesh.positions[1] - mesh.positions[0]) +
+                         uv.y * (mesh.positions[3] - mesh.positions[0]);
+          const Hit hit = trace(scene, eye, glm::normalize(transform_point(world[i], p) - eye));
+          ASSERT_NE(hit.material, nullptr);
+          EXPECT_TRUE(is_black(hit.material->emission)) << name;
+        }
+      }
+    }
+  }
+}
+
+TEST(BuiltinScenes, FurnaceIsWhite) {
+  const Scene& scene = scene_named("furnace");
+  EXPECT_EQ(scene.environment.kind, EnvironmentKind::constant);
+  EXPECT_EQ(scene.environment.color, Rgb(1));
+  EXPECT_EQ(scene.materials.at(0).base_color, Rgb(1));
+  EXPECT_EQ(scene.materials.at(0).specular, 0);
+}
+
+}  // namespace
+}  // namespace relume

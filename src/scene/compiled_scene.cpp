@@ -1,0 +1,365 @@
+#include "scene/compiled_scene.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <tbb/parallel_for.h>
+
+#include "core/error.h"
+#include "scene/surface_point.h"
+
+namespace relume {
+namespace {
+
+/// Meshes that appear often are instanced once they would add more triangles than this; below, copies trace faster.
+constexpr size_t kFlattenedTriangleBudget = 1'000'000;
+
+Affine affine(const Mat4& m) { return {Mat3(m), Vec3(m[3])}; }
+
+/// Takes normals along: the transpose of the inverse times the determinant.
+Mat3 cofactors(const Mat3& m) { return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])}; }
+
+float accel_coverage(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
+  return coverage(*static_cast<const SceneView*>(context), instance, primitive, u, v);
+}
+
+std::vector<uint32_t> triangle_counts(const Scene& scene) {
+  std::vector<uint32_t> counts;
+  for (const Mesh& m : scene.meshes) counts.push_back(static_cast<uint32_t>(m.triangles.size()));
+  return counts;
+}
+
+}  // namespace
+
+CompiledScene::CompiledScene(Scene scene, const std::string& camera, float time_s, int width, int height)
+    : source_(std::move(scene)), resolution_(width, height) {
+  const std::vector<Mat4> world = world_matrices(source_, time_s);
+  textures_ = TextureStore(source_.textures);
+  for (Texture& t : source_.textures) t.texels = {};
+  list_appearances();
+  decide_instancing(animated_nodes(source_));
+  build_materials();
+  build_meshes(world);
+  place_instances(world, true);
+  compute_bounds();
+  lights_.set_environment(source_.environment);
+  refresh_view();
+  lights_.collect(view_, instances_, source_, world, bounds_);
+  add_missing_light();
+  choose_camera(camera);
+  place_camera(world, true);
+  refresh_view();
+  build_accel();
+  view_.accel = accel_->view();
+}
+
+void CompiledScene::set_time(float time_s) {
+  const std::vector<Mat4> world = world_matrices(source_, time_s);
+  place_instances(world, false);
+  place_camera(world, false);
+  refresh_view();
+  lights_.collect(view_, instances_, source_, world, bounds_);
+  refresh_view();
+  accel_->update(accel_instances());
+}
+
+void CompiledScene::list_appearances() {
+  for (uint32_t n = 0; n < source_.nodes.size(); ++n) {
+    const Node& node = source_.nodes[n];
+    for (const Index mesh : node.meshes) {
+      if (node.instances.empty()) appearances_.push_back({n, static_cast<uint32_t>(mesh), Mat4(1)});
+      for (const Mat4& local : node.instances) appearances_.push_back({n, static_cast<uint32_t>(mesh), local});
+    }
+  }
+}
+
+void CompiledScene::decide_instancing(const std::vector<bool>& moves) {
+  const std::vector<uint32_t> triangles = triangle_counts(source_);
+  std::vector<size_t> uses(source_.meshes.size(), 0);
+  for (const Appearance& a : appearances_) ++uses[a.mesh];
+  size_t copied = 0;
+  for (size_t m = 0; m < uses.size(); ++m) {
+    if (uses[m] > 1) copied += uses[m] * triangles[m];
+  }
+  const bool copy_repeated = copied <= kFlattenedTriangleBudget;
+  for (const Appearance& a : appearances_) world_space_.push_back(!moves[a.node] && (uses[a.mesh] == 1 || copy_repeated));
+}
+
+void CompiledScene::build_materials() {
+  const auto use = [&](const TextureRef& ref) {
+    TextureUse u;
+    if (!ref.used()) return u;
+    u.texture = ref.texture;
+    u.uv_set = static_cast<uint32_t>(ref.uv_set);
+    const float c = std::cos(ref.rotation_rad);
+    const float s = std::sin(ref.rotation_rad);
+    u.transform = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y, ref.offset};
+    return u;
+  };
+  std::vector<Material> sources = source_.materials;
+  sources.push_back(Material{});  // glTF's default, for meshes that name none
+  for (const Material& m : sources) {
+    MaterialData d;
+    d.base_color = m.base_color;
+    d.alpha = m.alpha;
+    d.metallic = saturate(m.metallic);
+    d.roughness = saturate(m.roughness);
+    d.normal_scale = m.normal_scale;
+    d.emission = m.emission;
+    d.alpha_cutoff = m.alpha_cutoff;
+    d.specular_color = m.specular_color;
+    d.specular = saturate(m.specular);
+    d.ior = std::max(m.ior, 1.0f);
+    d.transmission = saturate(m.transmission);
+    d.clearcoat = saturate(m.clearcoat);
+    d.clearcoat_roughness = saturate(m.clearcoat_roughness);
+    d.base_color_texture = use(m.base_color_texture);
+    d.metallic_roughness_texture = use(m.metallic_roughness_texture);
+    d.normal_texture = use(m.normal_texture);
+    d.emission_texture = use(m.emission_texture);
+    d.specular_texture = use(m.specular_texture);
+    d.specular_color_texture = use(m.specular_color_texture);
+    d.transmission_texture = use(m.transmission_texture);
+    d.clearcoat_texture = use(m.clearcoat_texture);
+    d.clearcoat_roughness_texture = use(m.clearcoat_roughness_texture);
+    d.microfacet_model = m.microfacet_model;
+    d.mask = m.alpha_mode == AlphaMode::mask;
+    d.blend = m.alpha_mode == AlphaMode::blend;
+    d.double_sided = m.double_sided;
+    d.unlit = m.unlit;
+    d.volume = m.thickness > 0.0f && m.transmission > 0.0f;
+    if (d.volume && is_finite(m.attenuation_distance) && m.attenuation_distance > 0.0f) {
+      for (int c = 0; c < 3; ++c) d.absorption[c] = -std::log(std::max(m.attenuation_color[c], 1e-6f)) / m.attenuation_distance;
+    }
+    for (const TextureUse* t : {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture, &d.emission_texture, &d.specular_texture,
+                                &d.specular_color_texture, &d.transmission_texture, &d.clearcoat_texture, &d.clearcoat_roughness_texture}) {
+      d.uses_uv = d.uses_uv || t->used();
+    }
+    materials_.push_back(d);
+  }
+}
+
+void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
+  const Mesh& mesh = source_.meshes[mesh_index];
+  const uint32_t first_vertex = static_cast<uint32_t>(vertices_.size());
+  const Affine m = transform ? affine(*transform) : Affine{};
+  const Mat3 normal_matrix = cofactors(m.linear);
+  const bool mirrored = glm::dot(m.linear[0], normal_matrix[0]) < 0.0f;
+  const float orientation = mirrored ? -1.0f : 1.0f;
+
+  MeshView view;
+  view.first_triangle = static_cast<uint32_t>(triangles_.size());
+  view.triangle_count = static_cast<uint32_t>(mesh.triangles.size());
+  view.material = mesh.material == kNone ? static_cast<uint32_t>(materials_.size()) - 1 : static_cast<uint32_t>(mesh.material);
+  view.has_normals = !mesh.normals.empty();
+  view.has_uv = !mesh.uv0.empty();
+  view.has_tangents = !mesh.tangents.empty();
+  view.has_uv1 = !mesh.uv1.empty();
+  view.has_colors = !mesh.colors.empty();
+  view.first_uv1 = static_cast<uint32_t>(uv1_.size()) - first_vertex;
+  view.first_color = static_cast<uint32_t>(colors_.size()) - first_vertex;
+  meshes_.push_back(view);
+
+  const size_t count = mesh.positions.size();
+  vertices_.resize(first_vertex + count);
+  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+    Vertex& v = vertices_[first_vertex + i];
+    v.position = m.point(mesh.positions[i]);
+    const auto direction = [](const Vec3& d) { return length_squared(d) > 0.0f ? pack_direction(glm::normalize(d)) : pack_direction(Vec3(0, 0, 1)); };
+    v.normal = view.has_normals ? direction(normal_matrix * mesh.normals[i] * orientation) : 0;
+    v.uv = view.has_uv ? mesh.uv0[i] : Vec2(0);
+    v.tangent = view.has_tangents ? direction(m.vector(Vec3(mesh.tangents[i]))) : 0;
+    v.handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
+  });
+  for (const UVec3& t : mesh.triangles) {
+    const UVec3 moved = t + UVec3(first_vertex);
+    triangles_.push_back(mirrored ? UVec3(moved.x, moved.z, moved.y) : moved);
+  }
+  uv1_.insert(uv1_.end(), mesh.uv1.begin(), mesh.uv1.end());
+  colors_.insert(colors_.end(), mesh.colors.begin(), mesh.colors.end());
+}
+
+void CompiledScene::build_meshes(const std::vector<Mat4>& world) {
+  std::vector<uint32_t> shared(source_.meshes.size(), kNoHit);
+  for (size_t i = 0; i < appearances_.size(); ++i) {
+    const Appearance& a = appearances_[i];
+    if (world_space_[i]) {
+      const Mat4 transform = world[a.node] * a.local;
+      mesh_of_appearance_.push_back(static_cast<uint32_t>(meshes_.size()));
+      append_mesh(a.mesh, &transform);
+      continue;
+    }
+    if (shared[a.mesh] == kNoHit) {
+      shared[a.mesh] = static_cast<uint32_t>(meshes_.size());
+      append_mesh(a.mesh, nullptr);
+    }
+    mesh_of_appearance_.push_back(shared[a.mesh]);
+  }
+  for (Mesh& m : source_.meshes) {  // the compiled copy replaces the arrays
+    m = Mesh{.name = std::move(m.name), .positions = {}, .normals = {}, .tangents = {}, .uv0 = {}, .uv1 = {}, .colors = {}, .triangles = {}, .material = m.material};
+  }
+  // Embree reads 16 bytes at the last vertex, and colours and second coordinates are addressed like vertices.
+  vertices_.shrink_to_fit();
+  triangles_.shrink_to_fit();
+}
+
+void CompiledScene::place_instances(const std::vector<Mat4>& world, bool first) {
+  instances_.resize(appearances_.size());
+  for (size_t i = 0; i < appearances_.size(); ++i) {
+    Instance& instance = instances_[i];
+    instance.mesh = mesh_of_appearance_[i];
+    instance.in_world_space = world_space_[i];
+    if (instance.in_world_space) continue;
+    const Affine now = affine(world[appearances_[i].node] * appearances_[i].local);
+    instance.previous_to_world = first ? now : instance.to_world;
+    instance.to_world = now;
+    instance.normal_to_world = cofactors(now.linear);
+    instance.orientation = glm::dot(now.linear[0], instance.normal_to_world[0]) < 0.0f ? -1.0f : 1.0f;
+  }
+}
+
+void CompiledScene::compute_bounds() {
+  Vec3 low(kInfinity);
+  Vec3 high(-kInfinity);
+  std::vector<std::pair<Vec3, Vec3>> boxes(meshes_.size(), {low, high});
+  tbb::parallel_for(size_t{0}, meshes_.size(), [&](size_t m) {
+    for (uint32_t t = 0; t < meshes_[m].triangle_count; ++t) {
+      const UVec3 index = triangles_[meshes_[m].first_triangle + t];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3& p = vertices_[index[k]].position;
+        boxes[m] = {glm::min(boxes[m].first, p), glm::max(boxes[m].second, p)};
+      }
+    }
+  });
+  for (const Instance& instance : instances_) {
+    const auto& [box_low, box_high] = boxes[instance.mesh];
+    if (box_low.x > box_high.x) continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 p(corner & 1 ? box_high.x : box_low.x, corner & 2 ? box_high.y : box_low.y, corner & 4 ? box_high.z : box_low.z);
+      const Vec3 q = instance.in_world_space ? p : instance.to_world.point(p);
+      low = glm::min(low, q);
+      high = glm::max(high, q);
+    }
+  }
+  if (low.x > high.x) low = high = Vec3(0);
+  bounds_.center = 0.5f * (low + high);
+  // A margin keeps rays from infinity outside whatever moves a little.
+  bounds_.radius = std::max(0.55f * glm::length(high - low), 1e-3f);
+}
+
+void CompiledScene::add_missing_light() {
+  if (!lights_.view().lights.empty()) return;
+  for (const MaterialData& m : materials_) {
+    if (m.unlit) return;
+  }
+  notes_.push_back("the scene has no light: a constant environment of radiance 1 stands in; give one with --env");
+  Environment environment;
+  environment.kind = EnvironmentKind::constant;
+  lights_.set_environment(environment);
+  lights_.collect(view_, instances_, source_, world_matrices(source_, 0), bounds_);
+}
+
+void CompiledScene::choose_camera(const std::string& name) {
+  std::vector<Index> nodes;
+  for (size_t i = 0; i < source_.nodes.size(); ++i) {
+    if (source_.nodes[i].camera != kNone) nodes.push_back(static_cast<Index>(i));
+  }
+  if (nodes.empty()) {
+    if (!name.empty()) throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view", source_.name, name));
+    notes_.push_back("the scene has no camera: one that sees all of it stands in");
+    const float fov = camera_.fov_y_rad;
+    const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(0.5f * fov));
+    default_camera_ = glm::inverse(glm::lookAt(eye, bounds_.center, Vec3(0, 1, 0)));
+    return;
+  }
+  camera_node_ = nodes.front();
+  if (!name.empty()) {
+    camera_node_ = kNone;
+    size_t index = 0;
+    const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);
+    const bool is_number = parsed.ec == std::errc{} && parsed.ptr == name.data() + name.size();
+    std::string known;
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      const Node& node = source_.nodes[static_cast<size_t>(nodes[i])];
+      const std::string& camera_name = source_.cameras[static_cast<size_t>(node.camera)].name;
+      if (node.name == name || camera_name == name || (is_number && i == index)) camera_node_ = camera_node_ == kNone ? nodes[i] : camera_node_;
+      known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
+    }
+    if (camera_node_ == kNone) throw Error(fmt::format("{}: there is no camera '{}'; it has {}", source_.name, name, known));
+  }
+  camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
+}
+
+void CompiledScene::place_camera(const std::vector<Mat4>& world, bool first) {
+  const Mat4 m = camera_node_ == kNone ? default_camera_ : world[static_cast<size_t>(camera_node_)];
+  const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
+  CameraView c;
+  c.projection = camera_.projection;
+  c.position = Vec3(m[3]);
+  c.axes.n = glm::normalize(Vec3(m[2]));
+  c.axes.t = glm::normalize(glm::cross(Vec3(m[1]), c.axes.n));
+  c.axes.b = glm::cross(c.axes.n, c.axes.t);
+  const float half = camera_.projection == Projection::orthographic ? camera_.half_height : std::tan(0.5f * camera_.fov_y_rad);
+  c.half_extent = {half * aspect, half};
+  c.lens_radius = camera_.lens_radius;
+  c.focus_distance = camera_.focus_distance;
+  c.resolution = Vec2(resolution_);
+  previous_camera_view_ = first ? c : camera_view_;
+  camera_view_ = c;
+}
+
+void CompiledScene::refresh_view() {
+  view_.vertices = view_of(vertices_);
+  view_.triangles = view_of(triangles_);
+  view_.uv1 = view_of(uv1_);
+  view_.colors = view_of(colors_);
+  view_.meshes = view_of(meshes_);
+  view_.instances = view_of(instances_);
+  view_.materials = view_of(materials_);
+  view_.textures = textures_.views();
+  view_.lights = lights_.view();
+  view_.camera = camera_view_;
+  view_.previous_camera = previous_camera_view_;
+  view_.energy_tables = &energy_tables();
+}
+
+std::vector<AccelInstance> CompiledScene::accel_instances() const {
+  std::vector<AccelInstance> result;
+  for (const Instance& i : instances_) {
+    Mat4 m(i.to_world.linear);
+    m[3] = Vec4(i.to_world.translation, 1.0f);
+    result.push_back({i.mesh, m, i.in_world_space});
+  }
+  return result;
+}
+
+void CompiledScene::build_accel() {
+  std::vector<AccelMesh> meshes;
+  for (const MeshView& m : meshes_) {
+    AccelMesh a;
+    a.positions = &vertices_.data()->position.x;
+    a.position_stride = sizeof(Vertex);
+    a.vertex_count = vertices_.size();
+    a.indices = m.triangle_count ? &triangles_[m.first_triangle].x : nullptr;
+    a.triangle_count = m.triangle_count;
+    a.needs_coverage = materials_[m.material].has_alpha();
+    meshes.push_back(a);
+  }
+  accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), CoverageFunction{accel_coverage, &view_});
+}
+
+size_t CompiledScene::triangle_count() const {
+  size_t sum = 0;
+  for (const Instance& i : instances_) sum += meshes_[i.mesh].triangle_count;
+  return sum;
+}
+
+size_t CompiledScene::memory_bytes() const {
+  return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) + colors_.size() * sizeof(Vec4) +
+         instances_.size() * sizeof(Instance) + textures_.memory_bytes() + accel_->memory_bytes();
+}
+
+}  // namespace relume

@@ -1,0 +1,257 @@
+#include "scene/light_builder.h"
+
+#include <cstring>
+#include <map>
+
+#include <tbb/parallel_for.h>
+
+#include "scene/sun_sky.h"
+#include "scene/surface_point.h"
+
+namespace relume {
+namespace {
+
+/// Edge of the subdivision of a textured triangle that is about one texel, within bounds.
+uint32_t grid_size(const TexturedEmission& e, const TexturedTriangle& t) {
+  float texels = 1;
+  const auto count = [&](int32_t texture, const Vec2 uv[3]) {
+    if (texture < 0) return;
+    const TextureView& view = e.textures[static_cast<uint32_t>(texture)];
+    const Vec2 d1 = uv[1] - uv[0];
+    const Vec2 d2 = uv[2] - uv[0];
+    texels = std::fmax(texels, 0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x) * static_cast<float>(view.width) * static_cast<float>(view.height));
+  };
+  count(t.emission_texture, t.emission_uv);
+  count(t.coverage_texture, t.coverage_uv);
+  constexpr float kMaxGrid = 256;
+  return static_cast<uint32_t>(clamp(std::ceil(std::sqrt(2.0f * texels)), 1.0f, kMaxGrid));
+}
+
+/// Mean of the texture over one small triangle.
+Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t grid, uint32_t index) {
+  constexpr int kPoints = 4;
+  Rgb sum(0);
+  for (int i = 0; i < kPoints; ++i) {
+    for (int j = 0; j < kPoints; ++j) {
+      const Vec2 u((static_cast<float>(i) + 0.5f) / kPoints, (static_cast<float>(j) + 0.5f) / kPoints);
+      sum += textured_emission(e, t, barycentric_in_small_triangle(grid, index, triangle_from_square(u)));
+    }
+  }
+  return sum / static_cast<float>(kPoints * kPoints);
+}
+
+void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use, Vec2 uv[3]) {
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t v = index[k];
+    Vec2 raw(0);
+    if (use.uv_set == 1 && mesh.has_uv1) raw = scene.uv1[mesh.first_uv1 + v];
+    if (use.uv_set == 0 && mesh.has_uv) raw = scene.vertices[v].uv;
+    uv[k] = use.transform(raw);
+  }
+}
+
+}  // namespace
+
+void LightBuilder::push(const DirectionalLight& light) {
+  Light entry;
+  entry.kind = LightKind::directional;
+  entry.directional = light;
+  lights_.push_back(entry);
+}
+
+void LightBuilder::set_environment(const Environment& source) {
+  Environment baked = source;
+  if (source.kind == EnvironmentKind::sun_sky) {
+    const SunSkyModel model = make_sun_sky(source.sun_sky);
+    baked.map = model.sky;
+    baked.width = model.width;
+    baked.height = model.height;
+    baked.color = Rgb(1);
+    has_sun_ = !is_black(model.sun.irradiance);
+    sun_ = model.sun;
+  }
+  environment_ = {};
+  if (source.kind == EnvironmentKind::none) return;
+  environment_.scale = baked.color;
+  environment_.mean = baked.color;
+  environment_.cos_rotation = std::cos(source.rotation_rad);
+  environment_.sin_rotation = std::sin(source.rotation_rad);
+  if (source.kind == EnvironmentKind::constant) return;
+
+  environment_map_ = std::move(baked.map);
+  const int w = baked.width;
+  const int h = baked.height;
+  environment_.map = view_of(environment_map_);
+  environment_.width = static_cast<uint32_t>(w);
+  environment_.height = static_cast<uint32_t>(h);
+
+  // A texel's weight is the mean over it of the bilinear interpolation, (1 6 1)/8 along each axis, times its solid angle.
+  std::vector<float> weights(environment_map_.size());
+  const auto at = [&](int x, int y) { return environment_map_[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) + static_cast<size_t>((x + w) % w)]; };
+  Rgb sum(0);
+  double solid_angle = 0;
+  std::vector<Rgb> row_sums(static_cast<size_t>(h), Rgb(0));
+  tbb::parallel_for(0, h, [&](int y) {
+    const float sin_theta = std::sin((static_cast<float>(y) + 0.5f) / static_cast<float>(h) * kPi);
+    for (int x = 0; x < w; ++x) {
+      Rgb mean(0);
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) mean += at(x + dx, y + dy) * ((dx ? 0.125f : 0.75f) * (dy ? 0.125f : 0.75f));
+      }
+      weights[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] = luminance(mean) * sin_theta;
+      row_sums[static_cast<size_t>(y)] += mean * sin_theta;
+    }
+  });
+  for (int y = 0; y < h; ++y) {
+    sum += row_sums[static_cast<size_t>(y)];
+    solid_angle += std::sin((y + 0.5) / h * static_cast<double>(kPi)) * w;
+  }
+  environment_.mean = environment_.scale * sum / static_cast<float>(solid_angle);
+  environment_distribution_ = build_distribution_2d(weights, environment_.width, environment_.height);
+  environment_.distribution = environment_distribution_.view();
+}
+
+void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene, const std::vector<Mat4>& world,
+                           const SceneBounds& bounds) {
+  const std::vector<Light> previous = std::move(lights_);
+  lights_.clear();
+  bounds_ = bounds;
+  textures_ = geometry.textures;
+  textured_.clear();
+  entries_.clear();
+  for (uint32_t i = 0; i < instances.size(); ++i) add_triangles(geometry, i, instances[i]);
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Index light = scene.nodes[i].light;
+    if (light != kNone && scene.lights[static_cast<size_t>(light)].type != PunctualType::directional) {
+      add_punctual(scene.lights[static_cast<size_t>(light)], world[i]);
+    }
+  }
+  first_infinite_ = static_cast<uint32_t>(lights_.size());
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Index light = scene.nodes[i].light;
+    if (light != kNone && scene.lights[static_cast<size_t>(light)].type == PunctualType::directional) {
+      add_punctual(scene.lights[static_cast<size_t>(light)], world[i]);
+    }
+  }
+  if (has_sun_) push(sun_);
+  if (!environment_.black()) lights_.emplace_back();
+  mark_changes(previous);
+}
+
+void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance) {
+  const MeshView& mesh = geometry.meshes[instance.mesh];
+  const MaterialData& material = geometry.materials[mesh.material];
+  instance.first_light = kNoLight;
+  if (!material.emissive()) return;
+  instance.first_light = static_cast<LightId>(lights_.size());
+  for (uint32_t k = 0; k < mesh.triangle_count; ++k) {
+    const UVec3 index = geometry.triangles[mesh.first_triangle + k];
+    const auto position = [&](uint32_t v) {
+      const Vec3& p = geometry.vertices[v].position;
+      return instance.in_world_space ? p : instance.to_world.point(p);
+    };
+    TriangleLight light{};
+    light.v0 = position(index.x);
+    light.e1 = position(index.y) - light.v0;
+    light.e2 = position(index.z) - light.v0;
+    const Vec3 cross = glm::cross(light.e1, light.e2) * instance.orientation;
+    const float twice_area = glm::length(cross);
+    light.normal = twice_area > 0.0f ? cross / twice_area : Vec3(0);
+    light.area = 0.5f * twice_area;
+    light.radiance = material.emission;
+    light.instance = instance_index;
+    light.primitive = k;
+    light.textured = -1;
+    light.two_sided = material.double_sided;
+    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha())) add_textured(geometry, mesh, k, light);
+    Light entry;
+    entry.kind = LightKind::triangle;
+    entry.triangle = light;
+    lights_.push_back(entry);
+  }
+}
+
+void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive, TriangleLight& light) {
+  const MaterialData& material = geometry.materials[mesh.material];
+  const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
+  TexturedTriangle t{};
+  t.emission_texture = material.emission_texture.texture;
+  transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
+  t.coverage_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
+  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.coverage_uv);
+  t.alpha_factor = material.alpha;
+  t.alpha_cutoff = material.alpha_cutoff;
+  t.mask = material.mask;
+  const TexturedEmission context{view_of(textured_), view_of(entries_), textures_};
+  t.grid = grid_size(context, t);
+  t.first_entry = static_cast<uint32_t>(entries_.size());
+
+  const uint32_t count = t.grid * t.grid;
+  std::vector<Rgb> means(count);
+  tbb::parallel_for(0u, count, [&](uint32_t i) { means[i] = mean_emission(context, t, t.grid, i); });
+  std::vector<float> weights(count);
+  Rgb sum(0);
+  for (uint32_t i = 0; i < count; ++i) {
+    weights[i] = luminance(means[i]);
+    sum += means[i];
+  }
+  t.mean_emission = sum / static_cast<float>(count);
+  const std::vector<AliasEntry> table = build_alias_table(weights);
+  if (table.empty()) {  // a triangle whose texture is black everywhere emits nothing
+    light.radiance = Rgb(0);
+    return;
+  }
+  entries_.insert(entries_.end(), table.begin(), table.end());
+  light.textured = static_cast<int32_t>(textured_.size());
+  textured_.push_back(t);
+}
+
+void LightBuilder::add_punctual(const PunctualLight& source, const Mat4& to_world) {
+  const Vec3 position(to_world[3]);
+  const Vec3 axis = glm::normalize(-Vec3(to_world[2]));
+  Light entry;
+  switch (source.type) {
+    case PunctualType::point:
+      entry.kind = LightKind::point;
+      entry.point = {position, source.intensity};
+      break;
+    case PunctualType::spot:
+      entry.kind = LightKind::spot;
+      entry.spot = {position, axis, source.intensity, std::cos(source.inner_cone_rad), std::cos(source.outer_cone_rad)};
+      break;
+    case PunctualType::directional: {
+      const float half = 0.5f * source.angular_diameter_rad;
+      push({-axis, source.intensity, 2.0f * sqr(std::sin(0.5f * half))});
+      return;
+    }
+  }
+  lights_.push_back(entry);
+}
+
+void LightBuilder::mark_changes(const std::vector<Light>& previous) {
+  const auto same = [](const Light& a, const Light& b) {
+    if (a.kind != b.kind) return false;
+    switch (a.kind) {
+      case LightKind::triangle: return a.triangle.v0 == b.triangle.v0 && a.triangle.e1 == b.triangle.e1 && a.triangle.e2 == b.triangle.e2 && a.triangle.radiance == b.triangle.radiance;
+      case LightKind::point: return a.point.position == b.point.position && a.point.intensity == b.point.intensity;
+      case LightKind::spot: return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity;
+      case LightKind::directional: return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance;
+      case LightKind::environment: return true;
+    }
+    return true;
+  };
+  if (previous.empty()) return;
+  for (size_t i = 0; i < lights_.size(); ++i) lights_[i].changed = i >= previous.size() || !same(lights_[i], previous[i]);
+}
+
+LightsView LightBuilder::view() const {
+  LightsView v;
+  v.lights = view_of(lights_);
+  v.first_infinite = first_infinite_;
+  v.textured = {view_of(textured_), view_of(entries_), textures_};
+  v.environment = environment_;
+  v.bounds = bounds_;
+  return v;
+}
+
+}  // namespace relume

@@ -1,0 +1,44 @@
+// Collects the emitters of a scene into the arrays behind a LightsView.
+#pragma once
+
+#include <vector>
+
+#include "lights/light.h"
+#include "scene/scene.h"
+#include "scene/scene_view.h"
+
+namespace relume {
+
+class LightBuilder {
+ public:
+  /// Environment arrays (map, sampling table); once a scene.
+  void set_environment(const Environment& environment);
+
+  /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
+  /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
+  void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene, const std::vector<Mat4>& world,
+               const SceneBounds& bounds);
+
+  LightsView view() const;
+
+ private:
+  void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
+  void add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive, TriangleLight& light);
+  void add_punctual(const PunctualLight& light, const Mat4& to_world);
+  void mark_changes(const std::vector<Light>& previous);
+  void push(const DirectionalLight& light);
+
+  std::vector<Light> lights_;
+  uint32_t first_infinite_ = 0;
+  std::vector<TexturedTriangle> textured_;
+  std::vector<AliasEntry> entries_;
+  View<const TextureView> textures_;
+  std::vector<Rgb> environment_map_;
+  Distribution2DStorage environment_distribution_;
+  EnvironmentView environment_;
+  bool has_sun_ = false;
+  DirectionalLight sun_{};
+  SceneBounds bounds_;
+};
+
+}  // namespace relume

@@ -1,0 +1,73 @@
+// The compiled scene as kernels see it: flat arrays, indices instead of pointers.
+#pragma once
+
+#include "accel/accel.h"
+#include "core/octahedral.h"
+#include "core/view.h"
+#include "lights/light.h"
+#include "materials/energy_tables.h"
+#include "materials/material.h"
+#include "materials/texture.h"
+#include "scene/camera_view.h"
+
+namespace relume {
+
+/// Affine map, column by column.
+struct Affine {
+  Mat3 linear{1};
+  Vec3 translation{0};
+
+  RELUME_HD Vec3 point(const Vec3& p) const { return linear * p + translation; }
+  RELUME_HD Vec3 vector(const Vec3& v) const { return linear * v; }
+};
+
+/// 32 bytes, so that a triangle touches at most three cache lines.
+struct Vertex {
+  Vec3 position;
+  uint32_t normal;   ///< octahedral
+  Vec2 uv;           ///< first set
+  uint32_t tangent;  ///< octahedral; valid if the mesh has tangents
+  float handedness;  ///< of the bitangent, ±1
+};
+
+struct MeshView {
+  uint32_t first_triangle = 0;
+  uint32_t triangle_count = 0;
+  uint32_t material = 0;
+  uint32_t first_uv1 = 0;    ///< added to the vertex index
+  uint32_t first_color = 0;
+  bool has_normals = false;
+  bool has_uv = false;
+  bool has_tangents = false;
+  bool has_uv1 = false;
+  bool has_colors = false;
+};
+
+/// One appearance of a mesh.
+struct Instance {
+  Affine to_world;
+  Mat3 normal_to_world{1};     ///< cofactors of to_world.linear: takes normals along
+  Affine previous_to_world;
+  uint32_t mesh = 0;
+  LightId first_light = kNoLight;  ///< of its triangles, if they emit
+  bool in_world_space = true;  ///< static and stored transformed: the matrices are the identity
+  float orientation = 1;       ///< −1: to_world mirrors
+};
+
+struct SceneView {
+  View<const Vertex> vertices;
+  View<const UVec3> triangles;   ///< vertex indices into `vertices`
+  View<const Vec2> uv1;
+  View<const Vec4> colors;
+  View<const MeshView> meshes;
+  View<const Instance> instances;
+  View<const MaterialData> materials;
+  View<const TextureView> textures;
+  LightsView lights;
+  CameraView camera;
+  CameraView previous_camera;
+  const EnergyTables* energy_tables = nullptr;
+  AccelView accel;
+};
+
+}  // namespace relume

@@ -1,0 +1,61 @@
+// Everything that estimators, caches and filters need to know of a point on a surface.
+#pragma once
+
+#include "materials/make_bsdf.h"
+#include "scene/scene_view.h"
+
+namespace relume {
+
+struct SurfacePoint {
+  Vec3 position{0};
+  float position_error = 0;   ///< bound on the rounding error of each component, metres
+  Vec3 previous_position{0};  ///< of the same material point one frame ago
+  Vec3 ng{0, 0, 1};           ///< geometric normal, unit, on the side of wo
+  Frame frame;                ///< frame.n is the shading normal, on the side of wo
+  Vec3 wo{0, 0, 1};           ///< unit, towards the viewer
+  Bsdf bsdf;
+  Rgb emission{0};            ///< radiance emitted towards wo
+  LightId light = kNoLight;
+  Vec2 barycentric{0};
+  float footprint = 0;        ///< width of the ray cone, metres
+  uint32_t instance = 0;
+  uint32_t primitive = 0;
+  uint32_t material = 0;
+  bool front_face = true;
+
+  RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
+
+  /// Ray from here towards `w` that cannot meet its own surface.
+  RELUME_HD Ray spawn_ray(const Vec3& w) const { return {offset_origin(position, position_error, ng, w), w, kInfinity}; }
+};
+
+/// BSDF value and density for world directions, zero where shading and geometric normal disagree about the side.
+template <bool kReverse = false>
+RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
+  const Vec3 wi_local = sp.frame.to_local(wi);
+  if (glm::dot(wi, sp.ng) * wi_local.z <= 0.0f) return {};
+  return eval_pdf<kReverse>(sp.bsdf, sp.frame.to_local(sp.wo), wi_local, mode);
+}
+
+/// A world direction from the BSDF.
+RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const Vec2& u, TransportMode mode = TransportMode::radiance) {
+  BsdfSample s = sample(sp.bsdf, sp.frame.to_local(sp.wo), u_lobe, u, mode);
+  const float local_z = s.wi.z;
+  s.wi = sp.frame.to_world(s.wi);
+  if (glm::dot(s.wi, sp.ng) * local_z <= 0.0f) s.valid = false;
+  return s;
+}
+
+/// |cos| between the shading normal and `w`.
+RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) { return std::fabs(glm::dot(sp.frame.n, w)); }
+
+/// The point that `ray` meets at `hit`. `cone_width` is the width of the ray cone there, metres; it selects texture levels
+/// ([Akenine21]).
+RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp);
+
+/// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
+RELUME_HD float coverage(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
+
+}  // namespace relume
+
+#include "scene/surface_point_impl.h"

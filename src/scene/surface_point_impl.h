@@ -1,0 +1,247 @@
+// Implementation of surface_point.h, in a header so that the device compiles it too.
+#pragma once
+
+#include "scene/surface_point.h"
+
+namespace relume {
+namespace surface_detail {
+
+/// One triangle's data at a hit.
+struct TriangleAt {
+  const Vertex* v[3];
+  UVec3 index;
+  Vec3 weights;
+};
+
+RELUME_HD inline TriangleAt triangle_at(const SceneView& scene, const MeshView& mesh, uint32_t primitive, float u, float v) {
+  TriangleAt t;
+  t.index = scene.triangles[mesh.first_triangle + primitive];
+  t.v[0] = &scene.vertices[t.index.x];
+  t.v[1] = &scene.vertices[t.index.y];
+  t.v[2] = &scene.vertices[t.index.z];
+  t.weights = Vec3(1.0f - u - v, u, v);
+  return t;
+}
+
+template <typename T>
+RELUME_HD inline T interpolate(const T& a, const T& b, const T& c, const Vec3& w) {
+  return a * w.x + b * w.y + c * w.z;
+}
+
+/// Texture coordinates at the hit, and how much of texture space a square metre covers.
+struct Uv {
+  Vec2 uv[2] = {Vec2(0), Vec2(0)};
+  float density = 0;  ///< uv area per m²
+};
+
+RELUME_HD inline float triangle_uv_area(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 d1 = b - a;
+  const Vec2 d2 = c - a;
+  return std::fabs(d1.x * d2.y - d1.y * d2.x);
+}
+
+RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const TriangleAt& t, float twice_area) {
+  Uv result;
+  if (mesh.has_uv) {
+    result.uv[0] = interpolate(t.v[0]->uv, t.v[1]->uv, t.v[2]->uv, t.weights);
+    result.density = triangle_uv_area(t.v[0]->uv, t.v[1]->uv, t.v[2]->uv) / twice_area;
+  }
+  if (mesh.has_uv1) {
+    const Vec2& a = scene.uv1[mesh.first_uv1 + t.index.x];
+    const Vec2& b = scene.uv1[mesh.first_uv1 + t.index.y];
+    const Vec2& c = scene.uv1[mesh.first_uv1 + t.index.z];
+    result.uv[1] = interpolate(a, b, c, t.weights);
+    if (result.density == 0.0f) result.density = triangle_uv_area(a, b, c) / twice_area;
+  }
+  return result;
+}
+
+/// Look-up with the level that fits a footprint of `area` m².
+RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
+  const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
+  const float texels = uv.density * use.transform.area_scale() * area * static_cast<float>(texture.width) * static_cast<float>(texture.height);
+  const float lod = texels > 1.0f ? 0.5f * std::log2(texels) : 0.0f;
+  return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
+}
+
+RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const MaterialData& m, const Uv& uv, float area) {
+  MaterialSample s;
+  s.base_color = m.base_color;
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  s.specular = m.specular;
+  s.specular_color = m.specular_color;
+  s.transmission = m.transmission;
+  s.clearcoat = m.clearcoat;
+  s.clearcoat_roughness = m.clearcoat_roughness;
+  if (!m.uses_uv) return s;
+  if (m.base_color_texture.used()) s.base_color *= Rgb(fetch(scene, m.base_color_texture, uv, area));
+  if (m.metallic_roughness_texture.used()) {
+    const Vec4 t = fetch(scene, m.metallic_roughness_texture, uv, area);
+    s.roughness *= t.y;
+    s.metallic *= t.z;
+  }
+  if (m.specular_texture.used()) s.specular *= fetch(scene, m.specular_texture, uv, area).w;
+  if (m.specular_color_texture.used()) s.specular_color *= Rgb(fetch(scene, m.specular_color_texture, uv, area));
+  if (m.transmission_texture.used()) s.transmission *= fetch(scene, m.transmission_texture, uv, area).x;
+  if (m.clearcoat_texture.used()) s.clearcoat *= fetch(scene, m.clearcoat_texture, uv, area).x;
+  if (m.clearcoat_roughness_texture.used()) s.clearcoat_roughness *= fetch(scene, m.clearcoat_roughness_texture, uv, area).y;
+  return s;
+}
+
+/// Position, its error bound, the previous position and the geometric normal (front, not normalised) of a hit.
+struct Geometry {
+  Vec3 position;
+  float error;
+  Vec3 previous_position;
+  Vec3 e1;
+  Vec3 e2;
+  Vec3 front;
+};
+
+RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt& t) {
+  const Vec3& p0 = t.v[0]->position;
+  const Vec3& p1 = t.v[1]->position;
+  const Vec3& p2 = t.v[2]->position;
+  Geometry g;
+  g.position = interpolate(p0, p1, p2, t.weights);
+  // One bound for all components: Embree's own rounding follows the largest.
+  g.error = gamma_bound(7) * max_component(abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
+  g.previous_position = g.position;
+  g.e1 = p1 - p0;
+  g.e2 = p2 - p0;
+  if (!instance.in_world_space) {
+    const Affine& m = instance.to_world;
+    const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
+    // Embree intersects in object space: its rounding moves the ray, so the bound counts the transform there and back.
+    g.error = 2.0f * max_component(gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * Vec3(g.error)));
+    g.previous_position = instance.previous_to_world.point(g.position);
+    g.position = m.point(g.position);
+    g.e1 = m.vector(g.e1);
+    g.e2 = m.vector(g.e2);
+  }
+  g.front = glm::cross(g.e1, g.e2) * instance.orientation;
+  return g;
+}
+
+/// Normal from the normal map, in world space.
+RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material, const Instance& instance,
+                                    const TriangleAt& t, const Geometry& g, const Uv& uv, float area, const Vec3& ns) {
+  Vec3 tangent;
+  float handedness = 1.0f;
+  if (mesh.has_tangents) {
+    tangent = interpolate(unpack_direction(t.v[0]->tangent), unpack_direction(t.v[1]->tangent), unpack_direction(t.v[2]->tangent), t.weights);
+    if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
+    handedness = t.v[0]->handedness * instance.orientation;
+  } else {
+    const Vec2 d1 = t.v[1]->uv - t.v[0]->uv;
+    const Vec2 d2 = t.v[2]->uv - t.v[0]->uv;
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    if (determinant == 0.0f) return ns;
+    tangent = (g.e1 * d2.y - g.e2 * d1.y) / determinant;
+    // glTF's bitangent points against growing v.
+    const Vec3 bitangent = (g.e1 * d2.x - g.e2 * d1.x) / determinant;
+    handedness = glm::dot(glm::cross(ns, tangent), bitangent) < 0.0f ? -1.0f : 1.0f;
+  }
+  tangent -= ns * glm::dot(ns, tangent);
+  const float length = glm::length(tangent);
+  if (!(length > 0.0f)) return ns;
+  tangent /= length;
+  const Vec3 bitangent = glm::cross(ns, tangent) * handedness;
+  const Vec4 texel = fetch(scene, material.normal_texture, uv, area);
+  const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) * Vec3(material.normal_scale, material.normal_scale, 1.0f);
+  return glm::normalize(n.x * tangent + n.y * bitangent + std::fmax(n.z, 1e-3f) * ns);
+}
+
+/// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
+RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, const Vec3& wo) {
+  constexpr float kMinCosine = 1e-3f;
+  const float cos_o = glm::dot(ns, wo);
+  if (cos_o >= kMinCosine) return ns;
+  const Vec3 bent = glm::normalize(ns + (2.0f * kMinCosine - cos_o) * wo);
+  return glm::dot(bent, ng) > 0.0f && glm::dot(bent, wo) > 0.0f ? bent : ng;
+}
+
+}  // namespace surface_detail
+
+RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp) {
+  using namespace surface_detail;
+  const Instance& instance = scene.instances[hit.instance];
+  const MeshView& mesh = scene.meshes[instance.mesh];
+  const MaterialData& material = scene.materials[mesh.material];
+  const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
+  const Geometry g = geometry_at(instance, t);
+
+  sp.position = g.position;
+  sp.position_error = g.error;
+  sp.previous_position = g.previous_position;
+  sp.wo = -ray.direction;
+  sp.barycentric = {hit.u, hit.v};
+  sp.footprint = cone_width;
+  sp.instance = hit.instance;
+  sp.primitive = hit.primitive;
+  sp.material = mesh.material;
+  sp.light = kNoLight;
+
+  const float twice_area = glm::length(g.front);
+  const Vec3 front = twice_area > 0.0f ? g.front / twice_area : sp.wo;
+  const float cos_front = glm::dot(front, sp.wo);
+  sp.front_face = cos_front >= 0.0f;
+  const float side = sp.front_face ? 1.0f : -1.0f;
+  sp.ng = front * side;
+
+  const float footprint_area = sqr(cone_width) / std::fmax(std::fabs(cos_front), 0.05f);
+  Uv uv;
+  if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
+
+  Vec3 ns = front;
+  if (mesh.has_normals) {
+    ns = interpolate(unpack_direction(t.v[0]->normal), unpack_direction(t.v[1]->normal), unpack_direction(t.v[2]->normal), t.weights);
+    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
+    const float length = glm::length(ns);
+    ns = length > 0.0f ? ns / length : front;
+    if (glm::dot(ns, front) < 0.0f) ns = -ns;
+  }
+  if (material.normal_texture.used()) ns = mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns);
+  sp.frame = make_frame(visible_shading_normal(ns * side, sp.ng, sp.wo));
+
+  MaterialSample parameters = sample_material(scene, material, uv, footprint_area);
+  if (mesh.has_colors) {
+    const uint32_t first = mesh.first_color;
+    parameters.base_color *=
+        Rgb(interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y], scene.colors[first + t.index.z], t.weights));
+  }
+  sp.emission = Rgb(0);
+  if (material.unlit) {
+    sp.emission = parameters.base_color;
+    sp.bsdf.lobe_count = 0;
+    return;
+  }
+  if (material.emissive() && (sp.front_face || material.double_sided)) {
+    sp.emission = material.emission;
+    if (material.emission_texture.used()) sp.emission *= Rgb(fetch(scene, material.emission_texture, uv, footprint_area));
+    if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
+  }
+  make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, glm::dot(sp.wo, sp.frame.n), sp.front_face);
+}
+
+RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {
+  using namespace surface_detail;
+  const MeshView& mesh = scene.meshes[scene.instances[instance_index].mesh];
+  const MaterialData& material = scene.materials[mesh.material];
+  const TriangleAt t = triangle_at(scene, mesh, primitive, u, v);
+  float alpha = material.alpha;
+  if (material.base_color_texture.used()) {
+    const Uv uv = uv_at(scene, mesh, t, 1.0f);
+    const TextureUse& use = material.base_color_texture;
+    alpha *= scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0).w;
+  }
+  if (mesh.has_colors) {
+    const uint32_t first = mesh.first_color;
+    alpha *= interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y], scene.colors[first + t.index.z], t.weights).w;
+  }
+  if (material.mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
+  return saturate(alpha);
+}
+
+}  // namespace relume

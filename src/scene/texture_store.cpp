@@ -1,0 +1,131 @@
+#include "scene/texture_store.h"
+
+#include <array>
+#include <cstring>
+
+#include <tbb/parallel_for.h>
+
+namespace relume {
+namespace {
+
+float linear_from_srgb(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
+float srgb_from_linear(float l) { return l <= 0.0031308f ? l * 12.92f : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f; }
+
+uint8_t to_byte(float x) { return static_cast<uint8_t>(saturate(x) * 255.0f + 0.5f); }
+
+/// sRGB code of a linear value through a table fine enough for 8 bits.
+uint8_t srgb_code(float linear) {
+  static const auto table = [] {
+    std::array<uint8_t, 4096> t;
+    // Square-root spacing keeps the dark end precise.
+    for (size_t i = 0; i < t.size(); ++i) t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
+    return t;
+  }();
+  return table[static_cast<size_t>(std::sqrt(saturate(linear)) * 4095.99f)];
+}
+
+size_t texel_size(PixelFormat format) { return format == PixelFormat::rgba32_float ? 16 : 4; }
+
+/// Texels of a level, its blocks padded to full size.
+uint32_t padded_texels(int width, int height) {
+  return static_cast<uint32_t>((width + 3) / 4) * static_cast<uint32_t>((height + 3) / 4) * 16;
+}
+
+void store(std::byte* level, PixelFormat format, int width, int x, int y, const Vec4& value) {
+  const uint32_t blocks = static_cast<uint32_t>(width + 3) / 4;
+  const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
+                       static_cast<uint32_t>(x) % 4;
+  if (format == PixelFormat::rgba32_float) {
+    std::memcpy(level + index * 16, &value, 16);
+    return;
+  }
+  const bool srgb = format == PixelFormat::rgba8_srgb;
+  const auto code = [&](float c) { return srgb ? srgb_code(c) : to_byte(c); };
+  const uint8_t bytes[4] = {code(value.x), code(value.y), code(value.z), to_byte(value.w)};
+  std::memcpy(level + index * 4, bytes, 4);
+}
+
+/// Copies level 0 into blocks without touching the values.
+void copy_base(const Texture& texture, std::byte* level) {
+  const size_t bytes = texel_size(texture.format);
+  const uint32_t blocks = static_cast<uint32_t>(texture.width + 3) / 4;
+  for (int y = 0; y < texture.height; ++y) {
+    for (int x = 0; x < texture.width; ++x) {
+      const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
+                           static_cast<uint32_t>(x) % 4;
+      const size_t source = static_cast<size_t>(y) * static_cast<size_t>(texture.width) + static_cast<size_t>(x);
+      std::memcpy(level + index * bytes, texture.texels.data() + source * bytes, bytes);
+    }
+  }
+}
+
+/// The half-open range of texels of the finer level that one texel of the coarser covers; odd sizes give the last one three.
+struct Range {
+  int first;
+  int last;
+};
+Range footprint(int i, int coarse, int fine) { return {i * fine / coarse, (i + 1) * fine / coarse}; }
+
+/// Mean in linear space of the texels below, colours weighted by nothing but area.
+void filter_level(const TextureView& view, int level, std::byte* texels) {
+  const int w = view.level_width(level);
+  const int h = view.level_height(level);
+  std::byte* target = texels + static_cast<size_t>(view.level_offset[level]) * texel_size(view.format);
+  for (int y = 0; y < h; ++y) {
+    const Range rows = footprint(y, h, view.level_height(level - 1));
+    for (int x = 0; x < w; ++x) {
+      const Range columns = footprint(x, w, view.level_width(level - 1));
+      Vec4 sum(0);
+      for (int j = rows.first; j < rows.last; ++j) {
+        for (int i = columns.first; i < columns.last; ++i) sum += view.texel(level - 1, i, j);
+      }
+      store(target, view.format, w, x, y, sum / static_cast<float>((rows.last - rows.first) * (columns.last - columns.first)));
+    }
+  }
+}
+
+TextureView build(const Texture& texture, std::vector<std::byte>& texels) {
+  TextureView view;
+  view.srgb_table = srgb_to_linear_table();
+  view.width = texture.width;
+  view.height = texture.height;
+  view.format = texture.format;
+  view.wrap_u = texture.wrap_u;
+  view.wrap_v = texture.wrap_v;
+  view.nearest = texture.filter == FilterMode::nearest;
+  uint32_t count = 0;
+  for (int level = 0; level < static_cast<int>(kMaxMipLevels); ++level) {
+    view.level_offset[level] = count;
+    count += padded_texels(view.level_width(level), view.level_height(level));
+    view.level_count = level + 1;
+    if (view.level_width(level) == 1 && view.level_height(level) == 1) break;
+  }
+  texels.resize(static_cast<size_t>(count) * texel_size(texture.format));
+  view.texels = texels.data();
+  copy_base(texture, texels.data());
+  for (int level = 1; level < view.level_count; ++level) filter_level(view, level, texels.data());
+  return view;
+}
+
+}  // namespace
+
+const float* srgb_to_linear_table() {
+  static const auto table = [] {
+    std::array<float, 256> t;
+    for (size_t i = 0; i < t.size(); ++i) t[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
+    return t;
+  }();
+  return table.data();
+}
+
+TextureStore::TextureStore(std::span<const Texture> textures) : texels_(textures.size()), views_(textures.size()) {
+  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]); });
+}
+
+size_t TextureStore::memory_bytes() const {
+  size_t sum = 0;
+  for (const auto& t : texels_) sum += t.size();
+  return sum;
+}
+
+}  // namespace relume

@@ -1,0 +1,31 @@
+// The history "accumulate": sums over all frames since the last change, for the mean and its variance.
+#pragma once
+
+#include "core/view.h"
+#include "core/vec.h"
+
+namespace relume {
+
+struct AccumulateKernel {
+  View<const Rgb> radiance;       ///< of this frame's sample
+  View<Rgb> sum;
+  View<float> luminance_squared;  ///< sum of squares
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Rgb value = radiance[pixel];
+    sum[pixel] += value;
+    luminance_squared[pixel] += sqr(luminance(value));
+  }
+};
+
+/// Variance of the mean luminance of `n` samples with these sums (unbiased); 0 below two samples.
+RELUME_HD inline float variance_of_mean(const Rgb& sum, float luminance_squared, uint32_t n) {
+  if (n < 2) return 0.0f;
+  const float count = static_cast<float>(n);
+  const float mean = luminance(sum) / count;
+  return std::fmax(0.0f, luminance_squared / count - mean * mean) / (count - 1.0f);
+}
+
+}  // namespace relume

@@ -1,0 +1,180 @@
+// Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97], ch. 9
+// and 10). The steps are functions of their own; the kernel at the end strings them together.
+#pragma once
+
+#include "sampling/mis.h"
+#include "techniques/direction_sampler.h"
+#include "techniques/light_selector.h"
+#include "techniques/primary_hits/primary_hits.h"
+
+namespace relume {
+
+/// What a path carries from vertex to vertex.
+struct PathState {
+  Ray ray;
+  Rgb throughput{1};
+  Rgb radiance{0};
+  float pdf_w = 0;          ///< with which the ray's direction was sampled
+  bool delta = true;        ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
+  float cone_width = 0;     ///< metres, at the ray's origin
+  float cone_spread = 0;    ///< growth a metre
+  uint32_t bounce = 0;      ///< scattering events so far
+  uint32_t rays = 0;
+};
+
+/// A sampled connection to a light, to be added if nothing is in between.
+struct Connection {
+  Ray ray;
+  Rgb contribution{0};
+  uint32_t ray_id = 0;
+
+  RELUME_HD bool valid() const { return !is_black(contribution); }
+};
+
+struct PathContext {
+  SceneView scene;
+  LightSelector selector;
+  DirectionSampler directions;
+  uint32_t max_bounces = 8;
+  bool russian_roulette = true;
+};
+
+/// The end of a shadow ray stays clear of the emitter by this share of the distance.
+inline constexpr float kShadowMargin = 1e-4f;
+
+/// Emission at the hit surface, weighted against next event estimation from the previous vertex.
+RELUME_HD inline void add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp, PathState& path) {
+  if (is_black(sp.emission)) return;
+  float weight = 1.0f;
+  if (!path.delta && sp.light != kNoLight) {
+    const float pdf_light = c.selector.pmf(previous, sp.light) * pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
+    weight = power_heuristic(path.pdf_w, pdf_light);
+  }
+  path.radiance += path.throughput * sp.emission * weight;
+}
+
+/// Light from infinity along a ray that left the scene.
+RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
+  const LightsView& lights = c.scene.lights;
+  const Vec3& wi = path.ray.direction;
+  for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
+    const Light& light = lights.lights[id];
+    const Rgb radiance = light.kind == LightKind::directional ? radiance_from(light.directional, wi) : lights.environment.radiance(wi);
+    if (is_black(radiance)) continue;
+    float weight = 1.0f;
+    if (!path.delta) {
+      const float pmf = c.selector.pmf(previous, id);
+      if (pmf > 0.0f) weight = power_heuristic(path.pdf_w, pmf * pdf_li(lights, id, previous.position, wi, {}));
+    }
+    path.radiance += path.throughput * radiance * weight;
+  }
+}
+
+/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
+RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler) {
+  Vec2 u = sampler.next_2d();
+  const LightSelection selection = c.selector.sample(sp, u.x);
+  if (!(selection.pmf > 0.0f)) return {};
+  u.x = selection.u;
+  const LightSample light = sample_li(c.scene.lights, selection.light, sp.position, u);
+  if (!light.valid()) return {};
+  const BsdfEval bsdf = eval_pdf(sp, light.wi);
+  if (is_black(bsdf.f)) return {};
+  const float pdf_light = selection.pmf * light.pdf_w;
+  const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
+  Connection connection;
+  connection.ray = sp.spawn_ray(light.wi);
+  connection.ray.t_max = light.distance * (1.0f - kShadowMargin);
+  connection.contribution = path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
+  connection.ray_id = sampler.ray_id();
+  return connection;
+}
+
+/// Absorption along the segment that ends at the inner side of a body.
+RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, float distance, PathState& path) {
+  const MaterialData& material = scene.materials[sp.material];
+  if (material.volume && !sp.front_face) path.throughput *= exp(-material.absorption * distance);
+}
+
+/// Next direction; false if the path ends here.
+RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
+  const BsdfSample s = c.directions.sample(sp, sampler);
+  if (!s.valid) return false;
+  path.throughput *= s.weight;
+  if (is_black(path.throughput)) return false;
+  if (c.russian_roulette) {
+    const float survival = std::sqrt(max_component(path.throughput));
+    if (survival < 1.0f) {
+      if (sampler.next_1d() >= survival) return false;
+      path.throughput /= survival;
+    }
+  }
+  path.ray = sp.spawn_ray(s.wi);
+  path.pdf_w = s.pdf_w;
+  path.delta = s.delta;
+  path.cone_width = sp.footprint;
+  // A rough lobe fans the cone out; half of α is about the lobe's angular width ([Akenine21], §4).
+  path.cone_spread = std::fmax(path.cone_spread, 0.25f * s.alpha);
+  ++path.bounce;
+  return true;
+}
+
+/// Dimensions of the sampler that one bounce may use.
+inline constexpr uint32_t kDimensionsPerBounce = 8;
+
+/// Radiance of one sample of pixel (x, y) from its primary hit on.
+RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler sampler, Hit hit) {
+  PathState path;
+  path.ray = camera_ray(c.scene.camera, x, y, sampler);
+  path.cone_width = c.scene.camera.cone_width();
+  path.cone_spread = c.scene.camera.cone_spread();
+  path.rays = 1;
+  SurfacePoint points[2];  // this vertex and the previous one, in turn
+  for (;;) {
+    SurfacePoint& sp = points[path.bounce & 1u];
+    const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
+    if (!hit.valid()) {
+      add_infinite_lights(c, previous, path);
+      break;
+    }
+    make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
+    absorb(c.scene, sp, hit.t, path);
+    add_surface_emission(c, previous, sp, path);
+    if (path.bounce >= c.max_bounces || sp.bsdf.empty()) break;
+
+    sampler.start_dimension(2 + path.bounce * kDimensionsPerBounce);
+    if (has_non_delta(sp.bsdf)) {
+      const Connection connection = sample_connection(c, sp, path, sampler);
+      if (connection.valid()) {
+        ++path.rays;
+        if (!occluded(c.scene.accel, connection.ray, connection.ray_id)) path.radiance += connection.contribution;
+      }
+    }
+    if (!continue_path(c, sp, path, sampler)) break;
+    hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
+    ++path.rays;
+  }
+  return path;
+}
+
+/// Traces one path a pixel from the primary hits.
+struct PathKernel {
+  PathContext context;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<Rgb> radiance;       ///< of this sample
+  View<uint32_t> rays;      ///< added to
+  View<uint32_t> nonfinite; ///< added to: samples that were not finite and count as black
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const PathState path = trace_path(context, x, y, index.sampler(x, y), hits[pixel]);
+    const bool finite = is_finite(path.radiance);
+    radiance[pixel] = finite ? path.radiance : Rgb(0);
+    rays[pixel] += path.rays;
+    if (!finite) ++nonfinite[pixel];
+  }
+};
+
+}  // namespace relume

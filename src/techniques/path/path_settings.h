@@ -1,0 +1,15 @@
+// Settings of the path estimator.
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+struct PathSettings {
+  int max_bounces = 8;  ///< scattering events after the camera
+  bool russian_roulette = true;
+};
+
+SettingList describe(PathSettings& settings);
+
+}  // namespace relume

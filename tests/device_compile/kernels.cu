@@ -1,0 +1,47 @@
+// Every header that kernels include, and every pass kernel, compiled for the device.
+#include "core/error.h"
+#include "core/fixed_point.h"
+#include "core/frame.h"
+#include "core/hash.h"
+#include "core/hd.h"
+#include "core/octahedral.h"
+#include "core/ray.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+namespace {
+
+/// A pass kernel as the backend starts it on a device: one call of its operator per element.
+template <typename Kernel>
+__global__ void run(Kernel kernel, uint32_t width, uint32_t height) {
+  const uint32_t x = blockIdx.x * blockDim.x + threadIdx.x;
+  const uint32_t y = blockIdx.y * blockDim.y + threadIdx.y;
+  if (x < width && y < height) kernel(x, y);
+}
+
+/// Calls what src/core offers to kernels.
+struct CoreKernel {
+  View<FixedPointRgb> sums;
+  View<uint32_t> counts;
+  View<uint32_t> directions;
+  View<const Mat4> matrices;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = hash(x, y, 0u, 1u) % directions.size;
+    const Vec3 n = unpack_direction(directions[i]);
+    const Frame frame = make_frame(n);
+    const Vec3 w = frame.to_world(frame.to_local(transform_vector(matrices[0], n)));
+    const Vec3 p = transform_point(matrices[0], {static_cast<float>(x), static_cast<float>(y), to_unit_float(i)});
+    const Ray ray{offset_origin(p, abs(p) * gamma_bound(3), n, w), w, kInfinity};
+    const Rgb value = exp(-ray.origin) * lerp(0.0f, safe_sqrt(max_component(w)), saturate(min_component(w)));
+    if (is_finite(value) && !is_black(value)) sums[i].add(value * luminance(sums[i].value()));
+    atomic_add(&counts[i], float_bits(length_squared(w)) ^ (Hit{}.valid() ? 1u : 0u));
+    directions[i] = pack_direction(glm::normalize(w));
+  }
+};
+
+template __global__ void run(CoreKernel, uint32_t, uint32_t);
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Files: each technique has its page, test and benchmark; nothing is larger than 1 MiB; links in the docs lead
+somewhere."""
+
+import re
+
+import house
+
+MAX_FILE_BYTES = 1 << 20
+TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "benchmark"}
+
+LINK = re.compile(r"(?<!\\)\[(?:[^\[\]]|\[[^\]]*\])*\]\(<?([^()\s>]+(?:\([^()]*\))?)>?(?:\s+\"[^\"]*\")?\)|(?:src|href)=\"([^\"]+)\"")
+CODE = re.compile(r"^```.*?^```[ \t]*$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
+
+
+def check_techniques(root):
+    folders = root / "src" / "techniques"
+    problems = []
+    for folder in sorted(p for p in folders.iterdir() if p.is_dir()) if folders.is_dir() else []:
+        for pattern, what in TECHNIQUE_NEEDS.items():
+            if not any(folder.glob(pattern)):
+                problems.append(f"{folder.relative_to(root)}: has no {what} ({pattern})")
+    return problems
+
+
+def check_sizes(root):
+    sizes = [(path.relative_to(root), path.stat().st_size) for path in house.files(root)]
+    return [f"{name}: {size} bytes; at most {MAX_FILE_BYTES}" for name, size in sizes if size > MAX_FILE_BYTES]
+
+
+def anchors(text):
+    """The names under which the headings of a page can be reached."""
+    names = []
+    for heading in re.findall(r"^#+[ \t]+(.*?)[ \t]*$", re.sub(r"^```.*?^```[ \t]*$", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE):
+        name = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        names.append(name if name not in names else f"{name}-{names.count(name)}")
+    return names
+
+
+def check_links(root):
+    problems = []
+    for page in (p for p in house.files(root) if p.suffix == ".md"):
+        text = CODE.sub(lambda m: "\n" * m[0].count("\n"), page.read_text(encoding="utf-8"))
+        for match in LINK.finditer(text):
+            link = match[1] or match[2]
+            if re.match(r"[a-z]+:", link):
+                continue
+            place = f"{page.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}"
+            target, _, anchor = link.partition("#")
+            file = (page.parent / target) if target else page
+            if not file.exists():
+                problems.append(f"{place}: the link to {link} leads nowhere")
+            elif anchor and file.suffix == ".md" and anchor not in anchors(file.read_text(encoding="utf-8")):
+                problems.append(f"{place}: {target or page.name} has no heading '{anchor}'")
+    return problems
+
+
+def check(root):
+    return check_techniques(root) + check_sizes(root) + check_links(root)
+
+
+if __name__ == "__main__":
+    house.report(check(house.ROOT))

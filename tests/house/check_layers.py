@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Layers: which folder of src/ may include which, and which folders may use which library (docs/architecture.md).
+
+Tests and benchmarks beside the code, and everything outside src/, may include anything.
+"""
+
+import re
+
+import house
+
+# Folder -> the folders it may include, besides itself. No cycles.
+MAY_INCLUDE = {
+    "core": "",
+    "settings": "core",
+    "sampling": "core",
+    "materials": "core sampling",
+    "lights": "core sampling materials",
+    "scene": "core sampling materials lights",
+    "backend": "core",
+    "accel": "core materials scene",  # materials: alpha masks decide what a ray meets
+    "io": "core settings scene",
+    "film": "core settings backend io",
+    "metrics": "core io",
+    "techniques": "core settings sampling materials lights scene backend accel film",
+    "render": "core settings sampling materials lights scene backend accel io film techniques",
+    "experiments": "core settings sampling materials lights scene backend accel io film metrics techniques render",
+}
+
+# A technique that builds on another names it here: "technique": "the ones whose headers it includes".
+TECHNIQUE_MAY_INCLUDE = {}
+
+# Start of an include -> the folders that may use that library.
+LIBRARY_USERS = {
+    "embree": "accel",
+    "tiny_gltf": "io",
+    "assimp/": "io",
+    "draco/": "io",
+    "meshoptimizer": "io",
+    "stb_": "io",
+    "OpenEXR/": "io",
+    "Imf": "io",
+    "CLI/": "apps",
+}
+
+# Slow to compile: kept out of the headers that other folders include, those directly in src/FOLDER/.
+HEAVY = ("nlohmann/json.hpp", "CLI/", "assimp/", "tiny_gltf", "OpenEXR/", "Imf", "draco/", "fmt/ranges", "embree")
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', re.MULTILINE)
+
+
+def check_table(table):
+    """The table itself: known names, no cycles."""
+    problems = [f"the table lets {a} include {b}, which it does not know" for a in table for b in table[a].split() if b not in table]
+    if problems:
+        return problems
+    layered = set()
+    while len(layered) < len(table):
+        ready = [a for a in table if a not in layered and set(table[a].split()) <= layered]
+        if not ready:
+            return [f"the table has a cycle among {', '.join(sorted(set(table) - layered))}"]
+        layered.update(ready)
+    return []
+
+
+def check_include(folder, technique, target):
+    """What is wrong with an include of `target`, a path below src/, or None."""
+    parts = target.split("/")
+    if len(parts) < 2 or parts[0] not in MAY_INCLUDE:
+        return "is not a path from src/"
+    if parts[0] != folder and parts[0] not in MAY_INCLUDE[folder].split():
+        return f"breaks the layers: {folder} may include {MAY_INCLUDE[folder] or 'nothing'}"
+    if technique and parts[0] == "techniques" and len(parts) > 2 and parts[1] != technique:
+        if parts[1] not in TECHNIQUE_MAY_INCLUDE.get(technique, "").split():
+            return f"makes {technique} know another technique"
+    return None
+
+
+def check_file(root, path):
+    parts = path.relative_to(root).parts
+    in_src = parts[0] == "src" and len(parts) > 2
+    if in_src and parts[1] not in MAY_INCLUDE:
+        return [f"{path}:1: src/{parts[1]} is not in the table of layers"]
+    folder = parts[1] if in_src else parts[0]
+    technique = parts[2] if folder == "techniques" and len(parts) > 3 else None
+    text = house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
+    problems = []
+    for match in INCLUDE.finditer(text):
+        place = f"{path}:{text.count(chr(10), 0, match.start()) + 1}: #include of {match[2]}"
+        if path.suffix == ".h" and in_src and len(parts) == 3 and match[2].startswith(HEAVY):
+            problems.append(f"{place}: slow to compile; only .cpp files and headers of subfolders include it")
+        if not in_src or house.is_test_or_benchmark(path):
+            continue
+        problem = check_include(folder, technique, match[2]) if match[1] == '"' else None
+        if problem:
+            problems.append(f"{place}: {problem}")
+        for library, users in LIBRARY_USERS.items():
+            if match[1] == "<" and match[2].startswith(library) and folder not in users.split():
+                problems.append(f"{place}: only {users} may use this library")
+    return problems
+
+
+def check(root):
+    problems = check_table(MAY_INCLUDE)
+    for path in house.code_files(root):
+        problems += check_file(root, path)
+    return problems
+
+
+if __name__ == "__main__":
+    house.report(check(house.ROOT))

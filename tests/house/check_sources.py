@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Sources: files of at most 400 lines, functions of at most 60, nothing left undone, target conditionals in their
+places, and every paper that a comment cites in docs/bibliography.md."""
+
+import re
+
+import house
+
+MAX_FILE_LINES = 400
+MAX_FUNCTION_LINES = 60
+
+# Tables, which may be longer. Path from the root -> why.
+LONG_FILES = {}
+# (path from the root, name) -> why.
+LONG_FUNCTIONS = {}
+
+# Where code may ask which processor it is compiled for.
+TARGET_FOLDERS = ("src/core/", "src/accel/", "src/backend/")
+TARGET_CONDITIONAL = re.compile(r"__CUDACC__|__CUDA_ARCH__|RELUME_DEVICE_CODE")
+
+# Put together from halves, so that this file does not find itself.
+UNDONE = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X|not imple" r"mented yet)\b")
+UNDONE_SUFFIXES = house.CODE_SUFFIXES + (".cmake", ".txt", ".py", ".md", ".json", ".in")
+
+CITATION = re.compile(r"\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))[^\]\w][^\]]*\]|\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))\]")
+
+CONTAINER = re.compile(r"\b(?:namespace|class|struct|union|enum|extern)\b(?!.*\)\s*(?:const|noexcept|override|final|\s)*$)", re.DOTALL)
+
+
+def without_template(head):
+    """`head` without the parameter lists of templates, whose `class` and `=` say nothing about the rest."""
+    while True:
+        match = re.search(r"\btemplate\s*<", head)
+        if not match:
+            return head
+        depth, end = 1, match.end()
+        while depth and end < len(head):
+            depth += {"<": 1, ">": -1}.get(head[end], 0)
+            end += 1
+        head = head[: match.start()] + head[end:]
+
+
+def scope_kind(head, stack):
+    """What a brace opens after `head`: "container", "function", "inside" one, a "part" of the head, or "other"."""
+    if any(kind in ("function", "other") for kind, _, _ in stack):
+        return "inside"
+    if head.count("(") > head.count(")"):
+        return "part"  # a default argument
+    head = without_template(head).strip().replace("::", "")
+    if CONTAINER.search(head) or not head:
+        return "container"
+    if "(" not in head or head.endswith("="):
+        return "other"
+    return "part" if re.search(r"\)[^()]*:.*\w$", head, re.DOTALL) else "function"  # part: Type() : member{
+
+
+def functions(text):
+    """(name, first line, number of lines) of every function in C++ text. Raises ValueError if braces do not match."""
+    text = re.sub(r"^[ \t]*#(?:\\\n|[^\n])*", lambda m: "\n" * m[0].count("\n"), house.without_comments(text), flags=re.MULTILINE)
+    found, stack, head, line, head_line = [], [], "", 1, 1
+    for c in text:
+        if c == "{":
+            kind = scope_kind(head, stack)
+            stack.append((kind, head, head_line))
+            head = "" if kind != "part" else head + "{"
+        elif c == "}":
+            if not stack:
+                raise ValueError(f"line {line}: a brace closes that none opened")
+            kind, opened_head, opened_line = stack.pop()
+            head = opened_head + "{}" if kind == "part" else ""
+            if kind == "function":
+                name = re.search(r"([\w~]+|operator\W+)\s*\(", without_template(opened_head))
+                found.append((name[1] if name else "?", opened_line, line - opened_line + 1))
+        elif (c == ";" and head.count("(") <= head.count(")")) or (c == ":" and head in ("public", "private", "protected")):
+            head = ""
+        elif head or not c.isspace():
+            head_line = line if not head else head_line
+            head += c
+        line += c == "\n"
+    if stack:
+        raise ValueError(f"line {stack[-1][2]}: a brace opens that none closes")
+    return found
+
+
+def check_lengths(name, text):
+    problems = []
+    count = text.count("\n")
+    if count > MAX_FILE_LINES and name not in LONG_FILES:
+        problems.append(f"{name}:{MAX_FILE_LINES}: {count} lines; at most {MAX_FILE_LINES}: is there a seam?")
+    try:
+        for function, line, length in functions(text):
+            if length > MAX_FUNCTION_LINES and (name, function) not in LONG_FUNCTIONS:
+                problems.append(f"{name}:{line}: {function} has {length} lines; at most {MAX_FUNCTION_LINES}")
+    except ValueError as error:
+        problems.append(f"{name}: cannot measure the functions: {error}")
+    return problems
+
+
+def check_code(name, text, bibliography):
+    problems = check_lengths(name, text)
+    if name.startswith("src/") and not name.startswith(TARGET_FOLDERS):
+        code = house.without_comments(text)
+        for match in TARGET_CONDITIONAL.finditer(code):
+            line = code.count("\n", 0, match.start()) + 1
+            problems.append(f"{name}:{line}: {match[0]} stands only in {', '.join(TARGET_FOLDERS)}")
+    for line, comment in house.comments(text):
+        for match in CITATION.finditer(comment):
+            key = match[1] or match[2]
+            if f"[{key}]" not in bibliography:
+                problems.append(f"{name}:{line}: [{key}] is not in docs/bibliography.md")
+    return problems
+
+
+def check(root):
+    bibliography_file = root / "docs" / "bibliography.md"
+    bibliography = bibliography_file.read_text(encoding="utf-8") if bibliography_file.exists() else ""
+    code = set(house.code_files(root))
+    problems = []
+    for path in house.files(root):
+        if path.suffix not in UNDONE_SUFFIXES and path.parent.name != "scripts":
+            continue
+        name = path.relative_to(root).as_posix()
+        text = path.read_text(encoding="utf-8")
+        if path in code:
+            problems += check_code(name, text, bibliography)
+        for number, content in enumerate(text.splitlines(), 1):
+            if UNDONE.search(content):
+                problems.append(f"{name}:{number}: something is left undone: {content.strip()}")
+    return problems
+
+
+if __name__ == "__main__":
+    house.report(check(house.ROOT))

@@ -1,0 +1,59 @@
+"""What the checks of the house share: which files there are, and C++ text without comments and strings."""
+
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CODE_FOLDERS = ("src", "apps", "tests", "bench")
+CODE_SUFFIXES = (".h", ".cpp", ".cu")
+
+LITERAL_OR_COMMENT = re.compile(
+    r"""(?P<comment>//(?:\\\n|[^\n])*|/\*.*?\*/)
+      | R"(?P<tag>[^\s()\\]*)\(.*?\)(?P=tag)"
+      | "(?:\\.|[^"\\\n])*"
+      | (?<![0-9A-Za-z_])'(?:\\.|[^'\\\n])+'""",
+    re.VERBOSE | re.DOTALL,
+)
+
+
+def files(root):
+    """All files of the repository, sorted, without build folders, outputs and what begins with a dot."""
+    found = []
+    for path in sorted(root.iterdir()):
+        if path.name.startswith((".", "build")) or path.name in ("out", "shared"):
+            continue
+        found += sorted(p for p in path.rglob("*") if p.is_file() and "__pycache__" not in p.parts) if path.is_dir() else [path]
+    return found
+
+
+def code_files(root):
+    """C++ and CUDA sources."""
+    return [p for p in files(root) if p.suffix in CODE_SUFFIXES and p.relative_to(root).parts[0] in CODE_FOLDERS]
+
+
+def without_comments(text, keep_strings=False):
+    """`text` with comments blanked and, unless kept, literals emptied; line numbers stay."""
+
+    def blank(match):
+        if match["comment"] is None and keep_strings:
+            return match[0]
+        return ('""' if match["comment"] is None else " ") + "\n" * match[0].count("\n")
+
+    return LITERAL_OR_COMMENT.sub(blank, text)
+
+
+def comments(text):
+    """(line number, text) of every comment."""
+    return [(text.count("\n", 0, m.start()) + 1, m["comment"]) for m in LITERAL_OR_COMMENT.finditer(text) if m["comment"]]
+
+
+def is_test_or_benchmark(path):
+    return path.stem.endswith(("_test", "_bench"))
+
+
+def report(problems):
+    """Prints the problems, one a line, and ends the program with 1 if there are any."""
+    for problem in problems:
+        print(problem)
+    sys.exit(1 if problems else 0)

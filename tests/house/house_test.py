@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""The checks of the house find what they are there to find."""
+
+import pathlib
+import tempfile
+import unittest
+
+import check_files
+import check_layers
+import check_sources
+import house
+
+FUNCTIONS = """
+namespace a {
+template <class T, typename U = int>
+T first(T x = {}) {
+  if (x) { return "}"; }  // {
+  return x;
+}
+enum class E { a, b };
+const int kTable[] = {1, 2,
+  3};
+class C final : public B<int(int)> {
+ public:
+  C() : b_{1}, c_(2) {
+  }
+  bool operator==(const C& o) const { return b_ == o.b_; }
+  int b_{0}; int c_ = '{';
+};
+#define M { \\
+  {
+}
+"""
+
+
+class Repository(unittest.TestCase):
+    """A scratch repository that a test fills."""
+
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.root = pathlib.Path(scratch.name)
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def assert_finds(self, check, *expected):
+        """`check` reports exactly one problem for each expected part of a sentence, in that order."""
+        problems = check(self.root)
+        self.assertEqual(len(problems), len(expected), problems)
+        for problem, part in zip(problems, expected):
+            self.assertIn(part, problem)
+
+    def test_layers(self):
+        self.write("src/core/a.h", '#include <cmath>\n#include "core/b.h"\n// #include "io/image.h"\n')
+        self.write("src/core/b.h", '#include "scene/scene.h"\n#include "b.h"\n')
+        self.write("src/core/b_test.cpp", '#include "scene/scene.h"\n')
+        self.write("src/io/a.cpp", "#include <tiny_gltf.h>\n")
+        self.write("src/io/a.h", "#include <tiny_gltf.h>\n")
+        self.write("src/scene/a.cpp", "#include <assimp/scene.h>\n")
+        self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/list.h"\n')
+        self.write("src/techniques/list.h", '#include "techniques/bdpt/b.h"\n')
+        self.write("src/other/a.h", "\n")
+        self.assert_finds(
+            check_layers.check, "breaks the layers", "not a path from src/", "slow to compile", "not in the table",
+            "only io may use", "know another technique")
+
+    def test_table_of_layers(self):
+        self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])
+        self.assertIn("cycle", check_layers.check_table({"a": "b", "b": "a"})[0])
+        self.assertIn("does not know", check_layers.check_table({"a": "b"})[0])
+
+    def test_functions_are_measured(self):
+        found = check_sources.functions(FUNCTIONS)
+        self.assertEqual([(name, length) for name, _, length in found], [("first", 5), ("C", 2), ("operator==", 1)])
+        self.assertRaises(ValueError, check_sources.functions, "void f() {")
+
+    def test_lengths(self):
+        self.write("src/core/a.h", "\n" * 401)
+        self.write("src/core/b.h", "void f() {" + "\n" * 60 + "}\nvoid g() {" + "\n" * 59 + "}\n")
+        self.assert_finds(check_sources.check, "401 lines", "f has 61 lines")
+
+    def test_sources(self):
+        self.write("docs/bibliography.md", "- [Known01]\n")
+        self.write("src/scene/a.h", "// [Known01, eq. 2] [Lost02 eq. 3] [Lost03]\nint a[3];\n#ifdef __CUDACC__\n#endif\n")
+        self.write("scripts/run", "# TO" "DO: more\n")
+        self.assert_finds(check_sources.check, "undone", "a.h:3: __CUDACC__", "[Lost02]", "[Lost03]")
+
+    def test_files(self):
+        self.write("src/techniques/path/README.md", "# Path\n")
+        self.write("src/techniques/path/path_test.cpp", "\n")
+        self.write("out/large.bin", "x" * (1 << 21))
+        self.write("docs/large.bin", "x" * ((1 << 20) + 1))
+        self.write("README.md", "# Two words\n[a](docs) [b](#two-words) [c](https://x.y) `[d](e)`\n[f](lost.md) [g](#lost)\n")
+        self.assert_finds(check_files.check, "no benchmark", "at most", "README.md:3: the link to lost.md", "no heading 'lost'")
+
+    def test_comments_keep_line_numbers(self):
+        text = 'a /* 1\n2 */ b "// no" // c\nd R"(\n)" 1\'000\n'
+        self.assertEqual(house.without_comments(text), 'a  \n b ""  \nd ""\n 1\'000\n')
+        self.assertEqual([line for line, _ in house.comments(text)], [1, 2])
+
+
+if __name__ == "__main__":
+    unittest.main()

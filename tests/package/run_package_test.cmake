@@ -1,0 +1,29 @@
+# Installs relume under WORK, then configures, builds and runs the project beside this file against it. Arguments:
+# BUILD (relume's build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE,
+# CXX, CXX_FLAGS.
+set(prefix ${WORK}/prefix)
+file(REMOVE_RECURSE ${WORK})
+
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${what} failed:\n${output}")
+  endif()
+endfunction()
+
+run("Installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+# What the project compiles itself with, and where, is no business of those who use it.
+file(GLOB_RECURSE exports ${prefix}/*.cmake)
+foreach(file ${exports})
+  file(READ ${file} text)
+  foreach(leak relume_flags -Wall -march ${BUILD})
+    string(FIND "${text}" ${leak} position)
+    if(NOT position EQUAL -1)
+      message(FATAL_ERROR "${file} mentions ${leak}, which belongs to the build alone")
+    endif()
+  endforeach()
+endforeach()
+run("Configuring against the package" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build
+  -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
+run("Building against the package" ${CMAKE_COMMAND} --build ${WORK}/build)
+run("The program built against the package" ${WORK}/build/package_test)
