@@ -150,7 +150,7 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
   const Vec3 bitangent = glm::cross(ns, tangent) * handedness;
   const Vec4 texel = fetch(scene, material.normal_texture, uv, area);
   const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) * Vec3(material.normal_scale, material.normal_scale, 1.0f);
-  return glm::normalize(n.x * tangent + n.y * bitangent + std::fmax(n.z, 1e-3f) * ns);
+  return glm::normalize(n.x * tangent + n.y * bitangent + relume::max(n.z, 1e-3f) * ns);
 }
 
 /// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
@@ -190,7 +190,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   const float side = sp.front_face ? 1.0f : -1.0f;
   sp.ng = front * side;
 
-  const float footprint_area = sqr(cone_width) / std::fmax(std::fabs(cos_front), 0.05f);
+  const float footprint_area = sqr(cone_width) / relume::max(std::fabs(cos_front), 0.05f);
   Uv uv;
   if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
 
