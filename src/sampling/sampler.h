@@ -21,6 +21,9 @@ class Sampler {
   RELUME_HD float next_1d() { return owen_van_der_corput(reversed_index_, hash(scramble_ + dimension_++)); }
   RELUME_HD Vec2 next_2d() { return owen_sobol_2d(reversed_index_, hash(scramble_ + dimension_++)); }
 
+  /// A plain random number: for decisions that gain nothing from stratification, such as Russian roulette.
+  RELUME_HD float next_unstratified() { return to_unit_float(hash(scramble_ ^ reversed_index_, dimension_++)); }
+
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
   RELUME_HD void start_dimension(uint32_t dimension) { dimension_ = dimension; }
 

@@ -105,7 +105,7 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   if (c.russian_roulette) {
     const float survival = std::sqrt(max_component(path.throughput));
     if (survival < 1.0f) {
-      if (sampler.next_1d() >= survival) return false;
+      if (sampler.next_unstratified() >= survival) return false;
       path.throughput /= survival;
     }
   }
