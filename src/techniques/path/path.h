@@ -119,11 +119,12 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   return true;
 }
 
-/// Dimensions of the sampler that one bounce may use.
-inline constexpr uint32_t kDimensionsPerBounce = 8;
+/// Pairs of random numbers: two for the camera, then for each bounce one for the light and one for the direction.
+inline constexpr uint32_t kCameraDimensions = 2;
+inline constexpr uint32_t kDimensionsPerBounce = 2;
 
 /// Radiance of one sample of pixel (x, y) from its primary hit on.
-RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler sampler, Hit hit) {
+RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit) {
   PathState path;
   path.ray = camera_ray(c.scene.camera, x, y, sampler);
   path.cone_width = c.scene.camera.cone_width();
@@ -142,7 +143,7 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
     add_surface_emission(c, previous, sp, path);
     if (path.bounce >= c.max_bounces || sp.bsdf.empty()) break;
 
-    sampler.start_dimension(2 + path.bounce * kDimensionsPerBounce);
+    sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) {
       const Connection connection = sample_connection(c, sp, path, sampler);
       if (connection.valid()) {
@@ -169,7 +170,8 @@ struct PathKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const PathState path = trace_path(context, x, y, index.sampler(x, y), hits[pixel]);
+    Sampler sampler = index.sampler(x, y);
+    const PathState path = trace_path(context, x, y, sampler, hits[pixel]);
     const bool finite = is_finite(path.radiance);
     radiance[pixel] = finite ? path.radiance : Rgb(0);
     rays[pixel] += path.rays;
