@@ -34,10 +34,10 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 }  // namespace
 
-CompiledScene::CompiledScene(Scene scene, const std::string& camera, float time_s, int width, int height)
-    : source_(std::move(scene)), resolution_(width, height) {
-  const std::vector<Mat4> world = world_matrices(source_, time_s);
-  textures_ = TextureStore(source_.textures);
+CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
+    : source_(std::move(scene)), resolution_(options.width, options.height) {
+  const std::vector<Mat4> world = world_matrices(source_, options.time_s);
+  textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
   list_appearances();
   decide_instancing(animated_nodes(source_));
@@ -49,7 +49,7 @@ CompiledScene::CompiledScene(Scene scene, const std::string& camera, float time_
   refresh_view();
   lights_.collect(view_, instances_, source_, world, bounds_);
   add_missing_light();
-  choose_camera(camera);
+  choose_camera(options.camera);
   place_camera(world, true);
   refresh_view();
   build_accel();
