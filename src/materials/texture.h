@@ -14,8 +14,8 @@ enum class PixelFormat : uint8_t {
 };
 enum class WrapMode : uint8_t { repeat, clamp, mirror };
 
-/// Where bilinear interpolation of 8-bit colour happens. glTF asks for `linear`; `encoded` interpolates the sRGB codes, as Cycles
-/// does, which darkens busy textures.
+/// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does, between the
+/// sRGB codes and always at full resolution; that darkens busy textures.
 enum class TextureFilter : int { linear, encoded };
 
 inline constexpr uint32_t kMaxMipLevels = 16;

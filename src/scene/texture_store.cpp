@@ -120,7 +120,9 @@ const float* srgb_to_linear_table() {
 
 TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter) : texels_(textures.size()), views_(textures.size()) {
   tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]);
-    views_[i].encoded = filter == TextureFilter::encoded && textures[i].format == PixelFormat::rgba8_srgb;
+    if (filter == TextureFilter::linear) return;
+    views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
+    views_[i].level_count = 1;
   });
 }
 
