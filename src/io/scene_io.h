@@ -10,8 +10,8 @@
 namespace relume {
 
 /// Loads by extension and content: .gltf and .glb; .json (relume's own, which refers to another scene file or to a
-/// built-in scene by name and overrides parts of it); everything else through assimp. What is ignored or
-/// repaired becomes one of Scene::warnings. Throws Error; never crashes or hangs on malformed files.
+/// built-in scene by name and overrides parts of it); PLY by our own reader; everything else through assimp. What is
+/// ignored or repaired becomes one of Scene::warnings. Throws Error; never crashes or hangs on malformed files.
 Scene load_scene(const std::filesystem::path& file);
 
 Scene load_gltf(const std::filesystem::path& file);
