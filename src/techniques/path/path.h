@@ -14,6 +14,7 @@ struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
+  float first_throughput = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
   float pdf_w = 0;          ///< with which the ray's direction was sampled
   bool delta = true;        ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
   float cone_width = 0;     ///< metres, at the ray's origin
@@ -96,9 +97,9 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
   if (material.volume && !sp.front_face) path.throughput *= exp(-material.absorption * distance);
 }
 
-/// Roulette begins where throughput falls below the inverse of this, and keeps it there. Larger: less noise, more rays; twice as
-/// large costs a fifth more time on the Cornell box and takes a quarter off the variance.
-inline constexpr float kRouletteThreshold = 1.6f;
+/// Roulette begins where throughput, relative to that of the first bounce, falls below the inverse of this, and keeps it there.
+/// Relative, because a pixel's noise is seen against the albedo of what it shows. Larger: less noise, more rays.
+inline constexpr float kRouletteThreshold = 1.1f;
 
 /// Next direction; false if the path ends here.
 RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
@@ -106,8 +107,10 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   if (!s.valid) return false;
   path.throughput *= s.weight;
   if (is_black(path.throughput)) return false;
-  if (c.russian_roulette) {
-    const float survival = kRouletteThreshold * max_component(path.throughput);
+  if (path.bounce == 0) {
+    path.first_throughput = max_component(path.throughput);
+  } else if (c.russian_roulette) {
+    const float survival = kRouletteThreshold * max_component(path.throughput) / path.first_throughput;
     if (survival < 1.0f) {
       if (sampler.next_1d() >= survival) return false;
       path.throughput /= survival;
