@@ -39,3 +39,8 @@ if(RELUME_SANITIZE)
   target_compile_options(relume_flags INTERFACE ${sanitizers})
   target_link_options(relume_flags INTERFACE ${sanitizers})
 endif()
+if(RELUME_FUZZERS)
+  # Coverage for libFuzzer in all of relume; the targets of tests/fuzz link its main program.
+  target_compile_options(relume_flags INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(relume_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()

@@ -14,7 +14,9 @@
 #include "core/error.h"
 #include "io/assimp/assimp_materials.h"
 #include "io/assimp/assimp_nodes.h"
+#include "io/assimp/trial_run.h"
 #include "io/bytes.h"
+#include "io/ply/ply_loader.h"
 #include "io/scene_io.h"
 
 namespace relume {
@@ -72,9 +74,23 @@ Scene convert(const aiScene* source, const std::string& problem, const std::file
   return scene;
 }
 
-/// Runs `read`, which calls assimp, and turns what it throws into an Error.
+/// assimp crashes or hangs on some damaged files, so that a child process reads every file first. `read` calls assimp.
 template <typename Read>
-Scene guarded(const std::string& place, const std::filesystem::path& base_dir, Read read) {
+void check_by_trial(const std::string& place, uintmax_t file_size, const Read& read) {
+  constexpr uint64_t kMebibyte = uint64_t{1} << 20;
+  const auto trial = [&] {
+    Assimp::Importer importer;
+    configure(importer);
+    read(importer);
+  };
+  if (!survives_trial(trial, 3 + file_size / kMebibyte, 1024 * kMebibyte + 256 * file_size))
+    throw Error(fmt::format("{}: reading the file would crash, or take too long; it is damaged", place));
+}
+
+/// Turns what assimp throws into an Error.
+template <typename Read>
+Scene guarded(const std::string& place, const std::filesystem::path& base_dir, uintmax_t file_size, const Read& read) {
+  check_by_trial(place, file_size, read);
   try {
     Assimp::Importer importer;
     configure(importer);
@@ -92,7 +108,8 @@ Scene guarded(const std::string& place, const std::filesystem::path& base_dir, R
 std::span<const std::string_view> assimp_extensions() { return kExtensions; }
 
 Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place) {
-  return guarded(place, {}, [&](Assimp::Importer& importer) {
+  if (extension == "ply") return load_ply_from_memory(file, place);
+  return guarded(place, {}, file.size(), [&](Assimp::Importer& importer) {
     return importer.ReadFileFromMemory(file.data(), file.size(), post_processing(extension), extension.c_str());
   });
 }
@@ -109,7 +126,8 @@ Scene load_assimp(const std::filesystem::path& file) {
   if (size > kMaxFileSize)
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
   if (size == 0) throw Error(fmt::format("{}: the file is empty", file.string()));
-  return guarded(file.string(), file.parent_path(), [&](Assimp::Importer& importer) {
+  if (extension == "ply") return load_ply_from_memory(read_file_bytes(file), file.string());
+  return guarded(file.string(), file.parent_path(), size, [&](Assimp::Importer& importer) {
     return importer.ReadFile(file.string(), post_processing(extension));
   });
 }

@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "io/scene_io.h"
-#include "io/testing/scene_files.h"
+#include "io/testing/example_files.h"
 
 namespace relume {
 namespace {
 
+using testing::dae_text;
 using testing::error_of;
+using testing::fbx_text;
 using testing::mentions;
 using testing::SceneFolder;
 using testing::solid_png;
@@ -129,19 +131,6 @@ TEST(Assimp, ReplacesMissingTexturesAndTellsHeightFromNormalMaps) {
   EXPECT_EQ(std::to_integer<int>(normal.textures[static_cast<size_t>(ref.texture)].texels[2]), 250);
 }
 
-TEST(Assimp, LoadsPlyWithVertexColours) {
-  const std::string ply =
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int "
-      "vertex_indices\n"
-      "end_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n";
-  const Scene scene = load_assimp_from_memory(to_bytes(ply), "ply", "a.ply");
-  ASSERT_EQ(scene.meshes.size(), 1u);
-  EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
-  ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
-  EXPECT_EQ(scene.meshes[0].colors[1], Vec4(0, 1, 0, 1));
-}
-
 TEST(Assimp, LoadsStlAndOff) {
   const std::string stl =
       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid "
@@ -152,19 +141,7 @@ TEST(Assimp, LoadsStlAndOff) {
 }
 
 TEST(Assimp, ConvertsColladaUnitsAxesLightsAndCameras) {
-  const std::string dae = R"(<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
-<library_cameras><camera id="c" name="cam"><optics><technique_common><perspective><yfov>40</yfov><aspect_ratio>2</aspect_ratio><znear>1</znear><zfar>100</zfar></perspective></technique_common></optics></camera></library_cameras>
-<library_lights><light id="l" name="lamp"><technique_common><point><color>2 3 4</color></point></technique_common></light></library_lights>
-<library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="9">0 0 100 100 0 100 0 100 100</float_array><technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
-<node id="cn" name="cn"><instance_camera url="#c"/></node><node id="ln" name="ln"><instance_light url="#l"/></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
-  const Scene scene = load_assimp_from_memory(to_bytes(dae), "dae", "a.dae");
+  const Scene scene = load_assimp_from_memory(to_bytes(dae_text()), "dae", "a.dae");
   // (0, 0, 100) cm with Z up is 1 m high with Y up.
   EXPECT_NEAR(glm::distance(world_position(scene, 0), Vec3(0, 1, 0)), 0, 1e-6);
   ASSERT_EQ(scene.cameras.size(), 1u);
@@ -173,32 +150,10 @@ TEST(Assimp, ConvertsColladaUnitsAxesLightsAndCameras) {
   EXPECT_EQ(scene.lights[0].intensity, Rgb(2, 3, 4));
 }
 
-/// ASCII FBX of a triangle at (0, 0, 100) … with this up axis (1: Y, 2: Z), in centimetres.
-std::string fbx(int up_axis) {
-  const std::string up = std::to_string(up_axis);
-  const std::string front = up_axis == 2 ? "1" : "2";
-  const std::string sign = up_axis == 2 ? "-1" : "1";
-  return "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n FBXVersion: 7400\n}\n"
-         "GlobalSettings: {\n Version: 1000\n Properties70: {\n"
-         "  P: \"UpAxis\", \"int\", \"Integer\", \"\"," +
-         up +
-         "\n  P: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n"
-         "  P: \"FrontAxis\", \"int\", \"Integer\", \"\"," +
-         front + "\n  P: \"FrontAxisSign\", \"int\", \"Integer\", \"\"," + sign +
-         "\n"
-         "  P: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n  P: \"CoordAxisSign\", \"int\", \"Integer\", \"\",1\n"
-         "  P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n }\n}\n"
-         "Objects: {\n Geometry: 1, \"Geometry::g\", \"Mesh\" {\n  Vertices: *9 {\n   a: 0,0,100,100,0,100,0,100,100\n "
-         " }\n"
-         "  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n  GeometryVersion: 124\n }\n"
-         " Model: 2, \"Model::m\", \"Mesh\" {\n  Version: 232\n }\n}\n"
-         "Connections: {\n C: \"OO\",2,0\n C: \"OO\",1,2\n}\n";
-}
-
 TEST(Assimp, ConvertsFbxUnitsAndAxes) {
-  const Scene y_up = load_assimp_from_memory(to_bytes(fbx(1)), "fbx", "a.fbx");
+  const Scene y_up = load_assimp_from_memory(to_bytes(fbx_text(1)), "fbx", "a.fbx");
   EXPECT_NEAR(glm::distance(world_position(y_up, 0), Vec3(0, 0, 1)), 0, 1e-6);
-  const Scene z_up = load_assimp_from_memory(to_bytes(fbx(2)), "fbx", "a.fbx");
+  const Scene z_up = load_assimp_from_memory(to_bytes(fbx_text(2)), "fbx", "a.fbx");
   EXPECT_NEAR(glm::distance(world_position(z_up, 0), Vec3(0, 1, 0)), 0, 1e-6);
 }
 

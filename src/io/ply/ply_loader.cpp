@@ -1,0 +1,209 @@
+#include "io/ply/ply_loader.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "io/mesh_repair.h"
+#include "io/ply/ply_header.h"
+
+namespace relume {
+namespace {
+
+using ply::Encoding;
+using ply::Type;
+
+/// Reads the numbers of the body one after the other.
+class NumberReader {
+ public:
+  NumberReader(std::string_view body, Encoding encoding, const std::string& place)
+      : body_(body), encoding_(encoding), place_(place) {}
+
+  double next(Type type) { return encoding_ == Encoding::ascii ? next_text() : next_binary(type); }
+  size_t bytes_left() const { return body_.size(); }
+
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw Error(fmt::format("{}: {}; the file is damaged", place_, problem));
+  }
+
+ private:
+  double next_text() {
+    const size_t start = body_.find_first_not_of(" \t\r\n");
+    if (start == std::string_view::npos) fail("it ends too early");
+    const size_t end = std::min(body_.find_first_of(" \t\r\n", start), body_.size());
+    std::string_view word = body_.substr(start, end - start);
+    body_.remove_prefix(end);
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double value = 0;
+    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || rest != word.data() + word.size())
+      fail(fmt::format("'{}' is not a number", word.substr(0, 40)));
+    return value;
+  }
+
+  template <typename T>
+  double take() {
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, body_.data(), sizeof(T));
+    if ((encoding_ == Encoding::big_endian) == (std::endian::native == std::endian::little))
+      std::reverse(bytes, bytes + sizeof(T));
+    T value;
+    std::memcpy(&value, bytes, sizeof(T));
+    body_.remove_prefix(sizeof(T));
+    return static_cast<double>(value);
+  }
+
+  double next_binary(Type type) {
+    if (body_.size() < ply::size_of(type)) fail("it ends too early");
+    switch (type) {
+      case Type::i8: return take<int8_t>();
+      case Type::u8: return take<uint8_t>();
+      case Type::i16: return take<int16_t>();
+      case Type::u16: return take<uint16_t>();
+      case Type::i32: return take<int32_t>();
+      case Type::u32: return take<uint32_t>();
+      case Type::f32: return take<float>();
+      case Type::f64: break;
+    }
+    return take<double>();
+  }
+
+  std::string_view body_;
+  Encoding encoding_;
+  const std::string& place_;
+};
+
+/// Value that stands for 1 in a colour of this type.
+float color_scale(Type type) {
+  if (type == Type::u8) return 255;
+  if (type == Type::u16) return 65535;
+  return 1;
+}
+
+/// Doubles beyond float's range become infinite on purpose: repair_mesh() deals with them.
+float narrow(double value) { return std::fabs(value) > 3e38 ? kInfinity : static_cast<float>(value); }
+
+void check_count(const NumberReader& reader, const ply::Element& element) {
+  // A number takes at least one byte (in ASCII with its separator two, less the last).
+  if (element.count > reader.bytes_left() || element.count > 0xffffffffu)
+    reader.fail(
+        fmt::format("{} elements '{}' cannot be in {} bytes", element.count, element.name, reader.bytes_left()));
+}
+
+void skip(NumberReader& reader, const ply::Property& property) {
+  const double count = property.is_list ? reader.next(property.count_type) : 1;
+  for (double i = 0; i < count; ++i) reader.next(property.type);
+}
+
+void read_vertices(NumberReader& reader, const ply::Element& element, Mesh& mesh) {
+  const int position = element.find({"x"});
+  const int normal = element.find({"nx"});
+  const int uv = element.find({"u", "s", "texture_u"});
+  const int color = element.find({"red", "r"});
+  const bool has_alpha = element.find({"alpha", "a"}) == color + 3;
+  const int count = static_cast<int>(element.properties.size());
+  if (position < 0 || position + 2 >= count) reader.fail("its vertices have no x, y and z");
+  std::vector<float> row(element.properties.size(), 0.0f);
+  for (uint64_t i = 0; i < element.count; ++i) {
+    for (size_t p = 0; p < row.size(); ++p) {
+      if (element.properties[p].is_list) {
+        skip(reader, element.properties[p]);
+      } else {
+        row[p] = narrow(reader.next(element.properties[p].type));
+      }
+    }
+    const auto vec3 = [&](int first) {
+      return Vec3(row[static_cast<size_t>(first)], row[static_cast<size_t>(first) + 1],
+                  row[static_cast<size_t>(first) + 2]);
+    };
+    mesh.positions.push_back(vec3(position));
+    if (normal >= 0 && normal + 2 < count) mesh.normals.push_back(vec3(normal));
+    if (uv >= 0 && uv + 1 < count)
+      mesh.uv0.emplace_back(row[static_cast<size_t>(uv)], 1 - row[static_cast<size_t>(uv) + 1]);
+    if (color >= 0 && color + 2 < count) {
+      const float scale = color_scale(element.properties[static_cast<size_t>(color)].type);
+      mesh.colors.emplace_back(vec3(color) / scale, has_alpha ? row[static_cast<size_t>(color) + 3] / scale : 1.0f);
+    }
+  }
+}
+
+uint32_t to_index(double value) {
+  return value >= 0 && value < 4294967295.0 ? static_cast<uint32_t>(value) : 0xffffffffu;
+}
+
+void read_faces(NumberReader& reader, const ply::Element& element, Mesh& mesh) {
+  const int indices = element.find({"vertex_indices", "vertex_index"});
+  for (uint64_t i = 0; i < element.count; ++i) {
+    for (size_t p = 0; p < element.properties.size(); ++p) {
+      const ply::Property& property = element.properties[p];
+      if (static_cast<int>(p) != indices || !property.is_list) {
+        skip(reader, property);
+        continue;
+      }
+      const double corners = reader.next(property.count_type);
+      UVec3 triangle(0);
+      for (double k = 0; k < corners; ++k) {
+        const uint32_t index = to_index(reader.next(property.type));
+        if (k == 0) triangle.x = index;
+        if (k >= 2) mesh.triangles.emplace_back(triangle.x, triangle.z, index);
+        triangle.z = index;
+      }
+    }
+  }
+}
+
+Scene scene_of(Mesh mesh, Warnings warnings, const std::string& place) {
+  Scene scene;
+  scene.name = std::filesystem::path(place).stem().string();
+  mesh.name = scene.name;
+  mesh.material = 0;
+  repair_mesh(mesh, warnings);
+  if (mesh.triangles.empty())
+    throw Error(fmt::format("{}: the file has no triangles; point clouds are not supported", place));
+  if (mesh.normals.empty()) mesh.normals = smooth_normals(mesh);
+  Material material;
+  material.name = "default";
+  material.base_color = mesh.colors.empty() ? Rgb(0.8f) : Rgb(1);
+  material.metallic = 0;
+  material.double_sided = true;
+  Node node;
+  node.name = scene.name;
+  node.meshes = {0};
+  scene.materials.push_back(std::move(material));
+  scene.meshes.push_back(std::move(mesh));
+  scene.add_node(std::move(node));
+  scene.warnings = warnings.take();
+  validate(scene, place);
+  return scene;
+}
+
+}  // namespace
+
+Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& place) {
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  const ply::Header header = ply::parse_header(text, place);
+  NumberReader reader(text.substr(header.size), header.encoding, place);
+  Mesh mesh;
+  Warnings warnings(place);
+  for (const ply::Element& element : header.elements) {
+    if (element.properties.empty()) continue;
+    check_count(reader, element);
+    if (element.name == "vertex" && mesh.positions.empty()) {
+      read_vertices(reader, element, mesh);
+    } else if (element.name == "face" && mesh.triangles.empty()) {
+      read_faces(reader, element, mesh);
+    } else {
+      for (uint64_t i = 0; i < element.count; ++i) {
+        for (const ply::Property& property : element.properties) skip(reader, property);
+      }
+    }
+  }
+  return scene_of(std::move(mesh), std::move(warnings), place);
+}
+
+}  // namespace relume
