@@ -7,8 +7,8 @@
 namespace relume {
 namespace {
 
-constexpr int kPolar = 64;     // Gauss-Legendre points over the random number that chooses the polar angle
-constexpr int kAzimuth = 32;   // midpoints over half a turn; the other half mirrors it
+constexpr int kPolar = 64;    // Gauss-Legendre points over the random number that chooses the polar angle
+constexpr int kAzimuth = 32;  // midpoints over half a turn; the other half mirrors it
 
 struct Quadrature {
   float u[kPolar];  ///< 1 − random number
@@ -68,8 +68,9 @@ void sample_ggx(const Quadrature& q, float u, float alpha, const Vec3& wo, Norma
 }
 
 void sample_beckmann(const Quadrature& q, float u, float alpha, Normals& m) {
-  const float z = 1.0f / std::sqrt(1.0f - alpha * alpha * std::log(u));
-  const float r = safe_sqrt(1.0f - z * z);
+  const float tan2 = -alpha * alpha * std::log(u);
+  const float z = 1.0f / std::sqrt(1.0f + tan2);
+  const float r = z * std::sqrt(tan2);
   for (int k = 0; k < kAzimuth; ++k) {
     m.x[k] = r * q.cos_phi[k];
     m.z[k] = z;
@@ -87,9 +88,9 @@ float lambda_beckmann(float alpha, float tan2) {
   return a < 1.6f ? value : 0.0f;
 }
 
-/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, over the random numbers that sample the lobe: the mean of
-/// G2 / G1 for GGX, of G2 (wo·m) / (cos θo cos θm) for Beckmann. One pass over the azimuths at a time, in lanes that do not
-/// depend on each other.
+/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, over the random numbers that sample the lobe: the
+/// mean of G2 / G1 for GGX, of G2 (wo·m) / (cos θo cos θm) for Beckmann. One pass over the azimuths at a time, in lanes
+/// that do not depend on each other.
 template <MicrofacetModel kModel>
 Vec2 integrate(const Quadrature& q, float alpha, float cos_o) {
   constexpr bool kGgx = kModel == MicrofacetModel::ggx;
