@@ -1,5 +1,5 @@
-// How much a microfacet surface reflects: directional albedo, tabulated over angle and roughness. What single scattering
-// loses is given back by a second lobe ([Kulla17]), and what a coat reflects is missing below it.
+// How much a microfacet surface reflects: directional albedo, tabulated over angle and roughness. What single
+// scattering loses is given back by a second lobe ([Kulla17]), and what a coat reflects is missing below it.
 #pragma once
 
 #include <array>
@@ -19,9 +19,9 @@ struct EnergyShares {
 
 inline constexpr uint32_t kEnergyTableSize = 64;
 
-/// Where the tables have their entries. Rows lie over r = √α from √kMinAlpha to 1, denser at the smooth end. Within a row the
-/// albedo falls where cos θ is about α, however small α is, and Schlick's term changes over all of cos θ: columns follow the mean
-/// of √cos θ and of a curve that is half way where √cos θ is 1.5 r.
+/// Where the tables have their entries. Rows lie over r = √α from √kMinAlpha to 1, denser at the smooth end. Within a
+/// row the albedo falls where cos θ is about α, however small α is, and Schlick's term changes over all of cos θ:
+/// columns follow the mean of √cos θ and of a curve that is half way where √cos θ is 1.5 r.
 namespace energy_grid {
 
 inline constexpr float kMinR = 0.0316227766f;  ///< √kMinAlpha

@@ -55,8 +55,8 @@ class Histogram {
   std::vector<uint64_t> counts_;
 };
 
-/// Coordinates in [0, 1)² of all directions about an axis. The first grows from 0 on the axis to 1 opposite of it, half
-/// of it within an angle of about 2·width, so that narrow densities about the axis fill many bins.
+/// Coordinates in [0, 1)² of all directions about an axis. The first grows with the logarithm of the angle (of the sine
+/// of its half) in units of `width`, so that densities that narrow about the axis fill many bins, and wide ones too.
 struct DirectionChart {
   Frame frame;
   double width = 1;
@@ -64,13 +64,15 @@ struct DirectionChart {
   Vec2 coordinates(const Vec3& w) const {
     const double s = 0.5 * glm::length(w - frame.n);  // sin of half the angle
     const double phi = std::atan2(glm::dot(w, frame.b), glm::dot(w, frame.t)) / (2.0 * M_PI);
-    return {static_cast<float>(s * (1.0 + width) / (s + width)), static_cast<float>(phi < 0 ? phi + 1.0 : phi)};
+    return {static_cast<float>(std::log1p(s / width) / std::log1p(1.0 / width)),
+            static_cast<float>(phi < 0 ? phi + 1.0 : phi)};
   }
 
   /// The direction, and the solid angle that a unit of the square stands for there.
   Vec3 direction(double x, double y, double* solid_angle) const {
-    const double s = width * x / (1.0 + width - x);
-    const double ds_dx = width * (1.0 + width) / ((1.0 + width - x) * (1.0 + width - x));
+    const double range = std::log1p(1.0 / width);
+    const double s = width * std::expm1(x * range);
+    const double ds_dx = (width + s) * range;
     *solid_angle = 8.0 * M_PI * s * ds_dx;
     const double sin_theta = 2.0 * s * std::sqrt(std::fmax(0.0, 1.0 - s * s));
     const double phi = 2.0 * M_PI * y;
