@@ -29,7 +29,7 @@ void bm_make_bsdf(benchmark::State& state) {
   MaterialData data;
   data.volume = m.volume;
   const EnergyTables& tables = energy_tables();
-  Bsdf bsdf;
+  Bsdf bsdf{};
   for (auto _ : state) {
     benchmark::DoNotOptimize(parameters);
     make_bsdf(bsdf, parameters, data, tables, 0.7f, true);

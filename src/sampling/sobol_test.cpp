@@ -69,12 +69,15 @@ bool stratified(const std::vector<Vec2>& run, int k) {
   return true;
 }
 
+Vec2 point(uint32_t index, uint32_t seed) { return owen_sobol_2d(index, seed); }
+float single(uint32_t index, uint32_t seed) { return owen_van_der_corput(index, seed); }
+
 TEST(Sobol, IsAZeroTwoSequence) {
   for (const uint32_t seed : {0u, 1u, 0xdeadbeefu, 0xffffffffu}) {
     for (int k = 0; k <= 12; ++k) {
       for (const uint32_t start : {0u, 1u, 5u}) {
         std::vector<Vec2> run;
-        for (uint32_t i = 0; i < (1u << k); ++i) run.push_back(owen_sobol_2d((start << k) + i, seed));
+        for (uint32_t i = 0; i < (1u << k); ++i) run.push_back(point((start << k) + i, seed));
         ASSERT_TRUE(stratified(run, k)) << "seed " << seed << ", run " << start << " of 2^" << k;
       }
     }
@@ -86,7 +89,7 @@ TEST(Sobol, VanDerCorputStratifiesEveryAlignedRun) {
     for (int k = 0; k <= 12; ++k) {
       std::set<uint32_t> cells;
       for (uint32_t i = 0; i < (1u << k); ++i) {
-        cells.insert(static_cast<uint32_t>(std::ldexp(owen_van_der_corput((3u << k) + i, seed), k)));
+        cells.insert(static_cast<uint32_t>(std::ldexp(single((3u << k) + i, seed), k)));
       }
       ASSERT_EQ(cells.size(), size_t{1} << k);
     }
@@ -101,7 +104,7 @@ TEST(Sobol, IntegratesBetterThanRandomNumbers) {
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     double mean = 0;
     for (uint32_t i = 0; i < 256; ++i) {
-      const Vec2 p = owen_sobol_2d(i, hash(seed));
+      const Vec2 p = point(i, hash(seed));
       mean += std::exp(p.x) * p.y / 256.0;
     }
     error += std::pow(mean - 0.5 * (std::exp(1.0) - 1.0), 2) / kSeeds;

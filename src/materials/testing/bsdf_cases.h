@@ -20,13 +20,14 @@ struct BsdfCase {
 inline std::string to_string(MicrofacetModel model) { return model == MicrofacetModel::ggx ? "ggx" : "beckmann"; }
 
 inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
-  Lobe lobe;
+  Lobe lobe{};
   lobe.kind = kind;
   lobe.microfacet = microfacet;
   lobe.eta = eta;
   lobe.color = Rgb(0.9f, 0.6f, 0.3f);
   lobe.f0 = Rgb(0.04f, 0.5f, 0.9f);
   lobe.f90 = Rgb(1);
+  lobe.weight = 1;
   return lobe;
 }
 
@@ -38,7 +39,7 @@ inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughn
       kind == LobeKind::reflection || kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
   return {name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model),
           peaked ? microfacet.alpha : 1.0f, eta, [=](float cos_theta_o, bool front_face) {
-            Bsdf bsdf;
+            Bsdf bsdf{};
             bsdf.tables = &energy_tables();
             bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, front_face ? eta : 1.0f / eta);
             prepare(bsdf, cos_theta_o);
@@ -95,7 +96,7 @@ inline BsdfCase full_material(const MaterialCase& m, float roughness, Microfacet
     alpha = std::fmin(alpha, sqr(sample.clearcoat_roughness));
   return {m.name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model), alpha,
           m.volume ? m.ior : 1.0f, [=](float cos_theta_o, bool front_face) {
-            Bsdf bsdf;
+            Bsdf bsdf{};
             make_bsdf(bsdf, sample, data, energy_tables(), cos_theta_o, front_face);
             return bsdf;
           }};
