@@ -64,7 +64,7 @@ TEST(Chi2, RejectsSamplesThatDisappear) {
   Histogram histogram(8);
   for (int i = 0; i < kSamples; ++i) {
     const Vec2 u = random.next_2d();
-    if (random.next() < 0.001f) {
+    if (random.next() < 0.003f) {
       histogram.add_outside();
     } else {
       histogram.add(u.x, u.y);

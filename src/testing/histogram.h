@@ -18,12 +18,13 @@ class Histogram {
   void add(double x, double y) { ++counts_[static_cast<size_t>(index(x)) + static_cast<size_t>(index(y) * n_)]; }
   void add_outside() { ++counts_.back(); }
 
-  /// Tests against `density(x, y)` over the unit square; what it lacks of one is expected outside.
+  /// Tests against `density(x, y)` over the unit square; what it lacks of one is expected outside. `depth` and `least`
+  /// are those of integrate().
   template <typename F>
-  Chi2Result test(const F& density, int depth = 5) const {
+  Chi2Result test(const F& density, int depth = 5, int least = 1) const {
     uint64_t total = 0;
     for (const uint64_t c : counts_) total += c;
-    std::vector<double> expected = integrals(density, n_, 0.02 / static_cast<double>(total), depth);
+    std::vector<double> expected = integrals(density, n_, 0.02 / static_cast<double>(total), depth, least);
     double inside = 0;
     for (const double e : expected) inside += e;
     // Quadrature is off by a few millionths: so little outside is none.
@@ -34,17 +35,12 @@ class Histogram {
 
   /// Integral of the density over each bin.
   template <typename F>
-  static std::vector<double> integrals(const F& density, int n, double tolerance, int depth) {
+  static std::vector<double> integrals(const F& density, int n, double tolerance, int depth, int least = 1) {
     std::vector<double> result;
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
-        double sum = 0;
-        for (int part = 0; part < 4; ++part) {  // halved first, lest the tip of a density that ends in this bin is missed
-          const double x = i + 0.5 * (part % 2);
-          const double y = j + 0.5 * (part / 2);
-          sum += integrate(density, {x / n, y / n, (x + 0.5) / n, (y + 0.5) / n}, tolerance / 4, depth - 1);
-        }
-        result.push_back(sum);
+        result.push_back(integrate(density, {double(i) / n, double(j) / n, double(i + 1) / n, double(j + 1) / n},
+                                   tolerance, depth, least));
       }
     }
     return result;

@@ -23,10 +23,11 @@ double gauss_3x3(const F& f, const Rectangle& r) {
   return sum * (r.x1 - r.x0) * (r.y1 - r.y0);
 }
 
-/// ∫ f over a rectangle: halves it in both directions, up to `depth` times, until the four parts agree with the whole
-/// within `tolerance` (absolute). Discontinuities are found down to 2^-depth of an edge.
+/// ∫ f over a rectangle: halves it in both directions, at least `least` and up to `depth` times, until the four parts
+/// agree with the whole within `tolerance` (absolute). Discontinuities are followed down to 2^-depth of an edge; a part
+/// that reaches into a cell by less than a tenth of 2^-least of its edge may be missed.
 template <typename F>
-double integrate(const F& f, const Rectangle& r, double tolerance, int depth) {
+double integrate(const F& f, const Rectangle& r, double tolerance, int depth, int least = 0) {
   const auto refine = [&](const auto& self, const Rectangle& cell, double whole, int level) -> double {
     const double xm = 0.5 * (cell.x0 + cell.x1);
     const double ym = 0.5 * (cell.y0 + cell.y1);
@@ -35,7 +36,7 @@ double integrate(const F& f, const Rectangle& r, double tolerance, int depth) {
     double parts[4];
     double sum = 0;
     for (int i = 0; i < 4; ++i) sum += parts[i] = gauss_3x3(f, quarters[i]);
-    if (level <= 0 || std::fabs(sum - whole) <= tolerance) return sum;
+    if (level <= 0 || (depth - level >= least && std::fabs(sum - whole) <= tolerance)) return sum;
     sum = 0;
     for (int i = 0; i < 4; ++i) sum += self(self, quarters[i], parts[i], level - 1);
     return sum;
