@@ -78,6 +78,7 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
     ASSERT_TRUE(flat->view().instances[0].in_world_space);
     ASSERT_FALSE(instanced->view().instances[0].in_world_space);
     Random random(102);
+    const bool stretched = std::fabs(glm::length(matrix[0]) - glm::length(matrix[1])) > 1e-3f;
     int hits = 0;
     for (int i = 0; i < 2000; ++i) {
       const Vec3 target = transform_point(matrix, random.point(0.45f) * Vec3(1, 0.1f, 1));
@@ -96,8 +97,9 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
       ASSERT_LT(glm::length(p.position - (towards.origin + towards.direction * a.t)), 2e-5f);
       ASSERT_EQ(p.front_face, q.front_face);
       ASSERT_LT(glm::length(p.ng - q.ng), 1e-4f);
-      // A stretched instance interpolates its normals before the transform, a copy after it.
-      ASSERT_LT(glm::length(p.frame.n - q.frame.n), 5e-3f);
+      // Normals are quantised before or after the transform; a stretched instance also interpolates them before it, a
+      // copy after it.
+      ASSERT_LT(glm::length(p.frame.n - q.frame.n), stretched ? 2e-2f : 1e-3f);
       ASSERT_LT(max_component(abs(albedo(p.bsdf, 0.5f) - albedo(q.bsdf, 0.5f))), 1e-3f);
       ASSERT_GE(glm::dot(p.ng, p.wo), 0.0f);
       ASSERT_GT(glm::dot(p.frame.n, p.wo), 0.0f);
