@@ -168,8 +168,8 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     if (!s.mesh_scenes[instance.mesh]) s.mesh_scenes[instance.mesh] = s.new_mesh_scene(mesh, &s.contexts[i]);
     s.add_instance(i, instance);
   }
+  // Not RTC_SCENE_FLAG_ROBUST: it costs 12 % of a frame on the Cornell box and 23 % on Sponza and moves no mean.
   rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(s.scene);
   s.check();
 }

@@ -14,6 +14,10 @@ enum class PixelFormat : uint8_t {
 };
 enum class WrapMode : uint8_t { repeat, clamp, mirror };
 
+/// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does, between the
+/// sRGB codes and always at full resolution; that darkens busy textures.
+enum class TextureFilter : int { linear, encoded };
+
 inline constexpr uint32_t kMaxMipLevels = 16;
 
 /// Affine map of texture coordinates (KHR_texture_transform): uv' = m · uv + offset, row by row.
@@ -39,21 +43,15 @@ struct TextureView {
   WrapMode wrap_u = WrapMode::repeat;
   WrapMode wrap_v = WrapMode::repeat;
   bool nearest = false;
+  bool encoded = false;  ///< TextureFilter::encoded applies
 
   RELUME_HD int level_width(int level) const { return width >> level > 1 ? width >> level : 1; }
   RELUME_HD int level_height(int level) const { return height >> level > 1 ? height >> level : 1; }
 
   /// Texel of a level, linear RGBA. Coordinates in range.
   RELUME_HD Vec4 texel(int level, int x, int y) const {
-    const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
-    const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
-    const uint32_t index = level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
-    if (format == PixelFormat::rgba32_float) return static_cast<const Vec4*>(texels)[index];
-    const uint8_t* c = static_cast<const uint8_t*>(texels) + static_cast<size_t>(index) * 4;
-    constexpr float kScale = 1.0f / 255.0f;
-    const float alpha = static_cast<float>(c[3]) * kScale;
-    if (format == PixelFormat::rgba8_srgb) return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
-    return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale, alpha};
+    const Vec4 stored = stored_texel(level, x, y);
+    return encoded ? decode(stored) : stored;
   }
 
   /// Bilinear (or nearest) look-up in one level.
@@ -71,9 +69,10 @@ struct TextureView {
     const int x1 = wrap_index(static_cast<int>(fx) + 1, w, wrap_u);
     const int y0 = wrap_index(static_cast<int>(fy), h, wrap_v);
     const int y1 = wrap_index(static_cast<int>(fy) + 1, h, wrap_v);
-    const Vec4 top = texel(level, x0, y0) * (1.0f - tx) + texel(level, x1, y0) * tx;
-    const Vec4 bottom = texel(level, x0, y1) * (1.0f - tx) + texel(level, x1, y1) * tx;
-    return top * (1.0f - ty) + bottom * ty;
+    const Vec4 top = stored_texel(level, x0, y0) * (1.0f - tx) + stored_texel(level, x1, y0) * tx;
+    const Vec4 bottom = stored_texel(level, x0, y1) * (1.0f - tx) + stored_texel(level, x1, y1) * tx;
+    const Vec4 value = top * (1.0f - ty) + bottom * ty;
+    return encoded ? decode(value) : value;
   }
 
   /// Look-up with a footprint of `lod` = log2(texels) at level 0. The level is dithered by a hash of the coordinates,
@@ -86,6 +85,30 @@ struct TextureView {
   }
 
  private:
+  /// Texel as it takes part in interpolation: linear, or sRGB codes in [0, 1] if `encoded`.
+  RELUME_HD Vec4 stored_texel(int level, int x, int y) const {
+    const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
+    const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
+    const uint32_t index = level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
+    if (format == PixelFormat::rgba32_float) return static_cast<const Vec4*>(texels)[index];
+    const uint8_t* c = static_cast<const uint8_t*>(texels) + static_cast<size_t>(index) * 4;
+    constexpr float kScale = 1.0f / 255.0f;
+    const float alpha = static_cast<float>(c[3]) * kScale;
+    if (format == PixelFormat::rgba8_srgb && !encoded) return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
+    return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale, alpha};
+  }
+
+  /// Linear value of a colour of sRGB codes, between two of them by interpolation of the table.
+  RELUME_HD Vec4 decode(const Vec4& c) const {
+    Vec4 linear = c;
+    for (int k = 0; k < 3; ++k) {
+      const float scaled = c[k] * 255.0f;
+      const uint32_t code = scaled < 254.0f ? static_cast<uint32_t>(scaled) : 254u;
+      linear[k] = lerp(srgb_table[code], srgb_table[code + 1], scaled - static_cast<float>(code));
+    }
+    return linear;
+  }
+
   /// To [0, 1]; mirror folds.
   RELUME_HD static float wrap_coordinate(float x, WrapMode wrap) {
     if (!is_finite(x)) return 0.0f;

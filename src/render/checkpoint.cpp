@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "settings/settings_json.h"
 
 namespace relume {
 namespace {
@@ -51,9 +52,10 @@ class Reader {
 
 }  // namespace
 
-std::string checkpoint_key(const RenderSettings& s) {
-  return fmt::format("{}x{} seed {} camera '{}' time {} estimator {} lights {} bounces {} roulette {} auxiliary {}", s.width, s.height, s.seed, s.camera, s.time_s,
-                     static_cast<int>(s.estimator), static_cast<int>(s.lights), s.path.max_bounces, s.path.russian_roulette, s.auxiliary);
+std::string checkpoint_key(const RenderSettings& settings) {
+  RenderSettings relevant = settings;
+  relevant.threads = 0;
+  return settings_to_json(describe(relevant)) + (settings.auxiliary ? " with auxiliary buffers" : "");
 }
 
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "materials/texture.h"
 #include "settings/setting.h"
 #include "techniques/path/path_settings.h"
 
@@ -24,6 +25,7 @@ struct RenderSettings {
   int threads = 0;     ///< 0: all
   std::string camera;  ///< name or index; empty: the file's first
   float time_s = 0;    ///< time of the animation
+  TextureFilter texture_filter = TextureFilter::linear;
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
   GuideChoice guide = GuideChoice::bsdf;

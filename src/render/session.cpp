@@ -48,7 +48,8 @@ struct Session::State {
         buffers(static_cast<uint32_t>(s.width), static_cast<uint32_t>(s.height)) {
     const auto start = Clock::now();
     backend.run("build", [&] {
-      scene = std::make_unique<CompiledScene>(std::move(source), settings.camera, settings.time_s, settings.width, settings.height);
+      scene = std::make_unique<CompiledScene>(
+          std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height, settings.texture_filter});
     });
     add_buffers(buffers);
     if (settings.auxiliary) add_auxiliary_buffers(buffers);

@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// Hands out dimensions in order. Each request of one or two numbers is a padded, independently scrambled
-/// low-discrepancy sequence over the samples of the pixel ([Burley20], §5).
+/// Hands out dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the samples
+/// of the pixel ([Burley20], §5).
 class Sampler {
  public:
   /// Continues one sequence over all samples of the pixel: for estimators that do not adapt.
@@ -18,21 +18,59 @@ class Sampler {
     return Sampler(hash(hash(seed, x, y), frame), sample);
   }
 
-  RELUME_HD float next_1d() { return owen_van_der_corput(index_, hash(scramble_ + dimension_++)); }
-  RELUME_HD Vec2 next_2d() { return owen_sobol_2d(index_, hash(scramble_ + dimension_++)); }
+  /// Two stratified numbers. Eight dimensions are computed at a time: on a processor they share vector registers, and a path
+  /// rarely needs more.
+  RELUME_HD Vec2 next_2d() {
+    const uint32_t in_block = dimension_ % kBlock;
+    if (dimension_ - in_block != block_start_) fill_block(dimension_ - in_block);
+    ++dimension_;
+    return {x_[in_block], y_[in_block]};
+  }
+
+  /// The first pair, without the rest of its block: for passes that need no more.
+  RELUME_HD Vec2 first_2d() const { return owen_sobol_2d(reversed_index_, seed_of(0)); }
+
+  /// One stratified number; these have dimensions of their own.
+  RELUME_HD float next_1d() { return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++)); }
+
+  /// A plain random number: for decisions that gain nothing from stratification, such as Russian roulette.
+  RELUME_HD float next_unstratified() { return to_unit_float(hash(scramble_ ^ reversed_index_, kSaltPlain + single_++)); }
 
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
-  RELUME_HD void start_dimension(uint32_t dimension) { dimension_ = dimension; }
+  RELUME_HD void start_dimension(uint32_t dimension) {
+    dimension_ = dimension;
+    single_ = dimension * 8;
+  }
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
-  RELUME_HD uint32_t ray_id() const { return hash(scramble_, index_, dimension_); }
+  RELUME_HD uint32_t ray_id() const { return hash(scramble_ ^ reversed_index_, dimension_); }
+  RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }
 
  private:
-  RELUME_HD Sampler(uint32_t scramble, uint32_t index) : scramble_(scramble), index_(index) {}
+  static constexpr uint32_t kBlock = 8;
+  static constexpr uint32_t kSalt1d = 0x68bc21ebu;
+  static constexpr uint32_t kSaltPlain = 0x02e5be93u;
+
+  RELUME_HD Sampler(uint32_t scramble, uint32_t index) : scramble_(scramble), reversed_index_(reverse_bits(index)) {}
+
+  RELUME_HD uint32_t seed_of(uint32_t dimension) const { return hash(scramble_ + dimension); }
+
+  RELUME_HD void fill_block(uint32_t start) {
+    block_start_ = start;
+    for (uint32_t k = 0; k < kBlock; ++k) {
+      const Vec2 point = owen_sobol_2d(reversed_index_, seed_of(start + k));
+      x_[k] = point.x;
+      y_[k] = point.y;
+    }
+  }
 
   uint32_t scramble_;
-  uint32_t index_;
+  uint32_t reversed_index_;
   uint32_t dimension_ = 0;
+  uint32_t single_ = 0;
+  uint32_t block_start_ = 0xffffffffu;
+  float x_[kBlock];
+  float y_[kBlock];
 };
 
 }  // namespace relume

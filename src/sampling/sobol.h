@@ -37,19 +37,23 @@ RELUME_HD constexpr uint32_t sobol_dimension_1_reversed(uint32_t index) {
   return x;
 }
 
-/// Point `index` of a two-dimensional (0, 2)-sequence chosen by `seed`: shuffled and scrambled as in [Burley20].
-/// Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k.
-RELUME_HD inline Vec2 owen_sobol_2d(uint32_t index, uint32_t seed) {
-  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reverse_bits(index), seed));
-  const uint32_t x = owen_scramble_reversed(shuffled, hash(seed, 1u));
-  const uint32_t y = owen_scramble_reversed(sobol_dimension_1_reversed(shuffled), hash(seed, 2u));
+/// Seeds that differ for the shuffle and the two scrambles of one point set.
+RELUME_HD constexpr uint32_t derived_seed(uint32_t seed, uint32_t which) { return seed * (which == 1 ? 0x85ebca6bu : 0xc2b2ae35u) + which; }
+
+/// Point of a two-dimensional (0, 2)-sequence chosen by `seed` (a well-mixed hash): shuffled and scrambled as in [Burley20].
+/// Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k. Takes the index with its bits
+/// reversed, since a pixel's dimensions all start from that.
+RELUME_HD inline Vec2 owen_sobol_2d(uint32_t reversed_index, uint32_t seed) {
+  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
+  const uint32_t x = owen_scramble_reversed(shuffled, derived_seed(seed, 1));
+  const uint32_t y = owen_scramble_reversed(sobol_dimension_1_reversed(shuffled), derived_seed(seed, 2));
   return {to_unit_float(reverse_bits(x)), to_unit_float(reverse_bits(y))};
 }
 
-/// Point `index` of a scrambled van der Corput sequence chosen by `seed`.
-RELUME_HD inline float owen_van_der_corput(uint32_t index, uint32_t seed) {
-  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reverse_bits(index), seed));
-  return to_unit_float(reverse_bits(owen_scramble_reversed(shuffled, hash(seed, 1u))));
+/// Point of a scrambled van der Corput sequence chosen by `seed`.
+RELUME_HD inline float owen_van_der_corput(uint32_t reversed_index, uint32_t seed) {
+  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
+  return to_unit_float(reverse_bits(owen_scramble_reversed(shuffled, derived_seed(seed, 1))));
 }
 
 }  // namespace relume

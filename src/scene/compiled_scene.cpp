@@ -34,10 +34,10 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 }  // namespace
 
-CompiledScene::CompiledScene(Scene scene, const std::string& camera, float time_s, int width, int height)
-    : source_(std::move(scene)), resolution_(width, height) {
-  const std::vector<Mat4> world = world_matrices(source_, time_s);
-  textures_ = TextureStore(source_.textures);
+CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
+    : source_(std::move(scene)), resolution_(options.width, options.height) {
+  const std::vector<Mat4> world = world_matrices(source_, options.time_s);
+  textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
   list_appearances();
   decide_instancing(animated_nodes(source_));
@@ -49,7 +49,7 @@ CompiledScene::CompiledScene(Scene scene, const std::string& camera, float time_
   refresh_view();
   lights_.collect(view_, instances_, source_, world, bounds_);
   add_missing_light();
-  choose_camera(camera);
+  choose_camera(options.camera);
   place_camera(world, true);
   refresh_view();
   build_accel();
@@ -168,11 +168,12 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   tbb::parallel_for(size_t{0}, count, [&](size_t i) {
     Vertex& v = vertices_[first_vertex + i];
     v.position = m.point(mesh.positions[i]);
-    const auto direction = [](const Vec3& d) { return length_squared(d) > 0.0f ? pack_direction(glm::normalize(d)) : pack_direction(Vec3(0, 0, 1)); };
-    v.normal = view.has_normals ? direction(normal_matrix * mesh.normals[i] * orientation) : 0;
+    const auto unit = [](const Vec3& d) { return length_squared(d) > 0.0f ? glm::normalize(d) : Vec3(0, 0, 1); };
+    const Vec3 normal = view.has_normals ? unit(normal_matrix * mesh.normals[i] * orientation) : Vec3(0, 0, 1);
+    const float handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
+    v.normal = pack_normal(normal, handedness);
     v.uv = view.has_uv ? mesh.uv0[i] : Vec2(0);
-    v.tangent = view.has_tangents ? direction(m.vector(Vec3(mesh.tangents[i]))) : 0;
-    v.handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
+    v.tangent = view.has_tangents ? pack_direction(unit(m.vector(Vec3(mesh.tangents[i])))) : 0;
   });
   for (const UVec3& t : mesh.triangles) {
     const UVec3 moved = t + UVec3(first_vertex);

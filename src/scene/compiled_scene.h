@@ -13,11 +13,19 @@
 namespace relume {
 
 /// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
+/// How a scene is compiled.
+struct CompileOptions {
+  std::string camera;  ///< name or index of a camera node; empty: the first
+  float time_s = 0;
+  int width = 1;       ///< of the image, pixels
+  int height = 1;
+  TextureFilter texture_filter = TextureFilter::linear;
+};
+
 class CompiledScene {
  public:
-  /// Textures are moved into their kernel layout and freed in the scene. `camera`: name or index of a camera node, empty for the
-  /// first. Throws Error if there is no such camera.
-  CompiledScene(Scene scene, const std::string& camera, float time_s, int width, int height);
+  /// Arrays of the scene are moved into their kernel layout and freed. Throws Error if there is no such camera.
+  CompiledScene(Scene scene, const CompileOptions& options);
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 

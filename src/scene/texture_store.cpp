@@ -128,8 +128,12 @@ const float* srgb_to_linear_table() {
   return table.data();
 }
 
-TextureStore::TextureStore(std::span<const Texture> textures) : texels_(textures.size()), views_(textures.size()) {
-  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]); });
+TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter) : texels_(textures.size()), views_(textures.size()) {
+  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]);
+    if (filter == TextureFilter::linear) return;
+    views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
+    views_[i].level_count = 1;
+  });
 }
 
 size_t TextureStore::memory_bytes() const {

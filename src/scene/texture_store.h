@@ -13,7 +13,7 @@ class TextureStore {
  public:
   TextureStore() = default;
   /// Converts all textures, in parallel.
-  explicit TextureStore(std::span<const Texture> textures);
+  TextureStore(std::span<const Texture> textures, TextureFilter filter);
 
   View<const TextureView> views() const { return view_of(views_); }
   const TextureView& operator[](size_t i) const { return views_[i]; }

@@ -22,8 +22,14 @@ struct SampleIndex {
 /// Camera ray through a random point of pixel (x, y); uses the first two dimensions.
 RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   const Vec2 jitter = sampler.next_2d();
-  const Vec2 u_lens = camera.lens_radius > 0.0f ? sampler.next_2d() : Vec2(0);
+  const Vec2 u_lens = sampler.next_2d();
   return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, u_lens);
+}
+
+/// The same ray where nothing else will be drawn from the sampler.
+RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
+  if (camera.lens_radius > 0.0f) return camera_ray(camera, x, y, sampler);
+  return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + sampler.first_2d(), Vec2(0));
 }
 
 /// Finds the primary hit of every pixel.
@@ -36,8 +42,8 @@ struct PrimaryHitsKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     Sampler sampler = index.sampler(x, y);
-    const Ray ray = camera_ray(camera, x, y, sampler);
-    hits[y * width + x] = intersect(accel, ray, sampler.ray_id());
+    const Ray ray = lone_camera_ray(camera, x, y, sampler);
+    hits[y * width + x] = intersect(accel, ray, sampler.camera_ray_id());
   }
 
   /// Packets of two rows.
@@ -57,8 +63,8 @@ struct PrimaryHitsKernel {
     for (uint32_t y = y0; y < y0 + 2 && y < tile.y1; ++y) {
       for (uint32_t x = x0; x < x0 + kPacketSize / 2 && x < tile.x1; ++x) {
         Sampler sampler = index.sampler(x, y);
-        rays[count] = camera_ray(camera, x, y, sampler);
-        ids[count] = sampler.ray_id();
+        rays[count] = lone_camera_ray(camera, x, y, sampler);
+        ids[count] = sampler.camera_ray_id();
         pixels[count] = y * width + x;
         ++count;
       }
@@ -84,7 +90,7 @@ struct AuxiliaryKernel {
     const Hit hit = hits[pixel];
     if (!hit.valid()) return;
     Sampler sampler = index.sampler(x, y);
-    const Ray ray = camera_ray(scene.camera, x, y, sampler);
+    const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     if (!albedo.empty()) albedo[pixel] += glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
