@@ -33,9 +33,12 @@ struct EnvironmentView {
     const float phi = (uv.x - 0.5f) * (2.0f * kPi);
     const float theta = uv.y * kPi;
     *sin_theta = std::sin(theta);
-    const float x = *sin_theta * std::sin(phi);
-    const float z = -*sin_theta * std::cos(phi);
-    return {cos_rotation * x + sin_rotation * z, std::cos(theta), -sin_rotation * x + cos_rotation * z};
+    return direction_from_map({*sin_theta * std::sin(phi), std::cos(theta), -*sin_theta * std::cos(phi)});
+  }
+
+  /// A direction of the unrotated map, turned as the environment is.
+  RELUME_HD Vec3 direction_from_map(const Vec3& w) const {
+    return {cos_rotation * w.x + sin_rotation * w.z, w.y, -sin_rotation * w.x + cos_rotation * w.z};
   }
 
   /// Radiance that arrives along −w, bilinear.

@@ -145,18 +145,17 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
-/// pdf_w with which wo would be sampled if light arrived from wi.
+/// pdf_w with which wo would be sampled by a viewer at wi, whose lobes have probabilities of their own.
 RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  float weights[kMaxLobes];
-  const float sum = lobe_weights(bsdf, std::fabs(wi.z), weights);
-  if (!(sum > 0.0f)) return 0.0f;
   const bool same_side = wi.z > 0.0f;
+  Bsdf reversed = bsdf;
+  for (int i = 0; i < reversed.lobe_count && !same_side; ++i) reversed.lobes[i] = flipped(bsdf.lobes[i]);
+  prepare(reversed, std::fabs(wi.z));
   const Vec3 from = same_side ? wi : -wi;
   const Vec3 to = same_side ? wo : -wo;
   float pdf = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Lobe lobe = same_side ? bsdf.lobes[i] : flipped(bsdf.lobes[i]);
-    pdf += weights[i] / sum * eval_lobe(lobe, *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
+  for (int i = 0; i < reversed.lobe_count; ++i) {
+    pdf += reversed.lobes[i].probability * eval_lobe(reversed.lobes[i], *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
   }
   return pdf;
 }

@@ -29,8 +29,9 @@ RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfac
   return lobe;
 }
 
-/// Below this share of light the second bounce between microfacets is left out, for speed.
-inline constexpr float kNegligibleMultipleScattering = 2e-3f;
+/// Below this mean share of light what bounces between microfacets is left out. So small because at grazing angles a hundred times
+/// the mean is missing.
+inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 
 RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
   const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};

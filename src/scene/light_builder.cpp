@@ -76,6 +76,7 @@ void LightBuilder::set_environment(const Environment& source) {
   environment_.mean = baked.color;
   environment_.cos_rotation = std::cos(source.rotation_rad);
   environment_.sin_rotation = std::sin(source.rotation_rad);
+  sun_.to_light = environment_.direction_from_map(sun_.to_light);
   if (source.kind == EnvironmentKind::constant) return;
 
   environment_map_ = std::move(baked.map);
@@ -98,7 +99,7 @@ void LightBuilder::set_environment(const Environment& source) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) mean += at(x + dx, y + dy) * ((dx ? 0.125f : 0.75f) * (dy ? 0.125f : 0.75f));
       }
-      weights[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] = luminance(mean) * sin_theta;
+      weights[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] = luminance(environment_.scale * mean) * sin_theta;
       row_sums[static_cast<size_t>(y)] += mean * sin_theta;
     }
   });
@@ -192,7 +193,7 @@ void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh,
   std::vector<float> weights(count);
   Rgb sum(0);
   for (uint32_t i = 0; i < count; ++i) {
-    weights[i] = luminance(means[i]);
+    weights[i] = luminance(light.radiance * means[i]);
     sum += means[i];
   }
   t.mean_emission = sum / static_cast<float>(count);

@@ -1,6 +1,8 @@
 #include "scene/texture_store.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include <tbb/parallel_for.h>
@@ -59,27 +61,35 @@ void copy_base(const Texture& texture, std::byte* level) {
   }
 }
 
-/// The half-open range of texels of the finer level that one texel of the coarser covers; odd sizes give the last one three.
-struct Range {
-  int first;
-  int last;
-};
-Range footprint(int i, int coarse, int fine) { return {i * fine / coarse, (i + 1) * fine / coarse}; }
+/// The texels of the finer level that one texel of the coarser covers, the outer ones in part if the size is odd.
+struct Footprint {
+  double start;
+  double end;
 
-/// Mean in linear space of the texels below, colours weighted by nothing but area.
+  Footprint(int i, int coarse, int fine) : start(double(i) * fine / coarse), end(double(i + 1) * fine / coarse) {}
+  int first() const { return static_cast<int>(start); }
+  int last() const { return static_cast<int>(std::ceil(end)); }
+  float weight(int texel) const {
+    return static_cast<float>((std::min(end, texel + 1.0) - std::max(start, double(texel))) / (end - start));
+  }
+};
+
+/// Mean in linear space of the texels below, weighted by nothing but area, so that every level has the same mean.
 void filter_level(const TextureView& view, int level, std::byte* texels) {
   const int w = view.level_width(level);
   const int h = view.level_height(level);
   std::byte* target = texels + static_cast<size_t>(view.level_offset[level]) * texel_size(view.format);
   for (int y = 0; y < h; ++y) {
-    const Range rows = footprint(y, h, view.level_height(level - 1));
+    const Footprint rows(y, h, view.level_height(level - 1));
     for (int x = 0; x < w; ++x) {
-      const Range columns = footprint(x, w, view.level_width(level - 1));
+      const Footprint columns(x, w, view.level_width(level - 1));
       Vec4 sum(0);
-      for (int j = rows.first; j < rows.last; ++j) {
-        for (int i = columns.first; i < columns.last; ++i) sum += view.texel(level - 1, i, j);
+      for (int j = rows.first(); j < rows.last(); ++j) {
+        for (int i = columns.first(); i < columns.last(); ++i) {
+          sum += view.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
+        }
       }
-      store(target, view.format, w, x, y, sum / static_cast<float>((rows.last - rows.first) * (columns.last - columns.first)));
+      store(target, view.format, w, x, y, sum);
     }
   }
 }
