@@ -46,8 +46,11 @@ RELUME_HD constexpr float saturate(float x) { return clamp(x, 0.0f, 1.0f); }
 /// Square root that maps small negative rounding errors to zero.
 RELUME_HD inline float safe_sqrt(float x) { return std::sqrt(x > 0.0f ? x : 0.0f); }
 
-RELUME_HD inline float max_component(const Vec3& v) { return std::fmax(v.x, std::fmax(v.y, v.z)); }
-RELUME_HD inline float min_component(const Vec3& v) { return std::fmin(v.x, std::fmin(v.y, v.z)); }
+/// Like std::fmax and std::fmin but one instruction; the second argument is returned if one is not a number.
+RELUME_HD constexpr float max(float a, float b) { return a > b ? a : b; }
+RELUME_HD constexpr float min(float a, float b) { return a < b ? a : b; }
+RELUME_HD inline float max_component(const Vec3& v) { return max(v.x, max(v.y, v.z)); }
+RELUME_HD inline float min_component(const Vec3& v) { return min(v.x, min(v.y, v.z)); }
 RELUME_HD inline float length_squared(const Vec3& v) { return glm::dot(v, v); }
 RELUME_HD inline Vec3 abs(const Vec3& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 

@@ -15,7 +15,7 @@ struct SpotLight {
 
 /// Angular attenuation of KHR_lights_punctual: the square of a linear ramp in cos θ.
 RELUME_HD inline float spot_falloff(const SpotLight& light, float cos_theta) {
-  const float ramp = saturate((cos_theta - light.cos_outer) / std::fmax(light.cos_inner - light.cos_outer, 1e-4f));
+  const float ramp = saturate((cos_theta - light.cos_outer) / relume::max(light.cos_inner - light.cos_outer, 1e-4f));
   return ramp * ramp;
 }
 

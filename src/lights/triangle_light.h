@@ -24,7 +24,7 @@ struct TriangleLight {
   /// Cosine at the light towards a receiver; 0 on the side that does not emit.
   RELUME_HD float emission_cosine(const Vec3& away) const {
     const float c = glm::dot(normal, away);
-    return two_sided ? std::fabs(c) : std::fmax(c, 0.0f);
+    return two_sided ? std::fabs(c) : relume::max(c, 0.0f);
   }
 };
 
@@ -90,7 +90,7 @@ RELUME_HD inline Vec2 barycentric_in_small_triangle(uint32_t grid, uint32_t inde
   uint32_t rest = index;
   // Row r starts at r(2·grid − r); solved by the quadratic formula and corrected for rounding.
   const float g = static_cast<float>(grid);
-  row = static_cast<uint32_t>(g - std::sqrt(std::fmax(g * g - static_cast<float>(index), 0.0f)));
+  row = static_cast<uint32_t>(g - std::sqrt(relume::max(g * g - static_cast<float>(index), 0.0f)));
   while (row > 0 && row * (2 * grid - row) > index) --row;
   while ((row + 1) * (2 * grid - row - 1) <= index) ++row;
   rest = index - row * (2 * grid - row);

@@ -30,10 +30,10 @@ struct BsdfSample {
 
 /// Lobes of one surface point, ready for wo.
 struct Bsdf {
-  Lobe lobes[kMaxLobes];
-  int lobe_count = 0;
-  float coat = 0;               ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
-  const EnergyTables* tables = nullptr;
+  Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
+  int lobe_count;
+  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  const EnergyTables* tables;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
   RELUME_HD bool has_coat() const { return coat > 0.0f; }
@@ -161,9 +161,16 @@ RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   return pdf;
 }
 
+/// The most frequent surface by far; worth a shorter way through.
+RELUME_HD inline bool is_lambert(const Bsdf& bsdf) { return bsdf.lobe_count == 1 && bsdf.lobes[0].kind == LobeKind::lambert; }
+
 /// BSDF value and densities of all lobes but delta ones. wo.z > 0.
 template <bool kReverse = false>
 RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
+  if (is_lambert(bsdf)) {
+    const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
+    return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
+  }
   BsdfEval result;
   const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
   for (int i = 0; i < bsdf.lobe_count; ++i) {
@@ -180,6 +187,10 @@ RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 /// A direction from the mixture of all lobes.
 RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
                                    TransportMode mode = TransportMode::radiance) {
+  if (is_lambert(bsdf)) {
+    const Vec3 wi = cosine_hemisphere_from_square(u);
+    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, false, wi.z > 0.0f};
+  }
   if (bsdf.empty()) return {};
   int i = 0;
   while (i + 1 < bsdf.lobe_count && u_lobe >= bsdf.lobes[i].probability) u_lobe -= bsdf.lobes[i++].probability;

@@ -13,8 +13,8 @@ enum class MicrofacetModel : uint8_t { ggx, beckmann };
 inline constexpr float kMinAlpha = 1e-3f;
 
 struct Microfacet {
-  MicrofacetModel model = MicrofacetModel::ggx;
-  float alpha = 0.5f;
+  MicrofacetModel model;
+  float alpha;  ///< roughness, (0, 1]
 
   RELUME_HD bool smooth() const { return alpha < kMinAlpha; }
 
@@ -49,7 +49,7 @@ struct Microfacet {
 
   /// pdf_w of sample().
   RELUME_HD float pdf(const Vec3& wo, const Vec3& m) const {
-    if (model == MicrofacetModel::ggx) return g1(wo) * std::fmax(0.0f, glm::dot(wo, m)) * d(m) / wo.z;
+    if (model == MicrofacetModel::ggx) return g1(wo) * relume::max(0.0f, glm::dot(wo, m)) * d(m) / wo.z;
     return d(m) * m.z;
   }
 
@@ -62,7 +62,7 @@ struct Microfacet {
     const float z = (1.0f - u.y) * (1.0f + wo_std.z) - wo_std.z;
     const float r = safe_sqrt(1.0f - z * z);
     const Vec3 m_std = Vec3(r * std::cos(phi), r * std::sin(phi), z) + wo_std;
-    return glm::normalize(Vec3(m_std.x * alpha, m_std.y * alpha, std::fmax(m_std.z, 1e-7f)));
+    return glm::normalize(Vec3(m_std.x * alpha, m_std.y * alpha, relume::max(m_std.z, 1e-7f)));
   }
 
   RELUME_HD Vec3 sample_beckmann(const Vec2& u) const {

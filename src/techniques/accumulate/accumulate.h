@@ -33,7 +33,7 @@ RELUME_HD inline float variance_of_mean(const Rgb& sum, float luminance_squared,
   if (n < 2) return 0.0f;
   const float count = static_cast<float>(n);
   const float mean = luminance(sum) / count;
-  return std::fmax(0.0f, luminance_squared / count - mean * mean) / (count - 1.0f);
+  return relume::max(0.0f, luminance_squared / count - mean * mean) / (count - 1.0f);
 }
 
 }  // namespace relume

@@ -114,7 +114,7 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   path.delta = s.delta;
   path.cone_width = sp.footprint;
   // A rough lobe fans the cone out; half of α is about the lobe's angular width ([Akenine21], §4).
-  path.cone_spread = std::fmax(path.cone_spread, 0.25f * s.alpha);
+  path.cone_spread = relume::max(path.cone_spread, 0.25f * s.alpha);
   ++path.bounce;
   return true;
 }
