@@ -118,7 +118,7 @@ class Errors(ProgramTest):
     def test_metrics_of_unlike_images(self):
         self.succeed(*self.render("-o", "a.exr"))
         self.succeed("render", "cornell", "-o", "b.exr", "--width", "8", "--height", "8", "--spp", "1")
-        self.refuse(FAILED, "metrics", "a.exr", "b.exr", says=["8x8"])
+        self.refuse(FAILED, "metrics", "a.exr", "b.exr", says=["8 x 8"])
         self.refuse(FAILED, "metrics", "a.exr", "none.exr", says=["none.exr"])
 
     def test_export_of_unknown_kind(self):

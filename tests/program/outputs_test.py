@@ -85,7 +85,7 @@ class Outputs(ProgramTest):
         self.assertGreater(self.metrics("f.000.exr", "f.001.exr")["mse"], 0)
         # A frame of its own shows what the sequence shows.
         self.succeed("render", "slit", "-o", "alone.exr", *SMALL, "--spp", "4", "--frames", "2-2", "--fps", "2")
-        self.assert_same_pixels("f.002.exr", "alone.2.exr")
+        self.assert_same_pixels("f.002.exr", "alone.0002.exr")
 
     def test_quiet_is_silent(self):
         done = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "2", "--quiet")
