@@ -22,7 +22,7 @@ Scene cornell_with_lamp(float factor) {
   return scene;
 }
 
-Moments pictures(const Scene& scene, int first_seed, int spp = 64) {
+Moments pictures(const Scene& scene, int first_seed, int spp = 16) {
   return measure(scene, small_settings(32, 32), spp, kSeeds, first_seed);
 }
 
