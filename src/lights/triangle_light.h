@@ -35,7 +35,7 @@ struct TexturedTriangle {
   int32_t coverage_texture;  ///< alpha; −1: none
   Vec2 emission_uv[3];
   Vec2 coverage_uv[3];
-  float alpha_factor;
+  float alpha_factor[3];     ///< at the vertices; 1 for opaque materials
   float alpha_cutoff;
   bool mask;
   uint32_t grid;
@@ -52,19 +52,22 @@ struct TexturedEmission {
   RELUME_HD AliasTable table(const TexturedTriangle& t) const { return {{entries.data + t.first_entry, t.grid * t.grid}}; }
 };
 
-RELUME_HD inline Vec2 interpolate_uv(const Vec2 uv[3], const Vec2& b) { return uv[0] * (1.0f - b.x - b.y) + uv[1] * b.x + uv[2] * b.y; }
+template <typename T>
+RELUME_HD inline T interpolate_corners(const T v[3], const Vec2& b) {
+  return v[0] * (1.0f - b.x - b.y) + v[1] * b.x + v[2] * b.y;
+}
 
 /// What the texture lets through at a point: emission times coverage.
 RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   Rgb value(1);
   if (t.emission_texture >= 0) {
-    value = Rgb(e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_uv(t.emission_uv, b), 0));
+    value = Rgb(e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_corners(t.emission_uv, b), 0));
   }
+  float alpha = interpolate_corners(t.alpha_factor, b);
   if (t.coverage_texture >= 0) {
-    const float alpha =
-        t.alpha_factor * e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_uv(t.coverage_uv, b), 0).w;
-    value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
+    alpha *= e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_corners(t.coverage_uv, b), 0).w;
   }
+  value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
   return value;
 }
 

@@ -24,6 +24,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 void add_buffers(BufferTable& table) {
   table.add({"primary-hits", BufferType::hit, "what the camera ray of this frame met"});
   table.add({"radiance", BufferType::rgb32f, "radiance of this frame's sample"});
+  table.add({"frame-rays", BufferType::u32, "rays traced for this frame's sample"});
   table.add({"sum", BufferType::rgb32f, "sum of all samples", true, ResetOn::any_change});
   table.add({"sum-squares", BufferType::f32, "sum of squared luminance", true, ResetOn::any_change});
   table.add({"rays", BufferType::u32, "rays traced for the pixel", true, ResetOn::any_change});
@@ -79,10 +80,15 @@ struct Session::State {
     kernel.index = sample_index();
     kernel.hits = view<const Hit>("primary-hits");
     kernel.radiance = view<Rgb>("radiance");
-    kernel.rays = view<uint32_t>("rays");
-    kernel.nonfinite = view<uint32_t>("nonfinite");
+    kernel.rays = view<uint32_t>("frame-rays");
     kernel.width = buffers.width();
     return kernel;
+  }
+
+  /// Sums change here only, after a complete frame, so that one that is stopped leaves nothing behind.
+  AccumulateKernel accumulate_kernel() const {
+    return {view<const Rgb>("radiance"), view<const uint32_t>("frame-rays"), view<Rgb>("sum"), view<float>("sum-squares"),
+            view<uint32_t>("rays"),      view<uint32_t>("nonfinite"),        buffers.width()};
   }
 
   AuxiliaryKernel auxiliary_kernel() const {
@@ -126,8 +132,7 @@ bool Session::render_frame(std::stop_token stop) {
   const bool complete = launch(s.backend, "gbuffer", primary, w, h, stop) && launch(s.backend, "trace", s.path_kernel(), w, h, stop);
   if (complete) {
     if (s.settings.auxiliary) launch(s.backend, "auxiliary", s.auxiliary_kernel(), w, h);
-    const AccumulateKernel accumulate{s.view<const Rgb>("radiance"), s.view<Rgb>("sum"), s.view<float>("sum-squares"), w};
-    launch(s.backend, "accumulate", accumulate, w, h);
+    launch(s.backend, "accumulate", s.accumulate_kernel(), w, h);
     ++s.samples;
   }
   s.statistics.render_s += seconds_since(start);

@@ -180,7 +180,10 @@ void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh,
   transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
   t.coverage_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
   transformed_uvs(geometry, mesh, index, material.base_color_texture, t.coverage_uv);
-  t.alpha_factor = material.alpha;
+  for (int k = 0; k < 3; ++k) {
+    const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
+    t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
+  }
   t.alpha_cutoff = material.alpha_cutoff;
   t.mask = material.mask;
   const TexturedEmission context{view_of(textured_), view_of(entries_), textures_};

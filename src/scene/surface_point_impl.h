@@ -221,7 +221,11 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   }
   if (material.emissive() && (sp.front_face || material.double_sided)) {
     sp.emission = material.emission;
-    if (material.emission_texture.used()) sp.emission *= Rgb(fetch(scene, material.emission_texture, uv, footprint_area));
+    if (material.emission_texture.used()) {
+      // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
+      const TextureUse& use = material.emission_texture;
+      sp.emission *= Rgb(scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0));
+    }
     if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
   }
   make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);

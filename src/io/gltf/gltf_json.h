@@ -28,6 +28,7 @@ struct PreparedJson {
   std::string text;  ///< for tinygltf
   std::vector<BufferEntry> buffers;
   std::vector<ImageEntry> images;
+  std::string scene_extras;  ///< extras.relume of the scene that is shown, as JSON; empty: none
   int no_buffer_view = 0;  ///< index that stands for "no buffer view" in the accessors of `text`
 };
 

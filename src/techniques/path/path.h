@@ -170,19 +170,16 @@ struct PathKernel {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
-  View<Rgb> radiance;       ///< of this sample
-  View<uint32_t> rays;      ///< added to
-  View<uint32_t> nonfinite; ///< added to: samples that were not finite and count as black
+  View<Rgb> radiance;       ///< of this sample; may be not finite
+  View<uint32_t> rays;      ///< of this sample
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     Sampler sampler = index.sampler(x, y);
     const PathState path = trace_path(context, x, y, sampler, hits[pixel]);
-    const bool finite = is_finite(path.radiance);
-    radiance[pixel] = finite ? path.radiance : Rgb(0);
-    rays[pixel] += path.rays;
-    if (!finite) ++nonfinite[pixel];
+    radiance[pixel] = path.radiance;
+    rays[pixel] = path.rays;
   }
 };
 
