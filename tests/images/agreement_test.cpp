@@ -24,16 +24,16 @@ constexpr int kSeeds = 16;
 
 // About two seconds a test: errors of a few percent show.
 const Case kQuick[] = {
-    {"cornell", 32, 32, 64, 0},   {"cornell-spheres", 32, 32, 32, 0}, {"cornell-glass", 32, 32, 32, 0}, {"corridor", 32, 32, 16, 0},
-    {"warehouse", 32, 18, 16, 0}, {"door", 24, 18, 32, 0},          {"slit", 32, 18, 24, 0.7f},
-    {"turntable", 32, 18, 32, 1.3f},
+    {"cornell", 32, 32, 64, 0},  {"cornell-spheres", 32, 32, 32, 0}, {"cornell-glass", 32, 32, 32, 0},
+    {"corridor", 32, 32, 16, 0}, {"warehouse", 32, 18, 16, 0},       {"door", 24, 18, 32, 0},
+    {"slit", 32, 18, 24, 0.7f},  {"turntable", 32, 18, 32, 1.3f},
 };
 
 // Up to minutes a test: resolves half a percent of a block where the light allows.
 const Case kSharp[] = {
-    {"cornell", 48, 48, 512, 0},    {"cornell-spheres", 48, 48, 256, 0}, {"cornell-glass", 48, 48, 256, 0}, {"corridor", 32, 32, 256, 0},
-    {"warehouse", 48, 27, 128, 0},  {"mine", 48, 27, 128, 0},            {"door", 32, 24, 256, 0},          {"slit", 48, 27, 128, 0.7f},
-    {"turntable", 48, 27, 256, 1.3f},
+    {"cornell", 48, 48, 512, 0},  {"cornell-spheres", 48, 48, 256, 0}, {"cornell-glass", 48, 48, 256, 0},
+    {"corridor", 32, 32, 256, 0}, {"warehouse", 48, 27, 128, 0},       {"mine", 48, 27, 128, 0},
+    {"door", 32, 24, 256, 0},     {"slit", 48, 27, 128, 0.7f},         {"turntable", 48, 27, 256, 1.3f},
 };
 
 std::string case_name(const ::testing::TestParamInfo<Case>& info) {

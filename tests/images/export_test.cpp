@@ -61,8 +61,8 @@ TEST_P(Export, RereadShowsTheSamePicture) {
   const Scene after = reread();
   const Image a = render(after, settings, 4);
   const Image b = render(before, settings, 4);
-  // Most scenes come back bit for bit; others hold numbers that glTF stores another way (instances, angles), which moves few
-  // samples across an edge.
+  // Most scenes come back bit for bit; others hold numbers that glTF stores another way (instances, angles), which
+  // moves few samples across an edge.
   EXPECT_LT(compute_metrics(a, b).rel_mse, 1e-3);
 }
 
@@ -72,7 +72,8 @@ class SlowExport : public Export {};
 TEST_P(SlowExport, RereadAgreesInTheMean) {
   const RenderSettings settings = settings_of(scene_name());
   const int spp = is_large(scene_name()) ? 4 : 32;
-  expect_same_picture("export-" + export_name({GetParam(), 0}), measure(reread(), settings, spp, 16, 1), measure(original(), settings, spp, 16, 1001));
+  expect_same_picture("export-" + export_name({GetParam(), 0}), measure(reread(), settings, spp, 16, 1),
+                      measure(original(), settings, spp, 16, 1001));
 }
 
 /// One of everything that glTF has no form for.
@@ -103,7 +104,8 @@ Scene beyond_gltf() {
 }
 
 TEST(BeyondGltf, ComesBackFromExtras) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / ("relume_beyond_" + std::to_string(::getpid()));
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / ("relume_beyond_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   for (const Camera& camera : {Camera{.name = "lens", .fov_y_rad = 1, .lens_radius = 0.1f, .focus_distance = 3},
                                Camera{.name = "all round", .projection = Projection::panoramic}}) {

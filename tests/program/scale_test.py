@@ -12,7 +12,7 @@ GIB = 1 << 30
 
 class Scale(ProgramTest):
     def stats(self, *arguments):
-        self.succeed("render", *arguments, "-o", "out.exr", "--spp", "1", "--stats", "s.json", "--quiet", timeout=280)
+        self.succeed("render", *arguments, "-o", "out.exr", "--spp", "1", "--stats", "s.json", "--quiet", timeout=550)
         stats = json.loads((self.folder / "s.json").read_text())
         print(f"{arguments}: load {stats['load_s']:.2f} s, build {stats['build_s']:.2f} s, render {stats['render_s']:.2f} s, "
               f"{stats['peak_memory_bytes'] / GIB:.2f} GiB", file=sys.stderr)

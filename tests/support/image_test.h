@@ -9,8 +9,8 @@
 namespace relume::support {
 
 struct ImageTestOptions {
-  /// Probability of rejecting equal pictures, for each of the two tests: 1 % over the hundred or so comparisons of the whole
-  /// suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
+  /// Probability of rejecting equal pictures, for each of the two tests: 1 % over the hundred or so comparisons of the
+  /// whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
   double significance = 1e-4;
   int block_size = 16;
   double block_tolerance = 0.005;  ///< of a block's mean
