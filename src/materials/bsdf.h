@@ -22,6 +22,7 @@ struct BsdfSample {
   Rgb weight{0};    ///< f · |cos θ| / pdf; zero: the path ends
   float pdf_w = 0;  ///< density of the whole mixture; meaningless for delta
   float alpha = 1;  ///< width of the lobe that was chosen (diffuse: 1), for ray cones
+  float compression = 1;  ///< factor 1/η² that refraction has put into `weight`; says nothing of how much light is carried
   bool delta = false;
   bool valid = false;
 
@@ -188,7 +189,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
                                    TransportMode mode = TransportMode::radiance) {
   if (is_lambert(bsdf)) {
     const Vec3 wi = cosine_hemisphere_from_square(u);
-    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, false, wi.z > 0.0f};
+    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, 1.0f, false, wi.z > 0.0f};
   }
   if (bsdf.empty()) return {};
   int i = 0;
@@ -200,6 +201,8 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
+  const bool refracts = lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::smooth_dielectric;
+  if (refracts && s.wi.z < 0.0f) result.compression = dielectric::transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {

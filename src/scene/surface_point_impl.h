@@ -153,6 +153,20 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
   return glm::normalize(n.x * tangent + n.y * bitangent + relume::max(n.z, 1e-3f) * ns);
 }
 
+/// Interpolated and normal-mapped normal on the side of `front`, the unit geometric normal.
+RELUME_HD inline Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material, const Instance& instance,
+                                     const TriangleAt& t, const Geometry& g, const Uv& uv, float footprint_area, const Vec3& front) {
+  Vec3 ns = front;
+  if (mesh.has_normals) {
+    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
+    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
+    const float length = glm::length(ns);
+    ns = length > 0.0f ? ns / length : front;
+    if (glm::dot(ns, front) < 0.0f) ns = -ns;
+  }
+  return material.normal_texture.used() ? mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns) : ns;
+}
+
 /// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
 RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, const Vec3& wo) {
   constexpr float kMinCosine = 1e-3f;
@@ -194,15 +208,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   Uv uv;
   if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
 
-  Vec3 ns = front;
-  if (mesh.has_normals) {
-    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
-    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
-    const float length = glm::length(ns);
-    ns = length > 0.0f ? ns / length : front;
-    if (glm::dot(ns, front) < 0.0f) ns = -ns;
-  }
-  if (material.normal_texture.used()) ns = mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns);
+  const Vec3 ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front);
   sp.frame = make_frame(visible_shading_normal(ns * side, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 

@@ -14,6 +14,7 @@ struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
+  float compression = 1;       ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
   float first_throughput = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
   float pdf_w = 0;          ///< with which the ray's direction was sampled
   bool delta = true;        ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
@@ -106,11 +107,12 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   const BsdfSample s = c.directions.sample(sp, sampler);
   if (!s.valid) return false;
   path.throughput *= s.weight;
+  path.compression *= s.compression;
   if (is_black(path.throughput)) return false;
   if (path.bounce == 0) {
-    path.first_throughput = max_component(path.throughput);
+    path.first_throughput = max_component(path.throughput) / path.compression;
   } else if (c.russian_roulette) {
-    const float survival = kRouletteThreshold * max_component(path.throughput) / path.first_throughput;
+    const float survival = kRouletteThreshold * max_component(path.throughput) / (path.compression * path.first_throughput);
     if (survival < 1.0f) {
       if (sampler.next_1d() >= survival) return false;
       path.throughput /= survival;
