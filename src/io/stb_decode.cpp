@@ -58,11 +58,29 @@ std::vector<T> copy_rgba(const StbPixels<T>& pixels, int width, int height) {
                           reason != nullptr ? reason : "unknown reason"));
 }
 
+/// Whether every chunk of a PNG ends within the file. stb_image would first allocate what a damaged length asks for.
+bool png_chunks_fit(std::span<const std::byte> bytes) {
+  constexpr size_t kSignature = 8;
+  constexpr size_t kChunkHead = 8;  // length (big-endian) and type
+  constexpr size_t kChecksum = 4;
+  size_t offset = kSignature;
+  while (offset + kChunkHead <= bytes.size()) {
+    uint32_t length = 0;
+    for (size_t i = 0; i < 4; ++i) length = (length << 8) | std::to_integer<uint32_t>(bytes[offset + i]);
+    if (starts_with(bytes, "IEND", offset + 4)) return true;
+    if (length > bytes.size() - offset - kChunkHead) return false;
+    offset += kChunkHead + length + kChecksum;
+  }
+  return false;
+}
+
 /// stb_image fills what is missing at the end of a JPEG with grey and of a TGA with whatever is in memory.
 void check_complete(std::span<const std::byte> bytes, ImageFormat format, uint64_t pixel_count,
                     const std::string& name) {
   bool complete = true;
-  if (format == ImageFormat::jpeg) {
+  if (format == ImageFormat::png) {
+    complete = png_chunks_fit(bytes);
+  } else if (format == ImageFormat::jpeg) {
     constexpr std::byte kEndOfImage[] = {std::byte{0xff}, std::byte{0xd9}};
     complete = std::find_end(bytes.begin(), bytes.end(), std::begin(kEndOfImage), std::end(kEndOfImage)) != bytes.end();
   } else if (format == ImageFormat::tga) {

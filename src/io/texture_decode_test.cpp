@@ -109,6 +109,18 @@ TEST(TextureDecode, ExrAndHdrAreFloatWhateverIsWanted) {
   EXPECT_EQ(floats(from_hdr), (std::vector<float>{4.0f, 2.0f, 1.0f, 1.0f}));
 }
 
+TEST(TextureDecode, PngChunksBeyondTheFileAreRefusedBeforeTheyAreAllocated) {
+  auto bytes = make_png(2, 1, 8, kRgba, {1, 2, 3, 4, 5, 6, 7, 8});
+  constexpr size_t kIdatLength = 8 + 25;  // after the signature and IHDR with its head and checksum
+  bytes[kIdatLength] = std::byte{0x3f};   // about 1 GiB
+  try {
+    decode_texture(bytes, "wood.png", PixelFormat::rgba8_srgb);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("cut off"), std::string::npos) << e.what();
+  }
+}
+
 TEST(TextureDecode, GarbageIsAnErrorThatNamesTheTexture) {
   const std::vector<std::byte> garbage(100, std::byte{0x42});
   try {

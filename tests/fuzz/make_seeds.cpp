@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/image.h"
 #include "io/testing/example_files.h"
 
 namespace {
@@ -26,5 +27,7 @@ int main(int argc, char** argv) {
     write(folder / (extension == "glb" ? "gltf" : extension) / file.name, file.bytes);
   }
   write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
+  for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
+    relume::write_image(folder / "texture" / name, relume::Image(3, 2));
   return 0;
 }
