@@ -28,7 +28,7 @@ std::string name_of(const Microfacet& m) { return testing::to_string(m.model) + 
 
 template <typename F>
 double integrate_normals(const Microfacet& m, const F& f) {
-  const DirectionChart chart{Frame{}, m.alpha};
+  const DirectionChart chart{testing::local_frame(), m.alpha};
   return testing::integrate_square(chart.density(f), 16, 1e-6, 6);
 }
 
@@ -57,7 +57,7 @@ TEST(Microfacet, SampledNormalsFollowTheirDensity) {
   for (const Microfacet& mf : distributions()) {
     for (const float cos_o : {1.0f, 0.5f, 0.05f}) {
       const Vec3 wo = testing::viewer(cos_o);
-      const DirectionChart chart{Frame{}, mf.alpha};
+      const DirectionChart chart{testing::local_frame(), mf.alpha};
       Histogram histogram(14);
       Random random(51);
       for (int i = 0; i < 50000; ++i) {

@@ -69,8 +69,8 @@ bool stratified(const std::vector<Vec2>& run, int k) {
   return true;
 }
 
-Vec2 point(uint32_t index, uint32_t seed) { return owen_sobol_2d(index, seed); }
-float single(uint32_t index, uint32_t seed) { return owen_van_der_corput(index, seed); }
+Vec2 point(uint32_t index, uint32_t seed) { return owen_sobol_2d(reverse_bits(index), seed); }
+float single(uint32_t index, uint32_t seed) { return owen_van_der_corput(reverse_bits(index), seed); }
 
 TEST(Sobol, IsAZeroTwoSequence) {
   for (const uint32_t seed : {0u, 1u, 0xdeadbeefu, 0xffffffffu}) {
@@ -172,11 +172,21 @@ TEST(Sampler, IsAFunctionOfItsArguments) {
 TEST(Sampler, JumpsToADimension) {
   Sampler a = Sampler::sequence(1, 2, 3, 4);
   Sampler b = a;
-  for (int i = 0; i < 5; ++i) a.next_1d();
-  b.next_2d();
-  b.start_dimension(5);
+  for (int i = 0; i < 5; ++i) a.next_2d();
+  a.next_1d();
+  b.next_1d();
+  b.next_1d();
+  for (Sampler* s : {&a, &b}) s->start_dimension(20);
   EXPECT_EQ(a.next_1d(), b.next_1d());
   EXPECT_EQ(a.next_2d(), b.next_2d());
+  EXPECT_EQ(a.next_unstratified(), b.next_unstratified());
+  EXPECT_EQ(a.ray_id(), b.ray_id());
+}
+
+TEST(Sampler, FirstPairIsTheFirstPair) {
+  Sampler s = Sampler::sequence(1, 2, 3, 4);
+  const Vec2 first = s.first_2d();
+  EXPECT_EQ(first, s.next_2d());
 }
 
 TEST(Sampler, RayIdsDifferBetweenSamplesAndRays) {
@@ -184,7 +194,7 @@ TEST(Sampler, RayIdsDifferBetweenSamplesAndRays) {
   for (uint32_t s = 0; s < 1000; ++s) {
     Sampler sampler = Sampler::sequence(0, 1, 2, s);
     ids.insert(sampler.ray_id());
-    sampler.next_1d();
+    sampler.next_2d();
     ids.insert(sampler.ray_id());
   }
   EXPECT_GE(ids.size(), 1999u);  // 2,000 hashes of 32 bits collide with probability 5e-4
@@ -214,6 +224,12 @@ TEST(Sampler, NumbersAreUniformOverPixels) {
       return Vec2(first, s.next_1d());
     };
     EXPECT_GT(uniformity(singles), testing::significance());
+    const auto plain = [&](uint32_t x, uint32_t y) {
+      Sampler s = Sampler::sequence(0, x, y, sample);
+      const float first = s.next_unstratified();
+      return Vec2(first, s.next_unstratified());
+    };
+    EXPECT_GT(uniformity(plain), testing::significance());
     const auto frames = [&](uint32_t x, uint32_t y) { return Sampler::independent(3, x, 0, y, sample).next_2d(); };
     EXPECT_GT(uniformity(frames), testing::significance());
   }

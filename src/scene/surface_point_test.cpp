@@ -57,7 +57,7 @@ std::unique_ptr<CompiledScene> patch_under(const Mat4& matrix, bool moving) {
   scene.add_node(child);
   if (moving)
     scene.animation.push_back({1, AnimatedProperty::translation, Interpolation::step, {0, 1}, {Vec4(0), Vec4(0)}});
-  return std::make_unique<CompiledScene>(std::move(scene), "", 0.0f, 16, 16);
+  return std::make_unique<CompiledScene>(std::move(scene), CompileOptions{.camera = {}, .width = 16, .height = 16});
 }
 
 std::vector<Mat4> transforms() {
@@ -99,7 +99,7 @@ TEST(SurfacePoint, InstancesLookLikeCopies) {
       ASSERT_LT(glm::length(p.ng - q.ng), 1e-4f);
       // Normals are quantised before or after the transform; a stretched instance also interpolates them before it, a
       // copy after it.
-      ASSERT_LT(glm::length(p.frame.n - q.frame.n), stretched ? 2e-2f : 1e-3f);
+      ASSERT_LT(glm::length(p.frame.n - q.frame.n), stretched ? 4e-2f : 1e-3f);
       ASSERT_LT(max_component(abs(albedo(p.bsdf, 0.5f) - albedo(q.bsdf, 0.5f))), 1e-3f);
       ASSERT_GE(glm::dot(p.ng, p.wo), 0.0f);
       ASSERT_GT(glm::dot(p.frame.n, p.wo), 0.0f);
@@ -154,7 +154,7 @@ std::unique_ptr<CompiledScene> triangles_at(const Vec3& place, float size, bool 
     if (moving)
       scene.animation.push_back({index, AnimatedProperty::scale, Interpolation::step, {0, 1}, {Vec4(1), Vec4(1)}});
   }
-  return std::make_unique<CompiledScene>(std::move(scene), "", 0.0f, 16, 16);
+  return std::make_unique<CompiledScene>(std::move(scene), CompileOptions{.camera = {}, .width = 16, .height = 16});
 }
 
 TEST(SurfacePoint, RaysLeaveTheirSurface) {
@@ -203,7 +203,7 @@ TEST(SurfacePoint, MotionRemembersThePreviousPlace) {
   scene.add_node(node);
   scene.animation.push_back(
       {0, AnimatedProperty::translation, Interpolation::linear, {0, 1}, {Vec4(0), Vec4(2, 0, 0, 0)}});
-  CompiledScene compiled(std::move(scene), "", 0.0f, 16, 16);
+  CompiledScene compiled(std::move(scene), CompileOptions{.camera = {}, .width = 16, .height = 16});
   compiled.set_time(0.25f);
   const Ray down{Vec3(0.5f + 0.13f, 3, 0.07f), Vec3(0, -1, 0), kInfinity};
   const Hit hit = intersect(compiled.view().accel, down, 0);

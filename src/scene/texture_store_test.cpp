@@ -15,7 +15,7 @@ using testing::Random;
 
 TextureStore store(Texture texture) {
   const std::vector<Texture> list{std::move(texture)};
-  return TextureStore(list);
+  return TextureStore(list, TextureFilter::linear);
 }
 
 /// 4 × 2 texels whose red is 10 y + x.

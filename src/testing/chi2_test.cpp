@@ -43,7 +43,7 @@ TEST(Chi2, RejectsSamplesWhereNothingIsExpected) {
 Chi2Result test_cosine(double exponent, double scale) {
   Random random(1);
   Histogram histogram(16);
-  const DirectionChart chart{Frame{}, 1.0};
+  const DirectionChart chart{local_frame(), 1.0};
   for (int i = 0; i < kSamples; ++i) {
     const Vec2 p = chart.coordinates(cosine_hemisphere_from_square(random.next_2d()));
     histogram.add(p.x, p.y);

@@ -56,10 +56,13 @@ class Histogram {
   std::vector<uint64_t> counts_;
 };
 
+/// The axes themselves.
+inline Frame local_frame() { return {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}; }
+
 /// Coordinates in [0, 1)² of all directions about an axis. The first grows with the logarithm of the angle (of the sine
 /// of its half) in units of `width`, so that densities that narrow about the axis fill many bins, and wide ones too.
 struct DirectionChart {
-  Frame frame;
+  Frame frame = local_frame();
   double width = 1;
 
   Vec2 coordinates(const Vec3& w) const {

@@ -119,7 +119,8 @@ inline LightScene make_light_scene(const Environment& environment, int texture_s
   add_light_node(scene, disk, Vec3(-2, 3, 1), Vec3(0));
   scene.environment = environment;
   LightScene result;
-  result.compiled = std::make_unique<CompiledScene>(std::move(scene), "", 0.0f, 16, 16);
+  result.compiled =
+      std::make_unique<CompiledScene>(std::move(scene), CompileOptions{.camera = {}, .width = 16, .height = 16});
   const char* names[] = {"triangle", "two-sided triangle", "textured triangle", "masked triangle", "point",
                          "spot",     "directional",        "sun disk"};
   for (LightId i = 0; i < result.lights().lights.size; ++i) {

@@ -13,7 +13,8 @@ constexpr uint32_t kWidth = 256;
 constexpr uint32_t kHeight = 256;
 
 const CompiledScene& cornell() {
-  static const CompiledScene scene(find_builtin_scene("cornell")->build(), "", 0.0f, kWidth, kHeight);
+  static const CompiledScene scene(find_builtin_scene("cornell")->build(),
+                                   CompileOptions{.camera = {}, .width = kWidth, .height = kHeight});
   return scene;
 }
 
@@ -40,7 +41,7 @@ void bm_make_surface_point(benchmark::State& state) {
   std::vector<Ray> rays;
   for (uint32_t i = 0; i < kWidth * kHeight; ++i) {
     Sampler sampler = kernel.index.sampler(i % kWidth, i / kWidth);
-    rays.push_back(camera_ray(cornell().view().camera, i % kWidth, i / kWidth, sampler));
+    rays.push_back(lone_camera_ray(cornell().view().camera, i % kWidth, i / kWidth, sampler));
   }
   uint32_t i = 0;
   SurfacePoint sp;

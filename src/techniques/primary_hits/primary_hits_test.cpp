@@ -13,7 +13,9 @@ namespace {
 constexpr uint32_t kWidth = 37;  // no multiple of packets or tiles
 constexpr uint32_t kHeight = 23;
 
-CompiledScene compile(const char* name) { return {find_builtin_scene(name)->build(), "", 0.0f, kWidth, kHeight}; }
+CompiledScene compile(const char* name) {
+  return {find_builtin_scene(name)->build(), CompileOptions{.camera = {}, .width = kWidth, .height = kHeight}};
+}
 
 PrimaryHitsKernel kernel_for(const CompiledScene& scene, std::vector<Hit>& hits) {
   hits.assign(kWidth * kHeight, Hit{});
@@ -50,7 +52,7 @@ TEST(PrimaryHits, HitsLieOnTheirRays) {
       const Hit& hit = hits[y * kWidth + x];
       if (!hit.valid()) continue;
       Sampler sampler = kernel.index.sampler(x, y);
-      const Ray ray = camera_ray(scene.view().camera, x, y, sampler);
+      const Ray ray = lone_camera_ray(scene.view().camera, x, y, sampler);
       SurfacePoint sp;
       make_surface_point(scene.view(), ray, hit, 0.0f, sp);
       ASSERT_LT(glm::length(ray.origin + ray.direction * hit.t - sp.position), 1e-4f);
