@@ -59,7 +59,8 @@ void Backend::add_time(std::string_view name, double seconds) {
   ++entry.launches;
 }
 
-bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height, void (*run_tile)(const void*, const Tile&), const void* context,
+bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
+                            void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   const uint32_t columns = (width + kTileSize - 1) / kTileSize;

@@ -20,7 +20,8 @@ uint8_t srgb_code(float linear) {
   static const auto table = [] {
     std::array<uint8_t, 4096> t;
     // Square-root spacing keeps the dark end precise.
-    for (size_t i = 0; i < t.size(); ++i) t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
+    for (size_t i = 0; i < t.size(); ++i)
+      t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
     return t;
   }();
   return table[static_cast<size_t>(std::sqrt(saturate(linear)) * 4095.99f)];
@@ -35,8 +36,8 @@ uint32_t padded_texels(int width, int height) {
 
 void store(std::byte* level, PixelFormat format, int width, int x, int y, const Vec4& value) {
   const uint32_t blocks = static_cast<uint32_t>(width + 3) / 4;
-  const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
-                       static_cast<uint32_t>(x) % 4;
+  const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 +
+                       static_cast<uint32_t>(y) % 4 * 4 + static_cast<uint32_t>(x) % 4;
   if (format == PixelFormat::rgba32_float) {
     std::memcpy(level + index * 16, &value, 16);
     return;
@@ -53,8 +54,8 @@ void copy_base(const Texture& texture, std::byte* level) {
   const uint32_t blocks = static_cast<uint32_t>(texture.width + 3) / 4;
   for (int y = 0; y < texture.height; ++y) {
     for (int x = 0; x < texture.width; ++x) {
-      const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
-                           static_cast<uint32_t>(x) % 4;
+      const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 +
+                           static_cast<uint32_t>(y) % 4 * 4 + static_cast<uint32_t>(x) % 4;
       const size_t source = static_cast<size_t>(y) * static_cast<size_t>(texture.width) + static_cast<size_t>(x);
       std::memcpy(level + index * bytes, texture.texels.data() + source * bytes, bytes);
     }
@@ -128,8 +129,10 @@ const float* srgb_to_linear_table() {
   return table.data();
 }
 
-TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter) : texels_(textures.size()), views_(textures.size()) {
-  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]);
+TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter)
+    : texels_(textures.size()), views_(textures.size()) {
+  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) {
+    views_[i] = build(textures[i], texels_[i]);
     if (filter == TextureFilter::linear) return;
     views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
     views_[i].level_count = 1;

@@ -1,18 +1,18 @@
 // The history "accumulate": sums over all frames since the last change, for the mean and its variance.
 #pragma once
 
-#include "core/view.h"
 #include "core/vec.h"
+#include "core/view.h"
 
 namespace relume {
 
 struct AccumulateKernel {
-  View<const Rgb> radiance;       ///< of this frame's sample
-  View<const uint32_t> rays;      ///< of this frame's sample
+  View<const Rgb> radiance;   ///< of this frame's sample
+  View<const uint32_t> rays;  ///< of this frame's sample
   View<Rgb> sum;
   View<float> luminance_squared;  ///< sum of squares
   View<uint32_t> ray_sum;
-  View<uint32_t> nonfinite;       ///< counts samples that were not finite and are taken as black
+  View<uint32_t> nonfinite;  ///< counts samples that were not finite and are taken as black
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
