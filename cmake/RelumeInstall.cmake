@@ -7,7 +7,7 @@ set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
 install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume
-  FILES_MATCHING PATTERN "*.h")
+  FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake INSTALL_DESTINATION ${relume_package_dir})

@@ -11,7 +11,7 @@ function(relume_add_tests name)
     return()
   endif()
   add_executable(${name}_tests ${ARGN})
-  target_link_libraries(${name}_tests PRIVATE relume relume_flags GTest::gtest_main)
+  target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT 300)
 endfunction()
 

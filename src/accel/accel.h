@@ -12,7 +12,8 @@ struct AccelView {
   void* scene = nullptr;
 };
 
-/// Nearest hit along the ray. `ray_id` decides stochastic alpha: the same (ray id, instance, primitive) decides the same.
+/// Nearest hit along the ray. `ray_id` decides stochastic alpha: the same (ray id, instance, primitive) decides the
+/// same.
 RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
 /// Whether anything lies on the ray before ray.t_max.
@@ -22,7 +23,8 @@ RELUME_HD bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id)
 inline constexpr int kPacketSize = 8;
 
 /// Host only: nearest hits of up to kPacketSize rays at once; pays for coherent rays.
-void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count, bool coherent);
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
+                      bool coherent);
 
 /// Host only: occlusion of up to kPacketSize rays at once.
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* occluded, int count);

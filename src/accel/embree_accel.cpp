@@ -18,7 +18,8 @@ struct GeometryContext {
   uint32_t instance = 0;  ///< used where the geometry is not below an instance node
 };
 
-/// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive does no harm.
+/// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive
+/// does no harm.
 void coverage_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
@@ -30,7 +31,8 @@ void coverage_filter(const RTCFilterFunctionNArguments* args) {
     const float v = RTCHitN_v(args->hit, args->N, i);
     const float coverage = geometry.coverage->function(geometry.coverage->context, instance, primitive, u, v);
     const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
-    const bool accepted = coverage >= 1.0f || (coverage > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < coverage);
+    const bool accepted =
+        coverage >= 1.0f || (coverage > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < coverage);
     if (!accepted) args->valid[i] = 0;
   }
 }
@@ -85,9 +87,9 @@ struct EmbreeAccel::State {
   std::atomic<int64_t> bytes{0};
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::vector<RTCScene> mesh_scenes;               ///< by mesh; null unless some instance needs it
+  std::vector<RTCScene> mesh_scenes;                             ///< by mesh; null unless some instance needs it
   std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
-  std::vector<GeometryContext> contexts;           ///< one an instance, then one a mesh
+  std::vector<GeometryContext> contexts;                         ///< one an instance, then one a mesh
   CoverageFunction coverage;
 
   ~State() {
@@ -99,13 +101,17 @@ struct EmbreeAccel::State {
   }
 
   void check() const {
-    if (!error.empty()) throw Error("the acceleration structure could not be built: Embree reports '" + error + "'; is there enough memory?");
+    if (!error.empty())
+      throw Error("the acceleration structure could not be built: Embree reports '" + error +
+                  "'; is there enough memory?");
   }
 
   RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0, mesh.position_stride, mesh.vertex_count);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0, 3 * sizeof(uint32_t), mesh.triangle_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0,
+                               mesh.position_stride, mesh.vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
+                               3 * sizeof(uint32_t), mesh.triangle_count);
     if (mesh.needs_coverage) {
       rtcSetGeometryUserData(geometry, context);
       rtcSetGeometryIntersectFilterFunction(geometry, coverage_filter);
@@ -136,7 +142,8 @@ struct EmbreeAccel::State {
   }
 };
 
-EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, CoverageFunction coverage)
+EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances,
+                         CoverageFunction coverage)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.coverage = coverage;
@@ -200,7 +207,8 @@ Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(as_scene(accel), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar};
+  return {instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID, query.hit.u, query.hit.v,
+          query.ray.tfar};
 }
 
 bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
@@ -211,7 +219,8 @@ bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
   return query.tfar < 0.0f;
 }
 
-void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count, bool coherent) {
+void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
+                      bool coherent) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -228,7 +237,8 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
   for (int i = 0; i < count; ++i) {
     hits[i] = query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
                   ? Hit{}
-                  : Hit{instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i], query.hit.u[i], query.hit.v[i], query.ray.tfar[i]};
+                  : Hit{instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i], query.hit.u[i],
+                        query.hit.v[i], query.ray.tfar[i]};
   }
 }
 

@@ -25,10 +25,10 @@ struct AccelInstance {
 };
 
 struct AccelMesh {
-  const float* positions = nullptr;  ///< first of all vertices
-  size_t position_stride = 0;        ///< bytes
-  size_t vertex_count = 0;           ///< of the whole array
-  const uint32_t* indices = nullptr; ///< three a triangle, into the whole array
+  const float* positions = nullptr;   ///< first of all vertices
+  size_t position_stride = 0;         ///< bytes
+  size_t vertex_count = 0;            ///< of the whole array
+  const uint32_t* indices = nullptr;  ///< three a triangle, into the whole array
   size_t triangle_count = 0;
   bool needs_coverage = false;
 };

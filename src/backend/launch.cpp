@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -37,19 +38,19 @@ class FlushDenormals {
 }  // namespace
 
 struct Backend::State {
-  explicit State(int threads) : arena(threads > 0 ? threads : tbb::task_arena::automatic) {
-    arena.initialize();
-    const int wanted = arena.max_concurrency();
-    control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(wanted));
-  }
+  explicit State(int threads)
+      : count(threads > 0 ? threads : tbb::info::default_concurrency()),
+        control(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(count)),
+        arena(count) {}
+  int count;
+  tbb::global_control control;  // before the arena, or TBB complains about more threads than cores
   tbb::task_arena arena;
-  std::unique_ptr<tbb::global_control> control;
 };
 
 Backend::Backend(int threads) : state_(std::make_unique<State>(threads)) {}
 Backend::~Backend() = default;
 
-int Backend::threads() const { return state_->arena.max_concurrency(); }
+int Backend::threads() const { return state_->count; }
 
 void Backend::add_time(std::string_view name, double seconds) {
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });
@@ -58,7 +59,8 @@ void Backend::add_time(std::string_view name, double seconds) {
   ++entry.launches;
 }
 
-bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height, void (*run_tile)(const void*, const Tile&), const void* context,
+bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
+                            void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   const uint32_t columns = (width + kTileSize - 1) / kTileSize;

@@ -2,9 +2,9 @@
 //
 //   RELUME_HD void operator()(uint32_t x, uint32_t y) const;
 //
-// called once for each element of a grid. On the host the grid is cut into tiles that TBB spreads over the threads; in a CUDA
-// build the same struct is a kernel argument. A kernel may offer the host a second form that treats a tile at once (packets of
-// rays, say) and must then do the same as its one-element form:
+// called once for each element of a grid. On the host the grid is cut into tiles that TBB spreads over the threads; in
+// a CUDA build the same struct is a kernel argument. A kernel may offer the host a second form that treats a tile at
+// once (packets of rays, say) and must then do the same as its one-element form:
 //
 //   void operator()(const Tile& tile) const;
 #pragma once
@@ -33,14 +33,16 @@ struct Tile {
 };
 
 template <typename K>
-concept TileKernel = requires(const K& k, const Tile& tile) { k(tile); };
+concept TileKernel = requires(const K& k, const Tile& tile) {
+  k(tile);
+};
 
 /// What may be launched: plain data of at most 4 KiB, as a kernel argument must be.
 template <typename K>
 concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_v<K> && sizeof(K) <= 4096 &&
                      requires(const K& k, uint32_t x, uint32_t y) {
-                       { k(x, y) } -> std::same_as<void>;
-                     };
+  { k(x, y) } -> std::same_as<void>;
+};
 
 /// Time spent in launches of one name.
 struct LaunchTime {
@@ -62,8 +64,9 @@ class Backend {
   const std::vector<LaunchTime>& times() const { return times_; }
 
   /// Calls run(context, tile) for every tile. False if `stop` was requested before all were done.
-  bool for_each_tile(std::string_view name, uint32_t width, uint32_t height, void (*run_tile)(const void* context, const Tile& tile),
-                     const void* context, const std::stop_token& stop);
+  bool for_each_tile(std::string_view name, uint32_t width, uint32_t height,
+                     void (*run_tile)(const void* context, const Tile& tile), const void* context,
+                     const std::stop_token& stop);
 
   /// Runs host code on the backend's threads, timed like a launch: for preparing passes that are not grids.
   void run(std::string_view name, const std::function<void()>& function);
@@ -76,9 +79,11 @@ class Backend {
   std::vector<LaunchTime> times_;
 };
 
-/// Runs `kernel` over a width × height grid. Returns false if `stop` was requested first; some elements are then missing.
+/// Runs `kernel` over a width × height grid. Returns false if `stop` was requested first; some elements are then
+/// missing.
 template <PassKernel K>
-bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height, const std::stop_token& stop = {}) {
+bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
+            const std::stop_token& stop = {}) {
   const auto run = [](const void* context, const Tile& tile) {
     const K& k = *static_cast<const K*>(context);
     if constexpr (TileKernel<K>) {

@@ -36,7 +36,8 @@ Buffer& BufferTable::add(BufferDescription description) {
 Buffer* BufferTable::find(std::string_view name) { return const_cast<Buffer*>(std::as_const(*this).find(name)); }
 
 const Buffer* BufferTable::find(std::string_view name) const {
-  const auto found = std::find_if(buffers_.begin(), buffers_.end(), [&](const auto& b) { return b->description().name == name; });
+  const auto found =
+      std::find_if(buffers_.begin(), buffers_.end(), [&](const auto& b) { return b->description().name == name; });
   return found == buffers_.end() ? nullptr : found->get();
 }
 

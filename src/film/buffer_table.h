@@ -1,5 +1,5 @@
-// The named per-pixel buffers of a session. Passes exchange data through them; AOVs, the inspector, checkpoints and memory
-// reports derive from this table.
+// The named per-pixel buffers of a session. Passes exchange data through them; AOVs, the inspector, checkpoints and
+// memory reports derive from this table.
 #pragma once
 
 #include <cstddef>
@@ -27,10 +27,10 @@ enum class ResetOn : uint8_t {
 struct BufferDescription {
   std::string name;
   BufferType type = BufferType::f32;
-  std::string help;           ///< one line, for the inspector and `--aov`
-  bool persistent = false;    ///< survives the frame: goes into checkpoints
+  std::string help;         ///< one line, for the inspector and `--aov`
+  bool persistent = false;  ///< survives the frame: goes into checkpoints
   ResetOn reset = ResetOn::nothing;
-  bool shown = false;         ///< offered as an AOV
+  bool shown = false;  ///< offered as an AOV
 };
 
 /// Bytes of one element.

@@ -44,8 +44,8 @@ RELUME_HD inline float pdf_li(const DirectionalLight& light, const Vec3& wi) {
   return light.contains(wi) ? cone_pdf(light.one_minus_cos) : 0.0f;
 }
 
-RELUME_HD inline EmissionSample sample_le(const DirectionalLight& light, const SceneBounds& bounds, const Vec2& u_position,
-                                          const Vec2& u_direction) {
+RELUME_HD inline EmissionSample sample_le(const DirectionalLight& light, const SceneBounds& bounds,
+                                          const Vec2& u_position, const Vec2& u_direction) {
   const LightSample towards = sample_li(light, u_direction);
   EmissionSample s;
   s.direction = -towards.wi;

@@ -8,14 +8,14 @@
 namespace relume {
 
 struct EnvironmentView {
-  Rgb scale{0};           ///< constant: the radiance; map: multiplies
-  View<const Rgb> map;    ///< empty: constant
+  Rgb scale{0};         ///< constant: the radiance; map: multiplies
+  View<const Rgb> map;  ///< empty: constant
   uint32_t width = 0;
   uint32_t height = 0;
   float cos_rotation = 1;
   float sin_rotation = 0;
   Distribution2D distribution;
-  Rgb mean{0};            ///< mean radiance over all directions
+  Rgb mean{0};  ///< mean radiance over all directions
 
   RELUME_HD bool black() const { return is_black(scale); }
   /// A constant environment is left to BSDF sampling, which is at least as good there.
@@ -33,9 +33,12 @@ struct EnvironmentView {
     const float phi = (uv.x - 0.5f) * (2.0f * kPi);
     const float theta = uv.y * kPi;
     *sin_theta = std::sin(theta);
-    const float x = *sin_theta * std::sin(phi);
-    const float z = -*sin_theta * std::cos(phi);
-    return {cos_rotation * x + sin_rotation * z, std::cos(theta), -sin_rotation * x + cos_rotation * z};
+    return direction_from_map({*sin_theta * std::sin(phi), std::cos(theta), -*sin_theta * std::cos(phi)});
+  }
+
+  /// A direction of the unrotated map, turned as the environment is.
+  RELUME_HD Vec3 direction_from_map(const Vec3& w) const {
+    return {cos_rotation * w.x + sin_rotation * w.z, w.y, -sin_rotation * w.x + cos_rotation * w.z};
   }
 
   /// Radiance that arrives along −w, bilinear.
@@ -46,9 +49,10 @@ struct EnvironmentView {
     const float y = uv.y * static_cast<float>(height) - 0.5f;
     const float fx = std::floor(x);
     const float fy = std::floor(y);
-    const Rgb top = texel(static_cast<int>(fx), static_cast<int>(fy)) * (1.0f - (x - fx)) + texel(static_cast<int>(fx) + 1, static_cast<int>(fy)) * (x - fx);
-    const Rgb bottom =
-        texel(static_cast<int>(fx), static_cast<int>(fy) + 1) * (1.0f - (x - fx)) + texel(static_cast<int>(fx) + 1, static_cast<int>(fy) + 1) * (x - fx);
+    const Rgb top = texel(static_cast<int>(fx), static_cast<int>(fy)) * (1.0f - (x - fx)) +
+                    texel(static_cast<int>(fx) + 1, static_cast<int>(fy)) * (x - fx);
+    const Rgb bottom = texel(static_cast<int>(fx), static_cast<int>(fy) + 1) * (1.0f - (x - fx)) +
+                       texel(static_cast<int>(fx) + 1, static_cast<int>(fy) + 1) * (x - fx);
     return scale * (top * (1.0f - (y - fy)) + bottom * (y - fy));
   }
 
@@ -86,7 +90,8 @@ RELUME_HD inline LightSample sample_li(const EnvironmentView& environment, const
   return s;
 }
 
-RELUME_HD inline EmissionSample sample_le(const EnvironmentView& environment, const SceneBounds& bounds, const Vec2& u_position, const Vec2& u_direction) {
+RELUME_HD inline EmissionSample sample_le(const EnvironmentView& environment, const SceneBounds& bounds,
+                                          const Vec2& u_position, const Vec2& u_direction) {
   const LightSample towards = sample_li(environment, u_direction);
   EmissionSample s;
   s.direction = -towards.wi;
@@ -98,7 +103,8 @@ RELUME_HD inline EmissionSample sample_le(const EnvironmentView& environment, co
   return s;
 }
 
-RELUME_HD inline EmissionPdf pdf_le(const EnvironmentView& environment, const SceneBounds& bounds, const Vec3& direction) {
+RELUME_HD inline EmissionPdf pdf_le(const EnvironmentView& environment, const SceneBounds& bounds,
+                                    const Vec3& direction) {
   return {disk_origin_pdf(bounds), pdf_li(environment, -direction)};
 }
 

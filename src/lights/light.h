@@ -1,12 +1,12 @@
-// Emitters: a closed list of kinds and one switch. Every kind can be sampled from a point that it lights (sample_li, pdf_li)
-// and can emit rays of its own (sample_le, pdf_le); power() says how much it emits.
+// Emitters: a closed list of kinds and one switch. Every kind can be sampled from a point that it lights (sample_li,
+// pdf_li) and can emit rays of its own (sample_le, pdf_le); power() says how much it emits.
 #pragma once
 
 #include "core/ray.h"
 #include "core/view.h"
+#include "lights/directional_light.h"
 #include "lights/environment.h"
 #include "lights/light_types.h"
-#include "lights/directional_light.h"
 #include "lights/point_light.h"
 #include "lights/spot_light.h"
 #include "lights/triangle_light.h"
@@ -55,9 +55,10 @@ RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const
   return {};
 }
 
-/// pdf_w with which sample_li(id, p) chooses direction `wi`; 0 for delta lights. For triangles `on_light` is the point that wi
-/// meets (others ignore it).
-RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi, const EmitterPoint& on_light) {
+/// pdf_w with which sample_li(id, p) chooses direction `wi`; 0 for delta lights. For triangles `on_light` is the point
+/// that wi meets (others ignore it).
+RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi,
+                              const EmitterPoint& on_light) {
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return pdf_li(light.triangle, view.textured, p, wi, on_light);
@@ -70,7 +71,8 @@ RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p,
 }
 
 /// A ray that leaves the light, with the densities of its origin and direction.
-RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position, const Vec2& u_direction) {
+RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position,
+                                          const Vec2& u_direction) {
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return sample_le(light.triangle, view.textured, u_position, u_direction);
@@ -83,7 +85,8 @@ RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, co
 }
 
 /// Densities with which sample_le emits along `direction` (away from the light) from `on_light`.
-RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const EmitterPoint& on_light, const Vec3& direction) {
+RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const EmitterPoint& on_light,
+                                    const Vec3& direction) {
   const Light& light = view.lights[id];
   switch (light.kind) {
     case LightKind::triangle: return pdf_le(light.triangle, view.textured, on_light, direction);

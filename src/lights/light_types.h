@@ -36,12 +36,12 @@ struct LightSample {
 /// A ray that leaves a light. Throughput of the light path: le · cos / (pdf_a · pdf_w).
 struct EmissionSample {
   Vec3 origin{0};
-  Vec3 direction{0};   ///< away from the light
-  Vec3 normal{0};      ///< of the emitter; zero: point light
-  Rgb le{0};           ///< radiance; intensity for point and spot lights; irradiance for delta directional lights
-  float pdf_a = 0;     ///< of the origin (on the disk that faces the direction for lights at infinity); 1 for points
-  float pdf_w = 0;     ///< of the direction; 1 for delta directional lights
-  float cos_theta = 1; ///< between normal and direction; 1 where there is no normal
+  Vec3 direction{0};    ///< away from the light
+  Vec3 normal{0};       ///< of the emitter; zero: point light
+  Rgb le{0};            ///< radiance; intensity for point and spot lights; irradiance for delta directional lights
+  float pdf_a = 0;      ///< of the origin (on the disk that faces the direction for lights at infinity); 1 for points
+  float pdf_w = 0;      ///< of the direction; 1 for delta directional lights
+  float cos_theta = 1;  ///< between normal and direction; 1 where there is no normal
   bool delta_position = false;
   bool delta_direction = false;
   bool infinite = false;
@@ -54,7 +54,8 @@ struct EmissionPdf {
   float pdf_w = 0;
 };
 
-/// Origin on the far side of the scene for light that travels along `direction`, uniform over the disk that covers the bounding sphere.
+/// Origin on the far side of the scene for light that travels along `direction`, uniform over the disk that covers the
+/// bounding sphere.
 RELUME_HD inline Vec3 disk_origin(const SceneBounds& bounds, const Vec3& direction, const Vec2& u) {
   const Frame frame = make_frame(direction);
   const Vec2 d = disk_from_square(u);

@@ -10,14 +10,14 @@ namespace relume {
 
 struct TriangleLight {
   Vec3 v0;
-  Vec3 e1;              ///< v1 − v0
-  Vec3 e2;              ///< v2 − v0
-  Vec3 normal;          ///< unit, of the front
-  float area;           ///< m²
-  Rgb radiance;         ///< emitted where the texture is white
+  Vec3 e1;       ///< v1 − v0
+  Vec3 e2;       ///< v2 − v0
+  Vec3 normal;   ///< unit, of the front
+  float area;    ///< m²
+  Rgb radiance;  ///< emitted where the texture is white
   uint32_t instance;
   uint32_t primitive;
-  int32_t textured;     ///< index into TexturedEmission::triangles, or −1
+  int32_t textured;  ///< index into TexturedEmission::triangles, or −1
   bool two_sided;
 
   RELUME_HD Vec3 position(const Vec2& b) const { return v0 + b.x * e1 + b.y * e2; }
@@ -28,14 +28,14 @@ struct TriangleLight {
   }
 };
 
-/// The texture on one emissive triangle and a table over its subdivision into grid² equal triangles, whose weights are their
-/// mean luminance.
+/// The texture on one emissive triangle and a table over its subdivision into grid² equal triangles, whose weights are
+/// their mean luminance.
 struct TexturedTriangle {
   int32_t emission_texture;  ///< −1: none
   int32_t coverage_texture;  ///< alpha; −1: none
   Vec2 emission_uv[3];
   Vec2 coverage_uv[3];
-  float alpha_factor;
+  float alpha_factor[3];  ///< at the vertices; 1 for opaque materials
   float alpha_cutoff;
   bool mask;
   uint32_t grid;
@@ -49,22 +49,29 @@ struct TexturedEmission {
   View<const AliasEntry> entries;
   View<const TextureView> textures;
 
-  RELUME_HD AliasTable table(const TexturedTriangle& t) const { return {{entries.data + t.first_entry, t.grid * t.grid}}; }
+  RELUME_HD AliasTable table(const TexturedTriangle& t) const {
+    return {{entries.data + t.first_entry, t.grid * t.grid}};
+  }
 };
 
-RELUME_HD inline Vec2 interpolate_uv(const Vec2 uv[3], const Vec2& b) { return uv[0] * (1.0f - b.x - b.y) + uv[1] * b.x + uv[2] * b.y; }
+template <typename T>
+RELUME_HD inline T interpolate_corners(const T v[3], const Vec2& b) {
+  return v[0] * (1.0f - b.x - b.y) + v[1] * b.x + v[2] * b.y;
+}
 
 /// What the texture lets through at a point: emission times coverage.
 RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   Rgb value(1);
   if (t.emission_texture >= 0) {
-    value = Rgb(e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_uv(t.emission_uv, b), 0));
+    value = Rgb(
+        e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_corners(t.emission_uv, b), 0));
   }
+  float alpha = interpolate_corners(t.alpha_factor, b);
   if (t.coverage_texture >= 0) {
-    const float alpha =
-        t.alpha_factor * e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_uv(t.coverage_uv, b), 0).w;
-    value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
+    alpha *=
+        e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_corners(t.coverage_uv, b), 0).w;
   }
+  value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
   return value;
 }
 
@@ -106,7 +113,8 @@ RELUME_HD inline TrianglePoint sample_area(const TriangleLight& light, const Tex
   const TexturedTriangle& t = e.triangles[static_cast<uint32_t>(light.textured)];
   const DiscreteSample chosen = e.table(t).sample(u.x);
   const float count = static_cast<float>(t.grid * t.grid);
-  return {barycentric_in_small_triangle(t.grid, chosen.index, triangle_from_square({chosen.u, u.y})), chosen.pmf * count / light.area};
+  return {barycentric_in_small_triangle(t.grid, chosen.index, triangle_from_square({chosen.u, u.y})),
+          chosen.pmf * count / light.area};
 }
 
 RELUME_HD inline float pdf_area(const TriangleLight& light, const TexturedEmission& e, const Vec2& b) {
@@ -121,7 +129,8 @@ RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const Textured
   return light.radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
 }
 
-RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec2& u) {
+RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
+                                       const Vec2& u) {
   const TrianglePoint point = sample_area(light, e, u);
   LightSample s;
   s.barycentric = point.barycentric;
@@ -139,14 +148,16 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
   return s;
 }
 
-RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec3& wi, const EmitterPoint& on_light) {
+RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p, const Vec3& wi,
+                              const EmitterPoint& on_light) {
   const float cos_light = light.emission_cosine(-wi);
   if (!(cos_light > 0.0f)) return 0.0f;
   return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
 }
 
 /// Two-sided triangles choose a side with the first number of the direction.
-RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const TexturedEmission& e, const Vec2& u_position, Vec2 u_direction) {
+RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const TexturedEmission& e, const Vec2& u_position,
+                                          Vec2 u_direction) {
   const TrianglePoint point = sample_area(light, e, u_position);
   Vec3 normal = light.normal;
   if (light.two_sided) {
@@ -166,7 +177,8 @@ RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const Text
   return s;
 }
 
-RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEmission& e, const EmitterPoint& on_light, const Vec3& direction) {
+RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEmission& e, const EmitterPoint& on_light,
+                                    const Vec3& direction) {
   const float pdf_w = cosine_hemisphere_pdf(light.emission_cosine(direction)) * (light.two_sided ? 0.5f : 1.0f);
   return {pdf_area(light, e, on_light.barycentric), pdf_w};
 }

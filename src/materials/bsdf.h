@@ -1,5 +1,5 @@
-// The BSDF at one surface point: a few lobes, one switch. All directions are local: +Z is the shading normal on the side of
-// wo. `f` excludes the cosine; densities are per solid angle of wi.
+// The BSDF at one surface point: a few lobes, one switch. All directions are local: +Z is the shading normal on the
+// side of wo. `f` excludes the cosine; densities are per solid angle of wi.
 #pragma once
 
 #include "materials/lobes/dielectric.h"
@@ -22,6 +22,8 @@ struct BsdfSample {
   Rgb weight{0};    ///< f · |cos θ| / pdf; zero: the path ends
   float pdf_w = 0;  ///< density of the whole mixture; meaningless for delta
   float alpha = 1;  ///< width of the lobe that was chosen (diffuse: 1), for ray cones
+  float compression =
+      1;  ///< factor 1/η² that refraction has put into `weight`; says nothing of how much light is carried
   bool delta = false;
   bool valid = false;
 
@@ -32,7 +34,7 @@ struct BsdfSample {
 struct Bsdf {
   Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
   int lobe_count;
-  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  float coat;  ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
   const EnergyTables* tables;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
@@ -52,12 +54,14 @@ RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
 }
 
 /// Value and density of one lobe; zero for delta lobes.
-RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi,
+                                    TransportMode mode) {
   switch (lobe.kind) {
     case LobeKind::lambert: return lambert::eval(lobe, wi);
     case LobeKind::covered_lambert: return covered_lambert::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
     case LobeKind::reflection: return reflection::eval(lobe, wo, wi);
-    case LobeKind::multiple_reflection: return multiple_reflection::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
+    case LobeKind::multiple_reflection:
+      return multiple_reflection::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
     case LobeKind::dielectric: return dielectric::eval(lobe, wo, wi, mode);
     case LobeKind::thin_transmission: return thin_transmission::eval(lobe, wo, wi);
     case LobeKind::mirror:
@@ -68,7 +72,8 @@ RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables
 }
 
 /// A direction from one lobe; for delta lobes with its weight. `u_side` decides between reflection and refraction.
-RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u, TransportMode mode) {
+RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u,
+                                        TransportMode mode) {
   switch (lobe.kind) {
     case LobeKind::lambert:
     case LobeKind::covered_lambert:
@@ -83,13 +88,14 @@ RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float 
   return {};
 }
 
-/// How much light the lobe returns for directions at `cos_theta`: decides how often it is sampled. Exact for reflection, an
-/// estimate for transmission.
+/// How much light the lobe returns for directions at `cos_theta`: decides how often it is sampled. Exact for
+/// reflection, an estimate for transmission.
 RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
   const EnergyTable& table = tables.of(lobe.microfacet.model);
   switch (lobe.kind) {
     case LobeKind::lambert: return lobe.color * lobe.weight;
-    case LobeKind::covered_lambert: return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
+    case LobeKind::covered_lambert:
+      return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::mirror: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
@@ -145,28 +151,31 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
-/// pdf_w with which wo would be sampled if light arrived from wi.
+/// pdf_w with which wo would be sampled by a viewer at wi, whose lobes have probabilities of their own.
 RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  float weights[kMaxLobes];
-  const float sum = lobe_weights(bsdf, std::fabs(wi.z), weights);
-  if (!(sum > 0.0f)) return 0.0f;
   const bool same_side = wi.z > 0.0f;
+  Bsdf reversed = bsdf;
+  for (int i = 0; i < reversed.lobe_count && !same_side; ++i) reversed.lobes[i] = flipped(bsdf.lobes[i]);
+  prepare(reversed, std::fabs(wi.z));
   const Vec3 from = same_side ? wi : -wi;
   const Vec3 to = same_side ? wo : -wo;
   float pdf = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Lobe lobe = same_side ? bsdf.lobes[i] : flipped(bsdf.lobes[i]);
-    pdf += weights[i] / sum * eval_lobe(lobe, *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
+  for (int i = 0; i < reversed.lobe_count; ++i) {
+    pdf += reversed.lobes[i].probability *
+           eval_lobe(reversed.lobes[i], *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
   }
   return pdf;
 }
 
 /// The most frequent surface by far; worth a shorter way through.
-RELUME_HD inline bool is_lambert(const Bsdf& bsdf) { return bsdf.lobe_count == 1 && bsdf.lobes[0].kind == LobeKind::lambert; }
+RELUME_HD inline bool is_lambert(const Bsdf& bsdf) {
+  return bsdf.lobe_count == 1 && bsdf.lobes[0].kind == LobeKind::lambert;
+}
 
 /// BSDF value and densities of all lobes but delta ones. wo.z > 0.
 template <bool kReverse = false>
-RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
+RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
+                                   TransportMode mode = TransportMode::radiance) {
   if (is_lambert(bsdf)) {
     const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
     return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
@@ -189,7 +198,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
                                    TransportMode mode = TransportMode::radiance) {
   if (is_lambert(bsdf)) {
     const Vec3 wi = cosine_hemisphere_from_square(u);
-    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, false, wi.z > 0.0f};
+    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, 1.0f, false, wi.z > 0.0f};
   }
   if (bsdf.empty()) return {};
   int i = 0;
@@ -201,6 +210,8 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
+  const bool refracts = lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::smooth_dielectric;
+  if (refracts && s.wi.z < 0.0f) result.compression = dielectric::transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {
@@ -215,7 +226,8 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   if (!(e.pdf_forward > 0.0f)) return {};
   result.weight = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
   result.pdf_w = e.pdf_forward;
-  const bool narrow = lobe.kind == LobeKind::reflection || lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::thin_transmission;
+  const bool narrow = lobe.kind == LobeKind::reflection || lobe.kind == LobeKind::dielectric ||
+                      lobe.kind == LobeKind::thin_transmission;
   result.alpha = narrow ? lobe.microfacet.alpha : 1.0f;
   result.valid = true;
   return result;

@@ -1,13 +1,143 @@
 #include "materials/energy_tables.h"
 
-#include <tbb/parallel_for.h>
+#include <cmath>
 
-#include "materials/fresnel.h"
+#include <tbb/parallel_for.h>
 
 namespace relume {
 namespace {
 
-constexpr int kQuadraturePoints = 48;  // a dimension; doubling it moves no entry by more than 1e-4
+constexpr int kPolar = 64;    // Gauss-Legendre points over the random number that chooses the polar angle
+constexpr int kAzimuth = 32;  // midpoints over half a turn; the other half mirrors it
+
+struct Quadrature {
+  float u[kPolar];  ///< 1 − random number
+  float weight[kPolar];
+  float cos_phi[kAzimuth];
+  float sin_phi[kAzimuth];
+};
+
+/// Gauss-Legendre points on [0, 1] by Newton's method, squared: they crowd where 1 − u is small, in the tails of the
+/// distributions, where light is lost below the horizon.
+Quadrature make_quadrature() {
+  Quadrature q;
+  for (int i = 0; i < kPolar; ++i) {
+    double t = std::cos(M_PI * (i + 0.75) / (kPolar + 0.5));
+    double derivative = 1;
+    for (int iteration = 0; iteration < 10; ++iteration) {
+      double previous = 1;
+      double value = t;
+      for (int k = 2; k <= kPolar; ++k) {
+        const double next = ((2 * k - 1) * t * value - (k - 1) * previous) / k;
+        previous = value;
+        value = next;
+      }
+      derivative = kPolar * (t * value - previous) / (t * t - 1);
+      t -= value / derivative;
+    }
+    const double x = 0.5 * (1 + t);
+    q.u[i] = static_cast<float>(x * x);
+    q.weight[i] = static_cast<float>(2 * x / ((1 - t * t) * derivative * derivative));
+  }
+  for (int k = 0; k < kAzimuth; ++k) {
+    const double phi = M_PI * (k + 0.5) / kAzimuth;
+    q.cos_phi[k] = static_cast<float>(std::cos(phi));
+    q.sin_phi[k] = static_cast<float>(std::sin(phi));
+  }
+  return q;
+}
+
+/// Microfacet normals that one value of the polar number leads to, (x, ·, z) each, as Microfacet::sample makes them.
+struct Normals {
+  float x[kAzimuth];
+  float z[kAzimuth];
+};
+
+void sample_ggx(const Quadrature& q, float u, float alpha, const Vec3& wo, Normals& m) {
+  const Vec3 w = glm::normalize(Vec3(wo.x * alpha, 0.0f, wo.z));
+  const float z = u * (1.0f + w.z) - w.z;
+  const float r = safe_sqrt(1.0f - z * z);
+  const float up = std::fmax(z + w.z, 1e-7f);
+  for (int k = 0; k < kAzimuth; ++k) {
+    const float x = (r * q.cos_phi[k] + w.x) * alpha;
+    const float y = r * q.sin_phi[k] * alpha;
+    const float scale = 1.0f / std::sqrt(x * x + y * y + up * up);
+    m.x[k] = x * scale;
+    m.z[k] = up * scale;
+  }
+}
+
+void sample_beckmann(const Quadrature& q, float u, float alpha, Normals& m) {
+  const float tan2 = -alpha * alpha * std::log(u);
+  const float z = 1.0f / std::sqrt(1.0f + tan2);
+  const float r = z * std::sqrt(tan2);
+  for (int k = 0; k < kAzimuth; ++k) {
+    m.x[k] = r * q.cos_phi[k];
+    m.z[k] = z;
+  }
+}
+
+/// The larger of the two; unlike std::fmax, compilers turn it into one vector instruction.
+float at_least(float x, float low) { return x > low ? x : low; }
+
+/// Microfacet::lambda as a function of tan²θ, without branches.
+float lambda_ggx(float alpha, float tan2) { return 0.5f * (std::sqrt(1.0f + alpha * alpha * tan2) - 1.0f); }
+float lambda_beckmann(float alpha, float tan2) {
+  const float a = 1.0f / (alpha * std::sqrt(tan2));
+  const float value = (1.0f - 1.259f * a + 0.396f * a * a) / (3.535f * a + 2.181f * a * a);
+  return a < 1.6f ? value : 0.0f;
+}
+
+/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, over the random numbers that sample the lobe: the
+/// mean of G2 / G1 for GGX, of G2 (wo·m) / (cos θo cos θm) for Beckmann. One pass over the azimuths at a time, in lanes
+/// that do not depend on each other.
+template <MicrofacetModel kModel>
+Vec2 integrate(const Quadrature& q, float alpha, float cos_o) {
+  constexpr bool kGgx = kModel == MicrofacetModel::ggx;
+  const Vec3 wo(safe_sqrt(1.0f - cos_o * cos_o), 0.0f, cos_o);
+  const float lambda_o = Microfacet{kModel, alpha}.lambda(wo);
+  float total[kAzimuth] = {};
+  float grazing[kAzimuth] = {};
+  Normals m;
+  for (int i = 0; i < kPolar; ++i) {
+    if constexpr (kGgx) {
+      sample_ggx(q, q.u[i], alpha, wo, m);
+    } else {
+      sample_beckmann(q, q.u[i], alpha, m);
+    }
+    for (int k = 0; k < kAzimuth; ++k) {
+      const float cos_om = wo.x * m.x[k] + wo.z * m.z[k];
+      const float cos_i = 2.0f * cos_om * m.z[k] - wo.z;
+      const float up = at_least(cos_i, 1e-6f);
+      const float tan2 = at_least(1.0f - up * up, 1e-12f) / (up * up);
+      const float lambda_i = kGgx ? lambda_ggx(alpha, tan2) : lambda_beckmann(alpha, tan2);
+      const float sampled = kGgx ? 1.0f + lambda_o : cos_om / (wo.z * m.z[k]);
+      const float weight = q.weight[i] * sampled / (1.0f + lambda_o + lambda_i);
+      const float valid = (cos_om > 0.0f ? 1.0f : 0.0f) * (cos_i > 0.0f ? 1.0f : 0.0f);
+      total[k] += weight * valid;
+      grazing[k] += weight * valid * pow5(1.0f - cos_om);
+    }
+  }
+  double sum = 0;
+  double grazing_sum = 0;
+  for (int k = 0; k < kAzimuth; ++k) {
+    sum += total[k];
+    grazing_sum += grazing[k];
+  }
+  // Quadrature and the fit of Λ leave the albedo of a nearly smooth surface a little above one.
+  return {static_cast<float>(std::fmin(sum / kAzimuth, 1.0)), static_cast<float>(grazing_sum / kAzimuth)};
+}
+
+/// Inverse of column_from_cosine, by bisection.
+float cosine_from_column(float x, float r) {
+  float low = 0;
+  float high = 1;
+  for (int i = 0; i < 40; ++i) {
+    const float middle = 0.5f * (low + high);
+    (energy_grid::column_from_cosine(middle, r) < x ? low : high) = middle;
+  }
+  return 0.5f * (low + high);
+}
 
 struct TableStorage {
   std::vector<Vec2> directional;
@@ -15,62 +145,38 @@ struct TableStorage {
   EnergyTable view() const { return {view_of(directional), view_of(average)}; }
 };
 
-/// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, by the midpoint rule over the random numbers that
-/// sample the lobe.
-Vec2 integrate(const Microfacet& microfacet, float cos_o) {
-  const Vec3 wo(safe_sqrt(1.0f - cos_o * cos_o), 0.0f, cos_o);
-  double total = 0;
-  double grazing = 0;
-  for (int i = 0; i < kQuadraturePoints; ++i) {
-    for (int j = 0; j < kQuadraturePoints; ++j) {
-      const Vec2 u((static_cast<float>(i) + 0.5f) / kQuadraturePoints, (static_cast<float>(j) + 0.5f) / kQuadraturePoints);
-      const Vec3 m = microfacet.sample(wo, u);
-      const float cos_om = glm::dot(wo, m);
-      const Vec3 wi = reflect(wo, m);
-      if (cos_om <= 0.0f || wi.z <= 0.0f) continue;
-      const float weight = microfacet.d(m) * microfacet.g2(wo, wi) * cos_om / (wo.z * microfacet.pdf(wo, m));
-      total += weight;
-      grazing += weight * pow5(1.0f - cos_om);
-    }
-  }
-  constexpr double kCount = kQuadraturePoints * kQuadraturePoints;
-  return {static_cast<float>(total / kCount), static_cast<float>(grazing / kCount)};
-}
-
-Vec2 entry(MicrofacetModel model, uint32_t row, uint32_t column) {
-  const float r = static_cast<float>(row) / (kEnergyTableSize - 1);
-  const float cos_o = sqr(static_cast<float>(column) / (kEnergyTableSize - 1));
-  const Microfacet microfacet{model, r * r};
-  if (microfacet.smooth()) return {1.0f, pow5(1.0f - cos_o)};
-  return integrate(microfacet, std::fmax(cos_o, 1e-4f));
-}
-
 /// 2 ∫ E(μ) μ dμ of the interpolated row, so that what the look-up returns is what is integrated.
 Vec2 average_of_row(const EnergyTable& table, float r) {
-  constexpr int kSteps = 2048;
+  constexpr int kSteps = 1024;
   double total = 0;
   double grazing = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const float mu = (static_cast<float>(i) + 0.5f) / kSteps;
-    const EnergyShares shares = table.directional_shares(mu, r);
-    total += 2.0 * shares.total * mu / kSteps;
-    grazing += 2.0 * shares.grazing * mu / kSteps;
+    const float s = (static_cast<float>(i) + 0.5f) / kSteps;  // μ = s², which resolves grazing angles
+    const EnergyShares shares = table.directional_shares(s * s, r);
+    const double weight = 4.0 * s * s * s / kSteps;
+    total += (1.0 - shares.total) * weight;  // the small difference, lest it is rounded away
+    grazing += shares.grazing * weight;
   }
-  return {static_cast<float>(total), static_cast<float>(grazing)};
+  return {static_cast<float>(1.0 - total), static_cast<float>(grazing)};
 }
 
-TableStorage build(MicrofacetModel model) {
+template <MicrofacetModel kModel>
+TableStorage build() {
+  const Quadrature quadrature = make_quadrature();
+  constexpr float kScale = 1.0f / (kEnergyTableSize - 1);
   TableStorage storage;
   storage.directional.resize(kEnergyTableSize * kEnergyTableSize);
+  storage.average.resize(kEnergyTableSize);
+  const EnergyTable table = storage.view();
   tbb::parallel_for(uint32_t{0}, kEnergyTableSize, [&](uint32_t row) {
+    const float r = energy_grid::r_from_row(static_cast<float>(row) * kScale);
     for (uint32_t column = 0; column < kEnergyTableSize; ++column) {
-      storage.directional[row * kEnergyTableSize + column] = entry(model, row, column);
+      const float cos_o = std::fmax(cosine_from_column(static_cast<float>(column) * kScale, r), 1e-5f);
+      storage.directional[row * kEnergyTableSize + column] = integrate<kModel>(quadrature, r * r, cos_o);
     }
   });
-  const EnergyTable table = storage.view();
-  storage.average.resize(kEnergyTableSize);
   for (uint32_t row = 0; row < kEnergyTableSize; ++row) {
-    storage.average[row] = average_of_row(table, static_cast<float>(row) / (kEnergyTableSize - 1));
+    storage.average[row] = average_of_row(table, energy_grid::r_from_row(static_cast<float>(row) * kScale));
   }
   return storage;
 }
@@ -78,8 +184,8 @@ TableStorage build(MicrofacetModel model) {
 }  // namespace
 
 const EnergyTables& energy_tables() {
-  static const TableStorage ggx = build(MicrofacetModel::ggx);
-  static const TableStorage beckmann = build(MicrofacetModel::beckmann);
+  static const TableStorage ggx = build<MicrofacetModel::ggx>();
+  static const TableStorage beckmann = build<MicrofacetModel::beckmann>();
   static const EnergyTables tables{ggx.view(), beckmann.view()};
   return tables;
 }

@@ -29,8 +29,9 @@ RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfac
   return lobe;
 }
 
-/// Below this share of light the second bounce between microfacets is left out, for speed.
-inline constexpr float kNegligibleMultipleScattering = 2e-3f;
+/// Below this mean share of light what bounces between microfacets is left out. So small because at grazing angles a
+/// hundred times the mean is missing.
+inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 
 RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
   const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};
@@ -47,8 +48,8 @@ RELUME_HD inline void add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, 
   lobe.f90 = f90;
 }
 
-RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const Rgb& f0, const Rgb& f90,
-                                       float weight, bool front_face, const Microfacet& microfacet) {
+RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const Rgb& f0,
+                                       const Rgb& f90, float weight, bool front_face, const Microfacet& microfacet) {
   if (material.volume) {
     Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric, microfacet);
     lobe.eta = front_face ? material.ior : 1.0f / material.ior;
@@ -65,10 +66,11 @@ RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, cons
 
 }  // namespace bsdf_assembly
 
-/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base or,
-/// by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base colour.
-RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const EnergyTables& tables, float cos_theta_o,
-                                bool front_face) {
+/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base
+/// or, by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base
+/// colour.
+RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
+                                const EnergyTables& tables, float cos_theta_o, bool front_face) {
   using namespace bsdf_assembly;
   bsdf.lobe_count = 0;
   bsdf.coat = 0;
@@ -103,7 +105,8 @@ RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const Mater
     lobe.f0 = dielectric_f0;
     lobe.f90 = dielectric_f90;
   }
-  if (transparent > 0.0f) add_transmission(bsdf, m, material, dielectric_f0, dielectric_f90, transparent, front_face, microfacet);
+  if (transparent > 0.0f)
+    add_transmission(bsdf, m, material, dielectric_f0, dielectric_f90, transparent, front_face, microfacet);
   prepare(bsdf, cos_theta_o);
 }
 

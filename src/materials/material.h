@@ -1,8 +1,8 @@
 // Materials as kernels see them; scene/scene.h documents the meaning of each parameter.
 #pragma once
 
-#include "materials/texture.h"
 #include "materials/microfacet.h"
+#include "materials/texture.h"
 
 namespace relume {
 
@@ -33,12 +33,12 @@ struct MaterialData {
   TextureUse clearcoat_roughness_texture;
 
   MicrofacetModel microfacet_model = MicrofacetModel::ggx;
-  bool mask = false;      ///< covered where alpha ≥ alpha_cutoff
-  bool blend = false;     ///< covered with probability alpha
+  bool mask = false;   ///< covered where alpha ≥ alpha_cutoff
+  bool blend = false;  ///< covered with probability alpha
   bool double_sided = false;
   bool unlit = false;
-  bool volume = false;    ///< the surface bounds a body: refraction and absorption
-  bool uses_uv = false;   ///< any texture at all
+  bool volume = false;   ///< the surface bounds a body: refraction and absorption
+  bool uses_uv = false;  ///< any texture at all
 
   RELUME_HD bool emissive() const { return !unlit && !is_black(emission); }
   RELUME_HD bool has_alpha() const { return mask || blend; }

@@ -54,8 +54,8 @@ struct Microfacet {
   }
 
  private:
-  /// Visible normals of GGX are those of a hemisphere seen from the stretched direction; there they are the half vectors
-  /// towards a uniformly sampled spherical cap.
+  /// Visible normals of GGX are those of a hemisphere seen from the stretched direction; there they are the half
+  /// vectors towards a uniformly sampled spherical cap.
   RELUME_HD Vec3 sample_ggx(const Vec3& wo, const Vec2& u) const {
     const Vec3 wo_std = glm::normalize(Vec3(wo.x * alpha, wo.y * alpha, wo.z));
     const float phi = 2.0f * kPi * u.x;
@@ -68,7 +68,7 @@ struct Microfacet {
   RELUME_HD Vec3 sample_beckmann(const Vec2& u) const {
     const float tan2 = -alpha * alpha * std::log(1.0f - u.y);
     const float z = 1.0f / std::sqrt(1.0f + tan2);
-    const float r = safe_sqrt(1.0f - z * z);
+    const float r = z * std::sqrt(tan2);  // 1 − z² would cancel for small α
     const float phi = 2.0f * kPi * u.x;
     return {r * std::cos(phi), r * std::sin(phi), z};
   }

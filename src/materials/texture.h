@@ -2,8 +2,8 @@
 #pragma once
 
 #include "core/hash.h"
-#include "core/view.h"
 #include "core/vec.h"
+#include "core/view.h"
 
 namespace relume {
 
@@ -14,8 +14,8 @@ enum class PixelFormat : uint8_t {
 };
 enum class WrapMode : uint8_t { repeat, clamp, mirror };
 
-/// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does, between the
-/// sRGB codes and always at full resolution; that darkens busy textures.
+/// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does,
+/// between the sRGB codes and always at full resolution; that darkens busy textures.
 enum class TextureFilter : int { linear, encoded };
 
 inline constexpr uint32_t kMaxMipLevels = 16;
@@ -34,7 +34,7 @@ struct UvTransform {
 /// One texture. Texels lie in 4 × 4 blocks, so that a bilinear look-up mostly stays in one cache line.
 struct TextureView {
   const void* texels = nullptr;
-  const float* srgb_table = nullptr;  ///< linear value of each 8-bit sRGB code
+  const float* srgb_table = nullptr;          ///< linear value of each 8-bit sRGB code
   uint32_t level_offset[kMaxMipLevels] = {};  ///< first texel of each level
   int width = 0;
   int height = 0;
@@ -89,13 +89,16 @@ struct TextureView {
   RELUME_HD Vec4 stored_texel(int level, int x, int y) const {
     const uint32_t blocks = (static_cast<uint32_t>(level_width(level)) + 3) / 4;
     const uint32_t block = (static_cast<uint32_t>(y) / 4) * blocks + static_cast<uint32_t>(x) / 4;
-    const uint32_t index = level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
+    const uint32_t index =
+        level_offset[level] + block * 16 + (static_cast<uint32_t>(y) % 4) * 4 + static_cast<uint32_t>(x) % 4;
     if (format == PixelFormat::rgba32_float) return static_cast<const Vec4*>(texels)[index];
     const uint8_t* c = static_cast<const uint8_t*>(texels) + static_cast<size_t>(index) * 4;
     constexpr float kScale = 1.0f / 255.0f;
     const float alpha = static_cast<float>(c[3]) * kScale;
-    if (format == PixelFormat::rgba8_srgb && !encoded) return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
-    return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale, alpha};
+    if (format == PixelFormat::rgba8_srgb && !encoded)
+      return {srgb_table[c[0]], srgb_table[c[1]], srgb_table[c[2]], alpha};
+    return {static_cast<float>(c[0]) * kScale, static_cast<float>(c[1]) * kScale, static_cast<float>(c[2]) * kScale,
+            alpha};
   }
 
   /// Linear value of a colour of sRGB codes, between two of them by interpolation of the table.

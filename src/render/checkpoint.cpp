@@ -14,7 +14,9 @@ namespace {
 
 constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '1'};
 
-void put(std::ostream& out, const void* data, size_t size) { out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size)); }
+void put(std::ostream& out, const void* data, size_t size) {
+  out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+}
 template <typename T>
 void put(std::ostream& out, const T& value) {
   put(out, &value, sizeof(T));
@@ -43,7 +45,9 @@ class Reader {
     get(text.data(), size);
     return text;
   }
-  [[noreturn]] void damaged() const { throw Error(fmt::format("{}: the checkpoint is damaged or incomplete; delete it to start over", file_.string())); }
+  [[noreturn]] void damaged() const {
+    throw Error(fmt::format("{}: the checkpoint is damaged or incomplete; delete it to start over", file_.string()));
+  }
 
  private:
   std::istream& in_;
@@ -78,7 +82,8 @@ void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader&
     if (!out) {
       out.close();
       std::filesystem::remove(temporary);
-      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?", file.string()));
+      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?",
+                              file.string()));
     }
   }
   std::filesystem::rename(temporary, file);
@@ -90,11 +95,14 @@ uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHead
   Reader reader(in, file);
   char magic[sizeof(kMagic)];
   reader.get(magic, sizeof(magic));
-  if (std::memcmp(magic, kMagic, sizeof(magic)) != 0) throw Error(fmt::format("{}: this is not a checkpoint of this version of relume", file.string()));
-  if (reader.get<uint64_t>() != expected.scene_hash) throw Error(fmt::format("{}: the checkpoint belongs to another scene; delete it to start over", file.string()));
+  if (std::memcmp(magic, kMagic, sizeof(magic)) != 0)
+    throw Error(fmt::format("{}: this is not a checkpoint of this version of relume", file.string()));
+  if (reader.get<uint64_t>() != expected.scene_hash)
+    throw Error(fmt::format("{}: the checkpoint belongs to another scene; delete it to start over", file.string()));
   const std::string settings = reader.get_text();
   if (settings != expected.settings) {
-    throw Error(fmt::format("{}: the checkpoint was made with other settings ({}, now {}); use those or delete it", file.string(), settings, expected.settings));
+    throw Error(fmt::format("{}: the checkpoint was made with other settings ({}, now {}); use those or delete it",
+                            file.string(), settings, expected.settings));
   }
   const auto samples = reader.get<uint32_t>();
   std::vector<std::pair<Buffer*, std::vector<std::byte>>> loaded;

@@ -18,7 +18,8 @@ SettingList describe_picture(RenderSettings& s) {
       {"camera", &s.camera, "Name or index (from 0) of the scene's camera; empty: the first"},
       {"scene-time", &s.time_s, "Time of the animation that is shown", {.min = 0, .max = 1e6, .unit = "s"}},
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
-       "How textures are interpolated: after decoding and with mip levels, as glTF asks, or between the sRGB codes at full resolution, as Cycles does; the latter darkens busy textures"},
+       "How textures are interpolated: after decoding and with mip levels, as glTF asks, or between the sRGB codes at "
+       "full resolution, as Cycles does; the latter darkens busy textures"},
       {"seed", &s.seed, "Another seed gives independent noise; the same seed gives the same bits", {.min = 0}},
       {"threads",
        &s.threads,

@@ -24,6 +24,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 void add_buffers(BufferTable& table) {
   table.add({"primary-hits", BufferType::hit, "what the camera ray of this frame met"});
   table.add({"radiance", BufferType::rgb32f, "radiance of this frame's sample"});
+  table.add({"frame-rays", BufferType::u32, "rays traced for this frame's sample"});
   table.add({"sum", BufferType::rgb32f, "sum of all samples", true, ResetOn::any_change});
   table.add({"sum-squares", BufferType::f32, "sum of squared luminance", true, ResetOn::any_change});
   table.add({"rays", BufferType::u32, "rays traced for the pixel", true, ResetOn::any_change});
@@ -49,7 +50,8 @@ struct Session::State {
     const auto start = Clock::now();
     backend.run("build", [&] {
       scene = std::make_unique<CompiledScene>(
-          std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height, settings.texture_filter});
+          std::move(source),
+          CompileOptions{settings.camera, settings.time_s, settings.width, settings.height, settings.texture_filter});
     });
     add_buffers(buffers);
     if (settings.auxiliary) add_auxiliary_buffers(buffers);
@@ -66,9 +68,7 @@ struct Session::State {
     selector.power = {{view_of(power_entries)}};
   }
 
-  SampleIndex sample_index() const {
-    return {static_cast<uint32_t>(settings.seed), samples, samples, false};
-  }
+  SampleIndex sample_index() const { return {static_cast<uint32_t>(settings.seed), samples, samples, false}; }
 
   PathKernel path_kernel() const {
     PathKernel kernel;
@@ -79,15 +79,22 @@ struct Session::State {
     kernel.index = sample_index();
     kernel.hits = view<const Hit>("primary-hits");
     kernel.radiance = view<Rgb>("radiance");
-    kernel.rays = view<uint32_t>("rays");
-    kernel.nonfinite = view<uint32_t>("nonfinite");
+    kernel.rays = view<uint32_t>("frame-rays");
     kernel.width = buffers.width();
     return kernel;
   }
 
+  /// Sums change here only, after a complete frame, so that one that is stopped leaves nothing behind.
+  AccumulateKernel accumulate_kernel() const {
+    return {
+        view<const Rgb>("radiance"), view<const uint32_t>("frame-rays"), view<Rgb>("sum"), view<float>("sum-squares"),
+        view<uint32_t>("rays"),      view<uint32_t>("nonfinite"),        buffers.width()};
+  }
+
   AuxiliaryKernel auxiliary_kernel() const {
-    return {scene->view(),     sample_index(),       view<const Hit>("primary-hits"), view<Rgb>("albedo"),
-            view<Rgb>("normal"), view<float>("depth"), view<Vec2>("motion"),            buffers.width()};
+    return {scene->view(),        sample_index(),      view<const Hit>("primary-hits"),
+            view<Rgb>("albedo"),  view<Rgb>("normal"), view<float>("depth"),
+            view<Vec2>("motion"), buffers.width()};
   }
 
   template <typename T>
@@ -109,7 +116,8 @@ struct Session::State {
 
 Session::Session(Scene scene, const RenderSettings& settings) {
   if (settings.width < 1 || settings.height < 1) {
-    throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1", settings.width, settings.height));
+    throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
+                            settings.width, settings.height));
   }
   state_ = std::make_unique<State>(std::move(scene), settings);
 }
@@ -122,12 +130,13 @@ bool Session::render_frame(std::stop_token stop) {
   const auto start = Clock::now();
   const uint32_t w = s.buffers.width();
   const uint32_t h = s.buffers.height();
-  const PrimaryHitsKernel primary{s.scene->view().accel, s.scene->view().camera, s.sample_index(), s.view<Hit>("primary-hits"), w};
-  const bool complete = launch(s.backend, "gbuffer", primary, w, h, stop) && launch(s.backend, "trace", s.path_kernel(), w, h, stop);
+  const PrimaryHitsKernel primary{s.scene->view().accel, s.scene->view().camera, s.sample_index(),
+                                  s.view<Hit>("primary-hits"), w};
+  const bool complete =
+      launch(s.backend, "gbuffer", primary, w, h, stop) && launch(s.backend, "trace", s.path_kernel(), w, h, stop);
   if (complete) {
     if (s.settings.auxiliary) launch(s.backend, "auxiliary", s.auxiliary_kernel(), w, h);
-    const AccumulateKernel accumulate{s.view<const Rgb>("radiance"), s.view<Rgb>("sum"), s.view<float>("sum-squares"), w};
-    launch(s.backend, "accumulate", accumulate, w, h);
+    launch(s.backend, "accumulate", s.accumulate_kernel(), w, h);
     ++s.samples;
   }
   s.statistics.render_s += seconds_since(start);
@@ -213,20 +222,23 @@ std::vector<ExrChannel> Session::aov(const std::string& name) const {
   if (std::find(aov_names().begin(), aov_names().end(), name) == aov_names().end()) {
     throw Error(fmt::format("there is no AOV '{}'; known are {}", name, fmt::join(aov_names(), ", ")));
   }
-  if (!s.settings.auxiliary) throw Error(fmt::format("AOV '{}' was not recorded; ask for it before rendering starts", name));
+  if (!s.settings.auxiliary)
+    throw Error(fmt::format("AOV '{}' was not recorded; ask for it before rendering starts", name));
   if (name == "depth") {
     const auto depth = s.view<const float>("depth");
     return {plane("depth.Z", [&](uint32_t i) { return depth[i] * scale; })};
   }
   if (name == "motion") {
     const auto motion = s.view<const Vec2>("motion");
-    return {plane("motion.X", [&](uint32_t i) { return motion[i].x * scale; }), plane("motion.Y", [&](uint32_t i) { return motion[i].y * scale; })};
+    return {plane("motion.X", [&](uint32_t i) { return motion[i].x * scale; }),
+            plane("motion.Y", [&](uint32_t i) { return motion[i].y * scale; })};
   }
   const auto rgb = s.view<const Rgb>(name);
   const bool is_vector = name == "normal";
   std::vector<ExrChannel> channels;
   for (int c = 0; c < 3; ++c) {
-    channels.push_back(plane(name + "." + (is_vector ? "XYZ" : "RGB")[c], [&](uint32_t i) { return rgb[i][c] * scale; }));
+    channels.push_back(
+        plane(name + "." + (is_vector ? "XYZ" : "RGB")[c], [&](uint32_t i) { return rgb[i][c] * scale; }));
   }
   return channels;
 }

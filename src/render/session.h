@@ -23,11 +23,11 @@ struct PassTime {
 
 /// What has been done since the session began. Counters are exact and do not depend on the number of threads.
 struct Statistics {
-  double build_s = 0;   ///< compiling the scene and building the acceleration structure
-  double render_s = 0;  ///< inside render_frame
-  uint64_t samples = 0; ///< camera samples, all pixels together
+  double build_s = 0;    ///< compiling the scene and building the acceleration structure
+  double render_s = 0;   ///< inside render_frame
+  uint64_t samples = 0;  ///< camera samples, all pixels together
   uint64_t paths = 0;
-  uint64_t rays = 0;    ///< path and shadow rays
+  uint64_t rays = 0;  ///< path and shadow rays
   uint64_t nonfinite_samples = 0;
   int threads = 0;
   std::vector<PassTime> passes;

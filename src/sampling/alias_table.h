@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/view.h"
 #include "core/vec.h"
+#include "core/view.h"
 
 namespace relume {
 
@@ -34,7 +34,8 @@ struct AliasTable {
     const float v = scaled - static_cast<float>(i);
     const AliasEntry& entry = entries[i];
     if (v < entry.keep) return {i, entry.pmf, clamp(v / entry.keep, 0.0f, kOneMinusEpsilon)};
-    return {entry.alias, entries[entry.alias].pmf, clamp((v - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
+    return {entry.alias, entries[entry.alias].pmf,
+            clamp((v - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
   }
 
   RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }

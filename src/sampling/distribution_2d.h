@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/view.h"
 #include "core/vec.h"
+#include "core/view.h"
 
 namespace relume {
 
@@ -30,7 +30,8 @@ struct Distribution2D {
     const uint32_t j = find(marginal.data, height, u.y, &dy);
     const float* row = row_of(j);
     const uint32_t i = find(row, width, u.x, &dx);
-    return {{(static_cast<float>(i) + dx) / static_cast<float>(width), (static_cast<float>(j) + dy) / static_cast<float>(height)},
+    return {{(static_cast<float>(i) + dx) / static_cast<float>(width),
+             (static_cast<float>(j) + dy) / static_cast<float>(height)},
             cell_pdf(i, j)};
   }
 
@@ -58,7 +59,8 @@ struct Distribution2D {
 
   RELUME_HD float cell_pdf(uint32_t i, uint32_t j) const {
     const float* row = row_of(j);
-    return (row[i + 1] - row[i]) * static_cast<float>(width) * (marginal[j + 1] - marginal[j]) * static_cast<float>(height);
+    return (row[i + 1] - row[i]) * static_cast<float>(width) * (marginal[j + 1] - marginal[j]) *
+           static_cast<float>(height);
   }
 
   /// Last i with cdf[i] <= u, among the cells of non-zero width, and where in it u falls.

@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// Hands out dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the samples
-/// of the pixel ([Burley20], §5).
+/// Hands out dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the
+/// samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
   /// Continues one sequence over all samples of the pixel: for estimators that do not adapt.
@@ -18,8 +18,8 @@ class Sampler {
     return Sampler(hash(hash(seed, x, y), frame), sample);
   }
 
-  /// Two stratified numbers. Eight dimensions are computed at a time: on a processor they share vector registers, and a path
-  /// rarely needs more.
+  /// Two stratified numbers. Eight dimensions are computed at a time: on a processor they share vector registers, and a
+  /// path rarely needs more.
   RELUME_HD Vec2 next_2d() {
     const uint32_t in_block = dimension_ % kBlock;
     if (dimension_ - in_block != block_start_) fill_block(dimension_ - in_block);
@@ -34,7 +34,9 @@ class Sampler {
   RELUME_HD float next_1d() { return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++)); }
 
   /// A plain random number: for decisions that gain nothing from stratification, such as Russian roulette.
-  RELUME_HD float next_unstratified() { return to_unit_float(hash(scramble_ ^ reversed_index_, kSaltPlain + single_++)); }
+  RELUME_HD float next_unstratified() {
+    return to_unit_float(hash(scramble_ ^ reversed_index_, kSaltPlain + single_++));
+  }
 
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
   RELUME_HD void start_dimension(uint32_t dimension) {

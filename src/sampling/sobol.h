@@ -38,11 +38,13 @@ RELUME_HD constexpr uint32_t sobol_dimension_1_reversed(uint32_t index) {
 }
 
 /// Seeds that differ for the shuffle and the two scrambles of one point set.
-RELUME_HD constexpr uint32_t derived_seed(uint32_t seed, uint32_t which) { return seed * (which == 1 ? 0x85ebca6bu : 0xc2b2ae35u) + which; }
+RELUME_HD constexpr uint32_t derived_seed(uint32_t seed, uint32_t which) {
+  return seed * (which == 1 ? 0x85ebca6bu : 0xc2b2ae35u) + which;
+}
 
-/// Point of a two-dimensional (0, 2)-sequence chosen by `seed` (a well-mixed hash): shuffled and scrambled as in [Burley20].
-/// Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k. Takes the index with its bits
-/// reversed, since a pixel's dimensions all start from that.
+/// Point of a two-dimensional (0, 2)-sequence chosen by `seed` (a well-mixed hash): shuffled and scrambled as in
+/// [Burley20]. Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k. Takes the
+/// index with its bits reversed, since a pixel's dimensions all start from that.
 RELUME_HD inline Vec2 owen_sobol_2d(uint32_t reversed_index, uint32_t seed) {
   const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
   const uint32_t x = owen_scramble_reversed(shuffled, derived_seed(seed, 1));

@@ -1,5 +1,5 @@
-// Cameras as kernels see them: rays out of a point on the film, and the importance that light tracing and bidirectional methods
-// connect to. Film coordinates are pixels, (0, 0) the top left corner.
+// Cameras as kernels see them: rays out of a point on the film, and the importance that light tracing and bidirectional
+// methods connect to. Film coordinates are pixels, (0, 0) the top left corner.
 #pragma once
 
 #include "core/ray.h"
@@ -26,7 +26,9 @@ struct CameraView {
     return projection == Projection::panoramic ? kPi / resolution.y : 0.0f;
   }
   /// Width of a pixel's footprint at the camera, metres.
-  RELUME_HD float cone_width() const { return projection == Projection::orthographic ? 2.0f * half_extent.y / resolution.y : 0.0f; }
+  RELUME_HD float cone_width() const {
+    return projection == Projection::orthographic ? 2.0f * half_extent.y / resolution.y : 0.0f;
+  }
 };
 
 namespace camera_detail {
@@ -100,8 +102,9 @@ RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* f
   return film->x >= 0.0f && film->x < c.resolution.x && film->y >= 0.0f && film->y < c.resolution.y;
 }
 
-/// Importance that the camera emits along a ray which it could have generated, normalised so that the integral over lens and
-/// directions of the whole image is 1 ([Pharr23], §16.1 of the third edition): the camera's own sampling density per unit cosine.
+/// Importance that the camera emits along a ray which it could have generated, normalised so that the integral over
+/// lens and directions of the whole image is 1 ([Pharr23], §16.1 of the third edition): the camera's own sampling
+/// density per unit cosine.
 RELUME_HD inline float we(const CameraView& c, const Ray& ray) {
   Vec2 film;
   if (!film_position(c, ray, &film)) return 0.0f;
@@ -142,12 +145,12 @@ RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
 
 /// Importance that reaches a point from the camera.
 struct CameraSample {
-  Vec3 wi{0};          ///< from the point to the camera
+  Vec3 wi{0};  ///< from the point to the camera
   float distance = 0;
-  Vec3 normal{0};      ///< of the lens; zero for a panoramic camera
+  Vec3 normal{0};  ///< of the lens; zero for a panoramic camera
   Vec2 film{0};
   float importance = 0;  ///< We
-  float pdf_w = 0;     ///< of wi; for a point camera the squared distance alone, for orthographic 1 (both delta)
+  float pdf_w = 0;       ///< of wi; for a point camera the squared distance alone, for orthographic 1 (both delta)
   bool delta = false;
 
   RELUME_HD bool valid() const { return pdf_w > 0.0f && importance > 0.0f; }

@@ -4,9 +4,9 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/matrix_transform.hpp>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "scene/surface_point.h"
@@ -85,7 +85,8 @@ void CompiledScene::decide_instancing(const std::vector<bool>& moves) {
     if (uses[m] > 1) copied += uses[m] * triangles[m];
   }
   const bool copy_repeated = copied <= kFlattenedTriangleBudget;
-  for (const Appearance& a : appearances_) world_space_.push_back(!moves[a.node] && (uses[a.mesh] == 1 || copy_repeated));
+  for (const Appearance& a : appearances_)
+    world_space_.push_back(!moves[a.node] && (uses[a.mesh] == 1 || copy_repeated));
 }
 
 void CompiledScene::build_materials() {
@@ -132,10 +133,12 @@ void CompiledScene::build_materials() {
     d.unlit = m.unlit;
     d.volume = m.thickness > 0.0f && m.transmission > 0.0f;
     if (d.volume && is_finite(m.attenuation_distance) && m.attenuation_distance > 0.0f) {
-      for (int c = 0; c < 3; ++c) d.absorption[c] = -std::log(std::max(m.attenuation_color[c], 1e-6f)) / m.attenuation_distance;
+      for (int c = 0; c < 3; ++c)
+        d.absorption[c] = -std::log(std::max(m.attenuation_color[c], 1e-6f)) / m.attenuation_distance;
     }
-    for (const TextureUse* t : {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture, &d.emission_texture, &d.specular_texture,
-                                &d.specular_color_texture, &d.transmission_texture, &d.clearcoat_texture, &d.clearcoat_roughness_texture}) {
+    for (const TextureUse* t : {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture,
+                                &d.emission_texture, &d.specular_texture, &d.specular_color_texture,
+                                &d.transmission_texture, &d.clearcoat_texture, &d.clearcoat_roughness_texture}) {
       d.uses_uv = d.uses_uv || t->used();
     }
     materials_.push_back(d);
@@ -153,7 +156,8 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   MeshView view;
   view.first_triangle = static_cast<uint32_t>(triangles_.size());
   view.triangle_count = static_cast<uint32_t>(mesh.triangles.size());
-  view.material = mesh.material == kNone ? static_cast<uint32_t>(materials_.size()) - 1 : static_cast<uint32_t>(mesh.material);
+  view.material =
+      mesh.material == kNone ? static_cast<uint32_t>(materials_.size()) - 1 : static_cast<uint32_t>(mesh.material);
   view.has_normals = !mesh.normals.empty();
   view.has_uv = !mesh.uv0.empty();
   view.has_tangents = !mesh.tangents.empty();
@@ -200,7 +204,15 @@ void CompiledScene::build_meshes(const std::vector<Mat4>& world) {
     mesh_of_appearance_.push_back(shared[a.mesh]);
   }
   for (Mesh& m : source_.meshes) {  // the compiled copy replaces the arrays
-    m = Mesh{.name = std::move(m.name), .positions = {}, .normals = {}, .tangents = {}, .uv0 = {}, .uv1 = {}, .colors = {}, .triangles = {}, .material = m.material};
+    m = Mesh{.name = std::move(m.name),
+             .positions = {},
+             .normals = {},
+             .tangents = {},
+             .uv0 = {},
+             .uv1 = {},
+             .colors = {},
+             .triangles = {},
+             .material = m.material};
   }
   // Embree reads 16 bytes at the last vertex, and colours and second coordinates are addressed like vertices.
   vertices_.shrink_to_fit();
@@ -239,7 +251,8 @@ void CompiledScene::compute_bounds() {
     const auto& [box_low, box_high] = boxes[instance.mesh];
     if (box_low.x > box_high.x) continue;
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 p(corner & 1 ? box_high.x : box_low.x, corner & 2 ? box_high.y : box_low.y, corner & 4 ? box_high.z : box_low.z);
+      const Vec3 p(corner & 1 ? box_high.x : box_low.x, corner & 2 ? box_high.y : box_low.y,
+                   corner & 4 ? box_high.z : box_low.z);
       const Vec3 q = instance.in_world_space ? p : instance.to_world.point(p);
       low = glm::min(low, q);
       high = glm::max(high, q);
@@ -269,7 +282,9 @@ void CompiledScene::choose_camera(const std::string& name) {
     if (source_.nodes[i].camera != kNone) nodes.push_back(static_cast<Index>(i));
   }
   if (nodes.empty()) {
-    if (!name.empty()) throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view", source_.name, name));
+    if (!name.empty())
+      throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
+                              source_.name, name));
     notes_.push_back("the scene has no camera: one that sees all of it stands in");
     const float fov = camera_.fov_y_rad;
     const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(0.5f * fov));
@@ -286,10 +301,12 @@ void CompiledScene::choose_camera(const std::string& name) {
     for (size_t i = 0; i < nodes.size(); ++i) {
       const Node& node = source_.nodes[static_cast<size_t>(nodes[i])];
       const std::string& camera_name = source_.cameras[static_cast<size_t>(node.camera)].name;
-      if (node.name == name || camera_name == name || (is_number && i == index)) camera_node_ = camera_node_ == kNone ? nodes[i] : camera_node_;
+      if (node.name == name || camera_name == name || (is_number && i == index))
+        camera_node_ = camera_node_ == kNone ? nodes[i] : camera_node_;
       known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
     }
-    if (camera_node_ == kNone) throw Error(fmt::format("{}: there is no camera '{}'; it has {}", source_.name, name, known));
+    if (camera_node_ == kNone)
+      throw Error(fmt::format("{}: there is no camera '{}'; it has {}", source_.name, name, known));
   }
   camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
 }
@@ -303,7 +320,8 @@ void CompiledScene::place_camera(const std::vector<Mat4>& world, bool first) {
   c.axes.n = glm::normalize(Vec3(m[2]));
   c.axes.t = glm::normalize(glm::cross(Vec3(m[1]), c.axes.n));
   c.axes.b = glm::cross(c.axes.n, c.axes.t);
-  const float half = camera_.projection == Projection::orthographic ? camera_.half_height : std::tan(0.5f * camera_.fov_y_rad);
+  const float half =
+      camera_.projection == Projection::orthographic ? camera_.half_height : std::tan(0.5f * camera_.fov_y_rad);
   c.half_extent = {half * aspect, half};
   c.lens_radius = camera_.lens_radius;
   c.focus_distance = camera_.focus_distance;
@@ -359,8 +377,9 @@ size_t CompiledScene::triangle_count() const {
 }
 
 size_t CompiledScene::memory_bytes() const {
-  return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) + colors_.size() * sizeof(Vec4) +
-         instances_.size() * sizeof(Instance) + textures_.memory_bytes() + accel_->memory_bytes();
+  return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) +
+         colors_.size() * sizeof(Vec4) + instances_.size() * sizeof(Instance) + textures_.memory_bytes() +
+         accel_->memory_bytes();
 }
 
 }  // namespace relume

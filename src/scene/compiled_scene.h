@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "accel/embree_accel.h"
-#include "scene/scene_view.h"
 #include "scene/light_builder.h"
+#include "scene/scene_view.h"
 #include "scene/texture_store.h"
 
 namespace relume {
@@ -17,7 +17,7 @@ namespace relume {
 struct CompileOptions {
   std::string camera;  ///< name or index of a camera node; empty: the first
   float time_s = 0;
-  int width = 1;       ///< of the image, pixels
+  int width = 1;  ///< of the image, pixels
   int height = 1;
   TextureFilter texture_filter = TextureFilter::linear;
 };
@@ -63,8 +63,8 @@ class CompiledScene {
 
   Scene source_;
   std::vector<std::string> notes_;
-  std::vector<Appearance> appearances_;   ///< one an instance
-  std::vector<bool> world_space_;         ///< one an appearance
+  std::vector<Appearance> appearances_;  ///< one an instance
+  std::vector<bool> world_space_;        ///< one an appearance
   std::vector<Vertex> vertices_;
   std::vector<UVec3> triangles_;
   std::vector<Vec2> uv1_;

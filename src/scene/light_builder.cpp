@@ -19,7 +19,8 @@ uint32_t grid_size(const TexturedEmission& e, const TexturedTriangle& t) {
     const TextureView& view = e.textures[static_cast<uint32_t>(texture)];
     const Vec2 d1 = uv[1] - uv[0];
     const Vec2 d2 = uv[2] - uv[0];
-    texels = std::fmax(texels, 0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x) * static_cast<float>(view.width) * static_cast<float>(view.height));
+    texels = std::fmax(texels, 0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x) * static_cast<float>(view.width) *
+                                   static_cast<float>(view.height));
   };
   count(t.emission_texture, t.emission_uv);
   count(t.coverage_texture, t.coverage_uv);
@@ -40,7 +41,8 @@ Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t
   return sum / static_cast<float>(kPoints * kPoints);
 }
 
-void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use, Vec2 uv[3]) {
+void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use,
+                     Vec2 uv[3]) {
   for (int k = 0; k < 3; ++k) {
     const uint32_t v = index[k];
     Vec2 raw(0);
@@ -76,6 +78,7 @@ void LightBuilder::set_environment(const Environment& source) {
   environment_.mean = baked.color;
   environment_.cos_rotation = std::cos(source.rotation_rad);
   environment_.sin_rotation = std::sin(source.rotation_rad);
+  sun_.to_light = environment_.direction_from_map(sun_.to_light);
   if (source.kind == EnvironmentKind::constant) return;
 
   environment_map_ = std::move(baked.map);
@@ -85,9 +88,13 @@ void LightBuilder::set_environment(const Environment& source) {
   environment_.width = static_cast<uint32_t>(w);
   environment_.height = static_cast<uint32_t>(h);
 
-  // A texel's weight is the mean over it of the bilinear interpolation, (1 6 1)/8 along each axis, times its solid angle.
+  // A texel's weight is the mean over it of the bilinear interpolation, (1 6 1)/8 along each axis, times its solid
+  // angle.
   std::vector<float> weights(environment_map_.size());
-  const auto at = [&](int x, int y) { return environment_map_[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) + static_cast<size_t>((x + w) % w)]; };
+  const auto at = [&](int x, int y) {
+    return environment_map_[static_cast<size_t>(std::clamp(y, 0, h - 1)) * static_cast<size_t>(w) +
+                            static_cast<size_t>((x + w) % w)];
+  };
   Rgb sum(0);
   double solid_angle = 0;
   std::vector<Rgb> row_sums(static_cast<size_t>(h), Rgb(0));
@@ -98,7 +105,8 @@ void LightBuilder::set_environment(const Environment& source) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) mean += at(x + dx, y + dy) * ((dx ? 0.125f : 0.75f) * (dy ? 0.125f : 0.75f));
       }
-      weights[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] = luminance(mean) * sin_theta;
+      weights[static_cast<size_t>(y) * static_cast<size_t>(w) + static_cast<size_t>(x)] =
+          luminance(environment_.scale * mean) * sin_theta;
       row_sums[static_cast<size_t>(y)] += mean * sin_theta;
     }
   });
@@ -111,8 +119,8 @@ void LightBuilder::set_environment(const Environment& source) {
   environment_.distribution = environment_distribution_.view();
 }
 
-void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene, const std::vector<Mat4>& world,
-                           const SceneBounds& bounds) {
+void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
+                           const std::vector<Mat4>& world, const SceneBounds& bounds) {
   const std::vector<Light> previous = std::move(lights_);
   lights_.clear();
   bounds_ = bounds;
@@ -163,7 +171,8 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     light.primitive = k;
     light.textured = -1;
     light.two_sided = material.double_sided;
-    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha())) add_textured(geometry, mesh, k, light);
+    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha()))
+      add_textured(geometry, mesh, k, light);
     Light entry;
     entry.kind = LightKind::triangle;
     entry.triangle = light;
@@ -171,7 +180,8 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
   }
 }
 
-void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive, TriangleLight& light) {
+void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive,
+                                TriangleLight& light) {
   const MaterialData& material = geometry.materials[mesh.material];
   const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
   TexturedTriangle t{};
@@ -179,7 +189,10 @@ void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh,
   transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
   t.coverage_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
   transformed_uvs(geometry, mesh, index, material.base_color_texture, t.coverage_uv);
-  t.alpha_factor = material.alpha;
+  for (int k = 0; k < 3; ++k) {
+    const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
+    t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
+  }
   t.alpha_cutoff = material.alpha_cutoff;
   t.mask = material.mask;
   const TexturedEmission context{view_of(textured_), view_of(entries_), textures_};
@@ -192,7 +205,7 @@ void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh,
   std::vector<float> weights(count);
   Rgb sum(0);
   for (uint32_t i = 0; i < count; ++i) {
-    weights[i] = luminance(means[i]);
+    weights[i] = luminance(light.radiance * means[i]);
     sum += means[i];
   }
   t.mean_emission = sum / static_cast<float>(count);
@@ -232,16 +245,21 @@ void LightBuilder::mark_changes(const std::vector<Light>& previous) {
   const auto same = [](const Light& a, const Light& b) {
     if (a.kind != b.kind) return false;
     switch (a.kind) {
-      case LightKind::triangle: return a.triangle.v0 == b.triangle.v0 && a.triangle.e1 == b.triangle.e1 && a.triangle.e2 == b.triangle.e2 && a.triangle.radiance == b.triangle.radiance;
+      case LightKind::triangle:
+        return a.triangle.v0 == b.triangle.v0 && a.triangle.e1 == b.triangle.e1 && a.triangle.e2 == b.triangle.e2 &&
+               a.triangle.radiance == b.triangle.radiance;
       case LightKind::point: return a.point.position == b.point.position && a.point.intensity == b.point.intensity;
-      case LightKind::spot: return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity;
-      case LightKind::directional: return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance;
+      case LightKind::spot:
+        return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity;
+      case LightKind::directional:
+        return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance;
       case LightKind::environment: return true;
     }
     return true;
   };
   if (previous.empty()) return;
-  for (size_t i = 0; i < lights_.size(); ++i) lights_[i].changed = i >= previous.size() || !same(lights_[i], previous[i]);
+  for (size_t i = 0; i < lights_.size(); ++i)
+    lights_[i].changed = i >= previous.size() || !same(lights_[i], previous[i]);
 }
 
 LightsView LightBuilder::view() const {

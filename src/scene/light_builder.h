@@ -16,8 +16,8 @@ class LightBuilder {
 
   /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
   /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
-  void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene, const std::vector<Mat4>& world,
-               const SceneBounds& bounds);
+  void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
+               const std::vector<Mat4>& world, const SceneBounds& bounds);
 
   LightsView view() const;
 

@@ -114,10 +114,10 @@ enum class PunctualType : uint8_t { point, spot, directional };
 struct PunctualLight {
   std::string name;
   PunctualType type = PunctualType::point;
-  Rgb intensity{1};                   ///< point, spot: W/sr; directional: irradiance on a facing plane, W/m²
-  float inner_cone_rad = 0;           ///< spot: full intensity inside this half-angle
-  float outer_cone_rad = kPi / 4;     ///< spot: none outside this half-angle
-  float angular_diameter_rad = 0;     ///< directional: 0 is a delta light
+  Rgb intensity{1};                ///< point, spot: W/sr; directional: irradiance on a facing plane, W/m²
+  float inner_cone_rad = 0;        ///< spot: full intensity inside this half-angle
+  float outer_cone_rad = kPi / 4;  ///< spot: none outside this half-angle
+  float angular_diameter_rad = 0;  ///< directional: 0 is a delta light
 };
 
 struct SunSky {
@@ -136,10 +136,10 @@ enum class EnvironmentKind : uint8_t { none, constant, map, sun_sky };
 /// and +X lies to its right.
 struct Environment {
   EnvironmentKind kind = EnvironmentKind::none;
-  Rgb color{1};         ///< constant: radiance; map: multiplies
-  int width = 0;        ///< map
-  int height = 0;       ///< map
-  std::vector<Rgb> map; ///< radiance, row by row from the top
+  Rgb color{1};            ///< constant: radiance; map: multiplies
+  int width = 0;           ///< map
+  int height = 0;          ///< map
+  std::vector<Rgb> map;    ///< radiance, row by row from the top
   float rotation_rad = 0;  ///< about +Y
   SunSky sun_sky;
 };
@@ -152,10 +152,10 @@ enum class Projection : uint8_t { perspective, orthographic, panoramic };
 struct Camera {
   std::string name;
   Projection projection = Projection::perspective;
-  float fov_y_rad = 0.8f;          ///< perspective, full vertical angle
-  float half_height = 1;           ///< orthographic, metres
-  float lens_radius = 0;           ///< perspective, metres; 0: pinhole
-  float focus_distance = 1;        ///< metres along -Z
+  float fov_y_rad = 0.8f;    ///< perspective, full vertical angle
+  float half_height = 1;     ///< orthographic, metres
+  float lens_radius = 0;     ///< perspective, metres; 0: pinhole
+  float focus_distance = 1;  ///< metres along -Z
 };
 
 // --- Hierarchy and animation --------------------------------------------------------------------------
@@ -169,10 +169,10 @@ struct Transform {
 struct Node {
   std::string name;
   Index parent = kNone;
-  Transform transform;           ///< local; what animation changes
-  std::optional<Mat4> matrix;    ///< replaces `transform` when the file gives one (cannot be animated)
+  Transform transform;         ///< local; what animation changes
+  std::optional<Mat4> matrix;  ///< replaces `transform` when the file gives one (cannot be animated)
   std::vector<Index> meshes;
-  std::vector<Mat4> instances;   ///< EXT_mesh_gpu_instancing: meshes appear once per matrix; empty: once
+  std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: meshes appear once per matrix; empty: once
   Index light = kNone;
   Index camera = kNone;
 };

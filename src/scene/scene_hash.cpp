@@ -21,8 +21,7 @@ class Hasher {
   }
 
   template <typename T>
-    requires(std::is_arithmetic_v<T> || std::is_enum_v<T>)
-  Hasher& operator<<(const T& value) {
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) Hasher& operator<<(const T& value) {
     bytes(&value, sizeof(T));
     return *this;
   }
@@ -42,8 +41,9 @@ class Hasher {
   template <typename T>
   Hasher& operator<<(const std::vector<T>& v) {
     *this << v.size();
-    if constexpr (std::has_unique_object_representations_v<T> || std::is_same_v<T, float> || std::is_same_v<T, Vec2> || std::is_same_v<T, Vec3> ||
-                  std::is_same_v<T, Vec4> || std::is_same_v<T, UVec3> || std::is_same_v<T, Mat4>) {
+    if constexpr (std::has_unique_object_representations_v<T> || std::is_same_v<T, float> || std::is_same_v<T, Vec2> ||
+                  std::is_same_v<T, Vec3> || std::is_same_v<T, Vec4> || std::is_same_v<T, UVec3> ||
+                  std::is_same_v<T, Mat4>) {
       bytes(v.data(), v.size() * sizeof(T));
     } else {
       for (const T& element : v) *this << element;
@@ -51,14 +51,20 @@ class Hasher {
     return *this;
   }
 
-  Hasher& operator<<(const TextureRef& r) { return *this << r.texture << r.uv_set << r.offset << r.scale << r.rotation_rad; }
-  Hasher& operator<<(const Texture& t) { return *this << t.width << t.height << t.format << t.wrap_u << t.wrap_v << t.filter << t.texels; }
+  Hasher& operator<<(const TextureRef& r) {
+    return *this << r.texture << r.uv_set << r.offset << r.scale << r.rotation_rad;
+  }
+  Hasher& operator<<(const Texture& t) {
+    return *this << t.width << t.height << t.format << t.wrap_u << t.wrap_v << t.filter << t.texels;
+  }
   Hasher& operator<<(const Material& m) {
-    *this << m.base_color << m.alpha << m.base_color_texture << m.metallic << m.roughness << m.metallic_roughness_texture << m.normal_texture
-          << m.normal_scale << m.emission << m.emission_texture << m.alpha_mode << m.alpha_cutoff << m.double_sided << m.unlit << m.ior;
-    return *this << m.specular << m.specular_texture << m.specular_color << m.specular_color_texture << m.transmission << m.transmission_texture
-                 << m.thickness << m.attenuation_color << m.attenuation_distance << m.clearcoat << m.clearcoat_texture << m.clearcoat_roughness
-                 << m.clearcoat_roughness_texture << m.microfacet_model;
+    *this << m.base_color << m.alpha << m.base_color_texture << m.metallic << m.roughness
+          << m.metallic_roughness_texture << m.normal_texture << m.normal_scale << m.emission << m.emission_texture
+          << m.alpha_mode << m.alpha_cutoff << m.double_sided << m.unlit << m.ior;
+    return *this << m.specular << m.specular_texture << m.specular_color << m.specular_color_texture << m.transmission
+                 << m.transmission_texture << m.thickness << m.attenuation_color << m.attenuation_distance
+                 << m.clearcoat << m.clearcoat_texture << m.clearcoat_roughness << m.clearcoat_roughness_texture
+                 << m.microfacet_model;
   }
   Hasher& operator<<(const Mesh& m) {
     return *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;
@@ -74,10 +80,13 @@ class Hasher {
     if (n.matrix) *this << *n.matrix;
     return *this << n.meshes << n.instances << n.light << n.camera;
   }
-  Hasher& operator<<(const AnimationChannel& c) { return *this << c.node << c.property << c.interpolation << c.times << c.values; }
+  Hasher& operator<<(const AnimationChannel& c) {
+    return *this << c.node << c.property << c.interpolation << c.times << c.values;
+  }
   Hasher& operator<<(const Environment& e) {
     const SunSky& s = e.sun_sky;
-    *this << e.kind << e.color << e.width << e.height << e.map << e.rotation_rad << s.sun_elevation_rad << s.sun_azimuth_rad << s.turbidity;
+    *this << e.kind << e.color << e.width << e.height << e.map << e.rotation_rad << s.sun_elevation_rad
+          << s.sun_azimuth_rad << s.turbidity;
     return *this << s.sky_scale << s.sun_scale << s.sun_angular_diameter_rad << s.ground_albedo;
   }
 
@@ -95,7 +104,8 @@ class Hasher {
 
 uint64_t scene_hash(const Scene& scene) {
   Hasher h;
-  h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes << scene.animation << scene.environment;
+  h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes
+    << scene.animation << scene.environment;
   return h.value();
 }
 

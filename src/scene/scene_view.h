@@ -21,8 +21,8 @@ struct Affine {
   RELUME_HD Vec3 vector(const Vec3& v) const { return linear * v; }
 };
 
-/// A unit normal with 16 bits a component, so that three of them interpolate without a square root; the fourth number is the
-/// handedness of the bitangent.
+/// A unit normal with 16 bits a component, so that three of them interpolate without a square root; the fourth number
+/// is the handedness of the bitangent.
 struct PackedNormal {
   int16_t x, y, z, sign;
 
@@ -51,7 +51,7 @@ struct MeshView {
   uint32_t first_triangle = 0;
   uint32_t triangle_count = 0;
   uint32_t material = 0;
-  uint32_t first_uv1 = 0;    ///< added to the vertex index
+  uint32_t first_uv1 = 0;  ///< added to the vertex index
   uint32_t first_color = 0;
   bool has_normals = false;
   bool has_uv = false;
@@ -63,17 +63,17 @@ struct MeshView {
 /// One appearance of a mesh.
 struct Instance {
   Affine to_world;
-  Mat3 normal_to_world{1};     ///< cofactors of to_world.linear: takes normals along
+  Mat3 normal_to_world{1};  ///< cofactors of to_world.linear: takes normals along
   Affine previous_to_world;
   uint32_t mesh = 0;
   LightId first_light = kNoLight;  ///< of its triangles, if they emit
-  bool in_world_space = true;  ///< static and stored transformed: the matrices are the identity
-  float orientation = 1;       ///< −1: to_world mirrors
+  bool in_world_space = true;      ///< static and stored transformed: the matrices are the identity
+  float orientation = 1;           ///< −1: to_world mirrors
 };
 
 struct SceneView {
   View<const Vertex> vertices;
-  View<const UVec3> triangles;   ///< vertex indices into `vertices`
+  View<const UVec3> triangles;  ///< vertex indices into `vertices`
   View<const Vec2> uv1;
   View<const Vec4> colors;
   View<const MeshView> meshes;

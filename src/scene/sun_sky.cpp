@@ -12,18 +12,22 @@ struct Perez {
   float a, b, c, d, e;
   float operator()(float cos_theta, float gamma) const {
     const float cos_gamma = std::cos(gamma);
-    return (1.0f + a * std::exp(b / std::max(cos_theta, 0.01f))) * (1.0f + c * std::exp(d * gamma) + e * cos_gamma * cos_gamma);
+    return (1.0f + a * std::exp(b / std::max(cos_theta, 0.01f))) *
+           (1.0f + c * std::exp(d * gamma) + e * cos_gamma * cos_gamma);
   }
 };
 
 Perez luminance_distribution(float t) {
-  return {0.1787f * t - 1.4630f, -0.3554f * t + 0.4275f, -0.0227f * t + 5.3251f, 0.1206f * t - 2.5771f, -0.0670f * t + 0.3703f};
+  return {0.1787f * t - 1.4630f, -0.3554f * t + 0.4275f, -0.0227f * t + 5.3251f, 0.1206f * t - 2.5771f,
+          -0.0670f * t + 0.3703f};
 }
 Perez x_distribution(float t) {
-  return {-0.0193f * t - 0.2592f, -0.0665f * t + 0.0008f, -0.0004f * t + 0.2125f, -0.0641f * t - 0.8989f, -0.0033f * t + 0.0452f};
+  return {-0.0193f * t - 0.2592f, -0.0665f * t + 0.0008f, -0.0004f * t + 0.2125f, -0.0641f * t - 0.8989f,
+          -0.0033f * t + 0.0452f};
 }
 Perez y_distribution(float t) {
-  return {-0.0167f * t - 0.2608f, -0.0950f * t + 0.0092f, -0.0079f * t + 0.2102f, -0.0441f * t - 1.6537f, -0.0109f * t + 0.0529f};
+  return {-0.0167f * t - 0.2608f, -0.0950f * t + 0.0092f, -0.0079f * t + 0.2102f, -0.0441f * t - 1.6537f,
+          -0.0109f * t + 0.0529f};
 }
 
 /// Chromaticity at the zenith: a cubic in the sun's zenith angle whose coefficients are quadratic in turbidity.
@@ -32,8 +36,12 @@ float zenith_chromaticity(const float m[3][4], float t, float theta) {
   return t * t * cubic(m[0]) + t * cubic(m[1]) + cubic(m[2]);
 }
 
-constexpr float kZenithX[3][4] = {{0.00166f, -0.00375f, 0.00209f, 0.0f}, {-0.02903f, 0.06377f, -0.03202f, 0.00394f}, {0.11693f, -0.21196f, 0.06052f, 0.25886f}};
-constexpr float kZenithY[3][4] = {{0.00275f, -0.00610f, 0.00317f, 0.0f}, {-0.04214f, 0.08970f, -0.04153f, 0.00516f}, {0.15346f, -0.26756f, 0.06670f, 0.26688f}};
+constexpr float kZenithX[3][4] = {{0.00166f, -0.00375f, 0.00209f, 0.0f},
+                                  {-0.02903f, 0.06377f, -0.03202f, 0.00394f},
+                                  {0.11693f, -0.21196f, 0.06052f, 0.25886f}};
+constexpr float kZenithY[3][4] = {{0.00275f, -0.00610f, 0.00317f, 0.0f},
+                                  {-0.04214f, 0.08970f, -0.04153f, 0.00516f},
+                                  {0.15346f, -0.26756f, 0.06670f, 0.26688f}};
 
 /// Luminance at the zenith, kcd/m².
 float zenith_luminance(float t, float theta) {
@@ -45,13 +53,14 @@ float zenith_luminance(float t, float theta) {
 Rgb rgb_from_xyy(float x, float y, float luminance_y) {
   const float big_x = x / y * luminance_y;
   const float big_z = (1.0f - x - y) / y * luminance_y;
-  const Rgb rgb(3.2404542f * big_x - 1.5371385f * luminance_y - 0.4985314f * big_z, -0.9692660f * big_x + 1.8760108f * luminance_y + 0.0415560f * big_z,
+  const Rgb rgb(3.2404542f * big_x - 1.5371385f * luminance_y - 0.4985314f * big_z,
+                -0.9692660f * big_x + 1.8760108f * luminance_y + 0.0415560f * big_z,
                 0.0556434f * big_x - 0.2040259f * luminance_y + 1.0572252f * big_z);
   return glm::max(rgb, Rgb(0));
 }
 
-/// Direct sunlight on a facing plane, klx: 128 klx outside the atmosphere, less what Rayleigh scattering and aerosols take at the
-/// wavelengths of the three primaries ([Preetham99], appendix A.1; ozone and water vapour are left out).
+/// Direct sunlight on a facing plane, klx: 128 klx outside the atmosphere, less what Rayleigh scattering and aerosols
+/// take at the wavelengths of the three primaries ([Preetham99], appendix A.1; ozone and water vapour are left out).
 Rgb sun_irradiance(const SunSky& p) {
   if (p.sun_elevation_rad <= 0.0f) return Rgb(0);
   const float zenith_deg = (kPi / 2 - p.sun_elevation_rad) * 180.0f / kPi;

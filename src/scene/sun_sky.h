@@ -1,5 +1,5 @@
-// Daylight: the sky of Preetham, Shirley and Smits [Preetham99] baked into an environment map, and the sun as a directional
-// light with its true angular size. Radiance 1 stands for 1 kcd/m², irradiance 1 for 1 klx.
+// Daylight: the sky of Preetham, Shirley and Smits [Preetham99] baked into an environment map, and the sun as a
+// directional light with its true angular size. Radiance 1 stands for 1 kcd/m², irradiance 1 for 1 klx.
 #pragma once
 
 #include <vector>

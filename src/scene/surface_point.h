@@ -16,10 +16,10 @@ struct SurfacePoint {
   Vec3 wo;                 ///< unit, towards the viewer
   Vec3 wo_local;           ///< the same in the frame
   Bsdf bsdf;
-  Rgb emission;            ///< radiance emitted towards wo
-  LightId light;           ///< kNoLight: not an emitter that light selection knows
+  Rgb emission;   ///< radiance emitted towards wo
+  LightId light;  ///< kNoLight: not an emitter that light selection knows
   Vec2 barycentric;
-  float footprint;         ///< width of the ray cone, metres
+  float footprint;  ///< width of the ray cone, metres
   uint32_t instance;
   uint32_t primitive;
   uint32_t material;
@@ -28,19 +28,23 @@ struct SurfacePoint {
   RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
 
   /// Ray from here towards `w` that cannot meet its own surface.
-  RELUME_HD Ray spawn_ray(const Vec3& w) const { return {offset_origin(position, position_error, ng, w), w, kInfinity}; }
+  RELUME_HD Ray spawn_ray(const Vec3& w) const {
+    return {offset_origin(position, position_error, ng, w), w, kInfinity};
+  }
 };
 
 /// BSDF value and density for world directions, zero where shading and geometric normal disagree about the side.
 template <bool kReverse = false>
-RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
+RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi,
+                                   TransportMode mode = TransportMode::radiance) {
   const Vec3 wi_local = sp.frame.to_local(wi);
   if (glm::dot(wi, sp.ng) * wi_local.z <= 0.0f) return {};
   return eval_pdf<kReverse>(sp.bsdf, sp.wo_local, wi_local, mode);
 }
 
 /// A world direction from the BSDF.
-RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const Vec2& u, TransportMode mode = TransportMode::radiance) {
+RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const Vec2& u,
+                                   TransportMode mode = TransportMode::radiance) {
   BsdfSample s = sample(sp.bsdf, sp.wo_local, u_lobe, u, mode);
   const float local_z = s.wi.z;
   s.wi = sp.frame.to_world(s.wi);
@@ -49,11 +53,15 @@ RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const V
 }
 
 /// |cos| between the shading normal and `w`.
-RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) { return std::fabs(glm::dot(sp.frame.n, w)); }
+RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
+  return std::fabs(glm::dot(sp.frame.n, w));
+}
 
-/// The point that `ray` meets at `hit`. `cone_width` is the width of the ray cone there, metres; it selects texture levels
+/// The point that `ray` meets at `hit`. `cone_width` is the width of the ray cone there, metres; it selects texture
+/// levels
 /// ([Akenine21]).
-RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp);
+RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
+                                  SurfacePoint& sp);
 
 /// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
 RELUME_HD float coverage(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);

@@ -13,7 +13,8 @@ struct TriangleAt {
   Vec3 weights;
 };
 
-RELUME_HD inline TriangleAt triangle_at(const SceneView& scene, const MeshView& mesh, uint32_t primitive, float u, float v) {
+RELUME_HD inline TriangleAt triangle_at(const SceneView& scene, const MeshView& mesh, uint32_t primitive, float u,
+                                        float v) {
   TriangleAt t;
   t.index = scene.triangles[mesh.first_triangle + primitive];
   t.v[0] = &scene.vertices[t.index.x];
@@ -59,12 +60,14 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
 /// Look-up with the level that fits a footprint of `area` m².
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
   const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
-  const float texels = uv.density * use.transform.area_scale() * area * static_cast<float>(texture.width) * static_cast<float>(texture.height);
+  const float texels = uv.density * use.transform.area_scale() * area * static_cast<float>(texture.width) *
+                       static_cast<float>(texture.height);
   const float lod = texels > 1.0f ? 0.5f * std::log2(texels) : 0.0f;
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }
 
-RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const MaterialData& m, const Uv& uv, float area) {
+RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const MaterialData& m, const Uv& uv,
+                                                float area) {
   MaterialSample s;
   s.base_color = m.base_color;
   s.metallic = m.metallic;
@@ -85,7 +88,8 @@ RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const Ma
   if (m.specular_color_texture.used()) s.specular_color *= Rgb(fetch(scene, m.specular_color_texture, uv, area));
   if (m.transmission_texture.used()) s.transmission *= fetch(scene, m.transmission_texture, uv, area).x;
   if (m.clearcoat_texture.used()) s.clearcoat *= fetch(scene, m.clearcoat_texture, uv, area).x;
-  if (m.clearcoat_roughness_texture.used()) s.clearcoat_roughness *= fetch(scene, m.clearcoat_roughness_texture, uv, area).y;
+  if (m.clearcoat_roughness_texture.used())
+    s.clearcoat_roughness *= fetch(scene, m.clearcoat_roughness_texture, uv, area).y;
   return s;
 }
 
@@ -114,7 +118,8 @@ RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt
     const Affine& m = instance.to_world;
     const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
     // Embree intersects in object space: its rounding moves the ray, so the bound counts the transform there and back.
-    g.error = 2.0f * max_component(gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * Vec3(g.error)));
+    g.error = 2.0f * max_component(gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) +
+                                   (1.0f + gamma_bound(3)) * (magnitude * Vec3(g.error)));
     g.previous_position = instance.previous_to_world.point(g.position);
     g.position = m.point(g.position);
     g.e1 = m.vector(g.e1);
@@ -125,12 +130,14 @@ RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt
 }
 
 /// Normal from the normal map, in world space.
-RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material, const Instance& instance,
-                                    const TriangleAt& t, const Geometry& g, const Uv& uv, float area, const Vec3& ns) {
+RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
+                                    const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                    float area, const Vec3& ns) {
   Vec3 tangent;
   float handedness = 1.0f;
   if (mesh.has_tangents) {
-    tangent = interpolate(unpack_direction(t.v[0]->tangent), unpack_direction(t.v[1]->tangent), unpack_direction(t.v[2]->tangent), t.weights);
+    tangent = interpolate(unpack_direction(t.v[0]->tangent), unpack_direction(t.v[1]->tangent),
+                          unpack_direction(t.v[2]->tangent), t.weights);
     if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
     handedness = t.v[0]->normal.handedness() * instance.orientation;
   } else {
@@ -149,8 +156,25 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
   tangent /= length;
   const Vec3 bitangent = glm::cross(ns, tangent) * handedness;
   const Vec4 texel = fetch(scene, material.normal_texture, uv, area);
-  const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) * Vec3(material.normal_scale, material.normal_scale, 1.0f);
+  const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) *
+                 Vec3(material.normal_scale, material.normal_scale, 1.0f);
   return glm::normalize(n.x * tangent + n.y * bitangent + relume::max(n.z, 1e-3f) * ns);
+}
+
+/// Interpolated and normal-mapped normal on the side of `front`, the unit geometric normal.
+RELUME_HD inline Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
+                                     const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                     float footprint_area, const Vec3& front) {
+  Vec3 ns = front;
+  if (mesh.has_normals) {
+    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
+    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
+    const float length = glm::length(ns);
+    ns = length > 0.0f ? ns / length : front;
+    if (glm::dot(ns, front) < 0.0f) ns = -ns;
+  }
+  return material.normal_texture.used() ? mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns)
+                                        : ns;
 }
 
 /// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
@@ -164,7 +188,8 @@ RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, con
 
 }  // namespace surface_detail
 
-RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width, SurfacePoint& sp) {
+RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
+                                         SurfacePoint& sp) {
   using namespace surface_detail;
   const Instance& instance = scene.instances[hit.instance];
   const MeshView& mesh = scene.meshes[instance.mesh];
@@ -194,23 +219,15 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   Uv uv;
   if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
 
-  Vec3 ns = front;
-  if (mesh.has_normals) {
-    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
-    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
-    const float length = glm::length(ns);
-    ns = length > 0.0f ? ns / length : front;
-    if (glm::dot(ns, front) < 0.0f) ns = -ns;
-  }
-  if (material.normal_texture.used()) ns = mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns);
+  const Vec3 ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front);
   sp.frame = make_frame(visible_shading_normal(ns * side, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 
   MaterialSample parameters = sample_material(scene, material, uv, footprint_area);
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;
-    parameters.base_color *=
-        Rgb(interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y], scene.colors[first + t.index.z], t.weights));
+    parameters.base_color *= Rgb(interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y],
+                                             scene.colors[first + t.index.z], t.weights));
   }
   sp.emission = Rgb(0);
   if (material.unlit) {
@@ -221,7 +238,12 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   }
   if (material.emissive() && (sp.front_face || material.double_sided)) {
     sp.emission = material.emission;
-    if (material.emission_texture.used()) sp.emission *= Rgb(fetch(scene, material.emission_texture, uv, footprint_area));
+    if (material.emission_texture.used()) {
+      // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
+      const TextureUse& use = material.emission_texture;
+      sp.emission *=
+          Rgb(scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0));
+    }
     if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
   }
   make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
@@ -240,7 +262,9 @@ RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index,
   }
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;
-    alpha *= interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y], scene.colors[first + t.index.z], t.weights).w;
+    alpha *= interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y],
+                         scene.colors[first + t.index.z], t.weights)
+                 .w;
   }
   if (material.mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
   return saturate(alpha);

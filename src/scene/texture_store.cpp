@@ -1,6 +1,8 @@
 #include "scene/texture_store.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include <tbb/parallel_for.h>
@@ -18,7 +20,8 @@ uint8_t srgb_code(float linear) {
   static const auto table = [] {
     std::array<uint8_t, 4096> t;
     // Square-root spacing keeps the dark end precise.
-    for (size_t i = 0; i < t.size(); ++i) t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
+    for (size_t i = 0; i < t.size(); ++i)
+      t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
     return t;
   }();
   return table[static_cast<size_t>(std::sqrt(saturate(linear)) * 4095.99f)];
@@ -33,8 +36,8 @@ uint32_t padded_texels(int width, int height) {
 
 void store(std::byte* level, PixelFormat format, int width, int x, int y, const Vec4& value) {
   const uint32_t blocks = static_cast<uint32_t>(width + 3) / 4;
-  const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
-                       static_cast<uint32_t>(x) % 4;
+  const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 +
+                       static_cast<uint32_t>(y) % 4 * 4 + static_cast<uint32_t>(x) % 4;
   if (format == PixelFormat::rgba32_float) {
     std::memcpy(level + index * 16, &value, 16);
     return;
@@ -51,35 +54,43 @@ void copy_base(const Texture& texture, std::byte* level) {
   const uint32_t blocks = static_cast<uint32_t>(texture.width + 3) / 4;
   for (int y = 0; y < texture.height; ++y) {
     for (int x = 0; x < texture.width; ++x) {
-      const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 + static_cast<uint32_t>(y) % 4 * 4 +
-                           static_cast<uint32_t>(x) % 4;
+      const size_t index = (static_cast<uint32_t>(y) / 4 * blocks + static_cast<uint32_t>(x) / 4) * 16 +
+                           static_cast<uint32_t>(y) % 4 * 4 + static_cast<uint32_t>(x) % 4;
       const size_t source = static_cast<size_t>(y) * static_cast<size_t>(texture.width) + static_cast<size_t>(x);
       std::memcpy(level + index * bytes, texture.texels.data() + source * bytes, bytes);
     }
   }
 }
 
-/// The half-open range of texels of the finer level that one texel of the coarser covers; odd sizes give the last one three.
-struct Range {
-  int first;
-  int last;
-};
-Range footprint(int i, int coarse, int fine) { return {i * fine / coarse, (i + 1) * fine / coarse}; }
+/// The texels of the finer level that one texel of the coarser covers, the outer ones in part if the size is odd.
+struct Footprint {
+  double start;
+  double end;
 
-/// Mean in linear space of the texels below, colours weighted by nothing but area.
+  Footprint(int i, int coarse, int fine) : start(double(i) * fine / coarse), end(double(i + 1) * fine / coarse) {}
+  int first() const { return static_cast<int>(start); }
+  int last() const { return static_cast<int>(std::ceil(end)); }
+  float weight(int texel) const {
+    return static_cast<float>((std::min(end, texel + 1.0) - std::max(start, double(texel))) / (end - start));
+  }
+};
+
+/// Mean in linear space of the texels below, weighted by nothing but area, so that every level has the same mean.
 void filter_level(const TextureView& view, int level, std::byte* texels) {
   const int w = view.level_width(level);
   const int h = view.level_height(level);
   std::byte* target = texels + static_cast<size_t>(view.level_offset[level]) * texel_size(view.format);
   for (int y = 0; y < h; ++y) {
-    const Range rows = footprint(y, h, view.level_height(level - 1));
+    const Footprint rows(y, h, view.level_height(level - 1));
     for (int x = 0; x < w; ++x) {
-      const Range columns = footprint(x, w, view.level_width(level - 1));
+      const Footprint columns(x, w, view.level_width(level - 1));
       Vec4 sum(0);
-      for (int j = rows.first; j < rows.last; ++j) {
-        for (int i = columns.first; i < columns.last; ++i) sum += view.texel(level - 1, i, j);
+      for (int j = rows.first(); j < rows.last(); ++j) {
+        for (int i = columns.first(); i < columns.last(); ++i) {
+          sum += view.texel(level - 1, i, j) * (rows.weight(j) * columns.weight(i));
+        }
       }
-      store(target, view.format, w, x, y, sum / static_cast<float>((rows.last - rows.first) * (columns.last - columns.first)));
+      store(target, view.format, w, x, y, sum);
     }
   }
 }
@@ -118,8 +129,10 @@ const float* srgb_to_linear_table() {
   return table.data();
 }
 
-TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter) : texels_(textures.size()), views_(textures.size()) {
-  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) { views_[i] = build(textures[i], texels_[i]);
+TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter)
+    : texels_(textures.size()), views_(textures.size()) {
+  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) {
+    views_[i] = build(textures[i], texels_[i]);
     if (filter == TextureFilter::linear) return;
     views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
     views_[i].level_count = 1;

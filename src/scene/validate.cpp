@@ -35,17 +35,20 @@ class Validator {
     const size_t texel_size = t.format == PixelFormat::rgba32_float ? 16 : 4;
     if (t.width <= 0 || t.height <= 0) fail("texture {} '{}' has no pixels", i, t.name);
     if (t.texels.size() != static_cast<size_t>(t.width) * static_cast<size_t>(t.height) * texel_size)
-      fail("texture {} '{}' has {} bytes, which does not match its size {}x{}", i, t.name, t.texels.size(), t.width, t.height);
+      fail("texture {} '{}' has {} bytes, which does not match its size {}x{}", i, t.name, t.texels.size(), t.width,
+           t.height);
   }
 
   void check_material(size_t i) const {
     const Material& m = scene_.materials[i];
     const size_t count = scene_.textures.size();
-    for (const TextureRef* ref :
-         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture, &m.specular_texture,
-          &m.specular_color_texture, &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture}) {
-      if (!in_range_or_none(ref->texture, count)) fail("material {} '{}' refers to missing texture {}", i, m.name, ref->texture);
-      if (ref->uv_set < 0 || ref->uv_set > 1) fail("material {} '{}' uses texture coordinate set {}; only 0 and 1 exist", i, m.name, ref->uv_set);
+    for (const TextureRef* ref : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                                  &m.emission_texture, &m.specular_texture, &m.specular_color_texture,
+                                  &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture}) {
+      if (!in_range_or_none(ref->texture, count))
+        fail("material {} '{}' refers to missing texture {}", i, m.name, ref->texture);
+      if (ref->uv_set < 0 || ref->uv_set > 1)
+        fail("material {} '{}' uses texture coordinate set {}; only 0 and 1 exist", i, m.name, ref->uv_set);
     }
     if (!is_finite(m.base_color) || !is_finite(m.emission) || !is_finite(m.specular_color) || !is_finite(m.roughness) ||
         !is_finite(m.metallic) || !is_finite(m.ior) || !is_finite(m.transmission))
@@ -56,11 +59,14 @@ class Validator {
     const Mesh& m = scene_.meshes[i];
     const size_t count = m.positions.size();
     const auto agrees = [&](size_t n) { return n == 0 || n == count; };
-    if (!agrees(m.normals.size()) || !agrees(m.tangents.size()) || !agrees(m.uv0.size()) || !agrees(m.uv1.size()) || !agrees(m.colors.size()))
+    if (!agrees(m.normals.size()) || !agrees(m.tangents.size()) || !agrees(m.uv0.size()) || !agrees(m.uv1.size()) ||
+        !agrees(m.colors.size()))
       fail("mesh {} '{}' has attribute arrays of different lengths", i, m.name);
-    if (!in_range_or_none(m.material, scene_.materials.size())) fail("mesh {} '{}' refers to missing material {}", i, m.name, m.material);
+    if (!in_range_or_none(m.material, scene_.materials.size()))
+      fail("mesh {} '{}' refers to missing material {}", i, m.name, m.material);
     for (const UVec3& t : m.triangles) {
-      if (t.x >= count || t.y >= count || t.z >= count) fail("mesh {} '{}' has a vertex index out of range ({} vertices)", i, m.name, count);
+      if (t.x >= count || t.y >= count || t.z >= count)
+        fail("mesh {} '{}' has a vertex index out of range ({} vertices)", i, m.name, count);
     }
     for (const Vec3& p : m.positions) {
       if (!is_finite(p)) fail("mesh {} '{}' has a vertex that is not finite", i, m.name);
@@ -69,21 +75,26 @@ class Validator {
 
   void check_node(size_t i) const {
     const Node& n = scene_.nodes[i];
-    if (!in_range_or_none(n.parent, scene_.nodes.size())) fail("node {} '{}' has a missing parent {}", i, n.name, n.parent);
+    if (!in_range_or_none(n.parent, scene_.nodes.size()))
+      fail("node {} '{}' has a missing parent {}", i, n.name, n.parent);
     for (const Index mesh : n.meshes) {
       if (!in_range(mesh, scene_.meshes.size())) fail("node {} '{}' refers to missing mesh {}", i, n.name, mesh);
     }
-    if (!in_range_or_none(n.light, scene_.lights.size())) fail("node {} '{}' refers to missing light {}", i, n.name, n.light);
-    if (!in_range_or_none(n.camera, scene_.cameras.size())) fail("node {} '{}' refers to missing camera {}", i, n.name, n.camera);
+    if (!in_range_or_none(n.light, scene_.lights.size()))
+      fail("node {} '{}' refers to missing light {}", i, n.name, n.light);
+    if (!in_range_or_none(n.camera, scene_.cameras.size()))
+      fail("node {} '{}' refers to missing camera {}", i, n.name, n.camera);
   }
 
   void check_channel(size_t i) const {
     const AnimationChannel& c = scene_.animation[i];
     if (!in_range(c.node, scene_.nodes.size())) fail("animation channel {} moves missing node {}", i, c.node);
     const size_t per_key = c.interpolation == Interpolation::cubic_spline ? 3 : 1;
-    if (c.times.empty() || c.values.size() != per_key * c.times.size()) fail("animation channel {} has {} times but {} values", i, c.times.size(), c.values.size());
+    if (c.times.empty() || c.values.size() != per_key * c.times.size())
+      fail("animation channel {} has {} times but {} values", i, c.times.size(), c.values.size());
     for (size_t k = 0; k < c.times.size(); ++k) {
-      if (!is_finite(c.times[k]) || (k > 0 && c.times[k] <= c.times[k - 1])) fail("animation channel {} has times that do not increase", i);
+      if (!is_finite(c.times[k]) || (k > 0 && c.times[k] <= c.times[k - 1]))
+        fail("animation channel {} has times that do not increase", i);
     }
   }
 
@@ -92,7 +103,8 @@ class Validator {
     std::vector<char> safe(scene_.nodes.size(), 0);
     for (size_t i = 0; i < scene_.nodes.size(); ++i) {
       std::vector<size_t> walked;
-      for (Index n = static_cast<Index>(i); n != kNone && !safe[static_cast<size_t>(n)]; n = scene_.nodes[static_cast<size_t>(n)].parent) {
+      for (Index n = static_cast<Index>(i); n != kNone && !safe[static_cast<size_t>(n)];
+           n = scene_.nodes[static_cast<size_t>(n)].parent) {
         walked.push_back(static_cast<size_t>(n));
         if (walked.size() > scene_.nodes.size()) fail("node {} '{}' is its own ancestor", i, scene_.nodes[i].name);
       }

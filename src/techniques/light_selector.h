@@ -1,5 +1,5 @@
-// The slot "light selection": which light next event estimation samples. A closed list and one switch; a new strategy adds a
-// member, a kind and a case.
+// The slot "light selection": which light next event estimation samples. A closed list and one switch; a new strategy
+// adds a member, a kind and a case.
 #pragma once
 
 #include "scene/surface_point.h"

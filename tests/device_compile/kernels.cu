@@ -8,6 +8,10 @@
 #include "core/ray.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "film/tone_map.h"
+#include "techniques/accumulate/accumulate.h"
+#include "techniques/path/path.h"
+#include "techniques/primary_hits/primary_hits.h"
 
 namespace relume {
 namespace {
@@ -33,7 +37,7 @@ struct CoreKernel {
     const Frame frame = make_frame(n);
     const Vec3 w = frame.to_world(frame.to_local(transform_vector(matrices[0], n)));
     const Vec3 p = transform_point(matrices[0], {static_cast<float>(x), static_cast<float>(y), to_unit_float(i)});
-    const Ray ray{offset_origin(p, abs(p) * gamma_bound(3), n, w), w, kInfinity};
+    const Ray ray{offset_origin(p, max_component(abs(p)) * gamma_bound(3), n, w), w, kInfinity};
     const Rgb value = exp(-ray.origin) * lerp(0.0f, safe_sqrt(max_component(w)), saturate(min_component(w)));
     if (is_finite(value) && !is_black(value)) sums[i].add(value * luminance(sums[i].value()));
     atomic_add(&counts[i], float_bits(length_squared(w)) ^ (Hit{}.valid() ? 1u : 0u));
@@ -42,6 +46,10 @@ struct CoreKernel {
 };
 
 template __global__ void run(CoreKernel, uint32_t, uint32_t);
+template __global__ void run(PrimaryHitsKernel, uint32_t, uint32_t);
+template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
+template __global__ void run(PathKernel, uint32_t, uint32_t);
+template __global__ void run(AccumulateKernel, uint32_t, uint32_t);
 
 }  // namespace
 }  // namespace relume

@@ -11,23 +11,24 @@ import house
 # Folder -> the folders it may include, besides itself. No cycles.
 MAY_INCLUDE = {
     "core": "",
+    "testing": "core",  # used by tests only
     "settings": "core",
     "sampling": "core",
     "materials": "core sampling",
     "lights": "core sampling materials",
-    "scene": "core sampling materials lights",
+    "scene": "core sampling materials lights accel",
     "backend": "core",
-    "accel": "core materials scene",  # materials: alpha masks decide what a ray meets
-    "io": "core settings scene",
+    "accel": "core",
+    "io": "core settings materials scene",
     "film": "core settings backend io",
-    "metrics": "core io",
+    "metrics": "core film io",
     "techniques": "core settings sampling materials lights scene backend accel film",
     "render": "core settings sampling materials lights scene backend accel io film techniques",
     "experiments": "core settings sampling materials lights scene backend accel io film metrics techniques render",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
-TECHNIQUE_MAY_INCLUDE = {}
+TECHNIQUE_MAY_INCLUDE = {"path": "primary_hits"}
 
 # Start of an include -> the folders that may use that library.
 LIBRARY_USERS = {

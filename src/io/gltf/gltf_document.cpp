@@ -149,6 +149,7 @@ void read_document(ByteSpan file, const std::filesystem::path& base_dir, Documen
   PreparedJson prepared = prepare_json(chunks.json, document.place);
   parse_model(document, prepared.text);
   document.images = std::move(prepared.images);
+  document.scene_extras = std::move(prepared.scene_extras);
   document.no_buffer_view = prepared.no_buffer_view;
   document.storage.reserve(prepared.buffers.size() + document.model.bufferViews.size());
   for (size_t i = 0; i < prepared.buffers.size(); ++i)

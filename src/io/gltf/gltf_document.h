@@ -33,6 +33,7 @@ struct Document {
   std::vector<ByteSpan> buffers;  ///< empty: a fallback buffer
   std::vector<ByteSpan> views;    ///< by buffer view, decompressed; in range
   std::vector<ImageEntry> images;
+  std::string scene_extras;    ///< see PreparedJson
   int no_buffer_view = 0;      ///< an accessor with this buffer view has none
   std::vector<Bytes> storage;  ///< what spans point into, besides the file itself
 };

@@ -101,6 +101,19 @@ std::vector<ImageEntry> take_images(json& root) {
   return images;
 }
 
+/// extras.relume of the default scene, or the first.
+std::string scene_extras(const json& root) {
+  const auto scenes = root.find("scenes");
+  if (scenes == root.end() || !scenes->is_array()) return {};
+  const auto chosen = root.find("scene");
+  const size_t index = chosen != root.end() && chosen->is_number_unsigned() ? chosen->get<size_t>() : 0;
+  if (index >= scenes->size() || !(*scenes)[index].is_object()) return {};
+  const json& scene = (*scenes)[index];
+  const auto extras = scene.find("extras");
+  if (extras == scene.end() || !extras->is_object() || !extras->contains("relume")) return {};
+  return extras->at("relume").dump();
+}
+
 /// tinygltf refuses index accessors without a buffer view, which Draco and sparse accessors have: they get an
 /// additional one.
 int add_placeholder_view(json& root) {
@@ -130,6 +143,7 @@ PreparedJson prepare_json(std::string_view json_text, const std::string& place) 
   PreparedJson prepared;
   prepared.buffers = take_buffers(root, place);
   prepared.images = take_images(root);
+  prepared.scene_extras = scene_extras(root);
   prepared.no_buffer_view = add_placeholder_view(root);
   root.erase("extras");
   prepared.text = root.dump();

@@ -28,7 +28,8 @@ struct PreparedJson {
   std::string text;  ///< for tinygltf
   std::vector<BufferEntry> buffers;
   std::vector<ImageEntry> images;
-  int no_buffer_view = 0;  ///< index that stands for "no buffer view" in the accessors of `text`
+  std::string scene_extras;  ///< extras.relume of the scene that is shown, as JSON; empty: none
+  int no_buffer_view = 0;    ///< index that stands for "no buffer view" in the accessors of `text`
 };
 
 /// Throws Error with `place` if `json_text` is not JSON, not glTF 2, not built as glTF says, or requires an extension

@@ -1,5 +1,6 @@
 #include "io/gltf/gltf_loader.h"
 
+#include "io/gltf/gltf_extras.h"
 #include "io/gltf/gltf_nodes.h"
 #include "io/scene_io.h"
 
@@ -16,6 +17,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);
   gltf::import_animation(document, node_of, scene);
   materials.finish();
+  gltf::apply_scene_extras(document, scene);
   scene.warnings = document.warnings.take();
   validate(scene, place);
   return scene;

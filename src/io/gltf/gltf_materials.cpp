@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/gltf/gltf_extras.h"
 #include "io/gltf/gltf_value.h"
 
 namespace relume::gltf {
@@ -88,6 +89,7 @@ void MaterialImporter::convert_surface_extensions(const tinygltf::Material& sour
     if (object_member(*e, "clearcoatNormalTexture"))
       document_.warnings.add("normal textures of clearcoats are ignored");
   }
+  apply_material_extras(source.extras, m);
   m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/gltf/gltf_extras.h"
 #include "io/gltf/gltf_value.h"
 
 namespace relume::gltf {
@@ -12,6 +13,7 @@ namespace {
 Camera convert_camera(Document& document, const tinygltf::Camera& source, int index) {
   Camera camera;
   camera.name = source.name.empty() ? fmt::format("camera {}", index) : source.name;
+  apply_camera_extras(source.extras, camera);
   if (source.type == "orthographic") {
     camera.projection = Projection::orthographic;
     const float ymag = std::fabs(to_float(source.orthographic.ymag));
@@ -35,6 +37,7 @@ PunctualLight convert_light(Document& document, const tinygltf::Light& source, i
   light.name = source.name.empty() ? fmt::format("light {}", index) : source.name;
   light.intensity = glm::clamp(to_vec3(source.color, Vec3(1)) * to_float(source.intensity), Vec3(0), Vec3(1e30f));
   if (source.type == "directional") light.type = PunctualType::directional;
+  apply_light_extras(source.extras, light);
   if (source.type == "spot") {
     light.type = PunctualType::spot;
     light.outer_cone_rad = clamp(to_float(source.spot.outerConeAngle), 1e-3f, kPi / 2);

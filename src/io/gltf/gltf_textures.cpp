@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "io/gltf/gltf_extras.h"
 #include "io/texture_decode.h"
 
 namespace relume::gltf {
@@ -51,7 +52,7 @@ Index TextureImporter::request(int texture, TextureUse use) {
     if (sampler >= 0 && static_cast<size_t>(sampler) < document_.model.samplers.size())
       apply_sampler(document_.model.samplers[static_cast<size_t>(sampler)], result);
     scene_.textures.push_back(std::move(result));
-    requests_.push_back({image, use});
+    requests_.push_back({image, use, texture_image(textures[static_cast<size_t>(texture)].extras)});
   }
   return entry->second;
 }
@@ -66,7 +67,10 @@ std::string TextureImporter::decode(const Request& request, Texture& texture) co
   try {
     Bytes storage;
     ByteSpan bytes;
-    if (is_data_uri(image.uri)) {
+    if (!request.float_image.empty()) {
+      storage = read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place));
+      bytes = storage;
+    } else if (is_data_uri(image.uri)) {
       auto decoded = decode_data_uri(image.uri);
       if (!decoded) return fmt::format("the data URI of image {} is malformed", request.image);
       storage = std::move(*decoded);

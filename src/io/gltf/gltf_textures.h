@@ -29,6 +29,7 @@ class TextureImporter {
   struct Request {
     int image = -1;
     TextureUse use = TextureUse::color;
+    std::string float_image;  ///< URI of what replaces the image; empty: nothing
   };
 
   std::string decode(const Request& request, Texture& texture) const;

@@ -12,9 +12,7 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const Vec3& wi) {
   return {lobe.color * kInvPi, cosine_hemisphere_pdf(wi.z)};
 }
 
-RELUME_HD inline LobeSample sample(const Vec2& u) {
-  return {cosine_hemisphere_from_square(u), Rgb(0), true};
-}
+RELUME_HD inline LobeSample sample(const Vec2& u) { return {cosine_hemisphere_from_square(u), Rgb(0), true}; }
 
 }  // namespace relume::lambert
 

@@ -9,15 +9,15 @@
 namespace relume {
 
 enum class LobeKind : uint8_t {
-  lambert,            ///< diffuse reflection
-  covered_lambert,    ///< diffuse reflection below a dielectric interface
-  reflection,         ///< single scattering off microfacets
+  lambert,              ///< diffuse reflection
+  covered_lambert,      ///< diffuse reflection below a dielectric interface
+  reflection,           ///< single scattering off microfacets
   multiple_reflection,  ///< what bounces between microfacets
-  mirror,             ///< delta reflection
-  dielectric,         ///< rough interface: reflection and refraction
-  smooth_dielectric,  ///< delta reflection and refraction
-  thin_transmission,  ///< through a rough thin wall, not refracted
-  pass_through,       ///< delta, straight on
+  mirror,               ///< delta reflection
+  dielectric,           ///< rough interface: reflection and refraction
+  smooth_dielectric,    ///< delta reflection and refraction
+  thin_transmission,    ///< through a rough thin wall, not refracted
+  pass_through,         ///< delta, straight on
 };
 inline constexpr int kLobeKindCount = 9;
 
@@ -28,9 +28,9 @@ enum class TransportMode : uint8_t { radiance, importance };
 struct Lobe {
   LobeKind kind;
   Microfacet microfacet;
-  float eta;          ///< dielectric: index beyond over index on wo's side
-  Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0;             ///< Schlick's Fresnel; covered_lambert: of the cover
+  float eta;  ///< dielectric: index beyond over index on wo's side
+  Rgb color;  ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
+  Rgb f0;     ///< Schlick's Fresnel; covered_lambert: of the cover
   Rgb f90;
   float weight;       ///< share of the mixture that this lobe stands for
   float probability;  ///< with which sampling chooses this lobe
@@ -44,7 +44,7 @@ struct LobeEval {
 
 struct LobeSample {
   Vec3 wi{0};
-  Rgb weight{0};          ///< delta lobes: f·cos / pdf
+  Rgb weight{0};  ///< delta lobes: f·cos / pdf
   bool valid = false;
 };
 

@@ -1,5 +1,5 @@
-// Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97], ch. 9
-// and 10). The steps are functions of their own; the kernel at the end strings them together.
+// Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97],
+// ch. 9 and 10). The steps are functions of their own; the kernel at the end strings them together.
 #pragma once
 
 #include "sampling/mis.h"
@@ -14,11 +14,13 @@ struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
-  float pdf_w = 0;          ///< with which the ray's direction was sampled
-  bool delta = true;        ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
-  float cone_width = 0;     ///< metres, at the ray's origin
-  float cone_spread = 0;    ///< growth a metre
-  uint32_t bounce = 0;      ///< scattering events so far
+  float compression = 1;  ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
+  float first_throughput = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
+  float pdf_w = 0;             ///< with which the ray's direction was sampled
+  bool delta = true;      ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
+  float cone_width = 0;   ///< metres, at the ray's origin
+  float cone_spread = 0;  ///< growth a metre
+  uint32_t bounce = 0;    ///< scattering events so far
   uint32_t rays = 0;
 };
 
@@ -43,11 +45,13 @@ struct PathContext {
 inline constexpr float kShadowMargin = 1e-4f;
 
 /// Emission at the hit surface, weighted against next event estimation from the previous vertex.
-RELUME_HD inline void add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp, PathState& path) {
+RELUME_HD inline void add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
+                                           PathState& path) {
   if (is_black(sp.emission)) return;
   float weight = 1.0f;
   if (!path.delta && sp.light != kNoLight) {
-    const float pdf_light = c.selector.pmf(previous, sp.light) * pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
+    const float pdf_light = c.selector.pmf(previous, sp.light) *
+                            pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
     weight = power_heuristic(path.pdf_w, pdf_light);
   }
   path.radiance += path.throughput * sp.emission * weight;
@@ -59,7 +63,8 @@ RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoi
   const Vec3& wi = path.ray.direction;
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Light& light = lights.lights[id];
-    const Rgb radiance = light.kind == LightKind::directional ? radiance_from(light.directional, wi) : lights.environment.radiance(wi);
+    const Rgb radiance =
+        light.kind == LightKind::directional ? radiance_from(light.directional, wi) : lights.environment.radiance(wi);
     if (is_black(radiance)) continue;
     float weight = 1.0f;
     if (!path.delta) {
@@ -71,7 +76,8 @@ RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoi
 }
 
 /// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
-RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler) {
+RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                              Sampler& sampler) {
   Vec2 u = sampler.next_2d();
   const LightSelection selection = c.selector.sample(sp, u.x);
   if (!(selection.pmf > 0.0f)) return {};
@@ -85,7 +91,8 @@ RELUME_HD inline Connection sample_connection(const PathContext& c, const Surfac
   Connection connection;
   connection.ray = sp.spawn_ray(light.wi);
   connection.ray.t_max = light.distance * (1.0f - kShadowMargin);
-  connection.contribution = path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
+  connection.contribution =
+      path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
   connection.ray_id = sampler.ray_id();
   return connection;
 }
@@ -96,18 +103,23 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
   if (material.volume && !sp.front_face) path.throughput *= exp(-material.absorption * distance);
 }
 
-/// Roulette begins where throughput falls below the inverse of this, and keeps it there. Larger: less noise, more rays; twice as
-/// large costs a fifth more time on the Cornell box and takes a quarter off the variance.
-inline constexpr float kRouletteThreshold = 1.6f;
+/// Roulette begins where throughput, relative to that of the first bounce, falls below the inverse of this, and keeps
+/// it there. Relative, because a pixel's noise is seen against the albedo of what it shows. Larger: less noise, more
+/// rays.
+inline constexpr float kRouletteThreshold = 1.1f;
 
 /// Next direction; false if the path ends here.
 RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
   const BsdfSample s = c.directions.sample(sp, sampler);
   if (!s.valid) return false;
   path.throughput *= s.weight;
+  path.compression *= s.compression;
   if (is_black(path.throughput)) return false;
-  if (c.russian_roulette) {
-    const float survival = kRouletteThreshold * max_component(path.throughput);
+  if (path.bounce == 0) {
+    path.first_throughput = max_component(path.throughput) / path.compression;
+  } else if (c.russian_roulette) {
+    const float survival =
+        kRouletteThreshold * max_component(path.throughput) / (path.compression * path.first_throughput);
     if (survival < 1.0f) {
       if (sampler.next_1d() >= survival) return false;
       path.throughput /= survival;
@@ -167,19 +179,16 @@ struct PathKernel {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
-  View<Rgb> radiance;       ///< of this sample
-  View<uint32_t> rays;      ///< added to
-  View<uint32_t> nonfinite; ///< added to: samples that were not finite and count as black
+  View<Rgb> radiance;   ///< of this sample; may be not finite
+  View<uint32_t> rays;  ///< of this sample
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     Sampler sampler = index.sampler(x, y);
     const PathState path = trace_path(context, x, y, sampler, hits[pixel]);
-    const bool finite = is_finite(path.radiance);
-    radiance[pixel] = finite ? path.radiance : Rgb(0);
-    rays[pixel] += path.rays;
-    if (!finite) ++nonfinite[pixel];
+    radiance[pixel] = path.radiance;
+    rays[pixel] = path.rays;
   }
 };
 

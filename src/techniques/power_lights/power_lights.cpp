@@ -14,7 +14,8 @@ std::vector<AliasEntry> build_power_lights(const LightsView& lights) {
     (i < lights.first_infinite ? finite : infinite) += weights[i];
   }
   if (finite > 0 && infinite > 0) {
-    for (LightId i = 0; i < count; ++i) weights[i] = static_cast<float>(weights[i] / (i < lights.first_infinite ? finite : infinite));
+    for (LightId i = 0; i < count; ++i)
+      weights[i] = static_cast<float>(weights[i] / (i < lights.first_infinite ? finite : infinite));
   }
   return build_alias_table(weights);
 }

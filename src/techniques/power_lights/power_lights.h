@@ -19,8 +19,8 @@ struct PowerLights {
   RELUME_HD float pmf(LightId light) const { return table.empty() ? 0.0f : table.pmf(light); }
 };
 
-/// Entries for PowerLights. What lights at infinity send through the scene grows with its cross-section and says little of what
-/// arrives at a point, so as a group they get half of the samples whenever there are finite lights too.
+/// Entries for PowerLights. What lights at infinity send through the scene grows with its cross-section and says little
+/// of what arrives at a point, so as a group they get half of the samples whenever there are finite lights too.
 std::vector<AliasEntry> build_power_lights(const LightsView& lights);
 
 }  // namespace relume

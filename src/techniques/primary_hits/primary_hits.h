@@ -11,7 +11,7 @@ namespace relume {
 struct SampleIndex {
   uint32_t seed = 0;
   uint32_t frame = 0;
-  uint32_t sample = 0;   ///< index within the sequence, or within the frame
+  uint32_t sample = 0;       ///< index within the sequence, or within the frame
   bool independent = false;  ///< a scramble of its own each frame
 
   RELUME_HD Sampler sampler(uint32_t x, uint32_t y) const {
@@ -74,15 +74,16 @@ struct PrimaryHitsKernel {
   }
 };
 
-/// Adds what the primary hit looks like to sums that are divided by the number of samples when shown. Views may be empty.
+/// Adds what the primary hit looks like to sums that are divided by the number of samples when shown. Views may be
+/// empty.
 struct AuxiliaryKernel {
   SceneView scene;
   SampleIndex index;
   View<const Hit> hits;
-  View<Rgb> albedo;     ///< directional albedo; the emission of emitters, clamped to 1; sky: 0
-  View<Rgb> normal;     ///< shading normal, world space
-  View<float> depth;    ///< distance from the camera, metres
-  View<Vec2> motion;    ///< pixels from the previous frame's position to this one's
+  View<Rgb> albedo;   ///< directional albedo; the emission of emitters, clamped to 1; sky: 0
+  View<Rgb> normal;   ///< shading normal, world space
+  View<float> depth;  ///< distance from the camera, metres
+  View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -93,7 +94,8 @@ struct AuxiliaryKernel {
     const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
-    if (!albedo.empty()) albedo[pixel] += glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
+    if (!albedo.empty())
+      albedo[pixel] += glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
     if (!normal.empty()) normal[pixel] += sp.frame.n;
     if (!depth.empty()) depth[pixel] += hit.t;
     if (!motion.empty()) motion[pixel] += motion_of(sp);
@@ -104,7 +106,8 @@ struct AuxiliaryKernel {
     Vec2 now;
     Vec2 before;
     const auto ray_to = [](const CameraView& camera, const Vec3& p) {
-      const Vec3 along = camera.projection == Projection::orthographic ? -camera.axes.n : glm::normalize(p - camera.position);
+      const Vec3 along =
+          camera.projection == Projection::orthographic ? -camera.axes.n : glm::normalize(p - camera.position);
       const Vec3 origin = camera.projection == Projection::orthographic ? p : camera.position;
       return Ray{origin, along, kInfinity};
     };

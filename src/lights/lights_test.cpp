@@ -1,0 +1,295 @@
+// The contract of every light: what it sends to a point and what it emits follow their densities, and its power is what
+// it emits.
+#include "lights/light.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "scene/testing/light_scene.h"
+#include "testing/histogram.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+using testing::DirectionChart;
+using testing::Histogram;
+using testing::LightScene;
+using testing::NamedLight;
+using testing::Random;
+
+/// All kinds of lights with both kinds of environment.
+const std::vector<LightScene>& light_scenes() {
+  static const std::vector<LightScene> scenes = [] {
+    std::vector<LightScene> list;
+    list.push_back(testing::make_light_scene(testing::noise_environment(24, 12)));
+    list.push_back(testing::make_light_scene(testing::constant_environment()));
+    return list;
+  }();
+  return scenes;
+}
+
+template <typename Check>
+void for_each_light(const Check& check) {
+  for (const LightScene& scene : light_scenes()) {
+    for (const NamedLight& light : scene.named) check(scene.lights(), light.id, light.name);
+  }
+}
+
+/// Where a ray meets a triangle's plane, if inside.
+bool meet(const TriangleLight& t, const Vec3& p, const Vec3& w, EmitterPoint* point) {
+  const glm::dvec3 e1(t.e1);
+  const glm::dvec3 e2(t.e2);
+  const glm::dvec3 h = glm::cross(glm::dvec3(w), e2);
+  const double determinant = glm::dot(e1, h);
+  if (determinant == 0.0) return false;
+  const glm::dvec3 s = glm::dvec3(p) - glm::dvec3(t.v0);
+  const glm::dvec3 q = glm::cross(s, e1);
+  const double u = glm::dot(s, h) / determinant;
+  const double v = glm::dot(glm::dvec3(w), q) / determinant;
+  const double distance = glm::dot(e2, q) / determinant;
+  point->barycentric = Vec2(static_cast<float>(u), static_cast<float>(v));
+  point->position = t.position(point->barycentric);
+  return u >= 0 && v >= 0 && u + v <= 1 && distance > 0;
+}
+
+/// pdf_li as a function of direction alone.
+double density_towards(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi) {
+  EmitterPoint on_light;
+  const Light& light = view.lights[id];
+  if (light.kind == LightKind::triangle && !meet(light.triangle, p, wi, &on_light)) return 0.0;
+  return pdf_li(view, id, p, wi, on_light);
+}
+
+DirectionChart chart_towards(const Light& light, const Vec3& p) {
+  if (light.kind == LightKind::triangle) {
+    const Vec3 d = light.triangle.position(Vec2(1.0f / 3.0f)) - p;
+    return {make_frame(glm::normalize(d)), 0.5 * std::sqrt(light.triangle.area) / glm::length(d)};
+  }
+  if (light.kind == LightKind::directional) return {make_frame(light.directional.to_light), 0.0023};
+  return {make_frame(glm::normalize(Vec3(0.2f, 0.9f, 0.3f))), 1.0};
+}
+
+TEST(Lights, ScenesHoldEveryKind) {
+  std::set<LightKind> kinds;
+  for_each_light([&](const LightsView& view, LightId id, const std::string&) { kinds.insert(view.lights[id].kind); });
+  EXPECT_EQ(kinds.size(), size_t{kLightKindCount});
+  for (const LightScene& scene : light_scenes()) {
+    ASSERT_EQ(scene.named.size(), 9u);
+    EXPECT_TRUE(scene.lights().lights[1].triangle.two_sided);
+    EXPECT_GE(scene.lights().lights[2].triangle.textured, 0);
+    EXPECT_GE(scene.lights().lights[3].triangle.textured, 0);
+    EXPECT_EQ(scene.lights().first_infinite, 6u);
+  }
+}
+
+TEST(Lights, DirectionsFollowTheirDensity) {
+  constexpr int kSamples = 40000;
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    for (const Vec3 p : {Vec3(0.1f, 0.2f, 0.3f), Vec3(-0.9f, 0.8f, 0.1f), Vec3(0.3f, 3.5f, -0.4f)}) {
+      const DirectionChart chart = chart_towards(view.lights[id], p);
+      Histogram histogram(14);
+      Random random(61);
+      bool any = false;
+      for (int i = 0; i < kSamples; ++i) {
+        const LightSample s = sample_li(view, id, p, random.next_2d());
+        any = any || (s.pdf_w > 0.0f && !s.delta);
+        if (s.delta) return;  // no density to follow
+        const Vec2 c = chart.coordinates(s.wi);
+        if (s.pdf_w > 0.0f) {
+          histogram.add(c.x, c.y);
+        } else {
+          histogram.add_outside();
+        }
+      }
+      const bool behind =
+          p.y > 2.5f && name.find("triangle") != std::string::npos && name.find("two-sided") == std::string::npos;
+      EXPECT_EQ(any, !behind) << name;
+      if (behind) continue;
+      const auto pdf = [&](const Vec3& wi) { return density_towards(view, id, p, wi); };
+      EXPECT_GT(histogram.test(chart.density(pdf), 7, 3).p_value, testing::significance())
+          << name << " from " << p.x << ' ' << p.y;
+    }
+  });
+}
+
+TEST(Lights, SamplesAgreeWithTheirDensity) {
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    Random random(62);
+    int mismatches = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p = random.point(1.0f);
+      const LightSample s = sample_li(view, id, p, random.next_2d());
+      if (!(s.pdf_w > 0.0f)) continue;
+      ASSERT_NEAR(glm::length(s.wi), 1.0f, 1e-5f) << name;
+      ASSERT_TRUE(is_finite(s.radiance)) << name;
+      const float pdf = pdf_li(view, id, p, s.wi, {s.position, s.barycentric});
+      if (s.delta) {
+        ASSERT_EQ(pdf, 0.0f) << name;
+        continue;
+      }
+      // Where densities jump (texels, rims), a rounding may fall on the other side.
+      if (std::fabs(pdf - s.pdf_w) > 1e-3f * s.pdf_w) ++mismatches;
+      if (std::isfinite(s.distance)) {
+        ASSERT_LT(glm::length(p + s.wi * s.distance - s.position), 1e-5f) << name;
+      }
+    }
+    EXPECT_LE(mismatches, 4) << name;
+  });
+}
+
+/// Irradiance on a plane through p that faces up, by sampling the light, against brute force over directions.
+TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
+  const LightsView& view = light_scenes()[0].lights();
+  const Vec3 p(0.1f, 0.2f, 0.3f);
+  for (const NamedLight& light : light_scenes()[0].named) {
+    const LightId id = light.id;
+    const DirectionChart chart = chart_towards(view.lights[id], p);
+    Random random(63);
+    double sum = 0;
+    double squares = 0;
+    constexpr int kSamples = 200000;
+    bool delta = false;
+    for (int i = 0; i < kSamples; ++i) {
+      const LightSample s = sample_li(view, id, p, random.next_2d());
+      delta = delta || s.delta;
+      const double value = s.valid() ? luminance(s.radiance) * std::fmax(0.0f, s.wi.y) / s.pdf_w : 0.0;
+      sum += value / kSamples;
+      squares += value * value / kSamples;
+    }
+    if (delta) continue;
+    const auto radiance = [&](const Vec3& wi) {
+      if (wi.y <= 0.0f) return 0.0;
+      const Light& l = view.lights[id];
+      EmitterPoint point;
+      if (l.kind == LightKind::triangle)
+        return meet(l.triangle, p, wi, &point)
+                   ? double(luminance(emitted_radiance(l.triangle, view.textured, point.barycentric)) * wi.y)
+                   : 0.0;
+      return double(luminance(l.kind == LightKind::directional ? radiance_from(l.directional, wi)
+                                                               : view.environment.radiance(wi)) *
+                    wi.y);
+    };
+    const double exact = testing::integrate_square(chart.density(radiance), 32, 1e-3 * sum, 6);
+    EXPECT_NEAR(sum, exact, 2e-3 * exact + 5 * std::sqrt(squares / kSamples)) << light.name;
+  }
+}
+
+TEST(Lights, DeltaLightsFollowTheInverseSquare) {
+  const LightsView& view = light_scenes()[0].lights();
+  const PointLight& point = view.lights[4].point;
+  for (const float d : {0.5f, 1.0f, 3.0f}) {
+    const LightSample s = sample_li(view, 4, point.position - Vec3(0, d, 0), Vec2(0.5f));
+    EXPECT_NEAR(s.radiance.r, 5.0f / (d * d), 1e-4f);
+    EXPECT_FLOAT_EQ(s.wi.y, 1.0f);
+  }
+  const SpotLight& spot = view.lights[5].spot;
+  const LightSample on_axis = sample_li(view, 5, spot.position + 2.0f * spot.axis, Vec2(0.5f));
+  EXPECT_NEAR(on_axis.radiance.r, 5.0f / 4.0f, 1e-4f);
+  const LightSample outside = sample_li(view, 5, spot.position - spot.axis, Vec2(0.5f));
+  EXPECT_TRUE(is_black(outside.radiance));
+  EXPECT_FALSE(sample_li(view, 4, point.position, Vec2(0.5f)).valid());  // at the light itself
+}
+
+/// Radiance, intensity or irradiance over both densities: what one emitted ray carries.
+Rgb emitted(const EmissionSample& s) { return s.valid() ? s.le * (s.cos_theta / (s.pdf_a * s.pdf_w)) : Rgb(0); }
+
+TEST(Lights, PowerIsWhatIsEmitted) {
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    Random random(64);
+    constexpr int kSamples = 100000;
+    double sum = 0;
+    double squares = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const Vec2 u = random.next_2d();
+      const double value = luminance(emitted(sample_le(view, id, u, random.next_2d())));
+      sum += value / kSamples;
+      squares += value * value / kSamples;
+    }
+    const double exact = luminance(power(view, id));
+    const double error = std::sqrt(std::max(0.0, squares - sum * sum) / kSamples);
+    // Tabulated means of textures and maps are within half a percent.
+    EXPECT_NEAR(sum, exact, 5e-3 * exact + 5 * error) << name;
+  });
+}
+
+TEST(Lights, EmissionAgreesWithItsDensities) {
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    Random random(65);
+    int mismatches = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec2 u = random.next_2d();
+      const EmissionSample s = sample_le(view, id, u, random.next_2d());
+      if (!s.valid()) continue;
+      ASSERT_NEAR(glm::length(s.direction), 1.0f, 1e-5f) << name;
+      EmitterPoint point{s.origin, Vec2(0)};
+      const Light& light = view.lights[id];
+      if (light.kind == LightKind::triangle) {
+        ASSERT_NEAR(glm::dot(s.normal, s.direction), s.cos_theta, 1e-5f);
+        ASSERT_TRUE(meet(light.triangle, s.origin - s.direction, s.direction, &point) || s.cos_theta < 0.05f) << name;
+      }
+      ASSERT_TRUE(!s.infinite || glm::length(s.origin - view.bounds.center) <= view.bounds.radius * 1.5f) << name;
+      const EmissionPdf pdf = pdf_le(view, id, point, s.direction);
+      if (std::fabs(pdf.pdf_w - (s.delta_direction ? 0.0f : s.pdf_w)) > 2e-3f * s.pdf_w) ++mismatches;
+      if (std::fabs(pdf.pdf_a - (s.delta_position ? 0.0f : s.pdf_a)) > 2e-3f * s.pdf_a) ++mismatches;
+    }
+    EXPECT_LE(mismatches, 10) << name;
+  });
+}
+
+TEST(Lights, EmittedDirectionsFollowTheirDensity) {
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    const Light& light = view.lights[id];
+    DirectionChart chart = chart_towards(light, Vec3(0));
+    if (light.kind == LightKind::triangle) chart = {make_frame(light.triangle.normal), 1.0};
+    if (light.kind == LightKind::spot) chart = {make_frame(light.spot.axis), 0.3};
+    if (light.kind == LightKind::directional) chart.frame = make_frame(-light.directional.to_light);
+    Histogram histogram(14);
+    Random random(66);
+    EmitterPoint point;
+    for (int i = 0; i < 40000; ++i) {
+      const Vec2 u = random.next_2d();
+      const EmissionSample s = sample_le(view, id, u, random.next_2d());
+      if (s.delta_direction) return;
+      const Vec2 c = chart.coordinates(s.direction);
+      histogram.add(c.x, c.y);
+      point.position = s.origin;
+    }
+    if (light.kind == LightKind::triangle) point = {light.triangle.position(Vec2(0.3f)), Vec2(0.3f)};
+    const auto pdf = [&](const Vec3& w) { return double(pdf_le(view, id, point, w).pdf_w); };
+    EXPECT_GT(histogram.test(chart.density(pdf), 7).p_value, testing::significance()) << name;
+  });
+}
+
+TEST(Lights, EmittedPositionsFollowTheirDensity) {
+  for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
+    const Light& light = view.lights[id];
+    Histogram histogram(16);
+    Random random(67);
+    for (int i = 0; i < 40000; ++i) {
+      const Vec2 u = random.next_2d();
+      const EmissionSample s = sample_le(view, id, u, random.next_2d());
+      if (s.delta_position) return;
+      if (light.kind == LightKind::triangle) {
+        EmitterPoint point;
+        meet(light.triangle, s.origin - s.normal, s.normal, &point);
+        histogram.add(point.barycentric.x, point.barycentric.y);
+        continue;
+      }
+      const Vec3 local = make_frame(s.direction).to_local(s.origin - view.bounds.center) / view.bounds.radius;
+      ASSERT_NEAR(local.z, -1.0f, 1e-4f) << name;
+      histogram.add(0.5 * (local.x + 1), 0.5 * (local.y + 1));
+    }
+    const auto density = [&](double x, double y) -> double {
+      if (light.kind != LightKind::triangle) return std::hypot(2 * x - 1, 2 * y - 1) < 1 ? 4.0 / M_PI : 0.0;
+      if (x + y > 1) return 0.0;
+      const Vec2 b(static_cast<float>(x), static_cast<float>(y));
+      return 2.0 * light.triangle.area * pdf_le(view, id, {light.triangle.position(b), b}, light.triangle.normal).pdf_a;
+    };
+    EXPECT_GT(histogram.test(density, 7).p_value, testing::significance()) << name;
+  });
+}
+
+}  // namespace
+}  // namespace relume

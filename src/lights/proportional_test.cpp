@@ -1,0 +1,147 @@
+// Textured emitters and environments are sampled in proportion to what they emit, within 1 %.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "scene/testing/light_scene.h"
+#include "testing/integrate.h"
+
+namespace relume {
+namespace {
+
+using testing::LightScene;
+
+constexpr double kProportional = 0.01;
+
+/// Largest relative difference, over n × m bins of the unit square, between the integrals of two densities scaled to
+/// one; bins that hold less than a thousandth are left out.
+template <typename P, typename Q>
+double largest_deviation(int n, int m, const P& p, const Q& q) {
+  std::vector<double> a;
+  std::vector<double> b;
+  double sum_a = 0;
+  double sum_b = 0;
+  for (int j = 0; j < m; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const testing::Rectangle r{double(i) / n, double(j) / m, double(i + 1) / n, double(j + 1) / m};
+      a.push_back(testing::integrate(p, r, 1e-8, 8));
+      b.push_back(testing::integrate(q, r, 1e-8, 8));
+      sum_a += a.back();
+      sum_b += b.back();
+    }
+  }
+  double largest = 0;
+  for (size_t k = 0; k < a.size(); ++k) {
+    if (a[k] > 1e-3 * sum_a) largest = std::max(largest, std::fabs(b[k] / sum_b / (a[k] / sum_a) - 1.0));
+  }
+  return largest;
+}
+
+TEST(Proportional, TexturedTriangles) {
+  const LightScene scene = testing::make_light_scene({}, 128);
+  const LightsView& view = scene.lights();
+  for (const LightId id : {2u, 3u}) {
+    const TriangleLight& t = view.lights[id].triangle;
+    const auto inside = [](double x, double y, const auto& f) {
+      return x + y < 1.0 ? f(Vec2(static_cast<float>(x), static_cast<float>(y))) : 0.0;
+    };
+    const auto emission = [&](double x, double y) {
+      return inside(x, y, [&](const Vec2& b) { return double(luminance(emitted_radiance(t, view.textured, b))); });
+    };
+    const auto density = [&](double x, double y) {
+      return inside(x, y, [&](const Vec2& b) { return double(pdf_area(t, view.textured, b)); });
+    };
+    EXPECT_LT(largest_deviation(4, 4, emission, density), kProportional) << scene.named[id].name;
+  }
+}
+
+void expect_proportional(const EnvironmentView& e, const std::string& name) {
+  const auto emission = [&](double x, double y) {
+    float sin_theta;
+    const Vec3 w = e.direction_from_uv({static_cast<float>(x), static_cast<float>(y)}, &sin_theta);
+    return double(luminance(e.radiance(w)) * sin_theta);
+  };
+  const auto density = [&](double x, double y) {
+    float sin_theta;
+    const Vec3 w = e.direction_from_uv({static_cast<float>(x), static_cast<float>(y)}, &sin_theta);
+    return double(pdf_li(e, w) * sin_theta);
+  };
+  EXPECT_LT(largest_deviation(16, 8, emission, density), kProportional) << name;
+}
+
+TEST(Proportional, EnvironmentMaps) {
+  const LightScene scene = testing::make_light_scene(testing::noise_environment(256, 128));
+  expect_proportional(scene.lights().environment, "map");
+}
+
+TEST(Proportional, SunSky) {
+  for (const float elevation : {0.1f, 0.6f, 1.4f}) {
+    Environment e;
+    e.kind = EnvironmentKind::sun_sky;
+    e.sun_sky.sun_elevation_rad = elevation;
+    const LightScene scene = testing::make_light_scene(e);
+    expect_proportional(scene.lights().environment, "sky " + std::to_string(elevation));
+  }
+}
+
+TEST(Proportional, MeanOfTheEnvironmentIsItsIntegral) {
+  for (const Environment& source : {testing::noise_environment(64, 32), testing::constant_environment()}) {
+    const LightScene scene = testing::make_light_scene(source);
+    const EnvironmentView& e = scene.lights().environment;
+    const auto radiance = [&](double x, double y) {
+      float sin_theta;
+      const Vec3 w = e.direction_from_uv({static_cast<float>(x), static_cast<float>(y)}, &sin_theta);
+      return luminance(e.radiance(w)) * sin_theta * M_PI / 2;  // 2π² sin θ / 4π
+    };
+    EXPECT_NEAR(testing::integrate_square(radiance, 32, 1e-5, 4) / luminance(e.mean), 1.0, 5e-3);
+  }
+}
+
+TEST(Environment, LooksWhereTheConventionSays) {
+  // 4 × 2 texels, each a colour of its own; the centre looks along −Z and +X lies to its right.
+  Environment e;
+  e.kind = EnvironmentKind::map;
+  e.width = 4;
+  e.height = 2;
+  for (int i = 0; i < 8; ++i) e.map.emplace_back(static_cast<float>(i));
+  const auto at = [&](const Vec3& w) {
+    return testing::make_light_scene(e).lights().environment.radiance(glm::normalize(w)).r;
+  };
+  const float up = 1.0f;  // 45° above the horizon: the centre of row 0
+  EXPECT_NEAR(at({1, std::sqrt(2.0f) * up, -1}), 2.0f, 1e-4f);
+  EXPECT_NEAR(at({1, std::sqrt(2.0f) * up, 1}), 3.0f, 1e-4f);
+  EXPECT_NEAR(at({-1, std::sqrt(2.0f) * up, 1}), 0.0f, 1e-4f);
+  EXPECT_NEAR(at({-1, -std::sqrt(2.0f) * up, -1}), 5.0f, 1e-4f);
+}
+
+TEST(Environment, UvAndDirectionAreInverse) {
+  const LightScene scene = testing::make_light_scene(testing::noise_environment(24, 12));
+  const EnvironmentView& e = scene.lights().environment;
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const Vec2 uv(to_unit_float(hash(i, 1u)), 0.01f + 0.98f * to_unit_float(hash(i, 2u)));
+    float sin_theta;
+    const Vec2 back = e.uv_from_direction(e.direction_from_uv(uv, &sin_theta));
+    ASSERT_NEAR(back.x, uv.x, 2e-5f);  // φ of a direction near a pole
+    ASSERT_NEAR(back.y, uv.y, 2e-5f);
+  }
+}
+
+TEST(Environment, TheSunTurnsWithItsSky) {
+  Environment e;
+  e.kind = EnvironmentKind::sun_sky;
+  e.rotation_rad = 1.1f;
+  const LightScene scene = testing::make_light_scene(e);
+  const LightsView& view = scene.lights();
+  const DirectionalLight& sun = view.lights[view.lights.size - 2].directional;
+  // The sky is brightest around the sun.
+  const float towards = luminance(view.environment.radiance(sun.to_light));
+  for (uint32_t i = 0; i < 200; ++i) {
+    const float phi = to_unit_float(hash(i)) * 2.0f * kPi;
+    const float r = safe_sqrt(1.0f - sqr(sun.to_light.y));
+    const Vec3 w(r * std::cos(phi), sun.to_light.y, r * std::sin(phi));
+    EXPECT_LE(luminance(view.environment.radiance(w)), towards * 1.001f);
+  }
+}
+
+}  // namespace
+}  // namespace relume

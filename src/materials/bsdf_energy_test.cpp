@@ -1,0 +1,201 @@
+// White furnaces: what a surface returns of light that comes from everywhere.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <vector>
+
+#include "materials/testing/bsdf_charts.h"
+#include "testing/histogram.h"
+#include "testing/integrate.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+using testing::BsdfCase;
+using testing::DirectionChart;
+using testing::MaterialCase;
+using testing::Random;
+
+constexpr double kWhite = 1e-3;  // what a white furnace may miss
+const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f};
+const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
+
+/// Largest channel of the directional albedo, by quadrature of f cos θ: reflection and refraction without the
+/// compression of radiance, so that a lossless surface has 1. Delta lobes are left out.
+double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
+  const Vec3 wo = testing::viewer(cos_o);
+  const Bsdf bsdf = c.make(cos_o, true);
+  const testing::PeakDirections peaks = testing::peak_directions(c, wo);
+  double sum = 0;
+  for (const int side : {0, 1}) {
+    const DirectionChart chart{make_frame(side == 0 ? peaks.above : peaks.below), peaks.width};
+    const auto value = [&](const Vec3& wi) {
+      if ((wi.z > 0.0f) != (side == 0)) return 0.0;
+      return double(max_component(eval_pdf(bsdf, wo, wi, TransportMode::importance).f) * std::fabs(wi.z));
+    };
+    // The rim of the hemisphere cuts bins; 1e-4 is what that leaves.
+    sum += testing::integrate_square(chart.density(value), 16, 2e-5, 5);
+  }
+  return sum;
+}
+
+struct Mean {
+  double value = 0;
+  double error = 0;  ///< standard
+};
+
+/// Mean weight of samples, of a grey BSDF.
+Mean albedo_by_sampling(const BsdfCase& c, float cos_o, int samples) {
+  const Vec3 wo = testing::viewer(cos_o);
+  const Bsdf bsdf = c.make(cos_o, true);
+  Random random(41);
+  double sum = 0;
+  double squares = 0;
+  for (int i = 0; i < samples; ++i) {
+    const float u_lobe = random.next();
+    const BsdfSample s = sample(bsdf, wo, u_lobe, random.next_2d(), TransportMode::importance);
+    const double w = s.valid ? max_component(s.weight) : 0.0;
+    sum += w;
+    squares += w * w;
+  }
+  const double mean = sum / samples;
+  return {mean, std::sqrt(std::max(0.0, squares / samples - mean * mean) / samples)};
+}
+
+MaterialCase white(const std::string& name, float metallic, float transmission, bool volume) {
+  MaterialCase m{name, {}, volume};
+  m.sample.metallic = metallic;
+  m.sample.transmission = transmission;
+  return m;
+}
+
+TEST(BsdfEnergy, LambertIsWhite) {
+  MaterialCase lambert = white("lambert", 0, 0, false);
+  lambert.sample.specular = 0;
+  for (const float cos_o : kCosines) {
+    const BsdfCase c = testing::full_material(lambert, 1, MicrofacetModel::ggx);
+    EXPECT_NEAR(albedo_by_quadrature(c, cos_o), 1.0, kWhite);
+    EXPECT_NEAR(albedo_by_sampling(c, cos_o, 1000).value, 1.0, 1e-5);  // each weight is 1
+  }
+}
+
+TEST(BsdfEnergy, CompensatedMetalIsWhite) {
+  for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {
+    for (const float r : kRoughness) {
+      const BsdfCase c = testing::full_material(white("metal", 1, 0, false), r, model);
+      for (const float cos_o : kCosines)
+        EXPECT_NEAR(albedo_by_quadrature(c, cos_o), 1.0, kWhite) << c.name << ", cos " << cos_o;
+    }
+  }
+}
+
+TEST(BsdfEnergy, SmoothMetalAndGlassLoseNothing) {
+  for (const float cos_o : {1.0f, 0.5f, 0.05f, 0.002f}) {
+    const BsdfCase metal = testing::full_material(white("mirror", 1, 0, false), 0, MicrofacetModel::ggx);
+    EXPECT_NEAR(albedo_by_sampling(metal, cos_o, 100).value, 1.0, 1e-5);
+    const BsdfCase glass = testing::full_material(white("glass", 0, 1, true), 0, MicrofacetModel::ggx);
+    EXPECT_NEAR(albedo_by_sampling(glass, cos_o, 100).value, 1.0, 1e-5);
+    const BsdfCase wall = testing::full_material(white("thin wall", 0, 1, false), 0, MicrofacetModel::ggx);
+    const Mean m = albedo_by_sampling(wall, cos_o, 100000);
+    EXPECT_NEAR(m.value, 1.0, 1e-4 + 5 * m.error) << cos_o;
+  }
+}
+
+TEST(BsdfEnergy, RadianceIsCompressedOnTheWayInAndSpreadOnTheWayOut) {
+  const BsdfCase glass = testing::full_material(white("glass", 0, 1, true), 0, MicrofacetModel::ggx);
+  Random random(42);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 wo = testing::viewer(0.6f);
+    const BsdfSample in = sample(glass.make(wo.z, true), wo, random.next(), {});
+    if (!in.transmitted()) continue;
+    EXPECT_NEAR(in.weight.x, 1.0f / sqr(1.5f), 1e-5f);
+    const Vec3 inside = -in.wi;
+    const BsdfSample out = sample(glass.make(std::fabs(inside.z), false), Vec3(inside.x, inside.y, std::fabs(inside.z)),
+                                  kOneMinusEpsilon, {});
+    ASSERT_TRUE(out.transmitted());
+    EXPECT_NEAR(in.weight.x * out.weight.x, 1.0f, 1e-5f);
+  }
+}
+
+TEST(BsdfEnergy, NothingCreatesLight) {
+  std::vector<BsdfCase> cases;
+  for (MaterialCase m : testing::material_list()) {
+    m.sample.base_color = Rgb(1);
+    m.sample.specular_color = Rgb(1);
+    for (const float r : {0.0f, 0.1f, 0.3f, 0.6f, 1.0f}) {
+      for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann})
+        cases.push_back(testing::full_material(m, r, model));
+    }
+  }
+  for (const BsdfCase& c : cases) {
+    for (const float cos_o : {1.0f, 0.5f, 0.1f, 0.03f}) {
+      const Mean m = albedo_by_sampling(c, cos_o, 4000);
+      EXPECT_LT(m.value, 1.0 + kWhite + 5 * m.error) << c.name << ", cos " << cos_o;
+    }
+  }
+}
+
+TEST(BsdfEnergy, SamplingAndQuadratureAgree) {
+  for (const MaterialCase& m : {white("metal", 1, 0, false), white("plastic", 0, 0, false), white("glass", 0, 1, true),
+                                white("wall", 0, 1, false)}) {
+    for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {
+      for (const float cos_o : {0.9f, 0.2f}) {
+        const BsdfCase c = testing::full_material(m, 0.4f, model);
+        const Mean mean = albedo_by_sampling(c, cos_o, 100000);
+        EXPECT_NEAR(mean.value, albedo_by_quadrature(c, cos_o), 5 * mean.error + 3e-4) << c.name << ", cos " << cos_o;
+      }
+    }
+  }
+}
+
+TEST(BsdfEnergy, AlbedoIsWhatIsReflected) {
+  // The sum that sampling and demodulation rely on; exact for opaque materials.
+  for (const MaterialCase& m :
+       {white("metal", 1, 0, false), white("plastic", 0, 0, false), white("half metal", 0.5f, 0, false)}) {
+    for (const float r : kRoughness) {
+      for (const float cos_o : kCosines) {
+        const BsdfCase c = testing::full_material(m, r, MicrofacetModel::ggx);
+        EXPECT_NEAR(max_component(albedo(c.make(cos_o, true), cos_o)), albedo_by_quadrature(c, cos_o), kWhite)
+            << c.name << ", cos " << cos_o;
+      }
+    }
+  }
+}
+
+/// Prints the rows of a table of losses, percent, and returns the largest; docs/materials.md shows what this prints.
+double print_losses(const MaterialCase& m) {
+  double largest = 0;
+  std::printf("%s\n| roughness |", m.name.c_str());
+  for (const float cos_o : kCosines) std::printf(" cos θ = %.2f |", static_cast<double>(cos_o));
+  std::printf("\n");
+  for (const float r : kRoughness) {
+    std::printf("| %.2f |", static_cast<double>(r));
+    for (const float cos_o : kCosines) {
+      const double loss = 1.0 - albedo_by_quadrature(testing::full_material(m, r, MicrofacetModel::ggx), cos_o);
+      std::printf(" %.2f |", 100.0 * loss);
+      EXPECT_GT(loss, -kWhite) << m.name << ", r " << r << ", cos " << cos_o;
+      largest = std::max(largest, loss);
+    }
+    std::printf("\n");
+  }
+  return largest;
+}
+
+TEST(BsdfEnergy, LossTable) {
+  EXPECT_LT(print_losses(white("dielectric over a white diffuse base", 0, 0, false)), kWhite);
+  EXPECT_LT(print_losses(white("rough glass", 0, 1, true)), 0.31);
+  EXPECT_LT(print_losses(white("rough thin wall", 0, 1, false)), 0.70);
+}
+
+TEST(BsdfEnergy, BlackSurfacesReflectNothing) {
+  MaterialCase m = white("black", 0, 0, false);
+  m.sample.base_color = Rgb(0);
+  m.sample.specular = 0;
+  const Bsdf bsdf = testing::full_material(m, 0.5f, MicrofacetModel::ggx).make(0.5f, true);
+  EXPECT_TRUE(bsdf.empty());
+  EXPECT_FALSE(sample(bsdf, testing::viewer(0.5f), 0.5f, {0.5f, 0.5f}).valid);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,159 @@
+// Every kind of lobe and every kind of material, as data for contract tests.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "materials/make_bsdf.h"
+
+namespace relume::testing {
+
+struct BsdfCase {
+  std::string name;
+  float alpha = 1;  ///< of the narrowest lobe
+  float eta = 1;    ///< refraction of what is transmitted, as seen from the front
+  /// The BSDF for a viewer at `cos_theta_o` > 0 in front of the surface or behind it.
+  std::function<Bsdf(float cos_theta_o, bool front_face)> make;
+};
+
+inline std::string to_string(MicrofacetModel model) { return model == MicrofacetModel::ggx ? "ggx" : "beckmann"; }
+
+inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
+  Lobe lobe{};
+  lobe.kind = kind;
+  lobe.microfacet = microfacet;
+  lobe.eta = eta;
+  lobe.color = Rgb(0.9f, 0.6f, 0.3f);
+  lobe.f0 = Rgb(0.04f, 0.5f, 0.9f);
+  lobe.f90 = Rgb(1);
+  lobe.weight = 1;
+  return lobe;
+}
+
+/// The lobe alone.
+inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughness, MicrofacetModel model,
+                            float eta = 1) {
+  const Microfacet microfacet{model, roughness * roughness};
+  const bool peaked =
+      kind == LobeKind::reflection || kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
+  return {name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model),
+          peaked ? microfacet.alpha : 1.0f, eta, [=](float cos_theta_o, bool front_face) {
+            Bsdf bsdf{};
+            bsdf.tables = &energy_tables();
+            bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, front_face ? eta : 1.0f / eta);
+            prepare(bsdf, cos_theta_o);
+            return bsdf;
+          }};
+}
+
+/// Every kind of lobe that can be evaluated, with both microfacet models.
+inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
+  std::vector<BsdfCase> cases;
+  for (int k = 0; k < kLobeKindCount; ++k) {
+    const auto kind = static_cast<LobeKind>(k);
+    for (const float r : roughnesses) {
+      for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann}) {
+        switch (kind) {
+          case LobeKind::lambert: cases.push_back(single_lobe(kind, "lambert", 1, model)); break;
+          case LobeKind::covered_lambert: cases.push_back(single_lobe(kind, "covered lambert", r, model)); break;
+          case LobeKind::reflection: cases.push_back(single_lobe(kind, "reflection", r, model)); break;
+          case LobeKind::multiple_reflection:
+            cases.push_back(single_lobe(kind, "multiple reflection", r, model));
+            break;
+          case LobeKind::dielectric:
+            cases.push_back(single_lobe(kind, "dielectric, outside", r, model, 1.5f));
+            cases.push_back(single_lobe(kind, "dielectric, inside", r, model, 1.0f / 1.5f));
+            break;
+          case LobeKind::thin_transmission: cases.push_back(single_lobe(kind, "thin transmission", r, model)); break;
+          case LobeKind::mirror:
+          case LobeKind::smooth_dielectric:
+          case LobeKind::pass_through: break;  // delta: tested on their own
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+/// Parameters of a material without textures.
+struct MaterialCase {
+  std::string name;
+  MaterialSample sample;
+  bool volume = false;
+  float ior = 1.5f;
+};
+
+inline BsdfCase full_material(const MaterialCase& m, float roughness, MicrofacetModel model) {
+  MaterialSample sample = m.sample;
+  sample.roughness = roughness;
+  MaterialData data;
+  data.volume = m.volume;
+  data.ior = m.ior;
+  data.microfacet_model = model;
+  float alpha = roughness * roughness;
+  if (sample.clearcoat > 0.0f && sample.clearcoat_roughness > 0.1f)
+    alpha = std::fmin(alpha, sqr(sample.clearcoat_roughness));
+  return {m.name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model), alpha,
+          m.volume ? m.ior : 1.0f, [=](float cos_theta_o, bool front_face) {
+            Bsdf bsdf{};
+            make_bsdf(bsdf, sample, data, energy_tables(), cos_theta_o, front_face);
+            return bsdf;
+          }};
+}
+
+/// What glTF can say: metals, plastics, glass, walls, coats, and what lies between.
+inline std::vector<MaterialCase> material_list() {
+  const Rgb gold(1.0f, 0.77f, 0.34f);
+  const Rgb blue(0.2f, 0.4f, 0.9f);
+  const auto sample = [](const Rgb& color, float metallic, float transmission) {
+    MaterialSample s;
+    s.base_color = color;
+    s.metallic = metallic;
+    s.transmission = transmission;
+    return s;
+  };
+  std::vector<MaterialCase> list{{"metal", sample(gold, 1, 0)},
+                                 {"plastic", sample(blue, 0, 0)},
+                                 {"half metal", sample(gold, 0.5f, 0)},
+                                 {"glass", sample(Rgb(1), 0, 1), true},
+                                 {"tinted glass", sample(blue, 0, 1), true, 1.8f},
+                                 {"milky glass", sample(blue, 0, 0.5f), true},
+                                 {"thin wall", sample(blue, 0, 1)},
+                                 {"half thin wall", sample(gold, 0.2f, 0.6f)}};
+  MaterialCase diffuse{"diffuse", sample(blue, 0, 0)};
+  diffuse.sample.specular = 0;
+  MaterialCase tinted{"tinted specular", sample(blue, 0, 0)};
+  tinted.sample.specular = 0.7f;
+  tinted.sample.specular_color = gold;
+  const size_t bare = list.size();
+  for (size_t i = 0; i < bare; ++i) {
+    MaterialCase coated = list[i];
+    coated.name = "coated " + coated.name;
+    coated.sample.clearcoat = i % 2 ? 1.0f : 0.6f;
+    coated.sample.clearcoat_roughness = i % 3 ? 0.2f : 0.0f;
+    list.push_back(coated);
+  }
+  list.push_back(diffuse);
+  list.push_back(tinted);
+  return list;
+}
+
+inline std::vector<BsdfCase> material_cases(const std::vector<float>& roughnesses) {
+  std::vector<BsdfCase> cases;
+  for (const MaterialCase& m : material_list()) {
+    for (const float r : roughnesses) {
+      for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann})
+        cases.push_back(full_material(m, r, model));
+    }
+  }
+  return cases;
+}
+
+/// A direction off every axis.
+inline Vec3 viewer(float cos_theta) {
+  const float s = safe_sqrt(1.0f - cos_theta * cos_theta);
+  return {s * std::cos(0.7f), s * std::sin(0.7f), cos_theta};
+}
+
+}  // namespace relume::testing

@@ -1,0 +1,44 @@
+#include <benchmark/benchmark.h>
+
+#include "scene/builtin.h"
+#include "scene/testing/light_scene.h"
+
+namespace relume {
+namespace {
+
+/// Look-ups at random places: every one a miss of the nearest cache, as on many small triangles.
+void bm_texture(benchmark::State& state, float lod) {
+  const std::vector<Texture> textures{testing::noise_texture(1024)};
+  const TextureStore store(textures, TextureFilter::linear);
+  uint32_t i = 1;
+  for (auto _ : state) {
+    i = i * 1664525u + 1013904223u;
+    benchmark::DoNotOptimize(store[0].sample({to_unit_float(i), to_unit_float(i << 8)}, lod));
+  }
+}
+BENCHMARK_CAPTURE(bm_texture, finest_level, 0.0f);
+BENCHMARK_CAPTURE(bm_texture, between_levels, 3.5f);
+
+/// Neighbouring look-ups, as of neighbouring pixels.
+void bm_texture_coherent(benchmark::State& state) {
+  const std::vector<Texture> textures{testing::noise_texture(1024)};
+  const TextureStore store(textures, TextureFilter::linear);
+  float u = 0;
+  for (auto _ : state) {
+    u += 0.7f / 1024;
+    benchmark::DoNotOptimize(store[0].sample({u, 0.3f}, 0.0f));
+  }
+}
+BENCHMARK(bm_texture_coherent);
+
+void bm_compile_scene(benchmark::State& state) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  for (auto _ : state) {
+    const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
+    benchmark::DoNotOptimize(compiled.view());
+  }
+}
+BENCHMARK(bm_compile_scene)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,188 @@
+// Scenes whose picture is known in closed form, rendered at low resolution.
+#include "techniques/path/path.h"
+
+#include <gtest/gtest.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+
+namespace relume {
+namespace {
+
+struct Rendered {
+  Rgb mean{0};  ///< over all pixels
+  uint64_t nonfinite = 0;
+};
+
+Rendered render(Scene scene, int samples, const RenderSettings& base) {
+  RenderSettings settings = base;
+  settings.threads = 1;
+  Session session(std::move(scene), settings);
+  for (int i = 0; i < samples; ++i) session.render_frame();
+  const Image image = session.image();
+  Rendered result;
+  glm::dvec3 sum(0);
+  for (const Rgb& p : image.pixels) sum += glm::dvec3(p);
+  result.mean = Rgb(sum / static_cast<double>(image.pixels.size()));
+  result.nonfinite = session.statistics().nonfinite_samples;
+  return result;
+}
+
+RenderSettings small(int size, int max_bounces) {
+  RenderSettings s;
+  s.width = s.height = size;
+  s.path.max_bounces = max_bounces;
+  return s;
+}
+
+/// Camera straight above a square plate of `material` that lies in y = 0 and fills the picture. Orthographic, so that
+/// all pixels see the plate alike.
+Scene plate(const Material& material, float half_size, float seen) {
+  Scene scene;
+  scene.name = "plate";
+  scene.materials.push_back(material);
+  Mesh mesh;
+  const float h = half_size;
+  mesh.positions = {{-h, 0, -h}, {-h, 0, h}, {h, 0, h}, {h, 0, -h}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = 0;
+  scene.meshes.push_back(mesh);
+  Node node;
+  node.meshes = {0};
+  scene.add_node(node);
+  Camera camera;
+  camera.projection = Projection::orthographic;
+  camera.half_height = seen;
+  scene.cameras.push_back(camera);
+  Node eye;
+  eye.camera = 0;
+  eye.transform.translation = Vec3(0, 0.5f, 0);
+  eye.transform.rotation = glm::angleAxis(-kPi / 2, Vec3(1, 0, 0));
+  scene.add_node(eye);
+  return scene;
+}
+
+Material lambert(const Rgb& albedo) {
+  Material m;
+  m.base_color = albedo;
+  m.metallic = 0;
+  m.specular = 0;
+  return m;
+}
+
+void add_light(Scene& scene, const PunctualLight& light, const Vec3& position) {
+  scene.lights.push_back(light);
+  Node node;
+  node.light = static_cast<Index>(scene.lights.size()) - 1;
+  node.transform.translation = position;
+  node.transform.rotation = glm::angleAxis(-kPi / 2, Vec3(1, 0, 0));  // shines down
+  scene.add_node(node);
+}
+
+TEST(Path, FurnaceIsWhite) {
+  for (const bool roulette : {false, true}) {
+    RenderSettings settings = small(24, 64);
+    settings.path.russian_roulette = roulette;
+    const Rendered r = render(find_builtin_scene("furnace")->build(), 16, settings);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(r.mean[c], 1.0f, 1e-3f);
+    EXPECT_EQ(r.nonfinite, 0u);
+  }
+}
+
+TEST(Path, PlateUnderConstantSkyReflectsItsAlbedo) {
+  Scene scene = plate(lambert(Rgb(0.8f, 0.5f, 0.2f)), 5, 1);
+  scene.environment.kind = EnvironmentKind::constant;
+  scene.environment.color = Rgb(1, 2, 3);
+  RenderSettings settings = small(8, 4);
+  settings.path.russian_roulette = false;
+  const Rendered r = render(scene, 8, settings);
+  // A convex body: ρ L, without noise, since every weight is the albedo.
+  EXPECT_NEAR(r.mean.r, 0.8f, 1e-4f);
+  EXPECT_NEAR(r.mean.g, 1.0f, 1e-4f);
+  EXPECT_NEAR(r.mean.b, 0.6f, 1e-4f);
+}
+
+TEST(Path, DirectionalLightsGiveTheirIrradiance) {
+  for (const float diameter : {0.0f, 0.00925f, 0.5f}) {
+    Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+    PunctualLight sun{"sun", PunctualType::directional, Rgb(2, 3, 4)};
+    sun.angular_diameter_rad = diameter;
+    add_light(scene, sun, Vec3(0, 3, 0));
+    const Rendered r = render(scene, 64, small(16, 2));
+    // E ρ / π for light from straight above; the disk's irradiance is stated for a facing plane.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(r.mean[c] / (Rgb(2, 3, 4)[c] * 0.5f / kPi), 1.0f, 2e-3f) << diameter;
+  }
+}
+
+TEST(Path, PointLightFollowsTheInverseSquareAndTheCosine) {
+  // Seen area tiny, so that the light is 2 m above all of it: E = I / d².
+  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  add_light(scene, {"point", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
+  EXPECT_NEAR(render(scene, 2, small(4, 2)).mean.r, 2.0f * 0.5f / kPi, 1e-4f);
+  Scene slanted = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  add_light(slanted, {"point", PunctualType::point, Rgb(8)}, Vec3(2, 2, 0));
+  EXPECT_NEAR(render(slanted, 2, small(4, 2)).mean.r, 8.0f / 8.0f * std::sqrt(0.5f) * 0.5f / kPi, 1e-4f);
+}
+
+/// Form factor of a parallel square of half-width a at distance h above a point below its centre: four equal corners of
+/// (1/2π) · 2 · x/√(1 + x²) · atan(x/√(1 + x²)) each, x = a/h.
+double square_factor(double a, double h) {
+  const double x = a / h;
+  const double s = x / std::sqrt(1.0 + x * x);
+  return 4.0 / M_PI * s * std::atan(s);
+}
+
+TEST(Path, SquareLightGivesItsFormFactor) {
+  for (const bool by_uniform : {false, true}) {
+    Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+    Material lamp = lambert(Rgb(0));
+    lamp.emission = Rgb(3);
+    scene.materials.push_back(lamp);
+    Mesh mesh;
+    mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.material = 1;
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.meshes = {1};
+    scene.add_node(node);
+    RenderSettings settings = small(16, 1);
+    settings.lights = by_uniform ? LightSelectionChoice::uniform : LightSelectionChoice::power;
+    const Rendered r = render(scene, 512, settings);
+    EXPECT_NEAR(r.mean.r / (3.0 * 0.5 * square_factor(1.0, 1.5)), 1.0, 2e-3);
+  }
+}
+
+TEST(Path, BouncesCountScatteringEvents) {
+  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+  scene.environment.kind = EnvironmentKind::constant;
+  RenderSettings settings = small(4, 0);
+  settings.path.russian_roulette = false;
+  EXPECT_EQ(render(scene, 2, settings).mean.r, 0.0f);  // the plate is seen, its light is not
+  settings.path.max_bounces = 1;
+  EXPECT_NEAR(render(scene, 2, settings).mean.r, 0.5f, 1e-4f);
+}
+
+TEST(Path, RussianRouletteKeepsTheMean) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  RenderSettings with = small(16, 12);
+  RenderSettings without = with;
+  without.path.russian_roulette = false;
+  const Rendered a = render(scene, 256, with);
+  const Rendered b = render(scene, 256, without);
+  // 65,536 paths whose values spread by about three times their mean: five standard errors of the difference are 8 %.
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.mean[c] / b.mean[c], 1.0f, 0.05f);
+}
+
+TEST(Path, SelectorsAgreeInTheMean) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  RenderSettings power = small(16, 6);
+  RenderSettings uniform = power;
+  uniform.lights = LightSelectionChoice::uniform;
+  const Rendered a = render(scene, 256, power);
+  const Rendered b = render(scene, 256, uniform);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.mean[c] / b.mean[c], 1.0f, 0.05f);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,32 @@
+// Pearson's χ² test of samples against their density, for tests only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace relume::testing {
+
+/// Probability that a χ² variable with `dof` degrees of freedom exceeds `statistic`: the regularised upper incomplete
+/// gamma function Q(dof/2, statistic/2), by its series or its continued fraction, to about ten digits.
+double chi2_survival(double statistic, int dof);
+
+struct Chi2Result {
+  double statistic = 0;
+  int dof = 0;
+  double p_value = 1;
+};
+
+/// Compares counts with expected counts bin by bin. Bins that expect fewer than `min_expected` are pooled in order,
+/// because χ² is the limit of many samples a bin. Samples where nothing at all is expected give p = 0.
+Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double> expected, double min_expected = 10);
+
+/// Upper bound of the number of hypothesis tests in the whole suite.
+inline constexpr int kSuiteTests = 10000;
+/// Probability that the suite as a whole raises a false alarm. (Seeds are fixed: a suite that passes once goes on
+/// passing. The bound is what makes a failure after a change of the code mean something.)
+inline constexpr double kSuiteSignificance = 1e-3;
+
+/// p-value below which one test of the suite rejects: Šidák's correction 1 − (1 − α)^(1/n) for n independent tests.
+double significance();
+
+}  // namespace relume::testing

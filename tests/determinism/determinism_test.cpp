@@ -1,0 +1,194 @@
+// The same bits, however many threads there are and however often the work is interrupted.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/error.h"
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/measure.h"
+
+namespace relume::support {
+namespace {
+
+struct Case {
+  const char* scene;
+  int width;
+  int height;
+};
+
+// Sizes that are no multiples of tiles; textures, instances, animation, glass, environments and many lights among them.
+const Case kCases[] = {{"cornell", 45, 37}, {"cornell-glass", 37, 45}, {"warehouse", 67, 35},
+                       {"mine", 61, 33},    {"slit", 45, 27},          {"door", 45, 34}};
+
+Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+
+/// Every float that a render leaves behind, as bits.
+std::vector<uint32_t> bits_of(const Session& session) {
+  std::vector<uint32_t> bits;
+  const auto add = [&](const void* data, size_t floats) {
+    const size_t old = bits.size();
+    bits.resize(old + floats);
+    std::memcpy(bits.data() + old, data, floats * sizeof(float));
+  };
+  const Image image = session.image();
+  add(image.pixels.data(), image.pixels.size() * 3);
+  for (const std::string& name : Session::aov_names()) {
+    if (!session.settings().auxiliary && name != "variance" && name != "heatmap") continue;
+    for (const ExrChannel& channel : session.aov(name)) add(channel.values.data(), channel.values.size());
+  }
+  return bits;
+}
+
+RenderSettings settings_of(const Case& c, int threads) {
+  RenderSettings s = small_settings(c.width, c.height);
+  s.threads = threads;
+  s.auxiliary = true;
+  return s;
+}
+
+std::vector<uint32_t> rendered(const Case& c, const RenderSettings& settings, int spp) {
+  Session session(build(c.scene), settings);
+  for (int i = 0; i < spp; ++i) session.render_frame();
+  return bits_of(session);
+}
+
+class Determinism : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Determinism, AnyNumberOfThreads) {
+  const std::vector<uint32_t> one = rendered(GetParam(), settings_of(GetParam(), 1), 3);
+  for (const int threads : {2, 5})
+    EXPECT_EQ(rendered(GetParam(), settings_of(GetParam(), threads), 3), one) << threads << " threads";
+}
+
+TEST_P(Determinism, SequencesToo) {
+  const auto frames = [&](int threads) {
+    Session session(build(GetParam().scene), settings_of(GetParam(), threads));
+    std::vector<uint32_t> bits;
+    for (const float time_s : {0.0f, 0.1f, 0.5f}) {
+      session.set_time(time_s);
+      session.render_frame();
+      const std::vector<uint32_t> frame = bits_of(session);
+      bits.insert(bits.end(), frame.begin(), frame.end());
+    }
+    return bits;
+  };
+  const std::vector<uint32_t> one = frames(1);
+  EXPECT_EQ(frames(2), one);
+  EXPECT_EQ(frames(5), one);
+}
+
+TEST_P(Determinism, TimeReachedBySteppingOrAtOnce) {  // apart from motion vectors
+  RenderSettings settings = settings_of(GetParam(), 2);
+  settings.auxiliary = false;
+  Session stepped(build(GetParam().scene), settings);
+  for (const float time_s : {0.2f, 0.35f, 0.5f}) stepped.set_time(time_s);
+  settings.time_s = 0.5f;
+  Session direct(build(GetParam().scene), settings);
+  stepped.render_frame();
+  direct.render_frame();
+  EXPECT_EQ(bits_of(stepped), bits_of(direct));
+}
+
+TEST_P(Determinism, SeedsDiffer) {
+  RenderSettings settings = settings_of(GetParam(), 2);
+  const std::vector<uint32_t> zero = rendered(GetParam(), settings, 1);
+  settings.seed = 1;
+  EXPECT_NE(rendered(GetParam(), settings, 1), zero);
+}
+
+std::filesystem::path checkpoint_file(const char* name) {
+  return std::filesystem::path(::testing::TempDir()) /
+         (std::string("relume_") + name + "_" + std::to_string(::getpid()) + ".ckpt");
+}
+
+TEST_P(Determinism, ResumedEqualsUninterrupted) {
+  const std::filesystem::path file = checkpoint_file("resume");
+  const RenderSettings settings = settings_of(GetParam(), 2);
+  {
+    Session first(build(GetParam().scene), settings);
+    for (int i = 0; i < 2; ++i) first.render_frame();
+    first.save_checkpoint(file);
+    first.render_frame();  // what comes after the checkpoint is lost
+  }
+  RenderSettings other_threads = settings;
+  other_threads.threads = 1;
+  Session second(build(GetParam().scene), other_threads);
+  second.load_checkpoint(file);
+  EXPECT_EQ(second.sample_count(), 2u);
+  for (int i = 0; i < 3; ++i) second.render_frame();
+  EXPECT_EQ(bits_of(second), rendered(GetParam(), settings, 5));
+  std::filesystem::remove(file);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Determinism, ::testing::ValuesIn(kCases), [](const auto& instance) {
+  std::string name = instance.param.scene;
+  for (char& c : name) c = c == '-' ? '_' : c;
+  return name;
+});
+
+TEST(Checkpoint, RefusesOtherSettingsAndScenesAndStaysUsable) {
+  const std::filesystem::path file = checkpoint_file("other");
+  const RenderSettings settings = small_settings(8, 8);
+  Session session(build("cornell"), settings);
+  session.render_frame();
+  session.save_checkpoint(file);
+  RenderSettings other = settings;
+  other.seed = 7;
+  Session seeded(build("cornell"), other);
+  EXPECT_THROW(seeded.load_checkpoint(file), Error);
+  other = settings;
+  other.path.max_bounces = 3;
+  EXPECT_THROW(Session(build("cornell"), other).load_checkpoint(file), Error);
+  EXPECT_THROW(Session(build("cornell-glass"), settings).load_checkpoint(file), Error);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 5);
+  Session truncated(build("cornell"), settings);
+  EXPECT_THROW(truncated.load_checkpoint(file), Error);
+  truncated.render_frame();
+  EXPECT_EQ(bits_of(truncated), bits_of(session));
+  std::filesystem::remove(file);
+}
+
+TEST(Cancellation, LeavesCompleteFramesOnly) {
+  Session session(build("cornell"), small_settings(160, 160));
+  session.render_frame();
+  const std::vector<uint32_t> before = bits_of(session);
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_FALSE(session.render_frame(stopped.get_token()));
+  EXPECT_EQ(session.sample_count(), 1u);
+  EXPECT_EQ(bits_of(session), before);
+  EXPECT_EQ(session.statistics().samples, 160u * 160u);
+}
+
+TEST(Cancellation, InTheMiddleOfAFrameLeavesNothingBehind) {
+  Session session(build("cornell"), small_settings(160, 160));
+  session.render_frame();
+  const auto frame_s = std::chrono::duration<double>(session.statistics().render_s);
+  int stopped = 0;
+  for (int attempt = 0; attempt < 40 && stopped < 4;
+       ++attempt) {  // the clock decides where it stops, or whether it does
+    const std::vector<uint32_t> before = bits_of(session);
+    const uint64_t rays = session.statistics().rays;
+    std::stop_source stop;
+    std::jthread later([&] {
+      std::this_thread::sleep_for((0.05 + 0.02 * attempt) * frame_s);
+      stop.request_stop();
+    });
+    if (session.render_frame(stop.get_token())) continue;
+    ++stopped;
+    EXPECT_EQ(bits_of(session), before);  // the heat map counts rays
+    EXPECT_EQ(session.statistics().rays, rays);
+  }
+  EXPECT_GT(stopped, 0);
+}
+
+}  // namespace
+}  // namespace relume::support

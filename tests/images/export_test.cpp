@@ -1,0 +1,142 @@
+// A built-in scene and its glTF file show the same picture.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <filesystem>
+#include <string>
+#include <tuple>
+
+#include "io/scene_io.h"
+#include "metrics/metrics.h"
+#include "scene/builtin.h"
+#include "support/image_test.h"
+#include "support/scenes.h"
+
+namespace relume::support {
+namespace {
+
+/// Scenes of millions of triangles, checked under the label "slow" only.
+bool is_large(std::string_view name) { return name == "city" || name == "cover"; }
+
+using ExportCase = std::tuple<std::string_view, const char*>;  // scene, extension
+
+RenderSettings settings_of(std::string_view scene) {
+  RenderSettings settings = is_large(scene) ? small_settings(16, 9) : small_settings(32, 24);
+  settings.time_s = 0.4f;  // within every animation
+  return settings;
+}
+
+class Export : public ::testing::TestWithParam<ExportCase> {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) / ("relume_export_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string_view scene_name() const { return std::get<0>(GetParam()); }
+
+  Scene original() const { return find_builtin_scene(scene_name())->build(); }
+  Scene reread() const {
+    const std::filesystem::path file = folder_ / (std::string("scene") + std::get<1>(GetParam()));
+    for (const std::string& loss : write_gltf(file, original())) RecordProperty("loss", loss);
+    return load_scene(file);
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+std::string export_name(const ::testing::TestParamInfo<ExportCase>& info) {
+  std::string name(std::get<0>(info.param));
+  name += std::get<1>(info.param);
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
+}
+
+TEST_P(Export, RereadShowsTheSamePicture) {
+  const RenderSettings settings = settings_of(scene_name());
+  const Scene before = original();
+  const Scene after = reread();
+  const Image a = render(after, settings, 4);
+  const Image b = render(before, settings, 4);
+  // Most scenes come back bit for bit; others hold numbers that glTF stores another way (instances, angles), which
+  // moves few samples across an edge.
+  EXPECT_LT(compute_metrics(a, b).rel_mse, 1e-3);
+}
+
+/// Under other seeds, so that nothing but the mean can agree.
+class SlowExport : public Export {};
+
+TEST_P(SlowExport, RereadAgreesInTheMean) {
+  const RenderSettings settings = settings_of(scene_name());
+  const int spp = is_large(scene_name()) ? 4 : 32;
+  expect_same_picture("export-" + export_name({GetParam(), 0}), measure(reread(), settings, spp, 16, 1),
+                      measure(original(), settings, spp, 16, 1001));
+}
+
+/// One of everything that glTF has no form for.
+Scene beyond_gltf() {
+  Scene scene;
+  scene.name = "beyond";
+  Material floor = glossy("floor", {0.5f, 0.4f, 0.3f}, 0.4f);
+  floor.microfacet_model = MicrofacetModel::beckmann;
+  add(scene, quad({-2, -1, -4}, {0, 0, 6}, {4, 0, 0}), floor);
+  Texture bright{.name = "bright", .width = 2, .height = 1, .format = PixelFormat::rgba32_float, .texels = {}};
+  const float texels[] = {4, 0.125f, 2, 1, 0.25f, 9, 0, 1};
+  const std::byte* bytes = reinterpret_cast<const std::byte*>(texels);
+  bright.texels.assign(bytes, bytes + sizeof(texels));
+  Material lamp = emitter("lamp", Rgb(1));
+  lamp.emission_texture.texture = add_texture(scene, bright);
+  add(scene, quad({-1, 0, -3}, {2, 0, 0}, {0, 1, 0}), lamp);
+  PunctualLight sun{.name = "sun", .type = PunctualType::directional, .intensity = Rgb(2)};
+  sun.angular_diameter_rad = 0.2f;
+  add_light(scene, sun, look_at(Vec3(0), {1, -2, 0.5f}));
+  Environment& sky = scene.environment;
+  sky.kind = EnvironmentKind::map;
+  sky.width = 8;
+  sky.height = 4;
+  for (int i = 0; i < 32; ++i) sky.map.emplace_back(static_cast<float>(i % 8), static_cast<float>(i / 8), 0.5f);
+  sky.color = {0.25f, 0.5f, 1};
+  sky.rotation_rad = 0.5f;
+  return scene;
+}
+
+TEST(BeyondGltf, ComesBackFromExtras) {
+  const std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / ("relume_beyond_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  for (const Camera& camera : {Camera{.name = "lens", .fov_y_rad = 1, .lens_radius = 0.1f, .focus_distance = 3},
+                               Camera{.name = "all round", .projection = Projection::panoramic}}) {
+    Scene scene = beyond_gltf();
+    add_camera(scene, camera, {0, 0.5f, 1}, {0, 0, -1});
+    for (const char* file : {"scene.glb", "scene.gltf"}) {
+      write_gltf(folder / file, scene);
+      const Image before = render(scene, small_settings(32, 16), 16);
+      const Image after = render(load_scene(folder / file), small_settings(32, 16), 16);
+      // Angles pass through degrees: a sample may fall on the other side of an edge.
+      EXPECT_LT(compute_metrics(after, before).rel_mse, 1e-4) << camera.name << ", " << file;
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+/// Pairs of scene and extension; `large` scenes or the others.
+std::vector<ExportCase> export_cases(bool large) {
+  std::vector<ExportCase> cases;
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    if (is_large(scene.name) != large) continue;
+    cases.emplace_back(scene.name, ".glb");
+    cases.emplace_back(scene.name, ".gltf");
+  }
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Builtin, Export, ::testing::ValuesIn(export_cases(false)), export_name);
+INSTANTIATE_TEST_SUITE_P(SlowBuiltin, Export, ::testing::ValuesIn(export_cases(true)), export_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, SlowExport, ::testing::ValuesIn(export_cases(false)), export_name);
+INSTANTIATE_TEST_SUITE_P(Large, SlowExport, ::testing::ValuesIn(export_cases(true)), export_name);
+
+}  // namespace
+}  // namespace relume::support

@@ -1,0 +1,73 @@
+// Can the statistical image test fail, and does it reject as often as it says?
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/builtin.h"
+#include "support/image_test.h"
+#include "support/scenes.h"
+
+namespace relume::support {
+namespace {
+
+constexpr int kSeeds = 16;
+
+Scene cornell() { return find_builtin_scene("cornell")->build(); }
+
+/// The same room with a lamp that is `factor` times as bright.
+Scene cornell_with_lamp(float factor) {
+  Scene scene = cornell();
+  for (Material& m : scene.materials) m.emission *= factor;
+  return scene;
+}
+
+Moments pictures(const Scene& scene, int first_seed, int spp = 16) {
+  return measure(scene, small_settings(32, 32), spp, kSeeds, first_seed);
+}
+
+TEST(ImageTest, StudentsDistribution) {
+  // With one and two degrees of freedom the distribution has closed forms.
+  for (const double t : {0.1, 1.0, 3.0, 40.0}) {
+    EXPECT_NEAR(student_two_sided_p(t, 1), 1 - 2 / M_PI * std::atan(t), 1e-12);
+    EXPECT_NEAR(student_two_sided_p(t, 2), 1 - t / std::sqrt(2 + t * t), 1e-12);
+    EXPECT_NEAR(student_two_sided_p(t, 1e8), std::erfc(t / std::sqrt(2.0)), 1e-6);
+  }
+}
+
+TEST(ImageTest, AcceptsTheSameSceneUnderOtherSeeds) {
+  const ImageTest test = compare(pictures(cornell(), 1), pictures(cornell(), 101));
+  EXPECT_TRUE(test.agree()) << test.report();
+}
+
+TEST(ImageTest, RejectsAPixelAsOftenAsItSays) {
+  const Moments a = pictures(cornell(), 1);
+  const Moments b = pictures(cornell(), 101);
+  const ImageTest test = compare(a, b);
+  // p is the least of three channels that hardly depend on one another at worst, or wholly: between 5 and 14 %.
+  const auto below = std::count_if(test.p.begin(), test.p.end(), [](float p) { return p < 0.05f; });
+  const double share = static_cast<double>(below) / static_cast<double>(test.p.size());
+  EXPECT_GT(share, 0.03);
+  EXPECT_LT(share, 0.16);
+}
+
+TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
+  const Moments reference = pictures(cornell(), 1, 128);
+  const ImageTest test = compare(pictures(cornell_with_lamp(1.02f), 101, 128), reference);
+  EXPECT_FALSE(test.agree()) << test.report();
+  EXPECT_GT(test.rejected_blocks, 0);
+  EXPECT_NEAR(test.worst_block, 0.02, 0.01);
+}
+
+TEST(ImageTest, RejectsOneWrongPixel) {
+  const Moments reference = pictures(cornell(), 1);
+  std::vector<Image> images = pictures(cornell(), 101).images;
+  const Rgb spread = glm::sqrt(reference.variance[17]);
+  for (Image& image : images) image.pixels[17] += 4.0f * spread;
+  const ImageTest test = compare(moments_of(std::move(images)), reference);
+  EXPECT_EQ(test.rejected_pixels, 1);
+  EXPECT_LT(test.p[17], test.pixel_threshold);
+}
+
+}  // namespace
+}  // namespace relume::support

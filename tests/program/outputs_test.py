@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""What the program writes: pictures, layers, metadata, statistics, sequences, completion."""
+
+import json
+import subprocess
+import unittest
+
+from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run
+
+STATS_KEYS = {"load_s", "build_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
+METRICS_KEYS = {"mse", "rel_mse", "mae", "mape", "flip", "mean_a", "mean_b"}
+LAYERS = {
+    "albedo": ["albedo.B", "albedo.G", "albedo.R"],
+    "normal": ["normal.X", "normal.Y", "normal.Z"],
+    "depth": ["depth.Z"],
+    "motion": ["motion.X", "motion.Y"],
+    "variance": ["variance.Y"],
+    "heatmap": ["heatmap.Y"],
+}
+
+
+class Outputs(ProgramTest):
+    def test_every_kind_of_picture(self):
+        for kind in ("exr", "hdr", "png", "jpg", "jpeg", "tga"):
+            self.succeed("render", "cornell", "-o", f"out.{kind}", *SMALL, "--spp", "2")
+            self.assertIn("24 x 18", self.succeed("info", f"out.{kind}").stdout)
+        self.assertEqual(len(self.files()), 6)  # and nothing temporary
+        self.assertEqual(png_size(self.folder / "out.png"), (24, 18))
+
+    def test_layers_have_conventional_names(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--aov", ",".join(LAYERS))
+        self.assertEqual(exr_channels(self.folder / "out.exr"), sorted(["R", "G", "B"] + sum(LAYERS.values(), [])))
+
+    def test_metadata_says_how_it_was_made(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "3", "--seed", "5", "--lights", "uniform", "--max-bounces", "4")
+        strings = exr_strings(self.folder / "out.exr")
+        settings = json.loads(strings["relume.settings"])
+        self.assertEqual((settings["seed"], settings["max-bounces"], settings["lights"], settings["width"]), (5, 4, "uniform", 24))
+        self.assertEqual(strings["relume.seed"], "5")
+        self.assertEqual(strings["relume.samples_per_pixel"], "3")
+        self.assertEqual(strings["relume.scene"], "cornell")
+        self.assertRegex(strings["relume.scene_hash"], "^[0-9a-f]{16}$")
+        self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(strings["relume.timings"])))
+        self.assertTrue(strings["relume.version"])
+
+    def test_an_image_can_be_made_again_from_itself(self):
+        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
+        self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.exr")
+        self.assert_same_pixels("a.exr", "b.exr")
+
+    def test_statistics(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--stats", "s.json")
+        stats = json.loads((self.folder / "s.json").read_text())
+        self.assertLessEqual(STATS_KEYS, set(stats))
+        self.assertEqual(stats["samples"], 24 * 18 * 2)
+        self.assertEqual(stats["threads"], 1)
+        self.assertEqual(stats["nonfinite_samples"], 0)
+        self.assertGreater(stats["rays"], stats["samples"])
+        self.assertGreater(stats["peak_memory_bytes"], 1 << 20)
+        self.assertTrue(stats["passes"])
+        for entry in stats["passes"]:
+            self.assertGreaterEqual(entry["seconds"], 0)
+
+    def test_metrics(self):
+        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "4")
+        self.succeed("render", "cornell", "-o", "b.exr", *SMALL, "--spp", "4", "--seed", "1")
+        different = self.metrics("a.exr", "b.exr")
+        self.assertLessEqual(METRICS_KEYS, set(different))
+        self.assertGreater(different["mse"], 0)
+        self.assertGreater(different["flip"], 0)
+        same = self.metrics("a.exr", "a.exr")
+        self.assertEqual([same[key] for key in ("mse", "rel_mse", "mae", "mape", "flip")], [0] * 5)
+        self.assertEqual(same["mean_a"], same["mean_b"])
+
+    def test_seed_and_threads(self):
+        for name, flags in {"a": ["--threads", "1"], "b": ["--threads", "2"], "c": ["--threads", "5"], "d": ["--threads", "1", "--seed", "2"]}.items():
+            self.succeed("render", "cornell-glass", "-o", f"{name}.exr", "--width", "50", "--height", "40", "--spp", "3", *flags)
+        self.assert_same_pixels("a.exr", "b.exr")
+        self.assert_same_pixels("a.exr", "c.exr")
+        self.assertGreater(self.metrics("a.exr", "d.exr")["mse"], 0)
+
+    def test_sequence_moves(self):
+        self.succeed("render", "slit", "-o", "f.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", "2", "--aov", "motion", timeout=240)
+        self.assertEqual(self.files(), ["f.000.exr", "f.001.exr", "f.002.exr"])
+        self.assertGreater(self.metrics("f.000.exr", "f.001.exr")["mse"], 0)
+        # A frame of its own shows what the sequence shows.
+        self.succeed("render", "slit", "-o", "alone.exr", *SMALL, "--spp", "4", "--frames", "2-2", "--fps", "2")
+        self.assert_same_pixels("f.002.exr", "alone.0002.exr")
+
+    def test_quiet_is_silent(self):
+        done = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "2", "--quiet")
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+
+    def test_progress_goes_to_standard_error_without_control_codes(self):
+        done = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "2", "--verbose")
+        self.assertEqual(done.stdout, "")
+        self.assertIn("out.png", done.stderr)
+        self.assertNotIn("\x1b", done.stderr)
+        self.assertNotIn("\r", done.stderr)
+
+    def test_scenes_can_be_listed_exported_and_read(self):
+        listed = self.succeed("scenes").stdout
+        for name in ("cornell", "cornell-glass", "corridor", "warehouse", "mine", "cover", "turntable", "slit", "door", "city", "furnace"):
+            self.assertIn(name, listed)
+        for file in ("c.glb", "c.gltf"):
+            self.succeed("export", "cornell", "-o", file)
+            self.succeed("render", file, "-o", file + ".exr", *SMALL, "--spp", "2")
+        self.assert_same_pixels("c.glb.exr", "c.gltf.exr")
+
+    def test_environment(self):
+        self.succeed("render", "furnace", "-o", "half.exr", *SMALL, "--spp", "8", "--env", "0.5,0.25,0.125")
+        mean = self.metrics("half.exr", "half.exr")["mean_a"]
+        for value, expected in zip(mean, (0.5, 0.25, 0.125)):
+            self.assertAlmostEqual(value / expected, 1, delta=0.01)
+
+    def test_help_and_version(self):
+        for command in ([], ["render"], ["scenes"], ["export"], ["info"], ["metrics"], ["settings"], ["devices"], ["completion"]):
+            self.assertIn("relume", self.succeed(*command, "--help").stdout)
+        self.assertRegex(self.succeed("--version").stdout, r"\d+\.\d+\.\d+")
+        self.assertIn("Embree", self.succeed("devices").stdout)
+
+    def test_completion(self):
+        script = self.folder / "relume.bash"
+        script.write_text(self.succeed("completion", "bash").stdout)
+        subprocess.run(["bash", "-n", script], check=True)
+        for words, expected in (("ren", ["render"]), ("render corn", None), ("render x --lig", ["--lights"]), ("render x --lights p", ["power"])):
+            typed = f"source {script}; compopt() {{ :; }}; COMP_WORDS=(relume {words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _relume; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+            offered = subprocess.run(["bash", "--norc", "-c", typed], cwd=self.folder, capture_output=True, text=True, check=True).stdout.split()
+            if expected:
+                self.assertEqual(offered, expected)
+            else:
+                self.assertIn("cornell", offered)
+
+    def test_output_that_cannot_be_completed_leaves_the_old_one(self):
+        (self.folder / "out.exr").write_bytes(b"old")
+        done = run("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "1", "--camera", "none", cwd=self.folder)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual((self.folder / "out.exr").read_bytes(), b"old")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,82 @@
+"""Runs the program and reads what it wrote. RELUME_PROGRAM in the environment says where the program is."""
+
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import tempfile
+import unittest
+
+PROGRAM = os.environ["RELUME_PROGRAM"]
+SMALL = ["--width", "24", "--height", "18", "--threads", "1"]
+
+
+def run(*arguments, cwd=None, timeout=120):
+    """The finished process; its output is text."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+
+
+def start(*arguments, cwd=None):
+    return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+
+
+def exr_header(file):
+    """Attributes of a single-part EXR: name -> (type, bytes) (OpenEXR file layout)."""
+    data = pathlib.Path(file).read_bytes()
+    assert data[:4] == b"\x76\x2f\x31\x01", "no EXR"
+    attributes = {}
+    at = 8
+    while data[at]:
+        end = data.index(0, at)
+        name, at = data[at:end].decode(), end + 1
+        end = data.index(0, at)
+        kind, at = data[at:end].decode(), end + 1
+        size = struct.unpack_from("<i", data, at)[0]
+        attributes[name] = (kind, data[at + 4:at + 4 + size])
+        at += 4 + size
+    return attributes
+
+
+def exr_channels(file):
+    """Names of the channels, in the file's order."""
+    names = []
+    data = exr_header(file)["channels"][1]
+    while data[0]:
+        end = data.index(0)
+        names.append(data[:end].decode())
+        data = data[end + 17:]
+    return names
+
+
+def exr_strings(file):
+    return {name: value.decode() for name, (kind, value) in exr_header(file).items() if kind == "string"}
+
+
+def png_size(file):
+    data = pathlib.Path(file).read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
+    return struct.unpack(">II", data[16:24])
+
+
+class ProgramTest(unittest.TestCase):
+    """A test with an empty folder of its own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="relume_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def succeed(self, *arguments, **options):
+        done = run(*arguments, cwd=self.folder, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
+
+    def files(self):
+        return sorted(p.name for p in self.folder.iterdir())
+
+    def metrics(self, a, b):
+        return json.loads(self.succeed("metrics", a, b, "--json").stdout)
+
+    def assert_same_pixels(self, a, b):
+        self.assertEqual(self.metrics(a, b)["mse"], 0)

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""When a render ends: samples, time, error, interruption, kill -9 and resumption."""
+
+import json
+import signal
+import time
+import unittest
+
+from program import SMALL, ProgramTest, exr_strings, start
+
+ROOM = ["cornell", "--width", "96", "--height", "96"]
+LAYERS = ["--aov", "heatmap,variance"]
+
+
+class Stopping(ProgramTest):
+    def stats(self):
+        return json.loads((self.folder / "s.json").read_text())
+
+    def wait_for(self, file, process, seconds=60):
+        """Until `file` exists; the process must still run then."""
+        end = time.monotonic() + seconds
+        while not file.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertTrue(file.exists())
+        self.assertIsNone(process.poll(), "it ended too early to be stopped")
+
+    def test_samples(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "7", "--stats", "s.json")
+        self.assertEqual(self.stats()["samples"], 24 * 18 * 7)
+        self.assertEqual(self.stats()["stopped_by"], "samples")
+
+    def test_time(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1.5s", "--stats", "s.json")
+        self.assertEqual(self.stats()["stopped_by"], "time")
+        # It stops rather early than late; a busy machine may stretch the last sample.
+        self.assertGreater(self.stats()["render_s"], 0.5)
+        self.assertLess(self.stats()["render_s"], 3)
+
+    def test_time_that_is_too_short_gives_one_sample(self):
+        self.succeed("render", *ROOM, "-o", "out.exr", "--time", "0.0001s", "--stats", "s.json")
+        self.assertEqual(self.stats()["samples_per_pixel"], 1)
+
+    def test_error(self):
+        self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--error", "0.1", "--spp", "100000", "--stats", "s.json")
+        self.assertEqual(self.stats()["stopped_by"], "error")
+        self.assertLessEqual(self.stats()["estimated_error"], 0.1)
+        self.assertGreater(self.stats()["samples_per_pixel"], 2)
+
+    def test_interrupt_writes_what_there_is(self):
+        checkpoint = self.folder / "a.ckpt"
+        process = start("render", *ROOM, *LAYERS, "-o", "out.exr", "--spp", "1000000", "--resume", "a.ckpt", "--checkpoint-interval", "0.2", "--stats", "s.json", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(checkpoint, process)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertEqual(self.files(), ["a.ckpt", "out.exr", "s.json"])
+        samples = int(exr_strings(self.folder / "out.exr")["relume.samples_per_pixel"])
+        self.assertGreater(samples, 0)
+        self.assertEqual(self.stats()["samples_per_pixel"], samples)
+        # What was interrupted goes on where it was, layers and counters too.
+        self.succeed("render", *ROOM, *LAYERS, "-o", "resumed.exr", "--spp", samples + 3, "--resume", "a.ckpt", "--stats", "resumed.json")
+        self.succeed("render", *ROOM, *LAYERS, "-o", "whole.exr", "--spp", samples + 3, "--stats", "whole.json")
+        self.assert_same_pixels("resumed.exr", "whole.exr")
+        resumed, whole = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("resumed", "whole"))
+        self.assertEqual((resumed["samples"], resumed["rays"]), (whole["samples"], whole["rays"]))
+
+    def test_kill_and_resume(self):
+        # As many samples as take a second or two, whatever the machine.
+        self.succeed("render", *ROOM, "-o", "warm.exr", "--spp", "8", "--stats", "s.json")
+        spp = max(64, int(8 * 1.5 / self.stats()["render_s"]))
+        arguments = ["render", *ROOM, "--spp", spp, "--seed", "4"]
+        checkpoint = self.folder / "a.ckpt"
+        process = start(*arguments, "-o", "killed.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0.2", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(checkpoint, process)
+        process.kill()
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, -signal.SIGKILL)
+        self.assertFalse((self.folder / "killed.exr").exists())
+        done = self.succeed(*arguments, "-o", "resumed.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
+        self.assertIn("continues from a.ckpt", done.stderr)
+        self.succeed(*arguments, "-o", "whole.exr", timeout=240)
+        self.assert_same_pixels("resumed.exr", "whole.exr")
+
+    def test_finished_checkpoint_is_extended(self):
+        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "3", "--resume", "a.ckpt")
+        self.succeed("render", "cornell", "-o", "b.exr", *SMALL, "--spp", "5", "--resume", "a.ckpt")
+        self.succeed("render", "cornell", "-o", "c.exr", *SMALL, "--spp", "5")
+        self.assert_same_pixels("b.exr", "c.exr")
+
+
+if __name__ == "__main__":
+    unittest.main()

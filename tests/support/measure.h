@@ -1,0 +1,42 @@
+// Renders small scenes and says what was measured, for tests that know the answer.
+#pragma once
+
+#include "io/image.h"
+#include "render/render_settings.h"
+#include "scene/scene.h"
+
+namespace relume::support {
+
+/// Small settings on one thread, so that tests may run side by side.
+RenderSettings small_settings(int width, int height);
+
+/// `spp` samples a pixel.
+Image render(Scene scene, const RenderSettings& settings, int spp);
+
+/// Mean over all pixels of an image, and its standard error from the spread of the pixels, whose samples are
+/// independent.
+struct Estimate {
+  Rgb mean{0};
+  Rgb standard_error{0};
+};
+Estimate estimate_of(const Image& image);
+
+/// Expects `estimate` to be `expected` within the share `tolerance` in every channel, and its standard error to be a
+/// third of that at most: less could not be told from chance. Black is expected exactly.
+void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance);
+
+/// Mean and variance of every pixel over images with seeds first_seed, first_seed + 1, ….
+struct Moments {
+  int width = 0;
+  int height = 0;
+  int count = 0;              ///< images
+  std::vector<Rgb> mean;      ///< row by row
+  std::vector<Rgb> variance;  ///< of one image, unbiased
+  std::vector<Image> images;
+
+  Image mean_image() const;
+};
+Moments measure(const Scene& scene, const RenderSettings& settings, int spp, int count, int first_seed);
+Moments moments_of(std::vector<Image> images);
+
+}  // namespace relume::support
