@@ -83,11 +83,11 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
   return complete.load();
 }
 
-void Backend::run(std::string_view name, void (*function)(void*), void* context) {
+void Backend::run(std::string_view name, const std::function<void()>& function) {
   const auto start = std::chrono::steady_clock::now();
   state_->arena.execute([&] {
     const FlushDenormals guard;
-    function(context);
+    function();
   });
   add_time(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -65,7 +66,7 @@ class Backend {
                      const void* context, const std::stop_token& stop);
 
   /// Runs host code on the backend's threads, timed like a launch: for preparing passes that are not grids.
-  void run(std::string_view name, void (*function)(void* context), void* context);
+  void run(std::string_view name, const std::function<void()>& function);
 
  private:
   void add_time(std::string_view name, double seconds);

@@ -25,11 +25,11 @@ struct Hit {
   RELUME_HD bool valid() const { return instance != kNoHit; }
 };
 
-/// Origin on the side of the surface that `w` points to. `p` is a surface point whose components are off
-/// by at most `error` (metres), `n` its geometric normal. The shift is the length of the error box along
-/// the normal, so the true surface cannot lie between ([Pharr23], §6.8.6).
-RELUME_HD inline Vec3 offset_origin(const Vec3& p, const Vec3& error, const Vec3& n, const Vec3& w) {
-  const float d = glm::dot(abs(n), error);
+/// Origin on the side of the surface that `w` points to. `p` is a surface point whose components are off by at most `error`
+/// (metres), `n` its geometric normal. The shift is the length of the error box along the normal, so the true surface cannot lie
+/// between ([Pharr23], §6.8.6).
+RELUME_HD inline Vec3 offset_origin(const Vec3& p, float error, const Vec3& n, const Vec3& w) {
+  const float d = error * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
   return p + (glm::dot(w, n) < 0.0f ? -d : d) * n;
 }
 

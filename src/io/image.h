@@ -1,10 +1,13 @@
-// Images in memory, and reading and writing them: EXR, PNG, JPEG, HDR, TGA.
+// Images in memory, and reading and writing them: EXR, HDR, PNG, JPEG, TGA, BMP.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/vec.h"
@@ -25,10 +28,10 @@ struct Image {
   }
 };
 
-/// One named plane of 32-bit floats (or unsigned integers, as EXR UINT) of a layered EXR.
+/// One named plane of 32-bit floats of a layered EXR.
 struct ExrChannel {
-  std::string name;               ///< "R", "albedo.R", "depth.Z", "motion.X" …
-  std::vector<float> values;      ///< width · height
+  std::string name;           ///< "R", "albedo.R", "depth.Z", "motion.X" …
+  std::vector<float> values;  ///< width · height, row by row from the top
 };
 
 /// A layered EXR: planes of one size plus string attributes (settings, seed, timings).
@@ -37,19 +40,44 @@ struct ExrFile {
   int height = 0;
   std::vector<ExrChannel> channels;
   std::map<std::string, std::string> attributes;
+
+  /// nullptr if there is no channel of that name.
+  const ExrChannel* find(std::string_view name) const;
 };
 
-/// All functions here throw Error (file, problem, remedy) and write to a temporary name that is renamed only
-/// when complete.
+/// What readers accept; files that claim more are refused before memory is allocated for them.
+inline constexpr int kMaxImageSide = 1 << 17;
+inline constexpr int64_t kMaxImagePixels = int64_t{1} << 28;
+inline constexpr int64_t kMaxDecodedBytes = int64_t{1} << 33;
 
-/// EXR, HDR: linear values as stored. PNG, JPEG, TGA: 8 bit, decoded from sRGB.
+// All functions below throw Error (file, problem, remedy). Writers use a temporary name that is renamed only when the
+// file is complete.
+
+/// The format is recognised by content. EXR, HDR: linear values as stored. PNG, JPEG, TGA, BMP: 8 or 16 bit, decoded
+/// from sRGB. Alpha is dropped.
 Image read_image(const std::filesystem::path& file);
 
-/// By extension: .exr and .hdr store linear values; .png, .jpg, .tga expect display-ready values in [0, 1] that
-/// are still linear, and apply the sRGB transfer function.
+/// The same over a file's bytes; `name` is for messages.
+Image parse_image(std::span<const std::byte> bytes, const std::string& name);
+
+/// By extension: .exr and .hdr store linear values; .png, .jpg, .jpeg, .tga expect display-ready values in [0, 1]
+/// that are still linear, and apply the sRGB transfer function.
 void write_image(const std::filesystem::path& file, const Image& image);
 
+/// Every channel of the first part, whatever its stored type (half, float, unsigned integer), compression and
+/// tiling, over the *display* window: pixels outside the data window are 0, pixels beyond the display window are cut
+/// off. Subsampled channels are replicated. Of the attributes, the strings. Deep files are refused.
 ExrFile read_exr(const std::filesystem::path& file);
+ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name);
+
+/// 32-bit float scan lines with ZIP compression. The same contents give the same bytes.
 void write_exr(const std::filesystem::path& file, const ExrFile& exr);
+
+/// Channels "R", "G", "B" of a layer, or "LAYER.R" … if `layer` is not empty. Without a layer also, in this order:
+/// the first layer that has all three, luminance-chroma (Y, RY, BY), luminance alone (Y). `name` is for messages.
+Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::string& name);
+
+/// Channels R, G, B of a layer (none: empty string), ready to append to an ExrFile of the same size.
+std::vector<ExrChannel> exr_channels(const Image& image, const std::string& layer = {});
 
 }  // namespace relume

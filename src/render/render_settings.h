@@ -8,23 +8,41 @@
 
 namespace relume {
 
+// The slots (docs/concepts): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path };
 enum class LightSelectionChoice : int { uniform, power };
-enum class ToneMapChoice : int { none, reinhard, aces, agx };
+enum class GuideChoice : int { bsdf };
+enum class CacheChoice : int { none };
+enum class AllocationChoice : int { uniform };
+enum class HistoryChoice : int { accumulate };
+enum class DenoiseChoice : int { none };
 
 struct RenderSettings {
   int width = 1280;
   int height = 720;
   int seed = 0;
-  int threads = 0;         ///< 0: all
-  std::string camera;      ///< name or index; empty: the file's first
-  float time_s = 0;        ///< time of the animation
+  int threads = 0;     ///< 0: all
+  std::string camera;  ///< name or index; empty: the file's first
+  float time_s = 0;    ///< time of the animation
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
-  bool auxiliary = false;  ///< record albedo, normal, depth and motion of the first hit
+  GuideChoice guide = GuideChoice::bsdf;
+  CacheChoice cache = CacheChoice::none;
+  AllocationChoice allocation = AllocationChoice::uniform;
+  HistoryChoice history = HistoryChoice::accumulate;
+  DenoiseChoice denoise = DenoiseChoice::none;
+  /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
+  /// name of its own.
+  bool auxiliary = false;
   PathSettings path;
 };
 
+/// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
 SettingList describe(RenderSettings& settings);
+
+/// The parts of describe(RenderSettings&), as reference pages and widgets group them.
+SettingList describe_picture(RenderSettings& settings);
+SettingList describe_slots(RenderSettings& settings);
+SettingList describe_transport(RenderSettings& settings);
 
 }  // namespace relume

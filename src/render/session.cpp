@@ -41,16 +41,15 @@ void add_auxiliary_buffers(BufferTable& table) {
 }  // namespace
 
 struct Session::State {
-  State(Scene scene, const RenderSettings& s)
+  State(Scene source, const RenderSettings& s)
       : settings(s),
-        hash(relume::scene_hash(scene)),
+        hash(relume::scene_hash(source)),
         backend(s.threads),
         buffers(static_cast<uint32_t>(s.width), static_cast<uint32_t>(s.height)) {
     const auto start = Clock::now();
-    backend.run("build", [](void* context) {
-      auto& [self, source] = *static_cast<std::pair<State*, Scene*>*>(context);
-      self->scene = std::make_unique<CompiledScene>(std::move(*source), self->settings.camera, self->settings.time_s, self->settings.width, self->settings.height);
-    }, std::make_unique<std::pair<State*, Scene*>>(this, &scene).get());
+    backend.run("build", [&] {
+      scene = std::make_unique<CompiledScene>(std::move(source), settings.camera, settings.time_s, settings.width, settings.height);
+    });
     add_buffers(buffers);
     if (settings.auxiliary) add_auxiliary_buffers(buffers);
     prepare_lights();

@@ -8,7 +8,7 @@ namespace relume {
 
 struct SurfacePoint {
   Vec3 position{0};
-  Vec3 position_error{0};     ///< bound on the rounding error of each component, metres
+  float position_error = 0;   ///< bound on the rounding error of each component, metres
   Vec3 previous_position{0};  ///< of the same material point one frame ago
   Vec3 ng{0, 0, 1};           ///< geometric normal, unit, on the side of wo
   Frame frame;                ///< frame.n is the shading normal, on the side of wo

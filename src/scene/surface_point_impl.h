@@ -92,7 +92,7 @@ RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const Ma
 /// Position, its error bound, the previous position and the geometric normal (front, not normalised) of a hit.
 struct Geometry {
   Vec3 position;
-  Vec3 error;
+  float error;
   Vec3 previous_position;
   Vec3 e1;
   Vec3 e2;
@@ -105,7 +105,8 @@ RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt
   const Vec3& p2 = t.v[2]->position;
   Geometry g;
   g.position = interpolate(p0, p1, p2, t.weights);
-  g.error = gamma_bound(7) * (abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
+  // One bound for all components: Embree's own rounding follows the largest.
+  g.error = gamma_bound(7) * max_component(abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
   g.previous_position = g.position;
   g.e1 = p1 - p0;
   g.e2 = p2 - p0;
@@ -113,7 +114,7 @@ RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt
     const Affine& m = instance.to_world;
     const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
     // Embree intersects in object space: its rounding moves the ray, so the bound counts the transform there and back.
-    g.error = 2.0f * (gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * g.error));
+    g.error = 2.0f * max_component(gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * Vec3(g.error)));
     g.previous_position = instance.previous_to_world.point(g.position);
     g.position = m.point(g.position);
     g.e1 = m.vector(g.e1);

@@ -50,7 +50,41 @@ struct Setting {
 
 using SettingList = std::vector<Setting>;
 
+/// A value apart from its setting; a choice is its name.
+using SettingConstant = std::variant<bool, int, float, std::string>;
+
 /// `list` with "prefix." before each name.
 SettingList with_prefix(std::string_view prefix, SettingList list);
+
+/// nullptr if there is none of that name.
+const Setting* find_setting(const SettingList& list, std::string_view name);
+
+/// The setting called `name`. Throws Error with `place` and the nearest name, or all names, if there is none.
+const Setting& require_setting(const SettingList& list, std::string_view name, std::string_view place);
+
+/// The value that `text` stands for, checked against type, range and choices. Booleans are true/false, on/off, yes/no
+/// or 1/0; settings with the unit "s" also take durations ("500ms", "2min"). Throws Error, for instance
+/// "`place`: max-bounces is '-1', but must be from 0 to 1024" (without the colon if `place` is empty).
+SettingConstant parse_value(const Setting& setting, std::string_view text, std::string_view place);
+
+/// parse_value() into the variable that the setting refers to.
+void assign(const Setting& setting, std::string_view text, std::string_view place);
+
+/// Stores a value of the setting's own type, unchecked.
+void store(const Setting& setting, const SettingConstant& value);
+SettingConstant load(const Setting& setting);
+
+/// The shortest text from which parse_value() gives the same value back.
+std::string to_string(const Setting& setting);
+std::string to_string(const SettingConstant& value);
+
+/// "integer from 0 to 1024", "number in m, at least 0", "one of path, bdpt": for help and reference pages.
+std::string describe_type(const Setting& setting);
+
+/// Copies all values between two lists that describe the same type.
+void copy_values(const SettingList& from, const SettingList& to);
+
+/// Settings of `a` whose values differ in `b`, another list that describes the same type.
+std::vector<const Setting*> differing_settings(const SettingList& a, const SettingList& b);
 
 }  // namespace relume

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "io/decompose.h"
 #include "io/gltf/gltf_accessor.h"
 #include "io/gltf/gltf_nodes.h"
 

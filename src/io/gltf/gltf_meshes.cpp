@@ -92,7 +92,9 @@ std::optional<Mesh> MeshImporter::convert(const tinygltf::Primitive& primitive, 
                                       is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
   mesh.material = materials_.import(primitive.material);
   repair_mesh(mesh, document_.warnings);
-  return mesh;
+  if (!mesh.triangles.empty()) return mesh;
+  document_.warnings.add(fmt::format("mesh '{}': a primitive without triangles is skipped", name));
+  return std::nullopt;
 }
 
 const std::vector<Index>& MeshImporter::import(int mesh) {

@@ -15,7 +15,4 @@ std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& 
 /// Imports the animation of nodes, all clips on one time line.
 void import_animation(Document& document, const std::vector<Index>& node_of, Scene& scene);
 
-/// Parts of an affine matrix; shear is lost.
-Transform decompose(const Mat4& matrix);
-
 }  // namespace relume::gltf

@@ -50,7 +50,7 @@ struct PrimaryHitsKernel {
  private:
   void packet(uint32_t x0, uint32_t y0, const Tile& tile) const {
     Ray rays[kPacketSize];
-    uint32_t ids[kPacketSize];
+    uint32_t ids[kPacketSize] = {};
     uint32_t pixels[kPacketSize];
     Hit found[kPacketSize];
     int count = 0;

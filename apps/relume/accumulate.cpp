@@ -1,0 +1,78 @@
+#include "accumulate.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace relume::cli {
+
+StopCriteria stop_criteria(const StopSettings& settings) {
+  StopCriteria criteria{static_cast<uint32_t>(settings.spp), static_cast<double>(settings.time_s),
+                        static_cast<double>(settings.error)};
+  const bool none = criteria.samples == 0 && criteria.time_s == 0 && criteria.error == 0;
+  if (none) criteria.samples = kDefaultSpp;
+  return criteria;
+}
+
+const char* name_of(StopReason reason) {
+  switch (reason) {
+    case StopReason::samples: return "samples";
+    case StopReason::time: return "time";
+    case StopReason::error: return "error";
+    case StopReason::interrupted: return "interrupted";
+  }
+  return "";
+}
+
+double fraction_done(const Accumulation& state, const StopCriteria& criteria) {
+  double fraction = 0;
+  if (criteria.samples > 0) fraction = static_cast<double>(state.samples) / criteria.samples;
+  if (criteria.time_s > 0) fraction = std::max(fraction, state.elapsed_s / criteria.time_s);
+  if (criteria.error > 0) {
+    const double ratio = criteria.error / std::max(state.error, criteria.error);
+    fraction = std::max(fraction, ratio * ratio);
+  }
+  return std::min(fraction, 1.0);
+}
+
+double remaining_s(const Accumulation& state, const StopCriteria& criteria) {
+  double remaining = std::numeric_limits<double>::infinity();
+  if (criteria.time_s > 0) remaining = criteria.time_s - state.elapsed_s;
+  if (state.samples_done_here > 0) {
+    const double frame_s = state.elapsed_s / state.samples_done_here;
+    if (criteria.samples > 0) remaining = std::min(remaining, frame_s * (double(criteria.samples) - state.samples));
+    const double ratio = criteria.error > 0 ? state.error / criteria.error : 0;
+    if (criteria.error > 0) remaining = std::min(remaining, frame_s * state.samples * (ratio * ratio - 1));
+  }
+  return std::max(remaining, 0.0);
+}
+
+bool checks_error_at(uint32_t samples) {
+  constexpr uint32_t kFirst = 16;
+  return samples >= kFirst && samples % (std::bit_floor(samples) / kFirst) == 0;
+}
+
+StopReason accumulate(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
+                      std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done) {
+  const double start_s = now_s();
+  Accumulation state{.samples = source.sample_count()};
+  const bool errors_count = criteria.error > 0;
+  while (true) {
+    if (errors_count && checks_error_at(state.samples)) {
+      state.error = source.estimated_error();
+      if (state.error <= criteria.error) return StopReason::error;
+    }
+    if (criteria.samples > 0 && state.samples >= criteria.samples) return StopReason::samples;
+    if (state.samples > 0) {
+      if (stop.stop_requested()) return StopReason::interrupted;
+      const double frame_s = state.samples_done_here > 0 ? state.elapsed_s / state.samples_done_here : 0;
+      if (criteria.time_s > 0 && state.elapsed_s + frame_s > criteria.time_s) return StopReason::time;
+    }
+    if (!source.render_frame(state.samples > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
+    state.samples = source.sample_count();
+    ++state.samples_done_here;
+    state.elapsed_s = now_s() - start_s;
+    frame_done(state);
+  }
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,58 @@
+// The loop that adds samples until a picture is done.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <stop_token>
+
+#include "render/settings.h"
+
+namespace relume::cli {
+
+/// What the loop needs of a session; tests put something else in its place.
+struct FrameSource {
+  std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
+  std::function<uint32_t()> sample_count;             ///< Session::sample_count
+  std::function<double()> estimated_error;            ///< Session::estimated_error
+};
+
+/// Whichever comes first; 0: does not count.
+struct StopCriteria {
+  uint32_t samples = 0;  ///< a pixel, those of a loaded checkpoint included
+  double time_s = 0;     ///< of this loop
+  double error = 0;
+};
+
+/// kDefaultSpp where no criterion is set.
+StopCriteria stop_criteria(const StopSettings& settings);
+
+enum class StopReason { samples, time, error, interrupted };
+const char* name_of(StopReason reason);
+
+/// Where the loop stands.
+struct Accumulation {
+  uint32_t samples = 0;
+  double elapsed_s = 0;
+  uint32_t samples_done_here = 0;                          ///< without those of a loaded checkpoint
+  double error = std::numeric_limits<double>::infinity();  ///< as of the last check; infinite before the first
+};
+
+/// Share of the work that is done, in [0, 1], by the criterion that is nearest to its end. The error falls with the
+/// square root of the number of samples.
+double fraction_done(const Accumulation& state, const StopCriteria& criteria);
+/// Seconds until the first criterion is met, as far as one can tell; infinite if one cannot.
+double remaining_s(const Accumulation& state, const StopCriteria& criteria);
+
+/// Whether the error is looked at after `samples`: from 16 on (before, the estimated variance is too noisy to stop by),
+/// at every sample up to 32, every second up to 64, and so on. It depends on nothing else, so that a resumed render
+/// stops where an uninterrupted one does.
+bool checks_error_at(uint32_t samples);
+
+/// Calls render_frame until a criterion is met or `stop` requested, and `frame_done` after each complete frame. The
+/// first frame is always completed, so that there is a picture. With a time limit no frame begins that would, taking as
+/// long as those before it, end beyond it. `now_s` is a clock that only moves forward.
+StopReason accumulate(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
+                      std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done);
+
+}  // namespace relume::cli

@@ -1,0 +1,152 @@
+#include "accumulate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace relume::cli {
+namespace {
+
+/// A session whose frames take a second each and whose error falls as it does in theory.
+struct FakeSession {
+  uint32_t samples = 0;
+  double clock_s = 100;
+  double frame_s = 1;
+  double error_of_one = 1;
+  std::stop_source stop_source;
+  uint32_t interrupt_at = 0;  ///< a stop is requested while this frame is rendered; 0: never
+
+  bool render_frame(const std::stop_token& stop) {
+    clock_s += frame_s;
+    if (samples + 1 == interrupt_at) stop_source.request_stop();
+    if (stop.stop_requested()) return false;
+    ++samples;
+    return true;
+  }
+
+  StopReason run(const StopCriteria& criteria) {
+    const FrameSource source{
+        .render_frame = [this](std::stop_token stop) { return render_frame(stop); },
+        .sample_count = [this] { return samples; },
+        .estimated_error = [this] { return error_of_one / std::sqrt(samples); },
+    };
+    return accumulate(
+        source, criteria, [this] { return clock_s; }, stop_source.get_token(),
+        [this](const Accumulation& state) { seen.push_back(state); });
+  }
+
+  std::vector<Accumulation> seen;
+};
+
+TEST(Accumulate, StopsAtTheSampleCount) {
+  FakeSession session;
+  EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
+  EXPECT_EQ(session.samples, 5u);
+  ASSERT_EQ(session.seen.size(), 5u);
+  EXPECT_EQ(session.seen.back().samples_done_here, 5u);
+  EXPECT_DOUBLE_EQ(session.seen.back().elapsed_s, 5);
+}
+
+TEST(Accumulate, CountsTheSamplesOfACheckpoint) {
+  FakeSession session;
+  session.samples = 3;
+  EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
+  EXPECT_EQ(session.seen.size(), 2u);
+  EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
+  EXPECT_EQ(session.seen.size(), 2u) << "nothing was left to do";
+}
+
+TEST(Accumulate, KeepsWithinTheTime) {
+  FakeSession session;
+  session.frame_s = 3;
+  EXPECT_EQ(session.run({.time_s = 10}), StopReason::time);
+  EXPECT_EQ(session.samples, 3u) << "a fourth frame would end after 12 s";
+}
+
+TEST(Accumulate, CompletesOneFrameWhateverTheTime) {
+  FakeSession session;
+  session.frame_s = 60;
+  EXPECT_EQ(session.run({.time_s = 0.001}), StopReason::time);
+  EXPECT_EQ(session.samples, 1u);
+}
+
+TEST(Accumulate, StopsAtTheError) {
+  FakeSession session;
+  EXPECT_EQ(session.run({.error = 0.1}), StopReason::error);
+  // 1/sqrt(n) <= 0.1 from n = 100 on, which is a multiple of four and so is looked at.
+  EXPECT_EQ(session.samples, 100u);
+}
+
+TEST(Accumulate, ResumedRenderStopsAtTheErrorWhereAnUninterruptedOneDoes) {
+  FakeSession whole;
+  whole.run({.error = 0.09});
+  FakeSession first;
+  first.run({.samples = 37});
+  first.run({.error = 0.09});
+  EXPECT_EQ(first.samples, whole.samples);
+}
+
+TEST(Accumulate, FirstCriterionWins) {
+  FakeSession session;
+  EXPECT_EQ(session.run({.samples = 1000, .time_s = 20, .error = 1e-6}), StopReason::time);
+  EXPECT_EQ(session.samples, 20u);
+}
+
+TEST(Accumulate, InterruptDropsTheFrameInProgress) {
+  FakeSession session;
+  session.interrupt_at = 4;
+  EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);
+  EXPECT_EQ(session.samples, 3u);
+}
+
+TEST(Accumulate, InterruptDuringTheFirstFrameStillGivesAPicture) {
+  FakeSession session;
+  session.interrupt_at = 1;
+  EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);
+  EXPECT_EQ(session.samples, 1u);
+}
+
+TEST(Accumulate, InterruptAfterTheLastSampleIsACompletePicture) {
+  FakeSession session;
+  session.interrupt_at = 1;
+  EXPECT_EQ(session.run({.samples = 1}), StopReason::samples);
+}
+
+TEST(StopCriteria, DefaultAppliesOnlyWithoutAny) {
+  EXPECT_EQ(stop_criteria({}).samples, static_cast<uint32_t>(kDefaultSpp));
+  EXPECT_EQ(stop_criteria({.time_s = 10}).samples, 0u);
+  EXPECT_EQ(stop_criteria({.error = 0.1f}).samples, 0u);
+  EXPECT_EQ(stop_criteria({.spp = 7, .time_s = 10}).samples, 7u);
+}
+
+TEST(StopCriteria, ErrorIsCheckedMoreRarelyAsItChangesLess) {
+  EXPECT_FALSE(checks_error_at(0));
+  EXPECT_FALSE(checks_error_at(15));
+  EXPECT_TRUE(checks_error_at(16));
+  EXPECT_TRUE(checks_error_at(17));
+  EXPECT_FALSE(checks_error_at(33));
+  EXPECT_TRUE(checks_error_at(34));
+  EXPECT_FALSE(checks_error_at(1024 + 32));
+  EXPECT_TRUE(checks_error_at(1024 + 64));
+}
+
+TEST(Progress, FractionFollowsTheNearestCriterion) {
+  const Accumulation state{.samples = 25, .elapsed_s = 10, .samples_done_here = 25, .error = 0.2};
+  EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100}), 0.25);
+  EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100, .time_s = 20}), 0.5);
+  EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.1}), 0.25);  // a quarter of the samples that it takes
+  EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.3}), 1);
+}
+
+TEST(Progress, RemainingTimeFollowsTheNearestCriterion) {
+  const Accumulation state{.samples = 25, .elapsed_s = 10, .samples_done_here = 20, .error = 0.2};
+  EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100}), 0.5 * 75);
+  EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100, .time_s = 12}), 2);
+  EXPECT_NEAR(remaining_s(state, {.error = 0.1}), 0.5 * 75, 1e-9);  // rounding of (0.2 / 0.1)²
+  EXPECT_TRUE(std::isinf(remaining_s({}, {.samples = 100})));
+  EXPECT_TRUE(std::isinf(remaining_s({.samples = 1, .elapsed_s = 1, .samples_done_here = 1}, {.error = 0.1})));
+}
+
+}  // namespace
+}  // namespace relume::cli

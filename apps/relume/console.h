@@ -1,0 +1,27 @@
+// What the program says on standard error.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command.h"
+
+namespace relume::cli {
+
+/// Printed unless --quiet.
+void tell(const Verbosity& verbosity, std::string_view text);
+/// Printed with --verbose only.
+void tell_more(const Verbosity& verbosity, std::string_view text);
+/// Always printed, with "warning: " before it.
+void warn(std::string_view text);
+/// A scene's warnings: the first ten, and how many more there are; all with --verbose.
+void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings);
+
+/// "1.2 GiB", "340 MiB", "12 KiB".
+std::string format_bytes(uint64_t bytes);
+/// "1 234 567".
+std::string format_count(uint64_t count);
+
+}  // namespace relume::cli

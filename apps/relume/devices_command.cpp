@@ -1,0 +1,57 @@
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include "command.h"
+#include "platform.h"
+
+namespace relume::cli {
+namespace {
+
+/// The widest vector instructions that the processor has and relume or Embree may use.
+const char* vector_instructions() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f")) return "AVX-512";
+  if (__builtin_cpu_supports("avx2")) return "AVX2";
+  if (__builtin_cpu_supports("avx")) return "AVX";
+  return "SSE2";
+#else
+  return "unknown";
+#endif
+}
+
+std::string embree_version() {
+  const std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)> device(rtcNewDevice(nullptr), &rtcReleaseDevice);
+  if (!device) throw Error("Embree cannot be started; check its installation");
+  const auto property = [&](RTCDeviceProperty name) { return rtcGetDeviceProperty(device.get(), name); };
+  return fmt::format("{}.{}.{}", property(RTC_DEVICE_PROPERTY_VERSION_MAJOR),
+                     property(RTC_DEVICE_PROPERTY_VERSION_MINOR), property(RTC_DEVICE_PROPERTY_VERSION_PATCH));
+}
+
+int run_devices() {
+  const std::string text = fmt::format(
+      "processor     {}\nthreads       {}\nvectors       {}\nray queries   Embree {}\nCUDA          not compiled in\n",
+      processor_name(), std::thread::hardware_concurrency(), vector_instructions(), embree_version());
+  std::fputs(text.c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+Command devices_command() {
+  return {
+      .name = "devices",
+      .summary = "Tell what relume can run on.",
+      .examples = {{"relume devices", "processor, threads, vector instructions, ray queries"}},
+      .arguments = {},
+      .options = {},
+      .setting_groups = {},
+      .setting_flags = nullptr,
+      .run = run_devices,
+  };
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,54 @@
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "console.h"
+#include "io/scene_io.h"
+#include "picture.h"
+#include "scene_source.h"
+
+namespace relume::cli {
+namespace {
+
+struct ExportOptions {
+  std::string scene;
+  std::string output;
+};
+
+int run_export(const ExportOptions& options, const Verbosity& verbosity) {
+  if (options.output.empty()) throw UsageError("export needs -o FILE; see relume export --help");
+  const std::filesystem::path file = options.output;
+  if (file.extension() != ".gltf" && file.extension() != ".glb") {
+    throw UsageError(
+        fmt::format("{}: scenes are written as .gltf or .glb; choose one of these extensions", options.output));
+  }
+  check_folder_of(file);
+  const Scene scene = open_scene(options.scene);
+  warn_all(verbosity, scene.warnings);
+  write_gltf(file, scene);
+  tell(verbosity, fmt::format("wrote {}", options.output));
+  return kExitDone;
+}
+
+}  // namespace
+
+Command export_command(Verbosity& verbosity) {
+  const auto options = std::make_shared<ExportOptions>();
+  Command command{
+      .name = "export",
+      .summary = "Write a scene as glTF.",
+      .examples = {{"relume export cornell -o cornell.glb", "a built-in scene as one file"},
+                   {"relume export bistro.fbx -o bistro.gltf", "any scene that relume reads, as .gltf, .bin and .png"}},
+      .arguments = {{"SCENE", &options->scene, "Built-in scene (`relume scenes`) or file", true, Completion::scene}},
+      .options = {{{"output", &options->output, "File to write: .gltf or .glb"}, "FILE", 'o', Completion::file}},
+      .setting_groups = {},
+      .setting_flags = nullptr,
+      .run = [options, &verbosity] { return run_export(*options, verbosity); },
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli

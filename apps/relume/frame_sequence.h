@@ -1,0 +1,36 @@
+// Frames of an animation and the names of their files.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace relume::cli {
+
+struct FrameRange {
+  int first = 0;
+  int last = 0;  ///< included
+  int count() const { return last - first + 1; }
+};
+
+/// "0-99", "0..99" or a single "12". Throws UsageError that begins with `place`.
+FrameRange parse_frame_range(std::string_view text, std::string_view place);
+
+/// The name of the file of each frame of a sequence.
+class FrameNames {
+ public:
+  /// `pattern` holds "####" (zero-padded to as many digits), "%d" or "%04d" in its file name; otherwise the number
+  /// goes before the extension ("out.exr": "out.0007.exr"). Throws UsageError for any other or a second '%' or '#'.
+  explicit FrameNames(const std::filesystem::path& pattern);
+
+  std::filesystem::path operator()(int frame) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string before_;
+  std::string after_;
+  size_t digits_ = 4;
+};
+
+}  // namespace relume::cli

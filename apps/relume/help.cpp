@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "command_line.h"
+
+namespace relume::cli {
+namespace {
+
+constexpr size_t kHelpWidth = 100;  // characters a line
+constexpr size_t kHelpColumn = 30;  // where explanations begin
+
+/// `text` broken between words; all lines but the first are indented to kHelpColumn.
+std::string wrap(std::string_view text) {
+  std::string result;
+  size_t column = kHelpColumn;
+  while (!text.empty()) {
+    const size_t length = std::min(text.find(' '), text.size());
+    if (column > kHelpColumn) {
+      const bool fits = column + 1 + length <= kHelpWidth;
+      result += fits ? " " : "\n" + std::string(kHelpColumn, ' ');
+      column = fits ? column + 1 : kHelpColumn;
+    }
+    result += text.substr(0, length);
+    column += length;
+    text.remove_prefix(std::min(length + 1, text.size()));
+  }
+  return result;
+}
+
+/// "  left      explanation", with the explanation on the next line if `left` is too long.
+std::string row(const std::string& left, std::string_view explanation) {
+  const std::string head = "  " + left;
+  if (head.size() + 2 > kHelpColumn) return fmt::format("{}\n{:{}}{}\n", head, "", kHelpColumn, wrap(explanation));
+  return fmt::format("{:{}}{}\n", head, kHelpColumn, wrap(explanation));
+}
+
+std::string upper_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return result;
+}
+
+/// What stands for the value in help: "N", "X", "a|b", "TEXT"; nothing for booleans.
+std::string value_name(const Setting& setting, std::string_view given) {
+  if (!given.empty()) return std::string(given);
+  if (std::holds_alternative<bool*>(setting.value)) return {};
+  if (std::holds_alternative<int*>(setting.value)) return "N";
+  if (std::holds_alternative<float*>(setting.value)) return setting.traits.unit == "s" ? "DURATION" : "X";
+  if (const auto* choices = std::get_if<ChoiceRef>(&setting.value)) {
+    return fmt::format("{}", fmt::join(choices->names, "|"));
+  }
+  return upper_case(setting.name);
+}
+
+std::string option_row(const Setting& setting, std::string_view given_value_name, char letter) {
+  std::string left = letter != 0 ? fmt::format("-{}, --{}", letter, setting.name) : "--" + setting.name;
+  const std::string value = value_name(setting, given_value_name);
+  if (!value.empty()) left += " " + value;
+  const std::string now = to_string(setting);
+  const bool tells_default = !now.empty() && now != "false";
+  return row(left, tells_default ? fmt::format("{} [{}]", setting.help, now) : std::string(setting.help));
+}
+
+std::string usage_line(const Command& command) {
+  std::string text = fmt::format("relume {}", command.name);
+  for (const Argument& argument : command.arguments) {
+    text += argument.required ? fmt::format(" {}", argument.name) : fmt::format(" [{}]", argument.name);
+  }
+  if (!command.options.empty()) text += " [OPTIONS]";
+  return text;
+}
+
+}  // namespace
+
+std::string help_text(const Command& command) {
+  std::string text = fmt::format("{}\n\nExamples:\n", command.summary);
+  for (const Example& example : command.examples)
+    text += fmt::format("  {}\n      {}\n", example.line, example.meaning);
+  text += fmt::format("\nUsage: {}\n", usage_line(command));
+  if (!command.arguments.empty()) text += "\nArguments:\n";
+  for (const Argument& argument : command.arguments) text += row(std::string(argument.name), argument.help);
+  text += "\nOptions:\n";
+  for (const Option& option : command.options) text += option_row(option.setting, option.value_name, option.letter);
+  text += row("-h, --help", "Show this");
+  for (const SettingGroup& group : command.setting_groups) {
+    text += fmt::format("\n{}:\n", group.title);
+    for (const Setting& setting : group.settings) text += option_row(setting, "", 0);
+  }
+  return text;
+}
+
+std::string overview_text(const std::vector<Command>& commands) {
+  std::string text =
+      "relume renders scenes by path tracing.\n\nExamples:\n"
+      "  relume render cornell -o out.png\n"
+      "  relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth\n"
+      "  relume info scene.glb\n\nUsage: relume COMMAND …\n\nCommands:\n";
+  for (const Command& command : commands) text += row(std::string(command.name), command.summary);
+  text += "\nOptions:\n" + row("-h, --help", "Show this; `relume COMMAND --help` explains a command") +
+          row("--version", "Show the version");
+  return text;
+}
+
+std::vector<Option> verbosity_options(Verbosity& verbosity) {
+  return {
+      {{"quiet", &verbosity.quiet, "Nothing on standard error but warnings and errors"}, "", 'q'},
+      {{"verbose", &verbosity.verbose, "Tell more on standard error"}, "", 'v'},
+  };
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,15 @@
+#include <string>
+#include <vector>
+
+#include "command_line.h"
+
+int main(int argc, char** argv) {
+  using namespace relume::cli;
+  Verbosity verbosity;
+  std::vector<Command> commands = {
+      render_command(verbosity), scenes_command(),   export_command(verbosity), info_command(verbosity),
+      metrics_command(),         settings_command(), devices_command(),
+  };
+  commands.push_back(completion_command(commands));
+  return run_program(commands, {argv + 1, argv + argc});
+}

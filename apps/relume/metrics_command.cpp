@@ -1,0 +1,82 @@
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "console.h"
+#include "io/image.h"
+#include "metrics/metrics.h"
+#include "picture.h"
+#include "reports.h"
+
+namespace relume::cli {
+namespace {
+
+struct MetricsOptions {
+  std::string a;
+  std::string b;
+  bool json = false;
+  std::string flip_map;
+  OutputSettings display{.exposure = 0, .tone_map = ToneMap::none};  ///< as which FLIP sees the pictures
+};
+
+std::string to_text(const Metrics& m) {
+  return fmt::format(
+      "mse      {:.6g}\nrel_mse  {:.6g}\nmae      {:.6g}\nmape     {:.6g}\nflip     {:.6g}\n"
+      "mean_a   {:.6g} {:.6g} {:.6g}\nmean_b   {:.6g} {:.6g} {:.6g}\n",
+      m.mse, m.rel_mse, m.mae, m.mape, m.flip, m.mean_a[0], m.mean_a[1], m.mean_a[2], m.mean_b[0], m.mean_b[1],
+      m.mean_b[2]);
+}
+
+void write_flip_map(const MetricsOptions& options, const Image& a, const Image& b) {
+  const std::vector<float> map = flip_map(tone_map(a, options.display.tone_map, options.display.exposure),
+                                          tone_map(b, options.display.tone_map, options.display.exposure));
+  write_image(options.flip_map, color_map(map, a.width, a.height));
+}
+
+int run_metrics(const MetricsOptions& options) {
+  if (!options.flip_map.empty()) check_picture_file(options.flip_map, {});
+  const Image a = read_image(options.a);
+  const Image b = read_image(options.b);
+  if (a.width != b.width || a.height != b.height) {
+    throw Error(
+        fmt::format("{} has {} x {} pixels, but {} has {} x {}; pictures must have the same size to be compared",
+                    options.a, a.width, a.height, options.b, b.width, b.height));
+  }
+  const Metrics metrics =
+      compute_metrics(a, b, {.tone_map = options.display.tone_map, .exposure = options.display.exposure});
+  if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
+    warn(fmt::format("left out pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
+                     metrics.nonfinite_b, options.b));
+  }
+  if (!options.flip_map.empty()) write_flip_map(options, a, b);
+  std::fputs((options.json ? to_json(metrics) : to_text(metrics)).c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+Command metrics_command() {
+  const auto options = std::make_shared<MetricsOptions>();
+  Command command{
+      .name = "metrics",
+      .summary = "Measure how far a picture is from a reference.",
+      .examples = {{"relume metrics out.exr reference.exr", "MSE, relMSE, MAE, MAPE, FLIP and the means"},
+                   {"relume metrics out.exr reference.exr --json", "the same for scripts"},
+                   {"relume metrics out.exr reference.exr --flip-map flip.png", "where the differences are"}},
+      .arguments = {{"A", &options->a, "Picture"}, {"B", &options->b, "Reference of the same size"}},
+      .options = {{{"json", &options->json, "Print a JSON object"}},
+                  {{"flip-map", &options->flip_map, "Write the FLIP difference of each pixel, as colours"},
+                   "FILE",
+                   0,
+                   Completion::file}},
+      .setting_groups = {},
+      .setting_flags = nullptr,
+      .run = [options] { return run_metrics(*options); },
+  };
+  for (Setting& setting : describe(options->display)) command.options.push_back({setting});
+  return command;
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,90 @@
+#include "picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "film/tone_map.h"
+#include "io/image.h"
+#include "platform.h"
+#include "render/session.h"
+#include "settings/nearest_name.h"
+
+namespace relume::cli {
+namespace {
+
+constexpr std::array<std::string_view, 6> kExtensions = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tga"};
+
+std::string extension_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+void write_layers(const std::filesystem::path& file, const Session& session, const std::vector<std::string>& aovs,
+                  const Metadata& metadata) {
+  const Image image = session.image();
+  ExrFile exr{image.width, image.height, exr_channels(image), metadata};
+  for (const std::string& name : aovs) {
+    for (ExrChannel& channel : session.aov(name)) exr.channels.push_back(std::move(channel));
+  }
+  write_exr(file, exr);
+}
+
+}  // namespace
+
+void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
+  const std::string extension = extension_of(file);
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) {
+    throw UsageError(fmt::format("{}: pictures are written as {}; choose one of these extensions", file.string(),
+                                 fmt::join(kExtensions, ", ")));
+  }
+  if (!aovs.empty() && extension != ".exr") {
+    throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
+  }
+  check_folder_of(file);
+}
+
+void check_folder_of(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path();
+  std::error_code failure;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, failure)) {
+    throw UsageError(fmt::format("{}: the folder {} does not exist; create it first", file.string(), folder.string()));
+  }
+  if (!folder_is_writable(folder.string())) {
+    throw UsageError(
+        fmt::format("{}: the folder cannot be written to; choose another or change its permissions", file.string()));
+  }
+  if (std::filesystem::is_directory(file, failure))
+    throw UsageError(fmt::format("{} is a folder; name a file in it", file.string()));
+}
+
+std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known) {
+  std::vector<std::string> names;
+  while (!text.empty()) {
+    const size_t comma = std::min(text.find(','), text.size());
+    const std::string name(text.substr(0, comma));
+    text.remove_prefix(std::min(comma + 1, text.size()));
+    if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) continue;
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      throw UsageError(fmt::format("--aov: there is no '{}'{}", name, suggestion(name, known)));
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+                   const std::vector<std::string>& aovs, const Metadata& metadata) {
+  const std::string extension = extension_of(file);
+  if (extension == ".exr") return write_layers(file, session, aovs, metadata);
+  const Image image = session.image();
+  write_image(file, extension == ".hdr" ? image : tone_map(image, output.tone_map, output.exposure));
+}
+
+}  // namespace relume::cli

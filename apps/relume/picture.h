@@ -1,0 +1,35 @@
+// Pictures as files: which formats there are, what goes into them, and how they say how they were made.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+
+namespace relume {
+class Session;
+}
+
+namespace relume::cli {
+
+/// check_folder_of(), and throws UsageError unless the extension is one that pictures can be written to and the format
+/// can hold `aovs` if there are any.
+void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
+
+/// Throws UsageError unless the folder of `file` exists and can be written to, and `file` is not a folder itself.
+void check_folder_of(const std::filesystem::path& file);
+
+/// "albedo,normal" in parts. Throws UsageError, with the names that exist, for one that is not in `known`.
+std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known);
+
+/// String attributes of EXR files; names begin with "relume.".
+using Metadata = std::map<std::string, std::string>;
+
+/// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
+/// tone-mapped. Throws Error.
+void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+                   const std::vector<std::string>& aovs, const Metadata& metadata);
+
+}  // namespace relume::cli

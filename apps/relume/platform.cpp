@@ -1,0 +1,86 @@
+#include "platform.h"
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <fstream>
+
+#include "command.h"
+
+namespace relume::cli {
+namespace {
+
+// The handler's only ways out: a lock-free counter and a pipe. Globals, because a handler has no argument of ours.
+std::atomic<int> g_interrupts{0};
+int g_pipe[2] = {-1, -1};
+struct sigaction g_previous_int;
+struct sigaction g_previous_term;
+
+void write_byte(char byte) {
+  if (write(g_pipe[1], &byte, 1) < 0) _exit(kExitInterrupted);
+}
+
+extern "C" void relume_on_interrupt(int) {
+  if (g_interrupts.fetch_add(1) > 0) _exit(kExitInterrupted);
+  write_byte('i');
+}
+
+}  // namespace
+
+bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
+
+int terminal_columns() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+uint64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kibibytes
+}
+
+std::string processor_name() {
+  std::ifstream stream("/proc/cpuinfo");
+  for (std::string line; std::getline(stream, line);) {
+    const size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+bool folder_is_writable(const std::string& folder) {
+  return access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
+}
+
+InterruptGuard::InterruptGuard() {
+  if (pipe2(g_pipe, O_CLOEXEC) != 0) throw Error("no pipe for signals can be opened; close other files");
+  g_interrupts = 0;
+  waiter_ = std::thread([this] {
+    char byte = 0;
+    while (read(g_pipe[0], &byte, 1) < 0) {  // interrupted by another signal
+    }
+    if (byte == 'i') source_.request_stop();
+  });
+  struct sigaction action {};
+  action.sa_handler = relume_on_interrupt;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, &g_previous_int);
+  sigaction(SIGTERM, &action, &g_previous_term);
+}
+
+InterruptGuard::~InterruptGuard() {
+  sigaction(SIGINT, &g_previous_int, nullptr);
+  sigaction(SIGTERM, &g_previous_term, nullptr);
+  write_byte('q');
+  waiter_.join();
+  close(g_pipe[0]);
+  close(g_pipe[1]);
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,41 @@
+// What only the operating system knows. platform.cpp is the program's only file that assumes POSIX and Linux.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+namespace relume::cli {
+
+bool is_terminal(std::FILE* stream);
+/// Width of the terminal on standard error; 80 if it is not known.
+int terminal_columns();
+
+/// The most memory that the process has held so far.
+uint64_t peak_memory_bytes();
+
+/// "AMD EPYC 7B13"; "unknown" where the system does not tell.
+std::string processor_name();
+
+/// Whether a file could be created in the folder (empty: the current one).
+bool folder_is_writable(const std::string& folder);
+
+/// While it lives, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
+/// kExitInterrupted. At most one at a time.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  std::stop_source source_;
+  std::thread waiter_;  ///< requests the stop, which a signal handler may not
+};
+
+}  // namespace relume::cli

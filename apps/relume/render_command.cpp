@@ -1,0 +1,75 @@
+#include <memory>
+
+#include "command.h"
+#include "render/settings.h"
+#include "render_job.h"
+
+namespace relume::cli {
+namespace {
+
+std::vector<Option> declare(RenderOptions& o) {
+  return {
+      {{"output", &o.output, "File to write: .exr or .hdr (linear radiance), .png, .jpg or .tga (tone-mapped)"},
+       "FILE",
+       'o',
+       Completion::file},
+      {{"aov", &o.aov, "Further layers of the EXR, with commas between: albedo,normal,depth,motion,variance …"},
+       "LIST"},
+      {{"frames", &o.frames,
+        "Render these frames of the animation; the number goes into the name of FILE, in place of #### "
+        "or %04d or before the extension"},
+       "A-B"},
+      {{"fps", &o.fps, "Frames a second of --frames", {.min = 0.001, .max = 100000}}},
+      {{"preset", &o.preset, "Named settings; flags override them"}, "NAME", 0, Completion::preset},
+      {{"settings", &o.settings_file, "Settings as JSON, or those that an EXR was rendered with"},
+       "FILE",
+       0,
+       Completion::file},
+      {{"stats", &o.stats, "Write times, counters and memory as JSON"}, "FILE.json", 0, Completion::file},
+      {{"resume", &o.checkpoint, "Continue from this checkpoint if it exists, and keep it up to date"},
+       "FILE.ckpt",
+       0,
+       Completion::file},
+      {{"checkpoint-interval",
+        &o.checkpoint_interval_s,
+        "Time between checkpoints",
+        {.min = 0, .max = 1e8, .unit = "s"}}},
+      {{"display", &o.display, "Show the picture in a running tev viewer; its port is 14158 unless it says otherwise"},
+       "HOST:PORT"},
+  };
+}
+
+}  // namespace
+
+Command render_command(Verbosity& verbosity) {
+  // Both live as long as the command that refers to them.
+  const auto options = std::make_shared<RenderOptions>();
+  const auto defaults = std::make_shared<Settings>();
+  Command command{
+      .name = "render",
+      .summary = "Render a scene to a picture, or an animation to pictures.",
+      .examples =
+          {
+              {"relume render cornell -o out.png", "a built-in scene, 64 samples a pixel"},
+              {"relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth", "linear radiance with layers"},
+              {"relume render scene.glb -o out.exr --error 0.01 --time 10min",
+               "until good enough, ten minutes at most"},
+              {"relume render scene.glb -o out.exr --spp 4096 --resume out.ckpt", "can be interrupted and continued"},
+              {"relume render turntable -o frames/####.png --frames 0-47 --fps 24", "two seconds of an animation"},
+              {"relume render scene.gltf -o out.png --camera Door --env sky.hdr --exposure -1",
+               "another view and light"},
+          },
+      .arguments = {{"SCENE", &options->scene,
+                     "glTF, OBJ, FBX, PLY, DAE or relume JSON file, or a built-in scene "
+                     "(`relume scenes`)",
+                     true, Completion::scene}},
+      .options = declare(*options),
+      .setting_groups = setting_groups(*defaults),
+      .setting_flags = &options->flags,
+      .run = [options, defaults, &verbosity] { return run_render(*options, verbosity); },
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,274 @@
+#include "render_job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "accumulate.h"
+#include "console.h"
+#include "frame_sequence.h"
+#include "io/atomic_file.h"
+#include "io/tev_client.h"
+#include "picture.h"
+#include "platform.h"
+#include "progress.h"
+#include "render/session.h"
+#include "reports.h"
+#include "scene_source.h"
+#include "settings/settings_json.h"
+#include "version.h"
+
+namespace relume::cli {
+namespace {
+
+constexpr double kDisplayInterval_s = 0.5;
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// What is known before the scene is loaded; making it finds most of the mistakes that a user can make.
+struct Plan {
+  std::vector<std::string> aovs;
+  FrameRange frames;
+  std::vector<std::filesystem::path> files;  ///< one a frame
+  SettingSources sources;
+};
+
+Plan make_plan(const RenderOptions& options) {
+  Plan plan;
+  if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
+  plan.aovs = parse_aovs(options.aov, Session::aov_names());
+  check_picture_file(options.output, plan.aovs);
+  if (!options.stats.empty()) check_folder_of(options.stats);
+  if (!options.checkpoint.empty()) check_folder_of(options.checkpoint);
+  plan.files = {options.output};
+  if (!options.frames.empty()) {
+    if (!options.checkpoint.empty()) {
+      throw UsageError(
+          "--resume continues a single picture; continue a sequence with --frames from its first missing frame");
+    }
+    plan.frames = parse_frame_range(options.frames, "--frames");
+    const FrameNames name(options.output);
+    plan.files.clear();
+    for (int frame = plan.frames.first; frame <= plan.frames.last; ++frame) plan.files.push_back(name(frame));
+  }
+  plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
+  resolve(plan.sources);
+  return plan;
+}
+
+/// The picture in a tev viewer, if one was asked for.
+class Display {
+ public:
+  Display(const std::string& address, std::string name) : name_(std::move(name)) {
+    if (!address.empty()) client_ = std::make_unique<TevClient>(parse_tev_address(address));
+  }
+
+  void show(const Session& session) {
+    if (!client_) return;
+    const Image image = session.image();
+    if (!created_) client_->create(name_, image.width, image.height, {"R", "G", "B"});
+    created_ = true;
+    client_->update(name_, image);
+    last_s_ = now_s();
+    if (const std::string notice = client_->take_notice(); !notice.empty()) warn(notice);
+  }
+
+  bool due() const { return client_ && now_s() - last_s_ >= kDisplayInterval_s; }
+
+ private:
+  std::unique_ptr<TevClient> client_;
+  std::string name_;
+  bool created_ = false;
+  double last_s_ = 0;
+};
+
+class RenderJob {
+ public:
+  RenderJob(const RenderOptions& options, const Verbosity& verbosity, Plan plan)
+      : options_(options), verbosity_(verbosity), plan_(std::move(plan)), display_(options.display, options.scene) {}
+
+  int run() {
+    load();
+    const InterruptGuard interrupts;
+    const std::stop_callback answer(interrupts.token(), [this] {
+      tell(verbosity_, fmt::format("{}stopping; interrupt again to abort", is_terminal(stderr) ? "\n" : ""));
+    });
+    StopReason reason = StopReason::samples;
+    for (size_t i = 0; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
+      if (i > 0) session_->set_time(frame_time_s(i));
+      reason = render_picture(i, interrupts.token());
+    }
+    report(reason);
+    return reason == StopReason::interrupted ? kExitInterrupted : kExitDone;
+  }
+
+ private:
+  void load();
+  StopReason render_picture(size_t index, std::stop_token stop);
+  void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
+  void save_checkpoint();
+  void write(size_t index, StopReason reason);
+  Metadata metadata(size_t index) const;
+  void report(StopReason reason) const;
+
+  float frame_time_s(size_t index) const {
+    if (options_.frames.empty()) return scene_time_s_;
+    return scene_time_s_ + static_cast<float>(plan_.frames.first + static_cast<int>(index)) / options_.fps;
+  }
+
+  const RenderOptions& options_;
+  const Verbosity& verbosity_;
+  Plan plan_;
+  Display display_;
+  Settings settings_;
+  float scene_time_s_ = 0;  ///< of frame 0
+  std::optional<Session> session_;
+  std::vector<std::string> written_;
+  double load_s_ = 0;
+  double write_s_ = 0;
+  double last_checkpoint_s_ = 0;
+};
+
+void RenderJob::load() {
+  const double start_s = now_s();
+  Scene scene = open_scene(options_.scene);
+  plan_.sources.scene_json = scene.settings_json;
+  plan_.sources.scene_place = options_.scene;
+  settings_ = resolve(plan_.sources);
+  apply(settings_.scene, scene);
+  warn_all(verbosity_, scene.warnings);
+  load_s_ = now_s() - start_s;
+  tell_more(verbosity_, fmt::format("loaded {} in {:.2f} s", options_.scene, load_s_));
+
+  scene_time_s_ = settings_.render.time_s;
+  settings_.render.time_s = frame_time_s(0);
+  settings_.render.auxiliary = !plan_.aovs.empty();
+  session_.emplace(std::move(scene), settings_.render);
+  for (const std::string& note : session_->notes()) tell(verbosity_, note);
+  tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
+                                    session_->statistics().threads));
+  if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint)) return;
+  session_->load_checkpoint(options_.checkpoint);
+  tell(verbosity_,
+       fmt::format("continues from {} at {} samples a pixel", options_.checkpoint, session_->sample_count()));
+}
+
+StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
+  const StopCriteria criteria = stop_criteria(settings_.stop);
+  const FrameSource source{
+      .render_frame = [this](std::stop_token token) { return session_->render_frame(std::move(token)); },
+      .sample_count = [this] { return session_->sample_count(); },
+      .estimated_error = [this] { return session_->estimated_error(); },
+  };
+  last_checkpoint_s_ = now_s();
+  ProgressPrinter printer(!verbosity_.quiet);
+  const StopReason reason = accumulate(source, criteria, now_s, stop,
+                                       [&](const Accumulation& state) { frame_done(index, state, criteria, printer); });
+  printer.clear();
+  save_checkpoint();
+  display_.show(*session_);
+  write(index, reason);
+  return reason;
+}
+
+void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria,
+                           ProgressPrinter& printer) {
+  const Statistics& statistics = session_->statistics();
+  printer.show(
+      {
+          .label = plan_.files.size() > 1 ? fmt::format("picture {} of {}", index + 1, plan_.files.size()) : "",
+          .samples = state.samples,
+          .samples_wanted = criteria.samples,
+          .fraction = fraction_done(state, criteria),
+          .rays_per_s = statistics.render_s > 0 ? static_cast<double>(statistics.rays) / statistics.render_s : 0,
+          .error = state.error,
+          .remaining_s = remaining_s(state, criteria),
+      },
+      now_s());
+  if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) save_checkpoint();
+  if (display_.due()) display_.show(*session_);
+}
+
+void RenderJob::save_checkpoint() {
+  if (options_.checkpoint.empty()) return;
+  session_->save_checkpoint(options_.checkpoint);
+  last_checkpoint_s_ = now_s();
+}
+
+void RenderJob::write(size_t index, StopReason reason) {
+  const double start_s = now_s();
+  const std::filesystem::path& file = plan_.files[index];
+  write_picture(file, *session_, settings_.output, plan_.aovs, metadata(index));
+  written_.push_back(file.string());
+  write_s_ += now_s() - start_s;
+  const uint32_t samples = session_->sample_count();
+  tell(verbosity_,
+       fmt::format("{} {} with {} sample{} a pixel", reason == StopReason::interrupted ? "interrupted; wrote" : "wrote",
+                   file.string(), samples, samples == 1 ? "" : "s"));
+}
+
+Metadata RenderJob::metadata(size_t index) const {
+  const Statistics& statistics = session_->statistics();
+  Settings settings = settings_;
+  settings.render.time_s = frame_time_s(index);
+  return {
+      {"relume.version", kVersion},
+      {"relume.scene", options_.scene},
+      {"relume.scene_hash", fmt::format("{:016x}", session_->scene_hash())},
+      {"relume.settings", settings_to_json(describe(settings))},
+      {"relume.seed", std::to_string(settings.render.seed)},
+      {"relume.samples_per_pixel", std::to_string(session_->sample_count())},
+      {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s_,
+                                     statistics.build_s, statistics.render_s)},
+  };
+}
+
+void RenderJob::report(StopReason reason) const {
+  const Statistics& statistics = session_->statistics();
+  if (statistics.nonfinite_samples > 0) {
+    warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
+                     format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
+  }
+  tell_more(
+      verbosity_,
+      fmt::format("stopped by {} after {:.2f} s; {} samples, {} rays, {:.1f} Mrays/s, at most {} of memory",
+                  name_of(reason), statistics.render_s, format_count(statistics.samples), format_count(statistics.rays),
+                  static_cast<double>(statistics.rays) * 1e-6 / std::max(statistics.render_s, 1e-9),
+                  format_bytes(peak_memory_bytes())));
+  if (options_.stats.empty()) return;
+  RunReport run{
+      .version = kVersion,
+      .scene = options_.scene,
+      .width = settings_.render.width,
+      .height = settings_.render.height,
+      .samples_per_pixel = session_->sample_count(),
+      .stopped_by = name_of(reason),
+      .estimated_error = session_->estimated_error(),
+      .load_s = load_s_,
+      .build_s = statistics.build_s,
+      .render_s = statistics.render_s,
+      .write_s = write_s_,
+      .samples = statistics.samples,
+      .paths = statistics.paths,
+      .rays = statistics.rays,
+      .nonfinite_samples = statistics.nonfinite_samples,
+      .threads = statistics.threads,
+      .peak_memory_bytes = peak_memory_bytes(),
+      .files = written_,
+      .passes = {},
+  };
+  for (const PassTime& pass : statistics.passes) run.passes.emplace_back(pass.name, pass.seconds);
+  write_file(options_.stats, to_json(run));
+}
+
+}  // namespace
+
+int run_render(const RenderOptions& options, const Verbosity& verbosity) {
+  return RenderJob(options, verbosity, make_plan(options)).run();
+}
+
+}  // namespace relume::cli

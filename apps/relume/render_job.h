@@ -1,0 +1,30 @@
+// What `relume render` was asked to do, and the doing: pictures, checkpoints, statistics.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+
+namespace relume::cli {
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;
+  std::string aov;
+  std::string frames;  ///< empty: a single picture
+  float fps = 24;
+  std::string preset;
+  std::string settings_file;
+  std::string stats;
+  std::string checkpoint;  ///< empty: none
+  float checkpoint_interval_s = 60;
+  std::string display;                                     ///< empty: none
+  std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
+};
+
+/// Returns the exit code. Throws Error, before anything is rendered wherever that can be known.
+int run_render(const RenderOptions& options, const Verbosity& verbosity);
+
+}  // namespace relume::cli

@@ -1,0 +1,42 @@
+// What `render --stats` and `metrics --json` write, as JSON. Numbers that are not finite become null.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace relume {
+struct Metrics;
+}
+
+namespace relume::cli {
+
+/// What a render did.
+struct RunReport {
+  std::string version;
+  std::string scene;
+  int width = 0;
+  int height = 0;
+  uint32_t samples_per_pixel = 0;  ///< of the last picture
+  std::string stopped_by;          ///< "samples", "time", "error", "interrupted"
+  double estimated_error = 0;      ///< of the last picture; infinite below two samples
+  double load_s = 0;
+  double build_s = 0;
+  double render_s = 0;
+  double write_s = 0;
+  uint64_t samples = 0;  ///< all pixels and pictures
+  uint64_t paths = 0;
+  uint64_t rays = 0;
+  uint64_t nonfinite_samples = 0;
+  int threads = 0;
+  uint64_t peak_memory_bytes = 0;
+  std::vector<std::string> files;                      ///< pictures written
+  std::vector<std::pair<std::string, double>> passes;  ///< name and seconds
+};
+
+/// An object with the members' names.
+std::string to_json(const RunReport& report);
+std::string to_json(const Metrics& metrics);
+
+}  // namespace relume::cli

@@ -1,0 +1,47 @@
+#include "reports.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "metrics/metrics.h"
+
+namespace relume::cli {
+namespace {
+
+void expect_in(const std::string& part, const std::string& text) {
+  EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+}
+
+TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
+  RunReport report;
+  report.scene = "a \"quoted\" \xff name";
+  report.rays = uint64_t{1} << 60;
+  report.estimated_error = std::numeric_limits<double>::infinity();
+  report.passes = {{"trace", 1.5}, {"accumulate", 0.25}};
+  const std::string text = to_json(report);
+  for (const char* name :
+       {"load_s", "build_s", "render_s", "samples", "paths", "nonfinite_samples", "threads", "peak_memory_bytes"}) {
+    expect_in(fmt::format("\"{}\": 0", name), text);
+  }
+  expect_in("\"rays\": 1152921504606846976", text);
+  expect_in("\"estimated_error\": null", text);
+  expect_in("\"scene\": \"a \\\"quoted\\\" \xef\xbf\xbd name\"", text);  // U+FFFD for what is not UTF-8
+  expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5", text);
+}
+
+TEST(Reports, MetricsHaveTheNamesThatScriptsRelyOn) {
+  Metrics metrics;
+  metrics.mse = 0.5;
+  metrics.mean_a = {1, 2, 3};
+  const std::string text = to_json(metrics);
+  expect_in("\"mse\": 0.5", text);
+  for (const char* name : {"rel_mse", "mae", "mape", "flip"}) expect_in(fmt::format("\"{}\": 0.0", name), text);
+  expect_in("\"mean_a\": [\n    1.0,\n    2.0,\n    3.0\n  ]", text);
+  expect_in("\"mean_b\"", text);
+}
+
+}  // namespace
+}  // namespace relume::cli

@@ -1,0 +1,27 @@
+#include "scene_source.h"
+
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "io/scene_io.h"
+#include "scene/builtin.h"
+#include "settings/nearest_name.h"
+
+namespace relume::cli {
+
+Scene open_scene(const std::string& name) {
+  if (const BuiltinScene* builtin = find_builtin_scene(name)) return builtin->build();
+  std::error_code failure;
+  if (std::filesystem::exists(name, failure)) return load_scene(name);
+  std::vector<std::string> names;
+  for (const BuiltinScene& builtin : builtin_scenes()) names.emplace_back(builtin.name);
+  const std::string nearest = nearest_name(name, names);
+  throw Error(
+      fmt::format("{}: there is no such file and no built-in scene of that name{}", name,
+                  nearest.empty() ? "; `relume scenes` lists them" : fmt::format("; did you mean '{}'?", nearest)));
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,144 @@
+#include "scene_summary.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "console.h"
+
+namespace relume::cli {
+namespace {
+
+struct Box {
+  Vec3 min{kInfinity};
+  Vec3 max{-kInfinity};
+
+  void add(const Vec3& point) {
+    min = glm::min(min, point);
+    max = glm::max(max, point);
+  }
+};
+
+template <typename T>
+uint64_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+uint64_t geometry_bytes(const Mesh& mesh) {
+  return bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.tangents) + bytes_of(mesh.uv0) +
+         bytes_of(mesh.uv1) + bytes_of(mesh.colors) + bytes_of(mesh.triangles);
+}
+
+std::vector<Box> mesh_boxes(const Scene& scene) {
+  std::vector<Box> boxes(scene.meshes.size());
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    for (const Vec3& position : scene.meshes[i].positions) boxes[i].add(position);
+  }
+  return boxes;
+}
+
+/// Adds the corners of `box` under `matrix`.
+void add_transformed(Box& bounds, const Box& box, const Mat4& matrix) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 point((corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                     (corner & 4) != 0 ? box.max.z : box.min.z);
+    bounds.add(Vec3(matrix * Vec4(point, 1)));
+  }
+}
+
+/// Counts what the nodes place, and where.
+void add_placed(const Scene& scene, SceneSummary& summary) {
+  const std::vector<Box> boxes = mesh_boxes(scene);
+  const std::vector<Mat4> world = world_matrices(scene, 0);
+  Box bounds;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    const std::vector<Mat4> once = {Mat4(1)};
+    const std::vector<Mat4>& instances = node.instances.empty() ? once : node.instances;
+    for (const Index index : node.meshes) {
+      const Mesh& mesh = scene.meshes[static_cast<size_t>(index)];
+      summary.mesh_instances += instances.size();
+      summary.instanced_triangles += instances.size() * mesh.triangles.size();
+      if (mesh.positions.empty()) continue;
+      for (const Mat4& instance : instances)
+        add_transformed(bounds, boxes[static_cast<size_t>(index)], world[i] * instance);
+    }
+  }
+  summary.bounds_min = bounds.min;
+  summary.bounds_max = bounds.max;
+}
+
+std::string environment_text(const Environment& environment) {
+  switch (environment.kind) {
+    case EnvironmentKind::none: break;
+    case EnvironmentKind::constant:
+      return fmt::format("constant {:g}, {:g}, {:g}", environment.color.r, environment.color.g, environment.color.b);
+    case EnvironmentKind::map: return fmt::format("map {} x {}", environment.width, environment.height);
+    case EnvironmentKind::sun_sky: return "sun and sky";
+  }
+  return "none";
+}
+
+std::string camera_text(const Camera& camera, size_t index) {
+  const char* projection = camera.projection == Projection::orthographic ? "orthographic"
+                           : camera.projection == Projection::panoramic  ? "panoramic"
+                           : camera.lens_radius > 0                      ? "thin lens"
+                                                                         : "perspective";
+  return fmt::format("{} {} ({})", index, camera.name.empty() ? "without a name" : camera.name, projection);
+}
+
+std::string vector_text(const Vec3& v) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x, v.y, v.z); }
+
+}  // namespace
+
+SceneSummary summarize(const Scene& scene) {
+  SceneSummary summary;
+  summary.nodes = scene.nodes.size();
+  summary.meshes = scene.meshes.size();
+  summary.materials = scene.materials.size();
+  summary.textures = scene.textures.size();
+  summary.lights = scene.lights.size();
+  for (const Mesh& mesh : scene.meshes) {
+    summary.triangles += mesh.triangles.size();
+    summary.geometry_bytes += geometry_bytes(mesh);
+  }
+  for (const Material& material : scene.materials) {
+    if (material.emission != Rgb(0)) ++summary.emissive_materials;
+  }
+  for (const Texture& texture : scene.textures) summary.texture_bytes += bytes_of(texture.texels);
+  summary.texture_bytes += bytes_of(scene.environment.map);
+  for (size_t i = 0; i < scene.cameras.size(); ++i) summary.cameras.push_back(camera_text(scene.cameras[i], i));
+  summary.animation_s = animation_end(scene);
+  summary.environment = environment_text(scene.environment);
+  summary.warnings = scene.warnings;
+  add_placed(scene, summary);
+  return summary;
+}
+
+std::string to_text(const SceneSummary& s) {
+  std::string text;
+  const auto line = [&](std::string_view name, const std::string& value) {
+    text += fmt::format("{:13} {}\n", name, value);
+  };
+  line("nodes", format_count(s.nodes));
+  line("meshes", fmt::format("{}, placed {} times", format_count(s.meshes), format_count(s.mesh_instances)));
+  line("triangles", fmt::format("{}, as placed {}", format_count(s.triangles), format_count(s.instanced_triangles)));
+  line("materials", fmt::format("{}, of which {} emit", format_count(s.materials), format_count(s.emissive_materials)));
+  line("textures", format_count(s.textures));
+  line("lights", format_count(s.lights));
+  line("environment", s.environment);
+  line("cameras", format_count(s.cameras.size()));
+  for (const std::string& camera : s.cameras) line("", camera);
+  line("animation", s.animation_s > 0 ? fmt::format("{:g} s", s.animation_s) : "none");
+  if (s.bounds_min.x <= s.bounds_max.x) {
+    line("bounds", fmt::format("{} to {} m", vector_text(s.bounds_min), vector_text(s.bounds_max)));
+    line("extent", fmt::format("{} m", vector_text(s.bounds_max - s.bounds_min)));
+  }
+  line("memory",
+       fmt::format("{} geometry, {} textures", format_bytes(s.geometry_bytes), format_bytes(s.texture_bytes)));
+  line("warnings", format_count(s.warnings.size()));
+  for (const std::string& warning : s.warnings) line("", warning);
+  return text;
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,100 @@
+// From scene radiance to what a display shows: exposure, then a tone curve.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "core/vec.h"
+#include "io/image.h"
+
+namespace relume {
+
+/// Tone curves. All map linear Rec. 709 in [0, ∞) to display-linear Rec. 709 in [0, 1]; the display's transfer
+/// function (core/srgb.h) comes after.
+enum class ToneMap : int {
+  none,      ///< clamp
+  reinhard,  ///< [Reinhard02 eq. 3]: L/(1+L) on the luminance
+  aces,      ///< [Hill15]: fit of the ACES reference rendering transform and the sRGB output transform
+  agx,       ///< [Sobotka22], default look, with the polynomial of [Wrensch23]
+};
+
+/// Names of the enum's values for settings, in order.
+inline constexpr std::array<std::string_view, 4> kToneMapNames{"none", "reinhard", "aces", "agx"};
+
+/// Largest radiance that the curves see; larger values, infinity included, are white under every curve, and
+/// squares of this one stay finite.
+inline constexpr float kToneMapMax = 1e9f;
+
+namespace detail {
+
+/// NaN and negative values become 0.
+RELUME_HD inline float tone_map_domain(float x) { return x > 0.0f ? (x < kToneMapMax ? x : kToneMapMax) : 0.0f; }
+
+RELUME_HD inline Rgb saturate(const Rgb& c) {
+  return {relume::saturate(c.r), relume::saturate(c.g), relume::saturate(c.b)};
+}
+
+RELUME_HD inline float aces_curve(float v) {
+  return (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
+}
+
+/// [Wrensch23]: least-squares sixth-degree polynomial of AgX's contrast curve over the encoded range [0, 1].
+RELUME_HD inline float agx_contrast(float x) {
+  const float p = ((((15.5f * x - 40.14f) * x + 31.96f) * x - 6.868f) * x + 0.4298f) * x + 0.1191f;
+  return p * x - 0.00232f;
+}
+
+}  // namespace detail
+
+/// Reinhard's global operator on the luminance; keeps the chromaticity until a channel reaches 1.
+RELUME_HD inline Rgb tone_map_reinhard(const Rgb& c) { return detail::saturate(c / (1.0f + luminance(c))); }
+
+/// Into the rendering primaries, Hill's rational fit, and back. Middle grey 0.18 becomes 0.1055.
+RELUME_HD inline Rgb tone_map_aces(const Rgb& c) {
+  // Columns; the first matrix is Rec. 709 → AP1 with RRT desaturation, the second ODT desaturation → Rec. 709.
+  const Mat3 input(0.59719f, 0.07600f, 0.02840f, 0.35458f, 0.90834f, 0.13383f, 0.04823f, 0.01566f, 0.83777f);
+  const Mat3 output(1.60475f, -0.10208f, -0.00327f, -0.53108f, 1.10813f, -0.07276f, -0.07367f, -0.00605f, 1.07602f);
+  const Rgb v = input * c;
+  return detail::saturate(output * Rgb(detail::aces_curve(v.r), detail::aces_curve(v.g), detail::aces_curve(v.b)));
+}
+
+/// Inset matrix, log2 encoding over 16.5 stops, contrast curve, outset matrix. The curve's output is meant for a
+/// display with exponent 2.2, hence the last step back to linear.
+RELUME_HD inline Rgb tone_map_agx(const Rgb& c) {
+  constexpr float kMinEv = -12.47393f;
+  constexpr float kMaxEv = 4.026069f;
+  const Mat3 inset(0.842479062253094f, 0.0423282422610123f, 0.0423756549057051f,  //
+                   0.0784335999999992f, 0.878468636469772f, 0.0784336f,           //
+                   0.0792237451477643f, 0.0791661274605434f, 0.879142973793104f);
+  const Mat3 outset(1.19687900512017f, -0.0528968517574562f, -0.0529716355144438f,  //
+                    -0.0980208811401368f, 1.15190312990417f, -0.0980434501171241f,  //
+                    -0.0990297440797205f, -0.0989611768448433f, 1.15107367264116f);
+  Rgb v = inset * c;
+  for (int i = 0; i < 3; ++i) {
+    const float ev = std::log2(v[i] > 1e-10f ? v[i] : 1e-10f);
+    v[i] = detail::agx_contrast(saturate((ev - kMinEv) / (kMaxEv - kMinEv)));
+  }
+  v = outset * v;
+  for (int i = 0; i < 3; ++i) v[i] = std::pow(saturate(v[i]), 2.2f);
+  return v;
+}
+
+/// `exposure` scales radiance by 2^exposure (stops) first. NaN and negative channels count as 0, infinity as
+/// kToneMapMax. Result in [0, 1], display-linear.
+RELUME_HD inline Rgb tone_map(ToneMap curve, float exposure, const Rgb& radiance) {
+  const float scale = std::exp2(exposure);
+  const Rgb c{detail::tone_map_domain(scale * radiance.r), detail::tone_map_domain(scale * radiance.g),
+              detail::tone_map_domain(scale * radiance.b)};
+  switch (curve) {
+    case ToneMap::reinhard: return tone_map_reinhard(c);
+    case ToneMap::aces: return tone_map_aces(c);
+    case ToneMap::agx: return tone_map_agx(c);
+    case ToneMap::none: break;
+  }
+  return detail::saturate(c);
+}
+
+/// Every pixel tone-mapped; write_image() then stores it as PNG, JPEG or TGA.
+Image tone_map(const Image& image, ToneMap curve, float exposure);
+
+}  // namespace relume

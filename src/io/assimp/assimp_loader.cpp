@@ -1,0 +1,117 @@
+#include "io/assimp/assimp_loader.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <assimp/Importer.hpp>
+
+#include "core/error.h"
+#include "io/assimp/assimp_materials.h"
+#include "io/assimp/assimp_nodes.h"
+#include "io/bytes.h"
+#include "io/scene_io.h"
+
+namespace relume {
+namespace {
+
+constexpr std::array<std::string_view, 7> kExtensions = {"obj", "fbx", "dae", "ply", "stl", "3ds", "off"};
+/// assimp computes sizes in 32 bits.
+constexpr uintmax_t kMaxFileSize = uintmax_t{1} << 31;
+/// Faces that meet at a smaller angle share a smooth normal where a file has none.
+constexpr float kCreaseAngleDeg = 60;
+
+unsigned post_processing(std::string_view extension) {
+  unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
+                   aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices | aiProcess_TransformUVCoords |
+                   aiProcess_FlipUVs;
+  if (extension == "fbx") steps |= aiProcess_GlobalScale;  // centimetres to metres
+  return steps;
+}
+
+void configure(Assimp::Importer& importer) {
+  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseAngleDeg);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+}
+
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  if (!extension.empty()) extension.erase(0, 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+Scene convert(const aiScene* source, const std::string& problem, const std::filesystem::path& base_dir,
+              const std::string& place) {
+  if (!source) {
+    std::string reason = problem.empty() ? "its content is not understood" : problem;
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    throw Error(fmt::format("{}: the file cannot be read: {}", place, reason));
+  }
+  Scene scene;
+  scene.name = std::filesystem::path(place).stem().string();
+  Warnings warnings(place);
+  if (source->mFlags & AI_SCENE_FLAGS_INCOMPLETE) warnings.add("the file is incomplete; what it has is shown");
+  AssimpTextures textures(*source, base_dir, scene, warnings);
+  import_assimp_materials(*source, textures, scene, warnings);
+  textures.finish();
+  mask_transparent_textures(textures, scene);
+  const std::vector<Index> mesh_of = import_assimp_meshes(*source, scene, warnings);
+  import_assimp_nodes(*source, mesh_of, scene, warnings);
+  if (scene.meshes.empty())
+    throw Error(fmt::format("{}: the file has no triangles; check that it is the right one", place));
+  scene.warnings = warnings.take();
+  validate(scene, place);
+  return scene;
+}
+
+/// Runs `read`, which calls assimp, and turns what it throws into an Error.
+template <typename Read>
+Scene guarded(const std::string& place, const std::filesystem::path& base_dir, Read read) {
+  try {
+    Assimp::Importer importer;
+    configure(importer);
+    const aiScene* source = read(importer);
+    return convert(source, importer.GetErrorString(), base_dir, place);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("{}: the file cannot be read: {}", place, error.what()));
+  }
+}
+
+}  // namespace
+
+std::span<const std::string_view> assimp_extensions() { return kExtensions; }
+
+Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place) {
+  return guarded(place, {}, [&](Assimp::Importer& importer) {
+    return importer.ReadFileFromMemory(file.data(), file.size(), post_processing(extension), extension.c_str());
+  });
+}
+
+Scene load_assimp(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
+    throw Error(fmt::format("{}: scene files with extension '{}' are not supported; use gltf, glb, json, {}",
+                            file.string(), extension, fmt::join(kExtensions, ", ")));
+  std::error_code error;
+  const uintmax_t size = std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
+  if (error || !std::filesystem::is_regular_file(file))
+    throw Error(fmt::format("{}: the file does not exist; check its path", file.string()));
+  if (size > kMaxFileSize)
+    throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
+  if (size == 0) throw Error(fmt::format("{}: the file is empty", file.string()));
+  return guarded(file.string(), file.parent_path(), [&](Assimp::Importer& importer) {
+    return importer.ReadFile(file.string(), post_processing(extension));
+  });
+}
+
+}  // namespace relume

@@ -1,0 +1,21 @@
+// Scene files through assimp, from memory.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "scene/scene.h"
+
+namespace relume {
+
+/// Extensions, without dot, that load_assimp() accepts. assimp reads more, but its rarer importers do not check their
+/// input.
+std::span<const std::string_view> assimp_extensions();
+
+/// As load_assimp() for the bytes of a file with `extension`; files beside it (materials, textures) are not found.
+/// Throws Error.
+Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place);
+
+}  // namespace relume

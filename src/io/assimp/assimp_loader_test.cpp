@@ -1,0 +1,215 @@
+#include "io/assimp/assimp_loader.h"
+
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "io/scene_io.h"
+#include "io/testing/scene_files.h"
+
+namespace relume {
+namespace {
+
+using testing::error_of;
+using testing::mentions;
+using testing::SceneFolder;
+using testing::solid_png;
+using testing::to_bytes;
+
+constexpr const char* kQuad =
+    "mtllib a.mtl\nusemtl m\n"
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    "f 1/1 2/2 3/3 4/4\n";
+
+Scene load_obj(const SceneFolder& folder, const std::string& material) {
+  folder.write("a.mtl", "newmtl m\n" + material);
+  return load_scene(folder.write("a.obj", kQuad));
+}
+
+size_t material_of(const Scene& scene) { return static_cast<size_t>(scene.meshes.at(0).material); }
+
+/// World position of a mesh's vertex.
+Vec3 world_position(const Scene& scene, size_t vertex) {
+  const auto world = world_matrices(scene, 0);
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!scene.nodes[i].meshes.empty())
+      return transform_point(world[i],
+                             scene.meshes[static_cast<size_t>(scene.nodes[i].meshes[0])].positions.at(vertex));
+  }
+  return Vec3(kInfinity);
+}
+
+TEST(Assimp, LoadsObjWithTrianglesNormalsAndFlippedTextureCoordinates) {
+  const SceneFolder folder;
+  const Scene scene = load_obj(folder, "Kd 0.1 0.2 0.3\n");
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.positions.size(), 4u);
+  ASSERT_EQ(mesh.normals.size(), 4u);
+  EXPECT_EQ(mesh.normals[0], Vec3(0, 0, 1));
+  for (size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(mesh.uv0[i], Vec2(mesh.positions[i].x, 1 - mesh.positions[i].y));  // v runs down
+  EXPECT_EQ(scene.materials[material_of(scene)].base_color, Rgb(0.1f, 0.2f, 0.3f));
+}
+
+TEST(Assimp, TurnsPhongIntoMetallicRoughness) {
+  const SceneFolder folder;
+  const auto material = [&](const std::string& text) {
+    const Scene scene = load_obj(folder, text);
+    return scene.materials.at(material_of(scene));
+  };
+  const Material matt = material("Kd 0.5 0.5 0.5\nKs 0 0 0\nNs 100\n");
+  EXPECT_EQ(matt.specular, 0.0f);
+  EXPECT_EQ(matt.roughness, 1.0f);
+  EXPECT_EQ(matt.metallic, 0.0f);
+  const Material plastic = material("Kd 0.5 0 0\nKs 0.5 0.5 0.5\nNs 126\n");
+  EXPECT_EQ(plastic.specular, 1.0f);
+  EXPECT_EQ(plastic.metallic, 0.0f);
+  EXPECT_FLOAT_EQ(plastic.roughness, std::sqrt(std::sqrt(2.0f / 128.0f)));
+  const Material metal = material("Kd 0 0 0\nKs 0.9 0.6 0.3\nNs 200\n");
+  EXPECT_EQ(metal.metallic, 1.0f);
+  EXPECT_EQ(metal.base_color, Rgb(0.9f, 0.6f, 0.3f));
+  const Material pbr = material("Kd 0.5 0.6 0.7\nPr 0.25\nPm 0.75\n");
+  EXPECT_EQ(pbr.base_color, Rgb(0.5f, 0.6f, 0.7f));
+  EXPECT_EQ(pbr.roughness, 0.25f);
+  EXPECT_EQ(pbr.metallic, 0.75f);
+  const Material lamp = material("Kd 0 0 0\nKe 3 4 5\n");
+  EXPECT_EQ(lamp.emission, Rgb(3, 4, 5));
+  const Material veil = material("Kd 1 1 1\nd 0.25\n");
+  EXPECT_EQ(veil.alpha, 0.25f);
+  EXPECT_EQ(veil.alpha_mode, AlphaMode::blend);
+}
+
+TEST(Assimp, MergesOpacityIntoTheColourTexture) {
+  const SceneFolder folder;
+  folder.write("color.png", solid_png(2, 2, 10, 20, 30, 255));
+  folder.write("holes.png", solid_png(4, 4, 0, 0, 0, 255));
+  const Scene scene = load_obj(folder, "Kd 1 1 1\nmap_Kd color.png\nmap_d holes.png\n");
+  const Material& m = scene.materials[material_of(scene)];
+  EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
+  const Texture& texture = scene.textures.at(static_cast<size_t>(m.base_color_texture.texture));
+  EXPECT_EQ(texture.width, 4);
+  EXPECT_EQ(texture.format, PixelFormat::rgba8_srgb);
+  EXPECT_EQ(std::to_integer<int>(texture.texels[0]), 10);
+  EXPECT_EQ(std::to_integer<int>(texture.texels[3]), 0);
+}
+
+TEST(Assimp, MasksColourTexturesWithHoles) {
+  const SceneFolder folder;
+  folder.write("leaf.png", solid_png(2, 2, 10, 20, 30, 0));
+  const Scene scene = load_obj(folder, "Kd 1 1 1\nmap_Kd leaf.png\n");
+  EXPECT_EQ(scene.materials[material_of(scene)].alpha_mode, AlphaMode::mask);
+}
+
+TEST(Assimp, PacksRoughnessAndMetalness) {
+  const SceneFolder folder;
+  folder.write("r.png", solid_png(2, 2, 100, 0, 0, 255));
+  folder.write("m.png", solid_png(2, 2, 200, 0, 0, 255));
+  const Scene scene = load_obj(folder, "Kd 1 1 1\nPr 1\nPm 1\nmap_Pr r.png\nmap_Pm m.png\n");
+  const TextureRef& ref = scene.materials[material_of(scene)].metallic_roughness_texture;
+  ASSERT_TRUE(ref.used());
+  const Texture& texture = scene.textures[static_cast<size_t>(ref.texture)];
+  EXPECT_EQ(texture.format, PixelFormat::rgba8_linear);
+  EXPECT_EQ(std::to_integer<int>(texture.texels[1]), 100);
+  EXPECT_EQ(std::to_integer<int>(texture.texels[2]), 200);
+}
+
+TEST(Assimp, ReplacesMissingTexturesAndTellsHeightFromNormalMaps) {
+  const SceneFolder folder;
+  folder.write("grey.png", solid_png(2, 2, 90, 90, 90, 255));
+  folder.write("normal.png", solid_png(2, 2, 120, 130, 250, 255));
+  const Scene height = load_obj(folder, "Kd 1 1 1\nmap_Kd C:\\nowhere\\missing.png\nmap_Bump grey.png\n");
+  EXPECT_TRUE(mentions(height.warnings, "missing.png"));
+  EXPECT_TRUE(mentions(height.warnings, "height maps"));
+  const Scene normal = load_obj(folder, "Kd 1 1 1\nmap_Bump normal.png\n");
+  const TextureRef& ref = normal.materials[material_of(normal)].normal_texture;
+  ASSERT_TRUE(ref.used());
+  EXPECT_EQ(std::to_integer<int>(normal.textures[static_cast<size_t>(ref.texture)].texels[2]), 250);
+}
+
+TEST(Assimp, LoadsPlyWithVertexColours) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int "
+      "vertex_indices\n"
+      "end_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n";
+  const Scene scene = load_assimp_from_memory(to_bytes(ply), "ply", "a.ply");
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
+  ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].colors[1], Vec4(0, 1, 0, 1));
+}
+
+TEST(Assimp, LoadsStlAndOff) {
+  const std::string stl =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\nendloop\nendfacet\nendsolid "
+      "a\n";
+  EXPECT_EQ(load_assimp_from_memory(to_bytes(stl), "stl", "a.stl").meshes.at(0).triangles.size(), 1u);
+  const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(load_assimp_from_memory(to_bytes(off), "off", "a.off").meshes.at(0).positions.size(), 3u);
+}
+
+TEST(Assimp, ConvertsColladaUnitsAxesLightsAndCameras) {
+  const std::string dae = R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_cameras><camera id="c" name="cam"><optics><technique_common><perspective><yfov>40</yfov><aspect_ratio>2</aspect_ratio><znear>1</znear><zfar>100</zfar></perspective></technique_common></optics></camera></library_cameras>
+<library_lights><light id="l" name="lamp"><technique_common><point><color>2 3 4</color></point></technique_common></light></library_lights>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="9">0 0 100 100 0 100 0 100 100</float_array><technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
+<node id="cn" name="cn"><instance_camera url="#c"/></node><node id="ln" name="ln"><instance_light url="#l"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+  const Scene scene = load_assimp_from_memory(to_bytes(dae), "dae", "a.dae");
+  // (0, 0, 100) cm with Z up is 1 m high with Y up.
+  EXPECT_NEAR(glm::distance(world_position(scene, 0), Vec3(0, 1, 0)), 0, 1e-6);
+  ASSERT_EQ(scene.cameras.size(), 1u);
+  EXPECT_NEAR(scene.cameras[0].fov_y_rad, 40 * kPi / 180, 1e-3);  // converted to the horizontal angle and back
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.lights[0].intensity, Rgb(2, 3, 4));
+}
+
+/// ASCII FBX of a triangle at (0, 0, 100) … with this up axis (1: Y, 2: Z), in centimetres.
+std::string fbx(int up_axis) {
+  const std::string up = std::to_string(up_axis);
+  const std::string front = up_axis == 2 ? "1" : "2";
+  const std::string sign = up_axis == 2 ? "-1" : "1";
+  return "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n FBXVersion: 7400\n}\n"
+         "GlobalSettings: {\n Version: 1000\n Properties70: {\n"
+         "  P: \"UpAxis\", \"int\", \"Integer\", \"\"," +
+         up +
+         "\n  P: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\n"
+         "  P: \"FrontAxis\", \"int\", \"Integer\", \"\"," +
+         front + "\n  P: \"FrontAxisSign\", \"int\", \"Integer\", \"\"," + sign +
+         "\n"
+         "  P: \"CoordAxis\", \"int\", \"Integer\", \"\",0\n  P: \"CoordAxisSign\", \"int\", \"Integer\", \"\",1\n"
+         "  P: \"UnitScaleFactor\", \"double\", \"Number\", \"\",1\n }\n}\n"
+         "Objects: {\n Geometry: 1, \"Geometry::g\", \"Mesh\" {\n  Vertices: *9 {\n   a: 0,0,100,100,0,100,0,100,100\n "
+         " }\n"
+         "  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n  GeometryVersion: 124\n }\n"
+         " Model: 2, \"Model::m\", \"Mesh\" {\n  Version: 232\n }\n}\n"
+         "Connections: {\n C: \"OO\",2,0\n C: \"OO\",1,2\n}\n";
+}
+
+TEST(Assimp, ConvertsFbxUnitsAndAxes) {
+  const Scene y_up = load_assimp_from_memory(to_bytes(fbx(1)), "fbx", "a.fbx");
+  EXPECT_NEAR(glm::distance(world_position(y_up, 0), Vec3(0, 0, 1)), 0, 1e-6);
+  const Scene z_up = load_assimp_from_memory(to_bytes(fbx(2)), "fbx", "a.fbx");
+  EXPECT_NEAR(glm::distance(world_position(z_up, 0), Vec3(0, 1, 0)), 0, 1e-6);
+}
+
+TEST(Assimp, RefusesWhatItCannotRead) {
+  const SceneFolder folder;
+  EXPECT_NE(error_of([&] { load_scene(folder.path() / "missing.obj"); }).find("does not exist"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_scene(folder.write("a.xyz", "1")); }).find("extension 'xyz'"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_scene(folder.write("e.obj", "")); }).find("empty"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_scene(folder.write("c.obj", "# nothing\n\n\n\n\n\n\n\n\n")); }), "");
+  EXPECT_NE(error_of([&] { load_scene(folder.path()); }), "");
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,115 @@
+#include "io/atomic_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <random>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace relume {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reason"; }
+
+/// A name beside `target` that no other writer uses; hidden, so that globs like *.exr pass it by.
+fs::path temporary_name(const fs::path& target) {
+  std::random_device random;
+  const uint64_t tag = (static_cast<uint64_t>(random()) << 32) | random();
+  return target.parent_path() / fmt::format(".{}.{:016x}.tmp", target.filename().string(), tag);
+}
+
+/// Where the bytes finally go: the end of a chain of symbolic links, existing or not.
+fs::path resolve(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_symlink(file, ignored)) return file;
+  const fs::path resolved = fs::weakly_canonical(file, ignored);
+  return resolved.empty() ? file : resolved;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const fs::path& target) : target_(resolve(target)) {
+  std::error_code ignored;
+  if (target_.filename().empty() || fs::is_directory(target_, ignored))
+    throw Error(fmt::format("{}: this is a folder; give the name of a file in it", target.string()));
+  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored))
+    throw Error(fmt::format("{}: the folder {} does not exist; create it first", target.string(), folder.string()));
+  const bool direct = fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored);
+  if (!direct) temporary_ = temporary_name(target_);
+  errno = 0;
+  stream_.open(direct ? target_ : temporary_, std::ios::binary | std::ios::trunc);
+  if (!stream_) {
+    const std::string why = reason();
+    temporary_.clear();
+    throw Error(
+        fmt::format("{}: cannot be written ({}); check the permissions of {}", target.string(), why, folder.string()));
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (temporary_.empty()) return;
+  stream_.close();
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+  stream_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+void AtomicFile::commit() {
+  errno = 0;
+  stream_.close();
+  if (!stream_) throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(), reason()));
+  if (temporary_.empty()) return;
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error)
+    throw Error(fmt::format("{}: cannot be replaced ({}); choose another name", target_.string(), error.message()));
+  temporary_.clear();
+}
+
+void write_file(const fs::path& file, std::string_view contents) {
+  AtomicFile out(file);
+  out.stream().write(contents.data(), static_cast<std::streamsize>(contents.size()));
+  out.commit();
+}
+
+std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) throw Error(fmt::format("{}: there is no such file; check its name", file.string()));
+  if (fs::is_directory(status)) throw Error(fmt::format("{}: this is a folder; name a file", file.string()));
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(fmt::format("{}: cannot be opened ({}); check its permissions", file.string(), reason()));
+  std::vector<std::byte> bytes;
+  if (fs::is_regular_file(status)) {
+    const uint64_t size = fs::file_size(file, error);
+    if (!error && size <= max_bytes) bytes.reserve(size);
+  } else {
+    max_bytes = std::min(max_bytes, uint64_t{1} << 30);  // devices may never end
+  }
+  // Read in blocks: the size of a pipe is unknown, and a file may grow while it is read.
+  std::vector<char> block(size_t{1} << 20);
+  while (in) {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    const auto count = static_cast<size_t>(in.gcount());
+    if (bytes.size() + count > max_bytes)
+      throw Error(
+          fmt::format("{}: larger than {} bytes, the most that is read; use a smaller file", file.string(), max_bytes));
+    const auto* begin = reinterpret_cast<const std::byte*>(block.data());
+    bytes.insert(bytes.end(), begin, begin + count);
+  }
+  if (in.bad()) throw Error(fmt::format("{}: reading failed ({}); check the device", file.string(), reason()));
+  return bytes;
+}
+
+}  // namespace relume

@@ -1,0 +1,79 @@
+#include "io/atomic_file.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "io/temp_folder.h"
+
+namespace relume {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  const auto bytes = read_file(file);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST(AtomicFile, AppearsOnlyOnCommit) {
+  const TempFolder folder;
+  {
+    AtomicFile file(folder / "a.txt");
+    file.stream() << "hello";
+    EXPECT_FALSE(fs::exists(folder / "a.txt"));
+    file.commit();
+  }
+  EXPECT_EQ(text_of(folder / "a.txt"), "hello");
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(AtomicFile, WithoutCommitTheOldFileStaysAndNothingElse) {
+  const TempFolder folder;
+  write_file(folder / "a.txt", "old");
+  {
+    AtomicFile file(folder / "a.txt");
+    file.stream() << "new";
+  }
+  EXPECT_EQ(text_of(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(AtomicFile, ReplacesAndFollowsLinks) {
+  const TempFolder folder;
+  write_file(folder / "target.txt", "old");
+  fs::create_symlink(folder / "target.txt", folder / "link.txt");
+  write_file(folder / "link.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.txt"));
+  EXPECT_EQ(text_of(folder / "target.txt"), "new");
+}
+
+TEST(AtomicFile, WritesDevicesDirectly) {
+  if (!fs::is_character_file("/dev/null")) GTEST_SKIP() << "no /dev/null here";
+  write_file("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(AtomicFile, ReportsAFullDisk) {
+  if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THROW(write_file("/dev/full", "x"), Error);
+}
+
+TEST(AtomicFile, MissingFolderAndFolderAsFileAreErrors) {
+  const TempFolder folder;
+  EXPECT_THROW(AtomicFile(folder / "missing" / "a.txt"), Error);
+  EXPECT_THROW(AtomicFile(folder / ""), Error);
+  EXPECT_THROW(read_file(folder / "missing.txt"), Error);
+  EXPECT_THROW(read_file(folder / ""), Error);
+}
+
+TEST(ReadFile, RefusesFilesAboveTheLimit) {
+  const TempFolder folder;
+  write_file(folder / "a.txt", "12345");
+  EXPECT_EQ(read_file(folder / "a.txt", 5).size(), 5u);
+  EXPECT_THROW(read_file(folder / "a.txt", 4), Error);
+}
+
+}  // namespace
+}  // namespace relume

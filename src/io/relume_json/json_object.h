@@ -1,0 +1,56 @@
+// Strict access to a JSON object: every mistake of its author becomes an Error that names file, place and remedy.
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/vec.h"
+
+namespace relume {
+
+class JsonObject {
+ public:
+  /// `path` is where `value` stands in the file ("camera", "lights[2]"; empty: the whole file). `value` must outlive
+  /// this. Throws Error if it is not an object or has a key that is not among `valid_keys`; empty: any key.
+  JsonObject(const nlohmann::json& value, std::string path, std::string place,
+             std::initializer_list<std::string_view> valid_keys);
+
+  bool has(const char* key) const;
+  const nlohmann::json& at(const char* key) const;
+  std::vector<std::string> keys() const;
+
+  /// Values at `key`; each throws Error if it is there but of another type, or not within [low, high].
+  float number(const char* key, float fallback, float low, float high) const;
+  bool boolean(const char* key, bool fallback) const;
+  std::string string(const char* key, const std::string& fallback) const;
+  Vec3 vec3(const char* key, const Vec3& fallback) const;
+  /// A list of three numbers ≥ 0, or one number for all three.
+  Rgb rgb(const char* key, const Rgb& fallback) const;
+  /// Index of the string at `key` in `names`.
+  int choice(const char* key, int fallback, std::initializer_list<std::string_view> names) const;
+
+  JsonObject object(const char* key, std::initializer_list<std::string_view> valid_keys) const;
+  /// The objects of the list at `key`; empty if there is none.
+  std::vector<JsonObject> objects(const char* key, std::initializer_list<std::string_view> valid_keys) const;
+
+  /// Throws Error unless `key` is there.
+  void require(const char* key) const;
+  [[noreturn]] void fail(const std::string& problem) const;
+  /// "camera.eye"
+  std::string path_of(const std::string& key) const;
+
+ private:
+  [[noreturn]] void wrong_type(const char* key, const char* wanted) const;
+
+  const nlohmann::json* value_;
+  std::string path_;
+  std::string place_;
+};
+
+}  // namespace relume

@@ -1,0 +1,28 @@
+// Decoding through stb_image, with what may reach it narrowed down to the formats that relume documents.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace relume::detail {
+
+enum class ImageFormat { exr, hdr, png, jpeg, bmp, tga };
+
+/// By the first bytes. Throws Error for everything else (GIF, PSD, WebP, KTX2 …), naming what was recognised.
+ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::string& name);
+
+/// Samples as stored: one of the vectors is filled, tightly packed, row by row from the top.
+struct DecodedPixels {
+  int width = 0;
+  int height = 0;
+  std::vector<uint8_t> rgba8;
+  std::vector<uint16_t> rgba16;  ///< PNG with 16 bits a channel
+};
+
+/// Decodes PNG, JPEG, BMP or TGA. Grey is replicated, missing alpha is opaque. Throws Error.
+DecodedPixels decode_with_stb(std::span<const std::byte> bytes, ImageFormat format, const std::string& name);
+
+}  // namespace relume::detail

@@ -1,0 +1,66 @@
+// How far an image is from a reference.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "film/tone_map.h"
+#include "io/image.h"
+#include "metrics/flip.h"
+
+namespace relume {
+
+/// Throws Error unless both images have the same size, and at least one pixel.
+void check_same_size(const Image& a, const Image& b);
+
+/// Added to the denominators of relative errors, so that black references do not decide them.
+inline constexpr double kRelativeEpsilon = 0.01;
+
+/// Means over all pixels and over R, G and B of linear values: image a against reference b. Pixels with a channel that
+/// is not finite in either image are left out and counted.
+struct Metrics {
+  double mse = 0;       ///< (a - b)²
+  double rel_mse = 0;   ///< (a - b)² / (b² + 0.01)
+  double mae = 0;       ///< |a - b|
+  double mape = 0;      ///< |a - b| / (|b| + 0.01)
+  double flip = 0;      ///< mean of flip_map() after exposure and tone mapping, [0, 1]
+  double hdr_flip = 0;  ///< mean of hdr_flip_map(), [0, 1]; 0 unless asked for
+  std::array<double, 3> mean_a{};
+  std::array<double, 3> mean_b{};
+  uint64_t pixels = 0;       ///< compared
+  uint64_t nonfinite_a = 0;  ///< pixels
+  uint64_t nonfinite_b = 0;
+};
+
+struct MetricOptions {
+  ToneMap tone_map = ToneMap::none;  ///< how FLIP's viewer sees the images
+  float exposure = 0;                ///< stops
+  float pixels_per_degree = kDefaultPixelsPerDegree;
+  bool hdr_flip = false;  ///< costs about ten times as much as the rest
+};
+
+/// The result does not depend on the number of threads. Throws Error if the sizes differ or no pixel is finite in both.
+Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& options = {});
+
+/// Relative difference of block means, per channel: (mean a - mean b) / max(mean b, 0.001 · mean of all of b).
+struct BlockDifferences {
+  int columns = 0;
+  int rows = 0;
+  std::vector<Rgb> relative;  ///< columns · rows, row by row
+  double max_abs = 0;         ///< over blocks and channels
+  double rms = 0;
+};
+
+/// Blocks of `size`² pixels; those at the right and bottom border may be smaller. Throws Error like compute_metrics().
+BlockDifferences block_differences(const Image& a, const Image& b, int size = 16);
+
+/// Values in [0, 1] as colours from black over purple and orange to light yellow (the magma map of matplotlib);
+/// display-linear, ready for write_image(). NaN is shown green.
+Image color_map(std::span<const float> values, int width, int height);
+
+/// Per-pixel mean over the channels of (a - b)² / (b² + 0.01), for color_map().
+std::vector<float> relative_error_map(const Image& a, const Image& b);
+
+}  // namespace relume

@@ -1,0 +1,57 @@
+#include "render/render_settings.h"
+
+#include <utility>
+
+namespace relume {
+namespace {
+
+void append(SettingList& list, SettingList more) {
+  for (Setting& setting : more) list.push_back(std::move(setting));
+}
+
+}  // namespace
+
+SettingList describe_picture(RenderSettings& s) {
+  return {
+      {"width", &s.width, "Width of the picture", {.min = 1, .max = 32768, .unit = "pixels"}},
+      {"height", &s.height, "Height of the picture", {.min = 1, .max = 32768, .unit = "pixels"}},
+      {"camera", &s.camera, "Name or index (from 0) of the scene's camera; empty: the first"},
+      {"scene-time", &s.time_s, "Time of the animation that is shown", {.min = 0, .max = 1e6, .unit = "s"}},
+      {"seed", &s.seed, "Another seed gives independent noise; the same seed gives the same bits", {.min = 0}},
+      {"threads",
+       &s.threads,
+       "Worker threads; 0: one for each core; the picture does not depend on it",
+       {.min = 0, .max = 1024, .resets_history = false}},
+  };
+}
+
+SettingList describe_slots(RenderSettings& s) {
+  return {
+      {"estimator", choice(s.estimator, {"path"}), "How light is transported: path tracing with next event estimation"},
+      {"lights", choice(s.lights, {"uniform", "power"}),
+       "Which light a vertex samples: each alike, or in proportion to its power"},
+      {"guide", choice(s.guide, {"bsdf"}), "Which direction a path takes: in proportion to the material's reflection"},
+      {"cache", choice(s.cache, {"none"}), "Radiance cache that stands in for long paths"},
+      {"allocation", choice(s.allocation, {"uniform"}), "Paths a pixel gets in a frame: one each"},
+      {"history", choice(s.history, {"accumulate"}),
+       "What earlier frames contribute: the mean of all since the last change"},
+      {"denoise", choice(s.denoise, {"none"}), "Filter over the finished picture"},
+  };
+}
+
+SettingList describe_transport(RenderSettings& s) {
+  SettingList list = with_prefix("path", describe(s.path));
+  for (Setting& setting : list) {
+    if (setting.name == "path.max-bounces") setting.name = "max-bounces";
+  }
+  return list;
+}
+
+SettingList describe(RenderSettings& settings) {
+  SettingList list = describe_picture(settings);
+  append(list, describe_slots(settings));
+  append(list, describe_transport(settings));
+  return list;
+}
+
+}  // namespace relume

@@ -1,0 +1,131 @@
+#include "render/settings.h"
+
+#include <filesystem>
+#include <initializer_list>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "io/image.h"
+#include "render/presets.h"
+#include "settings/nearest_name.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+SettingList concatenate(std::initializer_list<SettingList> lists) {
+  SettingList result;
+  for (const SettingList& list : lists) result.insert(result.end(), list.begin(), list.end());
+  return result;
+}
+
+/// Pictures say how they were made; that can be repeated.
+void apply_image_settings(const SettingList& list, const std::string& file) {
+  const ExrFile exr = read_exr(file);
+  const auto attribute = exr.attributes.find("relume.settings");
+  if (attribute == exr.attributes.end()) {
+    throw Error(file +
+                ": the picture has no attribute 'relume.settings'; only EXR files that relume wrote carry settings");
+  }
+  settings_from_json(list, attribute->second, file);
+}
+
+}  // namespace
+
+SettingList describe(SceneOverrides& s) {
+  return {
+      {"env", &s.env,
+       "Environment in place of the scene's: radiance R,G,B, or none, or an EXR or HDR file (equirectangular); empty: "
+       "the scene's"}};
+}
+
+SettingList describe(StopSettings& s) {
+  return {
+      {"spp",
+       &s.spp,
+       "Samples a pixel; 0: 64, or no limit if time or error sets one",
+       {.min = 0, .max = 1 << 30, .resets_history = false}},
+      {"time",
+       &s.time_s,
+       "Render time after which no further sample begins (10s, 500ms, 2min); 0: no limit",
+       {.min = 0, .max = 1e8, .unit = "s", .resets_history = false}},
+      {"error",
+       &s.error,
+       "Estimated relative error of the picture at which to stop, such as 0.02; 0: no limit",
+       {.min = 0, .max = 1e6, .resets_history = false}},
+  };
+}
+
+SettingList describe(OutputSettings& s) {
+  return {
+      {"exposure",
+       &s.exposure,
+       "Brightness of PNG and JPEG files and displays: radiance times 2 to this power",
+       {.min = -64, .max = 64, .unit = "stops", .resets_history = false}},
+      {"tone-map",
+       choice(s.tone_map, {kToneMapNames.begin(), kToneMapNames.end()}),
+       "How PNG and JPEG files and displays map radiance to [0, 1]; none: clip",
+       {.resets_history = false}},
+  };
+}
+
+std::vector<SettingGroup> setting_groups(Settings& s) {
+  return {
+      {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)})},
+      {"When to stop", "Whichever comes first.", describe(s.stop)},
+      {"Light transport", "Of the path estimator; `--max-bounces` holds for every estimator.",
+       describe_transport(s.render)},
+      {"Slots", "One technique each; any combination that has a meaning runs.", describe_slots(s.render)},
+      {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
+  };
+}
+
+SettingList describe(Settings& settings) { return flatten(setting_groups(settings)); }
+
+std::string settings_reference() {
+  Settings defaults;
+  std::string text =
+      "# Settings\n\n"
+      "<!-- Made by `relume settings --markdown` from the declarations in the code; a test compares. -->\n\n"
+      "Every setting is a flag (`relume render scene.glb --max-bounces 4`), a key in settings files\n"
+      "(`--settings file.json` with `{\"max-bounces\": 4}`) and part of the metadata of every EXR. What comes later "
+      "wins:\n"
+      "defaults, settings in the scene file, `--preset`, `--settings`, flags. `--settings picture.exr` takes the "
+      "settings\n"
+      "that an EXR was rendered with. Flags that are true or false are switched by `--name` and `--no-name`.\n\n"
+      "*Resets*: a change drops what earlier frames have accumulated. *Biases*: some values change the expected "
+      "picture.\n";
+  text += settings_to_markdown(setting_groups(defaults));
+  text += "\n## Presets\n\n| `--preset` | what for | settings |\n|---|---|---|\n";
+  for (const Preset& preset : presets()) {
+    Settings changed;
+    settings_from_json(describe(changed), preset.json, preset.name);
+    std::string values;
+    for (const Setting* setting : differing_settings(describe(changed), describe(defaults))) {
+      values += fmt::format("{}`--{} {}`", values.empty() ? "" : " ", setting->name, to_string(*setting));
+    }
+    text += fmt::format("| `{}` | {} | {} |\n", preset.name, preset.summary, values);
+  }
+  return text;
+}
+
+Settings resolve(const SettingSources& sources) {
+  Settings settings;
+  const SettingList list = describe(settings);
+  if (!sources.scene_json.empty()) settings_from_json(list, sources.scene_json, sources.scene_place);
+  if (!sources.preset.empty())
+    settings_from_json(list, require_preset(sources.preset).json, "preset " + sources.preset);
+  if (!sources.file.empty()) {
+    const bool picture = std::filesystem::path(sources.file).extension() == ".exr";
+    picture ? apply_image_settings(list, sources.file) : settings_from_file(list, sources.file);
+  }
+  for (const auto& [name, text] : sources.flags) {
+    Setting flag = require_setting(list, name, "--" + name);
+    flag.name.insert(0, "--");  // as the user wrote it, in messages
+    assign(flag, text, "");
+  }
+  return settings;
+}
+
+}  // namespace relume
