@@ -245,7 +245,7 @@ Mesh torus_knot(int p, int q, float radius, float tube_radius, int count_along, 
     for (int i = 0; i <= count_around; ++i) {
       const float u = static_cast<float>(i) / static_cast<float>(count_around);
       const float angle = i == count_around ? 0.0f : 2 * kPi * u;
-      const Vec3 n = std::cos(angle) * b + std::sin(angle) * a;
+      const Vec3 n = unit(std::cos(angle) * b + std::sin(angle) * a);
       add_vertex(mesh, c + tube_radius * n, n, {u, static_cast<float>(j) / static_cast<float>(count_along)});
     }
   }
