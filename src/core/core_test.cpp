@@ -98,12 +98,12 @@ TEST(Octahedral, KeepsDirections) {
 
 TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {
   const Vec3 p(100, -200, 300);
-  const Vec3 error = abs(p) * gamma_bound(5);
+  const float error = max_component(abs(p)) * gamma_bound(5);
   for (const Vec3& n : directions()) {
     const float above = glm::dot(offset_origin(p, error, n, n) - p, n);
     const float below = glm::dot(offset_origin(p, error, n, -n) - p, n);
     // The farthest corner of the box lies at Σ |n_i| error_i; positions of this size round by up to 1.5e-5 a component.
-    const float box = glm::dot(abs(n), error);
+    const float box = glm::dot(abs(n), Vec3(error));
     EXPECT_NEAR(above, box, 3e-5f);
     EXPECT_NEAR(below, -box, 3e-5f);
   }

@@ -6,9 +6,9 @@
 namespace relume {
 
 struct Frame {
-  Vec3 t{1, 0, 0};
-  Vec3 b{0, 1, 0};
-  Vec3 n{0, 0, 1};
+  Vec3 t;
+  Vec3 b;
+  Vec3 n;
 
   RELUME_HD Vec3 to_local(const Vec3& v) const { return {glm::dot(v, t), glm::dot(v, b), glm::dot(v, n)}; }
   RELUME_HD Vec3 to_world(const Vec3& v) const { return v.x * t + v.y * b + v.z * n; }

@@ -30,10 +30,10 @@ struct BsdfSample {
 
 /// Lobes of one surface point, ready for wo.
 struct Bsdf {
-  Lobe lobes[kMaxLobes];
-  int lobe_count = 0;
-  float coat = 0;               ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
-  const EnergyTables* tables = nullptr;
+  Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
+  int lobe_count;
+  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  const EnergyTables* tables;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
   RELUME_HD bool has_coat() const { return coat > 0.0f; }

@@ -22,9 +22,10 @@ namespace bsdf_assembly {
 
 RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfacet) {
   Lobe& lobe = bsdf.lobes[bsdf.lobe_count++];
-  lobe = Lobe{};
   lobe.kind = kind;
   lobe.microfacet = microfacet;
+  lobe.eta = 1.0f;
+  lobe.weight = 1.0f;
   return lobe;
 }
 

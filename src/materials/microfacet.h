@@ -13,8 +13,8 @@ enum class MicrofacetModel : uint8_t { ggx, beckmann };
 inline constexpr float kMinAlpha = 1e-3f;
 
 struct Microfacet {
-  MicrofacetModel model = MicrofacetModel::ggx;
-  float alpha = 0.5f;
+  MicrofacetModel model;
+  float alpha;  ///< roughness, (0, 1]
 
   RELUME_HD bool smooth() const { return alpha < kMinAlpha; }
 

@@ -18,20 +18,20 @@ class Sampler {
     return Sampler(hash(hash(seed, x, y), frame), sample);
   }
 
-  RELUME_HD float next_1d() { return owen_van_der_corput(index_, hash(scramble_ + dimension_++)); }
-  RELUME_HD Vec2 next_2d() { return owen_sobol_2d(index_, hash(scramble_ + dimension_++)); }
+  RELUME_HD float next_1d() { return owen_van_der_corput(reversed_index_, hash(scramble_ + dimension_++)); }
+  RELUME_HD Vec2 next_2d() { return owen_sobol_2d(reversed_index_, hash(scramble_ + dimension_++)); }
 
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
   RELUME_HD void start_dimension(uint32_t dimension) { dimension_ = dimension; }
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
-  RELUME_HD uint32_t ray_id() const { return hash(scramble_, index_, dimension_); }
+  RELUME_HD uint32_t ray_id() const { return hash(scramble_ ^ reversed_index_, dimension_); }
 
  private:
-  RELUME_HD Sampler(uint32_t scramble, uint32_t index) : scramble_(scramble), index_(index) {}
+  RELUME_HD Sampler(uint32_t scramble, uint32_t index) : scramble_(scramble), reversed_index_(reverse_bits(index)) {}
 
   uint32_t scramble_;
-  uint32_t index_;
+  uint32_t reversed_index_;
   uint32_t dimension_ = 0;
 };
 

@@ -37,19 +37,34 @@ RELUME_HD constexpr uint32_t sobol_dimension_1_reversed(uint32_t index) {
   return x;
 }
 
-/// Point `index` of a two-dimensional (0, 2)-sequence chosen by `seed`: shuffled and scrambled as in [Burley20].
-/// Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k.
-RELUME_HD inline Vec2 owen_sobol_2d(uint32_t index, uint32_t seed) {
-  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reverse_bits(index), seed));
-  const uint32_t x = owen_scramble_reversed(shuffled, hash(seed, 1u));
-  const uint32_t y = owen_scramble_reversed(sobol_dimension_1_reversed(shuffled), hash(seed, 2u));
-  return {to_unit_float(reverse_bits(x)), to_unit_float(reverse_bits(y))};
+/// Two words at once.
+RELUME_HD constexpr uint64_t reverse_bits_of_pair(uint32_t low, uint32_t high) {
+  uint64_t x = (static_cast<uint64_t>(high) << 32) | low;
+  x = ((x & 0x5555555555555555ull) << 1) | ((x >> 1) & 0x5555555555555555ull);
+  x = ((x & 0x3333333333333333ull) << 2) | ((x >> 2) & 0x3333333333333333ull);
+  x = ((x & 0x0f0f0f0f0f0f0f0full) << 4) | ((x >> 4) & 0x0f0f0f0f0f0f0f0full);
+  x = ((x & 0x00ff00ff00ff00ffull) << 8) | ((x >> 8) & 0x00ff00ff00ff00ffull);
+  return ((x & 0x0000ffff0000ffffull) << 16) | ((x >> 16) & 0x0000ffff0000ffffull);
 }
 
-/// Point `index` of a scrambled van der Corput sequence chosen by `seed`.
-RELUME_HD inline float owen_van_der_corput(uint32_t index, uint32_t seed) {
-  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reverse_bits(index), seed));
-  return to_unit_float(reverse_bits(owen_scramble_reversed(shuffled, hash(seed, 1u))));
+/// Seeds that differ for the shuffle and the two scrambles of one point set.
+RELUME_HD constexpr uint32_t derived_seed(uint32_t seed, uint32_t which) { return seed * (which == 1 ? 0x85ebca6bu : 0xc2b2ae35u) + which; }
+
+/// Point of a two-dimensional (0, 2)-sequence chosen by `seed` (a well-mixed hash): shuffled and scrambled as in [Burley20].
+/// Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k. Takes the index with its bits
+/// reversed, since a pixel's dimensions all start from that.
+RELUME_HD inline Vec2 owen_sobol_2d(uint32_t reversed_index, uint32_t seed) {
+  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
+  const uint32_t x = owen_scramble_reversed(shuffled, derived_seed(seed, 1));
+  const uint32_t y = owen_scramble_reversed(sobol_dimension_1_reversed(shuffled), derived_seed(seed, 2));
+  const uint64_t point = reverse_bits_of_pair(x, y);
+  return {to_unit_float(static_cast<uint32_t>(point)), to_unit_float(static_cast<uint32_t>(point >> 32))};
+}
+
+/// Point of a scrambled van der Corput sequence chosen by `seed`.
+RELUME_HD inline float owen_van_der_corput(uint32_t reversed_index, uint32_t seed) {
+  const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
+  return to_unit_float(reverse_bits(owen_scramble_reversed(shuffled, derived_seed(seed, 1))));
 }
 
 }  // namespace relume

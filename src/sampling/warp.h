@@ -9,14 +9,23 @@ namespace relume {
 
 // --- Disk ---------------------------------------------------------------------------------------------
 
+/// Sine and cosine for |x| ≤ π/4 by their Taylor series; off by less than 4e-7.
+RELUME_HD inline void sincos_eighth(float x, float* sine, float* cosine) {
+  const float x2 = x * x;
+  *sine = x * (1.0f + x2 * (-1.0f / 6 + x2 * (1.0f / 120 - x2 * (1.0f / 5040))));
+  *cosine = 1.0f + x2 * (-0.5f + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320))));
+}
+
 /// Area-preserving and continuous ([Shirley97]); density 1/π.
 RELUME_HD inline Vec2 disk_from_square(const Vec2& u) {
   const Vec2 o = 2.0f * u - Vec2(1);
   if (o.x == 0.0f && o.y == 0.0f) return {0, 0};
   const bool wide = std::fabs(o.x) > std::fabs(o.y);
   const float r = wide ? o.x : o.y;
-  const float phi = wide ? (kPi / 4) * (o.y / o.x) : (kPi / 2) - (kPi / 4) * (o.x / o.y);
-  return {r * std::cos(phi), r * std::sin(phi)};
+  float sine;
+  float cosine;
+  sincos_eighth((kPi / 4) * (wide ? o.y / o.x : o.x / o.y), &sine, &cosine);
+  return wide ? Vec2(r * cosine, r * sine) : Vec2(r * sine, r * cosine);
 }
 
 RELUME_HD inline float disk_pdf() { return kInvPi; }

@@ -168,11 +168,12 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   tbb::parallel_for(size_t{0}, count, [&](size_t i) {
     Vertex& v = vertices_[first_vertex + i];
     v.position = m.point(mesh.positions[i]);
-    const auto direction = [](const Vec3& d) { return length_squared(d) > 0.0f ? pack_direction(glm::normalize(d)) : pack_direction(Vec3(0, 0, 1)); };
-    v.normal = view.has_normals ? direction(normal_matrix * mesh.normals[i] * orientation) : 0;
+    const auto unit = [](const Vec3& d) { return length_squared(d) > 0.0f ? glm::normalize(d) : Vec3(0, 0, 1); };
+    const Vec3 normal = view.has_normals ? unit(normal_matrix * mesh.normals[i] * orientation) : Vec3(0, 0, 1);
+    const float handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
+    v.normal = pack_normal(normal, handedness);
     v.uv = view.has_uv ? mesh.uv0[i] : Vec2(0);
-    v.tangent = view.has_tangents ? direction(m.vector(Vec3(mesh.tangents[i]))) : 0;
-    v.handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
+    v.tangent = view.has_tangents ? pack_direction(unit(m.vector(Vec3(mesh.tangents[i])))) : 0;
   });
   for (const UVec3& t : mesh.triangles) {
     const UVec3 moved = t + UVec3(first_vertex);

@@ -21,14 +21,31 @@ struct Affine {
   RELUME_HD Vec3 vector(const Vec3& v) const { return linear * v; }
 };
 
-/// 32 bytes, so that a triangle touches at most three cache lines.
-struct Vertex {
+/// A unit normal with 16 bits a component, so that three of them interpolate without a square root; the fourth number is the
+/// handedness of the bitangent.
+struct PackedNormal {
+  int16_t x, y, z, sign;
+
+  RELUME_HD Vec3 unpack() const {
+    constexpr float kScale = 1.0f / 32767.0f;
+    return {static_cast<float>(x) * kScale, static_cast<float>(y) * kScale, static_cast<float>(z) * kScale};
+  }
+  RELUME_HD float handedness() const { return sign < 0 ? -1.0f : 1.0f; }
+};
+
+inline PackedNormal pack_normal(const Vec3& n, float handedness) {
+  const auto quantise = [](float c) { return static_cast<int16_t>(std::lround(clamp(c, -1.0f, 1.0f) * 32767.0f)); };
+  return {quantise(n.x), quantise(n.y), quantise(n.z), static_cast<int16_t>(handedness < 0.0f ? -1 : 1)};
+}
+
+/// 32 bytes, so that a triangle touches three cache lines.
+struct alignas(32) Vertex {
   Vec3 position;
-  uint32_t normal;   ///< octahedral
+  PackedNormal normal;
   Vec2 uv;           ///< first set
   uint32_t tangent;  ///< octahedral; valid if the mesh has tangents
-  float handedness;  ///< of the bitangent, ±1
 };
+static_assert(sizeof(Vertex) == 32);
 
 struct MeshView {
   uint32_t first_triangle = 0;

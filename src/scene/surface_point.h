@@ -6,22 +6,24 @@
 
 namespace relume {
 
+/// Filled by make_surface_point; has no defaults for the reason that Lobe has none.
 struct SurfacePoint {
-  Vec3 position{0};
-  float position_error = 0;   ///< bound on the rounding error of each component, metres
-  Vec3 previous_position{0};  ///< of the same material point one frame ago
-  Vec3 ng{0, 0, 1};           ///< geometric normal, unit, on the side of wo
-  Frame frame;                ///< frame.n is the shading normal, on the side of wo
-  Vec3 wo{0, 0, 1};           ///< unit, towards the viewer
+  Vec3 position;           ///< metres, world space
+  float position_error;    ///< bound on the rounding error of each component, metres
+  Vec3 previous_position;  ///< of the same material point one frame ago
+  Vec3 ng;                 ///< geometric normal, unit, on the side of wo
+  Frame frame;             ///< frame.n is the shading normal, on the side of wo
+  Vec3 wo;                 ///< unit, towards the viewer
+  Vec3 wo_local;           ///< the same in the frame
   Bsdf bsdf;
-  Rgb emission{0};            ///< radiance emitted towards wo
-  LightId light = kNoLight;
-  Vec2 barycentric{0};
-  float footprint = 0;        ///< width of the ray cone, metres
-  uint32_t instance = 0;
-  uint32_t primitive = 0;
-  uint32_t material = 0;
-  bool front_face = true;
+  Rgb emission;            ///< radiance emitted towards wo
+  LightId light;           ///< kNoLight: not an emitter that light selection knows
+  Vec2 barycentric;
+  float footprint;         ///< width of the ray cone, metres
+  uint32_t instance;
+  uint32_t primitive;
+  uint32_t material;
+  bool front_face;
 
   RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
 
@@ -34,12 +36,12 @@ template <bool kReverse = false>
 RELUME_HD inline BsdfEval eval_pdf(const SurfacePoint& sp, const Vec3& wi, TransportMode mode = TransportMode::radiance) {
   const Vec3 wi_local = sp.frame.to_local(wi);
   if (glm::dot(wi, sp.ng) * wi_local.z <= 0.0f) return {};
-  return eval_pdf<kReverse>(sp.bsdf, sp.frame.to_local(sp.wo), wi_local, mode);
+  return eval_pdf<kReverse>(sp.bsdf, sp.wo_local, wi_local, mode);
 }
 
 /// A world direction from the BSDF.
 RELUME_HD inline BsdfSample sample(const SurfacePoint& sp, float u_lobe, const Vec2& u, TransportMode mode = TransportMode::radiance) {
-  BsdfSample s = sample(sp.bsdf, sp.frame.to_local(sp.wo), u_lobe, u, mode);
+  BsdfSample s = sample(sp.bsdf, sp.wo_local, u_lobe, u, mode);
   const float local_z = s.wi.z;
   s.wi = sp.frame.to_world(s.wi);
   if (glm::dot(s.wi, sp.ng) * local_z <= 0.0f) s.valid = false;

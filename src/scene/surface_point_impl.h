@@ -132,7 +132,7 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
   if (mesh.has_tangents) {
     tangent = interpolate(unpack_direction(t.v[0]->tangent), unpack_direction(t.v[1]->tangent), unpack_direction(t.v[2]->tangent), t.weights);
     if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
-    handedness = t.v[0]->handedness * instance.orientation;
+    handedness = t.v[0]->normal.handedness() * instance.orientation;
   } else {
     const Vec2 d1 = t.v[1]->uv - t.v[0]->uv;
     const Vec2 d2 = t.v[2]->uv - t.v[0]->uv;
@@ -196,7 +196,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
 
   Vec3 ns = front;
   if (mesh.has_normals) {
-    ns = interpolate(unpack_direction(t.v[0]->normal), unpack_direction(t.v[1]->normal), unpack_direction(t.v[2]->normal), t.weights);
+    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
     if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
     const float length = glm::length(ns);
     ns = length > 0.0f ? ns / length : front;
@@ -204,6 +204,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   }
   if (material.normal_texture.used()) ns = mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns);
   sp.frame = make_frame(visible_shading_normal(ns * side, sp.ng, sp.wo));
+  sp.wo_local = sp.frame.to_local(sp.wo);
 
   MaterialSample parameters = sample_material(scene, material, uv, footprint_area);
   if (mesh.has_colors) {
@@ -215,6 +216,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   if (material.unlit) {
     sp.emission = parameters.base_color;
     sp.bsdf.lobe_count = 0;
+    sp.bsdf.coat = 0;
     return;
   }
   if (material.emissive() && (sp.front_face || material.double_sided)) {
@@ -222,7 +224,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
     if (material.emission_texture.used()) sp.emission *= Rgb(fetch(scene, material.emission_texture, uv, footprint_area));
     if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
   }
-  make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, glm::dot(sp.wo, sp.frame.n), sp.front_face);
+  make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
 }
 
 RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {

@@ -24,15 +24,16 @@ inline constexpr int kLobeKindCount = 9;
 /// Which way radiance flows. Refraction scales radiance, not importance ([Veach97], §5.2).
 enum class TransportMode : uint8_t { radiance, importance };
 
+/// No member has a default: a surface point holds several lobes, and clearing them would cost more than a ray.
 struct Lobe {
-  LobeKind kind = LobeKind::lambert;
+  LobeKind kind;
   Microfacet microfacet;
-  float eta = 1;          ///< dielectric: index beyond over index on wo's side
-  Rgb color{0};           ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0{0};              ///< Schlick's Fresnel; covered_lambert: of the cover
-  Rgb f90{0};
-  float weight = 1;       ///< share of the mixture that this lobe stands for
-  float probability = 0;  ///< with which sampling chooses this lobe
+  float eta;          ///< dielectric: index beyond over index on wo's side
+  Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
+  Rgb f0;             ///< Schlick's Fresnel; covered_lambert: of the cover
+  Rgb f90;
+  float weight;       ///< share of the mixture that this lobe stands for
+  float probability;  ///< with which sampling chooses this lobe
 };
 
 /// Value and density of a lobe for one pair of directions.
