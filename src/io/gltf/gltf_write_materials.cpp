@@ -6,23 +6,18 @@
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
+#include "core/srgb.h"
 #include "io/atomic_file.h"
 #include "io/image.h"
 
 namespace relume::gltf {
 namespace {
 
-/// IEC 61966-2-1, both ways.
-float srgb_from_linear(float x) { return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f; }
-float linear_from_srgb(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
-
-std::byte quantized(float x) { return static_cast<std::byte>(std::lround(255 * saturate(x))); }
-
 /// Eight bits a channel, with the RGB channels mapped by `curve`; alpha stays.
 template <typename Curve>
 std::vector<std::byte> mapped(const std::vector<std::byte>& texels, Curve curve) {
   std::array<std::byte, 256> table;
-  for (size_t i = 0; i < 256; ++i) table[i] = quantized(curve(static_cast<float>(i) / 255));
+  for (size_t i = 0; i < 256; ++i) table[i] = std::byte{quantise_unorm8(curve(static_cast<float>(i) / 255))};
   std::vector<std::byte> result(texels.size());
   for (size_t i = 0; i < texels.size(); ++i) result[i] = i % 4 == 3 ? texels[i] : table[static_cast<size_t>(texels[i])];
   return result;
@@ -52,15 +47,16 @@ ExrFile exr_of(const Texture& texture) {
 /// Texels as a PNG stores them for the given use.
 std::vector<std::byte> png_texels(const Texture& texture, bool color) {
   switch (texture.format) {
-    case PixelFormat::rgba8_srgb: return color ? texture.texels : mapped(texture.texels, linear_from_srgb);
-    case PixelFormat::rgba8_linear: return color ? mapped(texture.texels, srgb_from_linear) : texture.texels;
+    case PixelFormat::rgba8_srgb:
+      return color ? texture.texels : mapped(texture.texels, [](float x) { return linear_from_srgb(x); });
+    case PixelFormat::rgba8_linear:
+      return color ? mapped(texture.texels, [](float x) { return srgb_from_linear(x); }) : texture.texels;
     case PixelFormat::rgba32_float: break;
   }
   std::vector<std::byte> result;
   const std::vector<float> values = float_texels(texture);
   for (size_t i = 0; i < values.size(); ++i) {
-    const float x = saturate(values[i]);
-    result.push_back(quantized(color && i % 4 != 3 ? srgb_from_linear(x) : x));
+    result.push_back(std::byte{quantise_unorm8(color && i % 4 != 3 ? srgb_from_linear(values[i]) : values[i])});
   }
   return result;
 }

@@ -182,6 +182,8 @@ Scene build_city() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sun_elevation_rad = glm::radians(38.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(55.0f);
+  environment.sun_sky.sky_scale = 0.06f;  // white walls in the sun come out near 1
+  environment.sun_sky.sun_scale = 0.06f;
   builder.set_environment(environment);
 
   // Over the street x = 0, between two rows of lots.

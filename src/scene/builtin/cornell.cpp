@@ -114,7 +114,7 @@ Scene build_cornell_closed() {
   builder.add("front wall", quad({kHalf, 0, kHalf}, {-kSize, 0, 0}, {0, kSize, 0}), blue);
   add_boxes(builder);
   add_lamp(builder, 1.3f, 1.05f);
-  // Turns by 100 degrees in ten seconds, as in the measurements of Schalk (section 4.3).
+  // Turns by 100 degrees in ten seconds, as in the measurements of [Schalk18 §4.3].
   const Vec3 eye(1.9f, 2.9f, 2.2f);
   std::vector<CameraKey> keys;
   for (int i = 0; i <= 10; ++i) {

@@ -1,4 +1,4 @@
-// After the ajar door of Veach's thesis (1997, section 8.4): three pots on a table, and light only through the gap
+// After the ajar door of [Veach97 ch. 11]: three pots on a table, and light only through the gap
 // of a door that is hardly open. Nearly all light in the room has been reflected in the room next door first.
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// In the manner of the room with lamps in Veach's thesis (1997, chapter 10): a floor lamp hides its bulb from all
+// In the manner of the room with lamps in [Veach97 ch. 10]: a floor lamp hides its bulb from all
 // but the ceiling, and a spotlight in a deep shade shines through a glass egg. Most paths from the camera miss both.
 #include "scene/builtin/builder.h"
 #include "scene/builtin/rooms.h"

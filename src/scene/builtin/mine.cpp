@@ -116,8 +116,6 @@ void add_track(SceneBuilder& builder) {
              transformed(cylinder(0.16f, 0.06f, 32, true), translation({x, 0.26f, z}) * rotation(90, Vec3(1, 0, 0))));
     }
   }
-  Node node;
-  node.name = "cart";
   const Mat4 place = on_track(4.2f);
   Transform transform;
   transform.translation = Vec3(place[3]);

@@ -11,6 +11,12 @@
 namespace relume {
 namespace {
 
+/// Unlike glm::normalize, which multiplies by a rounded reciprocal, this leaves axes exactly of length 1.
+template <typename Vector>
+Vector unit(const Vector& v) {
+  return v / std::sqrt(glm::dot(v, v));
+}
+
 uint32_t vertex_count(const Mesh& mesh) { return static_cast<uint32_t>(mesh.positions.size()); }
 
 void add_vertex(Mesh& mesh, const Vec3& position, const Vec3& normal, const Vec2& uv) {
@@ -65,7 +71,7 @@ void add_cap(Mesh& mesh, float radius, float y, int segments, bool up) {
 
 Mesh quad(const Vec3& corner, const Vec3& u, const Vec3& v) {
   Mesh mesh;
-  const Vec3 normal = glm::normalize(glm::cross(u, v));
+  const Vec3 normal = unit(glm::cross(u, v));
   add_vertex(mesh, corner, normal, {0, 1});
   add_vertex(mesh, corner + u, normal, {1, 1});
   add_vertex(mesh, corner + u + v, normal, {1, 0});
@@ -113,12 +119,12 @@ Mesh icosphere(float radius, int levels) {
   mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                     {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  for (Vec3& p : mesh.positions) p = glm::normalize(p);
+  for (Vec3& p : mesh.positions) p = unit(p);
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
     const auto middle = [&](uint32_t a, uint32_t b) {
       const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), vertex_count(mesh));
-      if (is_new) mesh.positions.push_back(glm::normalize(mesh.positions[a] + mesh.positions[b]));
+      if (is_new) mesh.positions.push_back(unit(mesh.positions[a] + mesh.positions[b]));
       return entry->second;
     };
     std::vector<UVec3> finer;
@@ -158,14 +164,14 @@ Mesh lathe(const std::vector<Vec2>& profile, int segments) {
   const size_t pieces = profile.size() - 1;
   std::vector<Vec2> outward(pieces);  // of each piece of the profile
   for (size_t i = 0; i < pieces; ++i) {
-    const Vec2 along = glm::normalize(profile[i + 1] - profile[i]);
+    const Vec2 along = unit(profile[i + 1] - profile[i]);
     outward[i] = {along.y, -along.x};
   }
   const float smooth_cosine = std::cos(40 * kPi / 180);
   const auto end_normal = [&](size_t piece, bool last) {
     const size_t other = last ? piece + 1 : piece - 1;
     const bool smooth = other < pieces && glm::dot(outward[piece], outward[other]) > smooth_cosine;
-    return smooth ? glm::normalize(outward[piece] + outward[other]) : outward[piece];
+    return smooth ? unit(outward[piece] + outward[other]) : outward[piece];
   };
   Mesh mesh;
   for (size_t i = 0; i < pieces; ++i) {
@@ -177,7 +183,7 @@ Mesh lathe(const std::vector<Vec2>& profile, int segments) {
       for (int s = 0; s <= segments; ++s) {
         const float u = static_cast<float>(s) / static_cast<float>(segments);
         const float turn = s == segments ? 0.0f : u;
-        add_vertex(mesh, around_y(p.x, p.y, turn), glm::normalize(around_y(n.x, n.y, turn)), {u, 1 - v});
+        add_vertex(mesh, around_y(p.x, p.y, turn), unit(around_y(n.x, n.y, turn)), {u, 1 - v});
       }
     }
     add_grid_triangles(mesh, first, segments, 1);
@@ -211,7 +217,7 @@ Mesh parametric_surface(int count_u, int count_v, const std::function<Vec3(float
   const auto join = [&](size_t a, size_t b) {
     if (glm::distance(mesh.positions[a], mesh.positions[b]) > 1e-4f) return;
     mesh.positions[b] = mesh.positions[a];
-    mesh.normals[a] = mesh.normals[b] = glm::normalize(mesh.normals[a] + mesh.normals[b]);
+    mesh.normals[a] = mesh.normals[b] = unit(mesh.normals[a] + mesh.normals[b]);
   };
   const size_t stride = static_cast<size_t>(count_u) + 1;
   const size_t rows = static_cast<size_t>(count_v) + 1;
@@ -232,14 +238,14 @@ Mesh torus_knot(int p, int q, float radius, float tube_radius, int count_along, 
   for (int j = 0; j <= count_along; ++j) {
     const float t = j == count_along ? 0.0f : static_cast<float>(j) / static_cast<float>(count_along);
     const Vec3 c = centre(t);
-    const Vec3 tangent = glm::normalize(centre(t + 1e-3f) - centre(t - 1e-3f));
+    const Vec3 tangent = unit(centre(t + 1e-3f) - centre(t - 1e-3f));
     // The direction away from the torus' axis turns with the knot, so that the tube closes without a twist.
-    const Vec3 a = glm::normalize(glm::cross(tangent, Vec3(c.x, 0, c.z)));
+    const Vec3 a = unit(glm::cross(tangent, Vec3(c.x, 0, c.z)));
     const Vec3 b = glm::cross(a, tangent);
     for (int i = 0; i <= count_around; ++i) {
       const float u = static_cast<float>(i) / static_cast<float>(count_around);
       const float angle = i == count_around ? 0.0f : 2 * kPi * u;
-      const Vec3 n = std::cos(angle) * b + std::sin(angle) * a;
+      const Vec3 n = unit(std::cos(angle) * b + std::sin(angle) * a);
       add_vertex(mesh, c + tube_radius * n, n, {u, static_cast<float>(j) / static_cast<float>(count_along)});
     }
   }
@@ -258,7 +264,7 @@ void append(Mesh& mesh, const Mesh& part) {
 Mesh transformed(Mesh mesh, const Mat4& matrix) {
   const Mat3 normal_matrix = glm::transpose(glm::inverse(Mat3(matrix)));
   for (Vec3& p : mesh.positions) p = transform_point(matrix, p);
-  for (Vec3& n : mesh.normals) n = glm::normalize(normal_matrix * n);
+  for (Vec3& n : mesh.normals) n = unit(normal_matrix * n);
   if (glm::determinant(Mat3(matrix)) < 0) {
     for (UVec3& t : mesh.triangles) std::swap(t.y, t.z);
   }
