@@ -1,6 +1,5 @@
 # Installs relume under WORK, then configures, builds and runs the project beside this file against it. Arguments:
-# BUILD (relume's build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE,
-# CXX, CXX_FLAGS.
+# BUILD (relume's build folder), WORK (scratch folder), GENERATOR, BUILD_TYPE, CXX, CXX_FLAGS.
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${WORK})
 
