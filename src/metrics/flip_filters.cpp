@@ -85,7 +85,8 @@ ContrastKernel contrast_kernel(float pixels_per_degree) {
   kernel.taps.assign(static_cast<size_t>(2 * kernel.radius + 1), Vec4(0));
   double mass[4];  // of the two-dimensional kernels: the square of the one-dimensional sums
   for (int c = 0; c < 4; ++c) {
-    const auto [a, b] = gaussians[c];
+    const double a = gaussians[c].a;
+    const double b = gaussians[c].b;
     const auto value = [&](int i) { return std::exp(-kPiSquared * (i / ppd) * (i / ppd) / b); };
     double sum = 0;
     for (int i = -kernel.radius; i <= kernel.radius; ++i) sum += value(i);
