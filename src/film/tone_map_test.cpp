@@ -82,10 +82,9 @@ TEST(ToneMap, MatchesThePublishedFormulas) {
   EXPECT_NEAR(red.b, std::max(0.0, -0.00327 * r - 0.07276 * g + 1.07602 * b), 1e-5);
 }
 
-TEST(ToneMap, AgxPutsMiddleGreyWhereItsCurveDoes) {
-  // The encoding puts 0.18 at (log2 0.18 + 12.47393) / 16.5 = 0.606060 = 20/33, the pivot of AgX's curve, which maps it
-  // to 0.5^(1/2.2) ^ ... its published pivot ordinate 0.5 in display code values; the polynomial is off by at most 5e-3
-  // there.
+TEST(ToneMap, AgxPutsMiddleGreyOnItsPivot) {
+  // The encoding puts 0.18 at (log2 0.18 + 12.47393) / 16.5 = 20/33, the pivot of AgX's curve, whose ordinate is
+  // display value 0.5. The polynomial is a fit with a root mean square error of 2e-3; locally up to 0.01.
   const Rgb grey = tone_map(ToneMap::agx, 0.0f, Rgb(0.18f));
   EXPECT_NEAR(std::pow(grey.g, 1.0f / 2.2f), 0.5f, 0.01f);
 }

@@ -80,10 +80,13 @@ Perceived perceive(const std::vector<Rgb>& shown, int width, int height, const d
                    const detail::FeatureKernel& feature) {
   std::vector<Vec3> opponent(shown.size());
   std::vector<float> lightness(shown.size());
-  for (size_t i = 0; i < shown.size(); ++i) {
-    opponent[i] = opponent_from_rgb(shown[i]);
-    lightness[i] = (opponent[i].x + 16.0f) / 116.0f;
-  }
+  detail::for_each_row(height, [&](int y) {
+    const size_t begin = static_cast<size_t>(y) * static_cast<size_t>(width);
+    for (size_t i = begin; i < begin + static_cast<size_t>(width); ++i) {
+      opponent[i] = opponent_from_rgb(shown[i]);
+      lightness[i] = (opponent[i].x + 16.0f) / 116.0f;
+    }
+  });
   Perceived result;
   result.features = detail::detect_features(lightness, width, height, feature);
   result.color = detail::filter_contrast(opponent, width, height, contrast);

@@ -37,16 +37,20 @@ void balance(std::vector<double>& weights) {
   for (double& w : weights) w /= w > 0 ? positive : -negative;
 }
 
-/// One output per pixel: `tap(accumulator, k, source)` over the 2 · radius + 1 sources along a row.
+/// One output per pixel: `tap(sum, k, source)` over the 2 · radius + 1 sources along a row; borders are replicated.
 template <typename Out, typename In, typename Tap>
 std::vector<Out> convolve_rows(const std::vector<In>& in, int width, int height, int radius, Tap&& tap) {
   std::vector<Out> out(in.size());
   for_each_row(height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
+    const In* row = &in[index_of(0, y, width)];
+    std::vector<In> padded(static_cast<size_t>(width + 2 * radius));
+    for (int x = -radius; x < width + radius; ++x)
+      padded[static_cast<size_t>(x + radius)] = row[std::clamp(x, 0, width - 1)];
+    const auto taps = static_cast<size_t>(2 * radius + 1);
+    for (size_t x = 0; x < static_cast<size_t>(width); ++x) {
       Out sum(0);
-      for (int k = -radius; k <= radius; ++k)
-        tap(sum, static_cast<size_t>(k + radius), in[index_of(std::clamp(x + k, 0, width - 1), y, width)]);
-      out[index_of(x, y, width)] = sum;
+      for (size_t k = 0; k < taps; ++k) tap(sum, k, padded[x + k]);
+      out[index_of(0, y, width) + x] = sum;
     }
   });
   return out;
@@ -81,7 +85,8 @@ ContrastKernel contrast_kernel(float pixels_per_degree) {
   kernel.taps.assign(static_cast<size_t>(2 * kernel.radius + 1), Vec4(0));
   double mass[4];  // of the two-dimensional kernels: the square of the one-dimensional sums
   for (int c = 0; c < 4; ++c) {
-    const auto [a, b] = gaussians[c];
+    const double a = gaussians[c].a;
+    const double b = gaussians[c].b;
     const auto value = [&](int i) { return std::exp(-kPiSquared * (i / ppd) * (i / ppd) / b); };
     double sum = 0;
     for (int i = -kernel.radius; i <= kernel.radius; ++i) sum += value(i);

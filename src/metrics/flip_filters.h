@@ -8,7 +8,7 @@
 
 namespace relume::detail {
 
-/// One row of an image a time, in parallel, deterministic.
+/// Calls `function` for each row, on several threads.
 void for_each_row(int height, const std::function<void(int)>& function);
 
 /// [Andersson20 eq. 4-5]: contrast sensitivity of the achromatic, red-green and blue-yellow channels as sums of
