@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "testing/random.h"
@@ -13,14 +14,36 @@ TEST(Accumulate, SumsEveryPixelByItself) {
   std::vector<Rgb> radiance{Rgb(1, 2, 3), Rgb(0), Rgb(0.5f), Rgb(4, 0, 0)};
   std::vector<Rgb> sum(4, Rgb(1));
   std::vector<float> squares(4, 0.0f);
-  const AccumulateKernel kernel{view_of(radiance), mutable_view_of(sum), mutable_view_of(squares), 2};
+  std::vector<uint32_t> frame_rays{1, 2, 3, 4};
+  std::vector<uint32_t> rays(4, 10);
+  std::vector<uint32_t> nonfinite(4, 0);
+  const AccumulateKernel kernel{view_of(radiance),     view_of(frame_rays),        mutable_view_of(sum), mutable_view_of(squares),
+                                mutable_view_of(rays), mutable_view_of(nonfinite), 2};
   for (uint32_t y = 0; y < 2; ++y) {
     for (uint32_t x = 0; x < 2; ++x) kernel(x, y);
   }
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(sum[i], Rgb(1) + radiance[i]);
     EXPECT_FLOAT_EQ(squares[i], sqr(luminance(radiance[i])));
+    EXPECT_EQ(rays[i], 10 + frame_rays[i]);
+    EXPECT_EQ(nonfinite[i], 0u);
   }
+}
+
+TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
+  std::vector<Rgb> radiance{Rgb(std::numeric_limits<float>::quiet_NaN()), Rgb(kInfinity)};
+  std::vector<Rgb> sum(2, Rgb(1));
+  std::vector<float> squares(2, 0.5f);
+  std::vector<uint32_t> frame_rays{1, 1};
+  std::vector<uint32_t> rays(2, 0);
+  std::vector<uint32_t> nonfinite(2, 0);
+  const AccumulateKernel kernel{view_of(radiance),     view_of(frame_rays),        mutable_view_of(sum), mutable_view_of(squares),
+                                mutable_view_of(rays), mutable_view_of(nonfinite), 2};
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(nonfinite, (std::vector<uint32_t>{1, 1}));
+  EXPECT_EQ(sum[0], Rgb(1));
+  EXPECT_EQ(squares[1], 0.5f);
 }
 
 TEST(Accumulate, VarianceOfTheMeanMatchesItsDefinition) {
