@@ -17,8 +17,13 @@ TEST(Accumulate, SumsEveryPixelByItself) {
   std::vector<uint32_t> frame_rays{1, 2, 3, 4};
   std::vector<uint32_t> rays(4, 10);
   std::vector<uint32_t> nonfinite(4, 0);
-  const AccumulateKernel kernel{view_of(radiance),     view_of(frame_rays),        mutable_view_of(sum), mutable_view_of(squares),
-                                mutable_view_of(rays), mutable_view_of(nonfinite), 2};
+  const AccumulateKernel kernel{view_of(radiance),
+                                view_of(frame_rays),
+                                mutable_view_of(sum),
+                                mutable_view_of(squares),
+                                mutable_view_of(rays),
+                                mutable_view_of(nonfinite),
+                                2};
   for (uint32_t y = 0; y < 2; ++y) {
     for (uint32_t x = 0; x < 2; ++x) kernel(x, y);
   }
@@ -37,8 +42,13 @@ TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
   std::vector<uint32_t> frame_rays{1, 1};
   std::vector<uint32_t> rays(2, 0);
   std::vector<uint32_t> nonfinite(2, 0);
-  const AccumulateKernel kernel{view_of(radiance),     view_of(frame_rays),        mutable_view_of(sum), mutable_view_of(squares),
-                                mutable_view_of(rays), mutable_view_of(nonfinite), 2};
+  const AccumulateKernel kernel{view_of(radiance),
+                                view_of(frame_rays),
+                                mutable_view_of(sum),
+                                mutable_view_of(squares),
+                                mutable_view_of(rays),
+                                mutable_view_of(nonfinite),
+                                2};
   kernel(0, 0);
   kernel(1, 0);
   EXPECT_EQ(nonfinite, (std::vector<uint32_t>{1, 1}));
