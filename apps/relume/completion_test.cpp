@@ -31,7 +31,9 @@ std::string script() {
 
 /// What bash offers at the end of `words` (shell syntax); sorted, with spaces between.
 std::string complete(const std::string& words) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "relume_completion_test.bash";
+  const auto file =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("relume_completion_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".bash");
   std::ofstream(file) << script() << "COMP_WORDS=(relume " << words << ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n"
                       << "compopt() { :; }\n_relume\nprintf '%s\\n' \"${COMPREPLY[@]}\" | sort | tr '\\n' ' '\n";
   std::string result;

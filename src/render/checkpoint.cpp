@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
@@ -54,6 +55,27 @@ class Reader {
   const std::filesystem::path& file_;
 };
 
+/// The first line in which two texts of settings differ: "seed": 3, now "seed": 4.
+std::string first_difference(const std::string& then, const std::string& now) {
+  std::istringstream a(then);
+  std::istringstream b(now);
+  const auto next = [](std::istringstream& in) {
+    std::string line;
+    std::getline(in, line);
+    const size_t first = line.find_first_not_of(' ');
+    if (first == std::string::npos) return std::string();
+    const size_t last = line.find_last_not_of(" ,");
+    return line.substr(first, last - first + 1);
+  };
+  while (a || b) {
+    const std::string before = next(a);
+    const std::string after = next(b);
+    if (before != after)
+      return before.empty() ? "without " + after : before + ", now " + (after.empty() ? "absent" : after);
+  }
+  return "in a way that has no name";
+}
+
 }  // namespace
 
 std::string checkpoint_key(const RenderSettings& settings) {
@@ -101,8 +123,8 @@ uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHead
     throw Error(fmt::format("{}: the checkpoint belongs to another scene; delete it to start over", file.string()));
   const std::string settings = reader.get_text();
   if (settings != expected.settings) {
-    throw Error(fmt::format("{}: the checkpoint was made with other settings ({}, now {}); use those or delete it",
-                            file.string(), settings, expected.settings));
+    throw Error(fmt::format("{}: the checkpoint was made with other settings ({}); use those or delete it",
+                            file.string(), first_difference(settings, expected.settings)));
   }
   const auto samples = reader.get<uint32_t>();
   std::vector<std::pair<Buffer*, std::vector<std::byte>>> loaded;
