@@ -40,8 +40,6 @@ struct Plan {
 Plan make_plan(const RenderOptions& options) {
   Plan plan;
   if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
-  plan.aovs = parse_aovs(options.aov, Session::aov_names());
-  check_picture_file(options.output, plan.aovs);
   if (!options.stats.empty()) check_folder_of(options.stats);
   if (!options.checkpoint.empty()) check_folder_of(options.checkpoint);
   plan.files = {options.output};
@@ -56,7 +54,10 @@ Plan make_plan(const RenderOptions& options) {
     for (int frame = plan.frames.first; frame <= plan.frames.last; ++frame) plan.files.push_back(name(frame));
   }
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  resolve(plan.sources);
+  RenderSettings settings = resolve(plan.sources).render;
+  settings.auxiliary = true;
+  plan.aovs = parse_aovs(options.aov, Session::aov_names(settings));
+  check_picture_file(options.output, plan.aovs);
   return plan;
 }
 

@@ -24,9 +24,13 @@ size_t element_size(BufferType type) {
 Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
     : description_(std::move(description)),
       size_(static_cast<size_t>(width) * height * element_size(description_.type)),
-      data_(std::make_unique<std::byte[]>(size_)) {}
+      data_(std::make_unique<std::byte[]>(size_)),
+      previous_(description_.double_buffered ? std::make_unique<std::byte[]>(size_) : nullptr) {}
 
-void Buffer::clear() { std::memset(data_.get(), 0, size_); }
+void Buffer::clear() {
+  std::memset(data_.get(), 0, size_);
+  if (previous_) std::memset(previous_.get(), 0, size_);
+}
 
 Buffer& BufferTable::add(BufferDescription description) {
   assert(find(description.name) == nullptr);
@@ -43,13 +47,19 @@ const Buffer* BufferTable::find(std::string_view name) const {
 
 size_t BufferTable::memory_bytes() const {
   size_t sum = 0;
-  for (const auto& b : buffers_) sum += b->bytes().size();
+  for (const auto& b : buffers_) sum += b->bytes().size() + b->previous_bytes().size();
   return sum;
 }
 
-void BufferTable::reset() {
+void BufferTable::swap() {
   for (const auto& b : buffers_) {
-    if (b->description().reset == ResetOn::any_change) b->clear();
+    if (b->description().double_buffered) b->swap();
+  }
+}
+
+void BufferTable::reset(Change changes) {
+  for (const auto& b : buffers_) {
+    if (includes(changes, b->description().reset)) b->clear();
   }
 }
 

@@ -8,8 +8,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/change.h"
 #include "core/ray.h"
 #include "core/vec.h"
 #include "core/view.h"
@@ -18,19 +20,22 @@ namespace relume {
 
 enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, hit, fixed_rgb };
 
-/// What makes a buffer's content invalid.
-enum class ResetOn : uint8_t {
-  nothing,     ///< rewritten every frame
-  any_change,  ///< camera, scene or settings differ from those that filled it
+/// How a buffer is shown.
+enum class BufferDisplay : uint8_t {
+  hidden,  ///< of use to its passes only
+  value,   ///< as it is
+  mean,    ///< divided by the number of samples of the pixel
 };
 
 struct BufferDescription {
-  std::string name;
+  std::string name = {};
   BufferType type = BufferType::f32;
-  std::string help;         ///< one line, for the inspector and `--aov`
-  bool persistent = false;  ///< survives the frame: goes into checkpoints
-  ResetOn reset = ResetOn::nothing;
-  bool shown = false;  ///< offered as an AOV
+  std::string help = {};         ///< one line, for the inspector and `--aov`
+  bool persistent = false;       ///< survives the frame: goes into checkpoints
+  bool double_buffered = false;  ///< the frame before stays readable
+  Change reset = Change::none;   ///< what makes the content invalid
+  BufferDisplay display = BufferDisplay::hidden;
+  std::string_view channels = "";  ///< of the EXR layer, one letter each; empty: RGB, XY or Y by type
 };
 
 /// Bytes of one element.
@@ -44,18 +49,27 @@ class Buffer {
   const BufferDescription& description() const { return description_; }
   std::span<std::byte> bytes() { return {data_.get(), size_}; }
   std::span<const std::byte> bytes() const { return {data_.get(), size_}; }
+  /// Of the frame before; empty unless double-buffered.
+  std::span<std::byte> previous_bytes() { return {previous_.get(), previous_ ? size_ : 0}; }
+  std::span<const std::byte> previous_bytes() const { return {previous_.get(), previous_ ? size_ : 0}; }
   void clear();
+  void swap() { std::swap(data_, previous_); }
 
   /// Elements as T; T's size must be the element size.
   template <typename T>
   View<T> view() const {
     return {reinterpret_cast<T*>(data_.get()), static_cast<uint32_t>(size_ / sizeof(T))};
   }
+  template <typename T>
+  View<T> previous() const {
+    return {reinterpret_cast<T*>(previous_.get()), static_cast<uint32_t>(previous_ ? size_ / sizeof(T) : 0)};
+  }
 
  private:
   BufferDescription description_;
   size_t size_;
   std::unique_ptr<std::byte[]> data_;
+  std::unique_ptr<std::byte[]> previous_;
 };
 
 class BufferTable {
@@ -72,11 +86,26 @@ class BufferTable {
   Buffer* find(std::string_view name);
   const Buffer* find(std::string_view name) const;
 
+  /// Elements of a buffer; an empty view if there is none of that name.
+  template <typename T>
+  View<T> view(std::string_view name) const {
+    const Buffer* buffer = find(name);
+    return buffer ? buffer->view<T>() : View<T>{};
+  }
+  /// Its elements one frame ago.
+  template <typename T>
+  View<T> previous(std::string_view name) const {
+    const Buffer* buffer = find(name);
+    return buffer ? buffer->previous<T>() : View<T>{};
+  }
+
   std::span<const std::unique_ptr<Buffer>> all() const { return buffers_; }
   size_t memory_bytes() const;
 
-  /// Clears what `ResetOn::any_change` marks.
-  void reset();
+  /// Starts a frame: what double-buffered buffers hold becomes the previous frame's.
+  void swap();
+  /// Clears what `changes` make invalid.
+  void reset(Change changes);
 
  private:
   uint32_t width_;

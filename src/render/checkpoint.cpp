@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <vector>
 
@@ -13,7 +14,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '1'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '2'};
 
 void put(std::ostream& out, const void* data, size_t size) {
   out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
@@ -26,6 +27,20 @@ void put_text(std::ostream& out, const std::string& text) {
   put(out, static_cast<uint64_t>(text.size()));
   put(out, text.data(), text.size());
 }
+
+void put_bytes(std::ostream& out, std::span<const std::byte> bytes) {
+  put(out, static_cast<uint64_t>(bytes.size()));
+  put(out, bytes.data(), bytes.size());
+}
+
+const std::string kEndOfBuffers = "end of buffers";
+const std::string kEndOfFile = "end";
+
+struct LoadedBuffer {
+  Buffer* target;
+  std::vector<std::byte> now;
+  std::vector<std::byte> previous;
+};
 
 class Reader {
  public:
@@ -45,6 +60,23 @@ class Reader {
     std::string text(size, '\0');
     get(text.data(), size);
     return text;
+  }
+  /// Throws unless there are `size` of them.
+  std::vector<std::byte> get_bytes(uint64_t size) {
+    if (get<uint64_t>() != size) damaged();
+    std::vector<std::byte> bytes(size);
+    get(bytes.data(), size);
+    return bytes;
+  }
+  /// Throws unless the file is whole, before anything is changed by what follows.
+  void check_ending() {
+    const auto here = in_.tellg();
+    const std::string ending = kEndOfFile;
+    in_.seekg(-static_cast<std::streamoff>(ending.size()), std::ios::end);
+    std::string found(ending.size(), ' ');
+    get(found.data(), found.size());
+    if (found != ending) damaged();
+    in_.seekg(here);
   }
   [[noreturn]] void damaged() const {
     throw Error(fmt::format("{}: the checkpoint is damaged or incomplete; delete it to start over", file_.string()));
@@ -76,45 +108,7 @@ std::string first_difference(const std::string& then, const std::string& now) {
   return "in a way that has no name";
 }
 
-}  // namespace
-
-std::string checkpoint_key(const RenderSettings& settings) {
-  RenderSettings relevant = settings;
-  relevant.threads = 0;
-  return settings_to_json(describe(relevant)) + (settings.auxiliary ? " with auxiliary buffers" : "");
-}
-
-void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers) {
-  std::filesystem::path temporary = file;
-  temporary += ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    put(out, kMagic, sizeof(kMagic));
-    put(out, header.scene_hash);
-    put_text(out, header.settings);
-    put(out, header.samples);
-    for (const auto& buffer : buffers.all()) {
-      if (!buffer->description().persistent) continue;
-      put_text(out, buffer->description().name);
-      put(out, static_cast<uint64_t>(buffer->bytes().size()));
-      put(out, buffer->bytes().data(), buffer->bytes().size());
-    }
-    put_text(out, "end");
-    out.flush();
-    if (!out) {
-      out.close();
-      std::filesystem::remove(temporary);
-      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?",
-                              file.string()));
-    }
-  }
-  std::filesystem::rename(temporary, file);
-}
-
-uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(fmt::format("{}: the checkpoint cannot be opened", file.string()));
-  Reader reader(in, file);
+void check_header(Reader& reader, const std::filesystem::path& file, const CheckpointHeader& expected) {
   char magic[sizeof(kMagic)];
   reader.get(magic, sizeof(magic));
   if (std::memcmp(magic, kMagic, sizeof(magic)) != 0)
@@ -126,17 +120,69 @@ uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHead
     throw Error(fmt::format("{}: the checkpoint was made with other settings ({}); use those or delete it",
                             file.string(), first_difference(settings, expected.settings)));
   }
-  const auto samples = reader.get<uint32_t>();
-  std::vector<std::pair<Buffer*, std::vector<std::byte>>> loaded;
-  for (std::string name = reader.get_text(); name != "end"; name = reader.get_text()) {
-    Buffer* buffer = buffers.find(name);
-    const auto size = reader.get<uint64_t>();
-    if (!buffer || buffer->bytes().size() != size) reader.damaged();
-    auto& [target, bytes] = loaded.emplace_back(buffer, std::vector<std::byte>(size));
-    reader.get(bytes.data(), size);
+}
+
+}  // namespace
+
+std::string checkpoint_key(const RenderSettings& settings) {
+  RenderSettings relevant = settings;
+  relevant.threads = 0;
+  relevant.time_s = 0;
+  return settings_to_json(describe(relevant)) + (settings.auxiliary ? " with auxiliary buffers" : "");
+}
+
+void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers,
+                      const Pipeline& pipeline) {
+  std::filesystem::path temporary = file;
+  temporary += ".tmp";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    put(out, kMagic, sizeof(kMagic));
+    put(out, header.scene_hash);
+    put_text(out, header.settings);
+    put(out, header.counters);
+    for (const auto& buffer : buffers.all()) {
+      if (!buffer->description().persistent) continue;
+      put_text(out, buffer->description().name);
+      put_bytes(out, buffer->bytes());
+      put_bytes(out, buffer->previous_bytes());
+    }
+    put_text(out, kEndOfBuffers);
+    pipeline.save(out);
+    put_text(out, kEndOfFile);
+    out.flush();
+    if (!out) {
+      out.close();
+      std::filesystem::remove(temporary);
+      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?",
+                              file.string()));
+    }
   }
-  for (auto& [buffer, bytes] : loaded) std::memcpy(buffer->bytes().data(), bytes.data(), bytes.size());
-  return samples;
+  std::filesystem::rename(temporary, file);
+}
+
+Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers,
+                         Pipeline& pipeline) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(fmt::format("{}: the checkpoint cannot be opened", file.string()));
+  Reader reader(in, file);
+  check_header(reader, file, expected);
+  const auto counters = reader.get<Counters>();
+  std::vector<LoadedBuffer> loaded;
+  for (std::string name = reader.get_text(); name != kEndOfBuffers; name = reader.get_text()) {
+    Buffer* buffer = buffers.find(name);
+    if (!buffer) reader.damaged();
+    std::vector<std::byte> now = reader.get_bytes(buffer->bytes().size());
+    loaded.push_back({buffer, std::move(now), reader.get_bytes(buffer->previous_bytes().size())});
+  }
+  reader.check_ending();
+  pipeline.load(in);
+  if (!in || reader.get_text() != kEndOfFile) reader.damaged();
+  for (const LoadedBuffer& l : loaded) {
+    std::memcpy(l.target->bytes().data(), l.now.data(), l.now.size());
+    if (!l.previous.empty()) std::memcpy(l.target->previous_bytes().data(), l.previous.data(), l.previous.size());
+  }
+  return counters;
 }
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// Checkpoints: the persistent buffers of a session on disk.
+// Checkpoints: the persistent buffers of a session and what its passes remember, on disk.
 #pragma once
 
 #include <cstdint>
@@ -6,25 +6,40 @@
 #include <string>
 
 #include "film/buffer_table.h"
+#include "pipeline/pipeline.h"
 #include "render/render_settings.h"
 
 namespace relume {
 
-/// What must agree between the render that wrote a checkpoint and the one that continues it.
+/// Where a session stands.
+struct Counters {
+  uint32_t frames = 0;        ///< complete ones
+  uint32_t since_change = 0;  ///< of them, since anything changed
+  uint32_t epoch = 0;         ///< changes that came after a frame: each has random numbers of its own
+  float time_s = 0;           ///< of the animation
+  float previous_time_s = 0;  ///< in the frame before
+  uint64_t paths = 0;
+  uint64_t rays = 0;
+};
+
+/// What must agree between the render that wrote a checkpoint and the one that continues it, and the counters.
 struct CheckpointHeader {
   uint64_t scene_hash = 0;
   std::string settings;  ///< checkpoint_key()
-  uint32_t samples = 0;  ///< a pixel
+  Counters counters;
 };
 
-/// The settings that samples depend on, as text: everything but the number of samples and threads.
+/// The settings that samples depend on, as text: everything but the number of samples, of threads, and the time, which
+/// is one of the counters.
 std::string checkpoint_key(const RenderSettings& settings);
 
-/// Writes header and persistent buffers to a temporary name, then renames. Throws Error.
-void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers);
+/// Writes header, persistent buffers and the state of passes to a temporary name, then renames. Throws Error.
+void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers,
+                      const Pipeline& pipeline);
 
-/// Fills the persistent buffers and returns the samples they hold. Throws Error if the file is damaged or belongs to
-/// another scene or other settings (`expected.samples` is ignored); the buffers are then unchanged.
-uint32_t read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers);
+/// Fills the persistent buffers and the passes, and returns the counters. Throws Error if the file is damaged or
+/// belongs to another scene or other settings (`expected.counters` is ignored); nothing has then changed.
+Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers,
+                         Pipeline& pipeline);
 
 }  // namespace relume

@@ -36,8 +36,8 @@ SettingList describe_slots(RenderSettings& s) {
       {"guide", choice(s.guide, {"bsdf"}), "Which direction a path takes: in proportion to the material's reflection"},
       {"cache", choice(s.cache, {"none"}), "Radiance cache that stands in for long paths"},
       {"allocation", choice(s.allocation, {"uniform"}), "Paths a pixel gets in a frame: one each"},
-      {"history", choice(s.history, {"accumulate"}),
-       "What earlier frames contribute: the mean of all since the last change"},
+      {"history", choice(s.history, {"none", "accumulate"}),
+       "What earlier frames contribute: nothing, or the mean of all since the last change"},
       {"denoise", choice(s.denoise, {"none"}), "Filter over the finished picture"},
   };
 }

@@ -15,7 +15,7 @@ enum class LightSelectionChoice : int { uniform, power };
 enum class GuideChoice : int { bsdf };
 enum class CacheChoice : int { none };
 enum class AllocationChoice : int { uniform };
-enum class HistoryChoice : int { accumulate };
+enum class HistoryChoice : int { none, accumulate };
 enum class DenoiseChoice : int { none };
 
 struct RenderSettings {

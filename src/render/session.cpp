@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <limits>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "backend/launch.h"
 #include "core/error.h"
+#include "core/hash.h"
+#include "render/aov.h"
+#include "render/build_pipeline.h"
 #include "render/checkpoint.h"
-#include "scene/compiled_scene.h"
 #include "scene/scene_hash.h"
 #include "techniques/accumulate/accumulate.h"
-#include "techniques/path/path.h"
-#include "techniques/primary_hits/primary_hits.h"
 
 namespace relume {
 namespace {
@@ -21,105 +25,89 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-void add_buffers(BufferTable& table) {
-  table.add({"primary-hits", BufferType::hit, "what the camera ray of this frame met"});
-  table.add({"radiance", BufferType::rgb32f, "radiance of this frame's sample"});
-  table.add({"frame-rays", BufferType::u32, "rays traced for this frame's sample"});
-  table.add({"sum", BufferType::rgb32f, "sum of all samples", true, ResetOn::any_change});
-  table.add({"sum-squares", BufferType::f32, "sum of squared luminance", true, ResetOn::any_change});
-  table.add({"rays", BufferType::u32, "rays traced for the pixel", true, ResetOn::any_change});
-  table.add({"nonfinite", BufferType::u32, "samples that were not finite", true, ResetOn::any_change});
+/// Sum over all threads; integers, so that their order does not matter.
+uint64_t sum(View<const uint32_t> values) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<uint32_t>(0, values.size, 65536), uint64_t{0},
+      [&](const tbb::blocked_range<uint32_t>& range, uint64_t partial) {
+        for (uint32_t i = range.begin(); i < range.end(); ++i) partial += values[i];
+        return partial;
+      },
+      std::plus<>());
 }
 
-void add_auxiliary_buffers(BufferTable& table) {
-  if (table.find("albedo")) return;
-  table.add({"albedo", BufferType::rgb32f, "directional albedo of the first hit", true, ResetOn::any_change});
-  table.add({"normal", BufferType::rgb32f, "shading normal of the first hit", true, ResetOn::any_change});
-  table.add({"depth", BufferType::f32, "distance of the first hit, metres", true, ResetOn::any_change});
-  table.add({"motion", BufferType::vec2f, "motion since the previous frame, pixels", true, ResetOn::any_change});
+void check_size(const RenderSettings& settings) {
+  if (settings.width >= 1 && settings.height >= 1) return;
+  throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
+                          settings.width, settings.height));
 }
 
 }  // namespace
 
 struct Session::State {
-  State(Scene source, const RenderSettings& s)
-      : settings(s),
-        hash(relume::scene_hash(source)),
-        backend(s.threads),
-        buffers(static_cast<uint32_t>(s.width), static_cast<uint32_t>(s.height)) {
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable)
+      : settings(s), hash(relume::scene_hash(source)), backend(std::make_unique<Backend>(s.threads)) {
     const auto start = Clock::now();
-    backend.run("build", [&] {
+    rebuild_pipeline();
+    backend->run("build", [&] {
       scene = std::make_unique<CompiledScene>(
-          std::move(source),
-          CompileOptions{settings.camera, settings.time_s, settings.width, settings.height, settings.texture_filter});
+          std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height,
+                                            settings.texture_filter, std::move(movable)});
     });
-    add_buffers(buffers);
-    if (settings.auxiliary) add_auxiliary_buffers(buffers);
-    prepare_lights();
+    counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = seconds_since(start);
-    statistics.threads = backend.threads();
   }
 
-  void prepare_lights() {
-    const LightsView& lights = scene->view().lights;
-    power_entries = build_power_lights(lights);
-    selector.kind = static_cast<LightSelectorKind>(settings.lights);
-    selector.uniform = make_uniform_lights(lights);
-    selector.power = {{view_of(power_entries)}};
+  /// Buffers and passes for the settings, both empty.
+  void rebuild_pipeline() {
+    Pipeline fresh = build_pipeline(settings);
+    buffers =
+        std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height));
+    fresh.add_buffers(*buffers);
+    pipeline = std::move(fresh);
   }
 
-  SampleIndex sample_index() const { return {static_cast<uint32_t>(settings.seed), samples, samples, false}; }
-
-  PathKernel path_kernel() const {
-    PathKernel kernel;
-    kernel.context.scene = scene->view();
-    kernel.context.selector = selector;
-    kernel.context.max_bounces = static_cast<uint32_t>(settings.path.max_bounces);
-    kernel.context.russian_roulette = settings.path.russian_roulette;
-    kernel.index = sample_index();
-    kernel.hits = view<const Hit>("primary-hits");
-    kernel.radiance = view<Rgb>("radiance");
-    kernel.rays = view<uint32_t>("frame-rays");
-    kernel.width = buffers.width();
-    return kernel;
+  /// Takes pending changes on: what they make invalid is cleared, and a new stretch of random numbers begins.
+  void apply_changes() {
+    if (changes == Change::none) return;
+    buffers->reset(changes);
+    if (counters.since_change > 0) ++counters.epoch;
+    counters.since_change = 0;
   }
 
-  /// Sums change here only, after a complete frame, so that one that is stopped leaves nothing behind.
-  AccumulateKernel accumulate_kernel() const {
-    return {
-        view<const Rgb>("radiance"), view<const uint32_t>("frame-rays"), view<Rgb>("sum"), view<float>("sum-squares"),
-        view<uint32_t>("rays"),      view<uint32_t>("nonfinite"),        buffers.width()};
+  FrameContext frame(const std::stop_token& stop) {
+    const bool adapts = pipeline.adapts();
+    const auto seed = static_cast<uint32_t>(settings.seed);
+    const uint32_t scramble = counters.epoch == 0 ? seed : relume::hash(seed, counters.epoch);
+    const SampleIndex index{scramble, counters.frames, adapts ? 0 : counters.since_change, adapts};
+    return {scene->view(),   *buffers,
+            *backend,        index,
+            counters.frames, counters.since_change,
+            changes,         adapts ? std::stop_token{} : stop};
   }
 
-  AuxiliaryKernel auxiliary_kernel() const {
-    return {scene->view(),        sample_index(),      view<const Hit>("primary-hits"),
-            view<Rgb>("albedo"),  view<Rgb>("normal"), view<float>("depth"),
-            view<Vec2>("motion"), buffers.width()};
-  }
-
-  template <typename T>
-  View<T> view(std::string_view name) const {
-    const Buffer* buffer = buffers.find(name);
-    return buffer ? buffer->view<T>() : View<T>{};
+  void count_frame() {
+    const View<const uint32_t> allocation = buffers->view<const uint32_t>("allocation");
+    counters.paths += allocation.empty() ? uint64_t{buffers->width()} * buffers->height() : sum(allocation);
+    counters.rays += sum(buffers->view<const uint32_t>("rays"));
+    ++counters.frames;
+    ++counters.since_change;
   }
 
   RenderSettings settings;
   uint64_t hash;
-  Backend backend;
+  std::unique_ptr<Backend> backend;
+  std::unique_ptr<BufferTable> buffers;
+  Pipeline pipeline;
   std::unique_ptr<CompiledScene> scene;
-  BufferTable buffers;
-  std::vector<AliasEntry> power_entries;
-  LightSelector selector;
-  uint32_t samples = 0;
+  Change changes = Change::none;
+  Counters counters;
   mutable Statistics statistics;
 };
 
-Session::Session(Scene scene, const RenderSettings& settings) {
-  if (settings.width < 1 || settings.height < 1) {
-    throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
-                            settings.width, settings.height));
-  }
-  state_ = std::make_unique<State>(std::move(scene), settings);
+Session::Session(Scene scene, const RenderSettings& settings, std::vector<Index> movable) {
+  check_size(settings);
+  state_ = std::make_unique<State>(std::move(scene), settings, std::move(movable));
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
@@ -128,127 +116,132 @@ Session& Session::operator=(Session&&) noexcept = default;
 bool Session::render_frame(std::stop_token stop) {
   State& s = *state_;
   const auto start = Clock::now();
-  const uint32_t w = s.buffers.width();
-  const uint32_t h = s.buffers.height();
-  const PrimaryHitsKernel primary{s.scene->view().accel, s.scene->view().camera, s.sample_index(),
-                                  s.view<Hit>("primary-hits"), w};
-  const bool complete =
-      launch(s.backend, "gbuffer", primary, w, h, stop) && launch(s.backend, "trace", s.path_kernel(), w, h, stop);
+  s.apply_changes();
+  s.buffers->swap();
+  const bool complete = s.pipeline.run(s.frame(stop));
   if (complete) {
-    if (s.settings.auxiliary) launch(s.backend, "auxiliary", s.auxiliary_kernel(), w, h);
-    launch(s.backend, "accumulate", s.accumulate_kernel(), w, h);
-    ++s.samples;
+    s.count_frame();
+    s.scene->end_frame();
+    s.changes = Change::none;
+    s.counters.previous_time_s = s.counters.time_s;
+  } else {
+    s.buffers->swap();
   }
   s.statistics.render_s += seconds_since(start);
   return complete;
 }
 
-uint32_t Session::sample_count() const { return state_->samples; }
+uint32_t Session::sample_count() const { return state_->changes == Change::none ? state_->counters.since_change : 0; }
 
 void Session::set_time(float time_s) {
-  state_->settings.time_s = time_s;
-  state_->scene->set_time(time_s);
-  state_->prepare_lights();
-  state_->buffers.reset();
-  state_->samples = 0;
+  state_->settings.time_s = state_->counters.time_s = time_s;
+  state_->changes |= state_->scene->set_time(time_s);
+}
+
+void Session::set_camera(const std::optional<PlacedCamera>& camera) {
+  state_->changes |= state_->scene->set_camera(camera);
+}
+void Session::set_transform(Index node, const Transform& transform) {
+  state_->changes |= state_->scene->set_transform(node, transform);
+}
+void Session::set_light(Index light, const PunctualLight& value) {
+  state_->changes |= state_->scene->set_light(light, value);
+}
+void Session::set_environment(const Environment& environment) {
+  state_->changes |= state_->scene->set_environment(environment);
+}
+void Session::set_material(Index material, const Material& value) {
+  state_->changes |= state_->scene->set_material(material, value);
 }
 
 Image Session::image() const {
-  const State& s = *state_;
-  Image image(static_cast<int>(s.buffers.width()), static_cast<int>(s.buffers.height()));
-  const View<const Rgb> sum = s.view<const Rgb>("sum");
-  const float scale = s.samples > 0 ? 1.0f / static_cast<float>(s.samples) : 0.0f;
-  std::transform(sum.begin(), sum.end(), image.pixels.begin(), [&](const Rgb& v) { return v * scale; });
+  const BufferTable& buffers = *state_->buffers;
+  Image image(static_cast<int>(buffers.width()), static_cast<int>(buffers.height()));
+  const View<const Rgb> denoised = buffers.view<const Rgb>("denoised");
+  const View<const Rgb> mean = denoised.empty() ? buffers.view<const Rgb>("mean") : denoised;
+  if (sample_count() > 0) std::copy(mean.begin(), mean.end(), image.pixels.begin());
   return image;
 }
 
 double Session::estimated_error() const {
-  const State& s = *state_;
-  if (s.samples < 2) return std::numeric_limits<double>::infinity();
-  const View<const Rgb> sum = s.view<const Rgb>("sum");
-  const View<const float> squares = s.view<const float>("sum-squares");
+  const View<const Rgb> mean = state_->buffers->view<const Rgb>("mean");
+  const View<const float> m2 = state_->buffers->view<const float>("m2");
+  const View<const uint32_t> count = state_->buffers->view<const uint32_t>("samples");
   double variance = 0;
-  double mean = 0;
-  for (uint32_t i = 0; i < sum.size; ++i) {
-    variance += variance_of_mean(sum[i], squares[i], s.samples);
-    mean += luminance(sum[i]) / static_cast<float>(s.samples);
+  double luminance_sum = 0;
+  for (uint32_t i = 0; i < mean.size; ++i) {
+    if (count[i] < 2) return std::numeric_limits<double>::infinity();
+    variance += variance_of_mean(m2[i], count[i]);
+    luminance_sum += luminance(mean[i]);
   }
-  if (mean <= 0) return 0;
-  return std::sqrt(variance / sum.size) / (mean / sum.size);
+  if (luminance_sum <= 0) return 0;
+  return std::sqrt(variance / mean.size) / (luminance_sum / mean.size);
 }
 
 const Statistics& Session::statistics() const {
   State& s = *state_;
-  const uint64_t pixels = uint64_t{s.buffers.width()} * s.buffers.height();
-  s.statistics.samples = pixels * s.samples;
-  s.statistics.paths = s.statistics.samples;
-  s.statistics.rays = 0;
-  s.statistics.nonfinite_samples = 0;
-  for (const uint32_t n : s.view<const uint32_t>("rays")) s.statistics.rays += n;
-  for (const uint32_t n : s.view<const uint32_t>("nonfinite")) s.statistics.nonfinite_samples += n;
+  s.statistics.frames = s.counters.frames;
+  s.statistics.samples = s.statistics.paths = s.counters.paths;
+  s.statistics.rays = s.counters.rays;
+  s.statistics.nonfinite_samples = sum(s.buffers->view<const uint32_t>("nonfinite"));
+  s.statistics.buffer_bytes = s.buffers->memory_bytes();
+  s.statistics.technique_bytes = s.pipeline.memory_bytes();
+  s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
-  for (const LaunchTime& t : s.backend.times()) s.statistics.passes.push_back({t.name, t.seconds});
+  for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds});
   return s.statistics;
 }
 
 const RenderSettings& Session::settings() const { return state_->settings; }
 const std::vector<std::string>& Session::notes() const { return state_->scene->notes(); }
 uint64_t Session::scene_hash() const { return state_->hash; }
-const BufferTable& Session::buffers() const { return state_->buffers; }
+const CompiledScene& Session::scene() const { return *state_->scene; }
+const BufferTable& Session::buffers() const { return *state_->buffers; }
+std::vector<PassDeclaration> Session::passes() const { return state_->pipeline.declarations(); }
 
-const std::vector<std::string>& Session::aov_names() {
-  static const std::vector<std::string> names{"albedo", "normal", "depth", "motion", "variance", "heatmap"};
-  return names;
+std::vector<std::string> Session::aov_names(const RenderSettings& settings) {
+  return relume::aov_names(build_pipeline(settings));
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
-  const State& s = *state_;
-  const size_t count = size_t{s.buffers.width()} * s.buffers.height();
-  const float scale = s.samples > 0 ? 1.0f / static_cast<float>(s.samples) : 0.0f;
-  const auto plane = [&](const std::string& channel, auto&& value) {
-    ExrChannel c{channel, std::vector<float>(count)};
-    for (size_t i = 0; i < count; ++i) c.values[i] = value(static_cast<uint32_t>(i));
-    return c;
-  };
-  if (name == "variance") {
-    const auto sum = s.view<const Rgb>("sum");
-    const auto squares = s.view<const float>("sum-squares");
-    return {plane("variance.Y", [&](uint32_t i) { return variance_of_mean(sum[i], squares[i], s.samples); })};
+  return aov_planes(*state_->buffers, name, sample_count());
+}
+
+bool Session::set_settings(const RenderSettings& wanted) {
+  State& s = *state_;
+  RenderSettings settings = wanted;
+  RenderSettings& current = s.settings;
+  if (settings.texture_filter != current.texture_filter || settings.camera != current.camera) return false;
+  check_size(settings);
+  build_pipeline(settings);  // throws for what does not combine, before anything changes
+  const bool resized = settings.width != current.width || settings.height != current.height;
+  bool rebuild = resized || settings.auxiliary != current.auxiliary;
+  SettingList slots = describe_slots(settings);
+  rebuild = rebuild || !differing_settings(describe_slots(current), slots).empty();
+  SettingList all = describe(settings);
+  for (const Setting* setting : differing_settings(describe(current), all)) {
+    if (setting->traits.resets_history) s.changes |= Change::settings;
   }
-  if (name == "heatmap") {
-    const auto rays = s.view<const uint32_t>("rays");
-    return {plane("heatmap.Y", [&](uint32_t i) { return static_cast<float>(rays[i]) * scale; })};
-  }
-  if (std::find(aov_names().begin(), aov_names().end(), name) == aov_names().end()) {
-    throw Error(fmt::format("there is no AOV '{}'; known are {}", name, fmt::join(aov_names(), ", ")));
-  }
-  if (!s.settings.auxiliary)
-    throw Error(fmt::format("AOV '{}' was not recorded; ask for it before rendering starts", name));
-  if (name == "depth") {
-    const auto depth = s.view<const float>("depth");
-    return {plane("depth.Z", [&](uint32_t i) { return depth[i] * scale; })};
-  }
-  if (name == "motion") {
-    const auto motion = s.view<const Vec2>("motion");
-    return {plane("motion.X", [&](uint32_t i) { return motion[i].x * scale; }),
-            plane("motion.Y", [&](uint32_t i) { return motion[i].y * scale; })};
-  }
-  const auto rgb = s.view<const Rgb>(name);
-  const bool is_vector = name == "normal";
-  std::vector<ExrChannel> channels;
-  for (int c = 0; c < 3; ++c) {
-    channels.push_back(
-        plane(name + "." + (is_vector ? "XYZ" : "RGB")[c], [&](uint32_t i) { return rgb[i][c] * scale; }));
-  }
-  return channels;
+  if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
+  if (settings.time_s != current.time_s) set_time(settings.time_s);
+  current = settings;
+  if (resized) s.scene->set_resolution(settings.width, settings.height);
+  if (rebuild) s.rebuild_pipeline();
+  return true;
 }
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {
-  write_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), state_->samples}, state_->buffers);
+  write_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), state_->counters}, *state_->buffers,
+                   state_->pipeline);
 }
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
-  state_->samples = read_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), 0}, state_->buffers);
+  State& s = *state_;
+  s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *s.buffers, s.pipeline);
+  s.scene->set_time(s.counters.previous_time_s);
+  s.scene->end_frame();
+  set_time(s.counters.time_s);
+  if (s.counters.time_s == s.counters.previous_time_s) s.changes = Change::none;
 }
 
 }  // namespace relume

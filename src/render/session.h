@@ -5,13 +5,17 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "core/change.h"
 #include "film/buffer_table.h"
 #include "io/image.h"
+#include "pipeline/pass.h"
 #include "render/render_settings.h"
+#include "scene/compiled_scene.h"
 #include "scene/scene.h"
 
 namespace relume {
@@ -25,41 +29,53 @@ struct PassTime {
 struct Statistics {
   double build_s = 0;    ///< compiling the scene and building the acceleration structure
   double render_s = 0;   ///< inside render_frame
+  uint64_t frames = 0;   ///< complete ones
   uint64_t samples = 0;  ///< camera samples, all pixels together
   uint64_t paths = 0;
   uint64_t rays = 0;  ///< path and shadow rays
   uint64_t nonfinite_samples = 0;
+  uint64_t buffer_bytes = 0;     ///< of the table of buffers
+  uint64_t technique_bytes = 0;  ///< of what the passes hold besides
   int threads = 0;
   std::vector<PassTime> passes;
 };
 
 class Session {
  public:
-  /// Compiles the scene. Throws Error (unknown camera, a combination of slots without meaning).
-  Session(Scene scene, const RenderSettings& settings);
+  /// Compiles the scene; `movable` names nodes that set_transform() will move beside animated ones. Throws Error
+  /// (unknown camera, a combination of slots without meaning).
+  Session(Scene scene, const RenderSettings& settings, std::vector<Index> movable = {});
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
 
-  /// Adds one sample to every pixel. Returns false if `stop` was requested first; the image then holds the
-  /// samples of complete frames only.
+  /// Renders one frame: a sample for every pixel that the allocation gives one. Returns false if `stop` was requested
+  /// first; the image then holds the samples of complete frames only. Techniques that adapt finish their frame.
   bool render_frame(std::stop_token stop = {});
 
-  /// Samples a pixel so far.
+  /// Frames since the last change: with uniform allocation, samples a pixel.
   uint32_t sample_count() const;
 
-  /// Moves the animation; accumulated samples are dropped.
+  /// What changes from one frame to the next. Histories keep what they can; without one, samples start anew.
   void set_time(float time_s);
+  void set_camera(const std::optional<PlacedCamera>& camera);
+  void set_transform(Index node, const Transform& transform);
+  void set_light(Index light, const PunctualLight& value);
+  void set_environment(const Environment& environment);
+  void set_material(Index material, const Material& value);
+  /// False if only a new session can take these settings on (they concern how the scene is compiled). Throws Error as
+  /// the constructor does; the session then keeps its settings.
+  bool set_settings(const RenderSettings& settings);
 
-  /// Mean radiance so far.
+  /// Mean radiance so far, denoised if the settings say so.
   Image image() const;
 
   /// Estimated relative error of the image: root of the mean variance of the pixel means over the mean
   /// luminance; infinite below two samples.
   double estimated_error() const;
 
-  /// Names of the arbitrary output variables: albedo, normal, depth, motion, variance, … .
-  static const std::vector<std::string>& aov_names();
+  /// Names of the arbitrary output variables with these settings: albedo, normal, depth, motion, variance, … .
+  static std::vector<std::string> aov_names(const RenderSettings& settings);
   /// Planes of one of them with their conventional EXR channel names. Throws Error for an unknown name.
   std::vector<ExrChannel> aov(const std::string& name) const;
 
@@ -67,11 +83,13 @@ class Session {
   const RenderSettings& settings() const;
   /// What the session did on its own account ("no light in the file: a constant environment stands in").
   const std::vector<std::string>& notes() const;
-  /// Hash of everything in the scene that the picture depends on.
+  /// Hash of everything in the scene that the picture depends on, as it was loaded.
   uint64_t scene_hash() const;
+  const CompiledScene& scene() const;
 
-  /// The per-pixel buffers, for inspection.
+  /// The per-pixel buffers and the passes that fill them, for inspection.
   const BufferTable& buffers() const;
+  std::vector<PassDeclaration> passes() const;
 
   /// Everything needed to continue later, bit for bit. Load throws Error if scene or settings differ.
   void save_checkpoint(const std::filesystem::path& file) const;

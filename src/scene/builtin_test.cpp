@@ -208,7 +208,7 @@ TEST(BuiltinScenes, AnimatedOnesMove) {
   }
   for (const char* name : {"corridor", "city", "warehouse", "mine", "cornell-closed"}) {
     const Scene& scene = scene_named(name);
-    EXPECT_TRUE(animated_nodes(scene)[camera_node(scene)]) << name;
+    EXPECT_TRUE(moving_nodes(scene)[camera_node(scene)]) << name;
   }
 }
 

@@ -17,11 +17,6 @@ namespace {
 /// Meshes that appear often are instanced once they would add more triangles than this; below, copies trace faster.
 constexpr size_t kFlattenedTriangleBudget = 1'000'000;
 
-Affine affine(const Mat4& m) { return {Mat3(m), Vec3(m[3])}; }
-
-/// Takes normals along: the transpose of the inverse times the determinant.
-Mat3 cofactors(const Mat3& m) { return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])}; }
-
 float accel_coverage(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
   return coverage(*static_cast<const SceneView*>(context), instance, primitive, u, v);
 }
@@ -35,35 +30,26 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 }  // namespace
 
 CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
-    : source_(std::move(scene)), resolution_(options.width, options.height) {
-  const std::vector<Mat4> world = world_matrices(source_, options.time_s);
+    : source_(std::move(scene)), time_s_(options.time_s), resolution_(options.width, options.height) {
+  world_ = world_matrices(source_, time_s_);
   textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
   list_appearances();
-  decide_instancing(animated_nodes(source_));
+  moves_ = moving_nodes(source_, options.movable);
+  decide_instancing();
   build_materials();
-  build_meshes(world);
-  place_instances(world, true);
+  build_meshes();
+  place_instances();
   compute_bounds();
   lights_.set_environment(source_.environment);
-  refresh_view();
-  lights_.collect(view_, instances_, source_, world, bounds_);
+  collect_lights();
   add_missing_light();
   choose_camera(options.camera);
-  place_camera(world, true);
-  refresh_view();
+  place_camera();
+  was_moved_ = true;
+  end_frame();
   build_accel();
   view_.accel = accel_->view();
-}
-
-void CompiledScene::set_time(float time_s) {
-  const std::vector<Mat4> world = world_matrices(source_, time_s);
-  place_instances(world, false);
-  place_camera(world, false);
-  refresh_view();
-  lights_.collect(view_, instances_, source_, world, bounds_);
-  refresh_view();
-  accel_->update(accel_instances());
 }
 
 void CompiledScene::list_appearances() {
@@ -76,7 +62,7 @@ void CompiledScene::list_appearances() {
   }
 }
 
-void CompiledScene::decide_instancing(const std::vector<bool>& moves) {
+void CompiledScene::decide_instancing() {
   const std::vector<uint32_t> triangles = triangle_counts(source_);
   std::vector<size_t> uses(source_.meshes.size(), 0);
   for (const Appearance& a : appearances_) ++uses[a.mesh];
@@ -86,7 +72,7 @@ void CompiledScene::decide_instancing(const std::vector<bool>& moves) {
   }
   const bool copy_repeated = copied <= kFlattenedTriangleBudget;
   for (const Appearance& a : appearances_)
-    world_space_.push_back(!moves[a.node] && (uses[a.mesh] == 1 || copy_repeated));
+    world_space_.push_back(!moves_[a.node] && (uses[a.mesh] == 1 || copy_repeated));
 }
 
 void CompiledScene::build_materials() {
@@ -102,6 +88,7 @@ void CompiledScene::build_materials() {
   };
   std::vector<Material> sources = source_.materials;
   sources.push_back(Material{});  // glTF's default, for meshes that name none
+  materials_.clear();
   for (const Material& m : sources) {
     MaterialData d;
     d.base_color = m.base_color;
@@ -148,7 +135,7 @@ void CompiledScene::build_materials() {
 void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   const Mesh& mesh = source_.meshes[mesh_index];
   const uint32_t first_vertex = static_cast<uint32_t>(vertices_.size());
-  const Affine m = transform ? affine(*transform) : Affine{};
+  const Affine m = transform ? Affine{Mat3(*transform), Vec3((*transform)[3])} : Affine{};
   const Mat3 normal_matrix = cofactors(m.linear);
   const bool mirrored = glm::dot(m.linear[0], normal_matrix[0]) < 0.0f;
   const float orientation = mirrored ? -1.0f : 1.0f;
@@ -187,12 +174,12 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   colors_.insert(colors_.end(), mesh.colors.begin(), mesh.colors.end());
 }
 
-void CompiledScene::build_meshes(const std::vector<Mat4>& world) {
+void CompiledScene::build_meshes() {
   std::vector<uint32_t> shared(source_.meshes.size(), kNoHit);
   for (size_t i = 0; i < appearances_.size(); ++i) {
     const Appearance& a = appearances_[i];
     if (world_space_[i]) {
-      const Mat4 transform = world[a.node] * a.local;
+      const Mat4 transform = world_[a.node] * a.local;
       mesh_of_appearance_.push_back(static_cast<uint32_t>(meshes_.size()));
       append_mesh(a.mesh, &transform);
       continue;
@@ -217,21 +204,6 @@ void CompiledScene::build_meshes(const std::vector<Mat4>& world) {
   // Embree reads 16 bytes at the last vertex, and colours and second coordinates are addressed like vertices.
   vertices_.shrink_to_fit();
   triangles_.shrink_to_fit();
-}
-
-void CompiledScene::place_instances(const std::vector<Mat4>& world, bool first) {
-  instances_.resize(appearances_.size());
-  for (size_t i = 0; i < appearances_.size(); ++i) {
-    Instance& instance = instances_[i];
-    instance.mesh = mesh_of_appearance_[i];
-    instance.in_world_space = world_space_[i];
-    if (instance.in_world_space) continue;
-    const Affine now = affine(world[appearances_[i].node] * appearances_[i].local);
-    instance.previous_to_world = first ? now : instance.to_world;
-    instance.to_world = now;
-    instance.normal_to_world = cofactors(now.linear);
-    instance.orientation = glm::dot(now.linear[0], instance.normal_to_world[0]) < 0.0f ? -1.0f : 1.0f;
-  }
 }
 
 void CompiledScene::compute_bounds() {
@@ -273,7 +245,7 @@ void CompiledScene::add_missing_light() {
   Environment environment;
   environment.kind = EnvironmentKind::constant;
   lights_.set_environment(environment);
-  lights_.collect(view_, instances_, source_, world_matrices(source_, 0), bounds_);
+  collect_lights();
 }
 
 void CompiledScene::choose_camera(const std::string& name) {
@@ -309,50 +281,6 @@ void CompiledScene::choose_camera(const std::string& name) {
       throw Error(fmt::format("{}: there is no camera '{}'; it has {}", source_.name, name, known));
   }
   camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
-}
-
-void CompiledScene::place_camera(const std::vector<Mat4>& world, bool first) {
-  const Mat4 m = camera_node_ == kNone ? default_camera_ : world[static_cast<size_t>(camera_node_)];
-  const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
-  CameraView c;
-  c.projection = camera_.projection;
-  c.position = Vec3(m[3]);
-  c.axes.n = glm::normalize(Vec3(m[2]));
-  c.axes.t = glm::normalize(glm::cross(Vec3(m[1]), c.axes.n));
-  c.axes.b = glm::cross(c.axes.n, c.axes.t);
-  const float half =
-      camera_.projection == Projection::orthographic ? camera_.half_height : std::tan(0.5f * camera_.fov_y_rad);
-  c.half_extent = {half * aspect, half};
-  c.lens_radius = camera_.lens_radius;
-  c.focus_distance = camera_.focus_distance;
-  c.resolution = Vec2(resolution_);
-  previous_camera_view_ = first ? c : camera_view_;
-  camera_view_ = c;
-}
-
-void CompiledScene::refresh_view() {
-  view_.vertices = view_of(vertices_);
-  view_.triangles = view_of(triangles_);
-  view_.uv1 = view_of(uv1_);
-  view_.colors = view_of(colors_);
-  view_.meshes = view_of(meshes_);
-  view_.instances = view_of(instances_);
-  view_.materials = view_of(materials_);
-  view_.textures = textures_.views();
-  view_.lights = lights_.view();
-  view_.camera = camera_view_;
-  view_.previous_camera = previous_camera_view_;
-  view_.energy_tables = &energy_tables();
-}
-
-std::vector<AccelInstance> CompiledScene::accel_instances() const {
-  std::vector<AccelInstance> result;
-  for (const Instance& i : instances_) {
-    Mat4 m(i.to_world.linear);
-    m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space});
-  }
-  return result;
 }
 
 void CompiledScene::build_accel() {

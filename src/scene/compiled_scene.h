@@ -2,26 +2,35 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "accel/embree_accel.h"
+#include "core/change.h"
 #include "scene/light_builder.h"
 #include "scene/scene_view.h"
 #include "scene/texture_store.h"
 
 namespace relume {
 
-/// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
 /// How a scene is compiled.
 struct CompileOptions {
-  std::string camera;  ///< name or index of a camera node; empty: the first
+  std::string camera = {};  ///< name or index of a camera node; empty: the first
   float time_s = 0;
   int width = 1;  ///< of the image, pixels
   int height = 1;
   TextureFilter texture_filter = TextureFilter::linear;
+  std::vector<Index> movable = {};  ///< nodes that set_transform() will move, beside those with animation
 };
 
+/// A camera that is not a node of the scene.
+struct PlacedCamera {
+  Mat4 to_world{1};
+  Camera camera;
+};
+
+/// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
 class CompiledScene {
  public:
   /// Arrays of the scene are moved into their kernel layout and freed. Throws Error if there is no such camera.
@@ -29,8 +38,24 @@ class CompiledScene {
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
 
-  /// Moves animated nodes to `time_s`; what they were becomes the previous position.
-  void set_time(float time_s);
+  /// Ends a frame: where things are becomes where they were one frame ago, and no light counts as changed.
+  void end_frame();
+
+  /// Moves animated nodes. This and what follows say what differs afterwards.
+  Change set_time(float time_s);
+  /// Looks through another camera; std::nullopt returns to that of the scene.
+  Change set_camera(const std::optional<PlacedCamera>& camera);
+  /// Places a node, whose own animation ends with that. It, or a node above it, must be movable.
+  Change set_transform(Index node, const Transform& transform);
+  Change set_light(Index light, const PunctualLight& value);
+  Change set_environment(const Environment& environment);
+  /// Replaces factors; textures stay those of the scene.
+  Change set_material(Index material, const Material& value);
+  /// Another size of the image.
+  Change set_resolution(int width, int height);
+
+  bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
+  PlacedCamera camera() const;
 
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }
@@ -48,21 +73,27 @@ class CompiledScene {
   };
 
   void list_appearances();
-  void decide_instancing(const std::vector<bool>& moves);
+  void decide_instancing();
   void build_materials();
-  void build_meshes(const std::vector<Mat4>& world);
+  void build_meshes();
   void append_mesh(uint32_t mesh, const Mat4* transform);
-  void place_instances(const std::vector<Mat4>& world, bool first);
+  bool place_instances();
   void build_accel();
   void add_missing_light();
   void choose_camera(const std::string& name);
-  void place_camera(const std::vector<Mat4>& world, bool first);
+  void place_camera();
+  Change place_everything();
+  void collect_lights();
   void compute_bounds();
   void refresh_view();
   std::vector<AccelInstance> accel_instances() const;
 
   Scene source_;
   std::vector<std::string> notes_;
+  float time_s_ = 0;
+  std::vector<Mat4> world_;              ///< one a node
+  std::vector<bool> moves_;              ///< one a node
+  bool was_moved_ = false;               ///< some previous position differs from the present one
   std::vector<Appearance> appearances_;  ///< one an instance
   std::vector<bool> world_space_;        ///< one an appearance
   std::vector<Vertex> vertices_;
@@ -78,6 +109,7 @@ class CompiledScene {
   Index camera_node_ = kNone;
   Camera camera_;
   Mat4 default_camera_{1};
+  std::optional<PlacedCamera> placed_camera_;
   CameraView camera_view_;
   CameraView previous_camera_view_;
   IVec2 resolution_;

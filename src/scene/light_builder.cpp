@@ -63,6 +63,8 @@ void LightBuilder::push(const DirectionalLight& light) {
 
 void LightBuilder::set_environment(const Environment& source) {
   Environment baked = source;
+  environment_changed_ = true;
+  has_sun_ = false;
   if (source.kind == EnvironmentKind::sun_sky) {
     const SunSkyModel model = make_sun_sky(source.sun_sky);
     baked.map = model.sky;
@@ -242,7 +244,7 @@ void LightBuilder::add_punctual(const PunctualLight& source, const Mat4& to_worl
 }
 
 void LightBuilder::mark_changes(const std::vector<Light>& previous) {
-  const auto same = [](const Light& a, const Light& b) {
+  const auto same = [this](const Light& a, const Light& b) {
     if (a.kind != b.kind) return false;
     switch (a.kind) {
       case LightKind::triangle:
@@ -253,13 +255,17 @@ void LightBuilder::mark_changes(const std::vector<Light>& previous) {
         return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity;
       case LightKind::directional:
         return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance;
-      case LightKind::environment: return true;
+      case LightKind::environment: return !environment_changed_;
     }
     return true;
   };
-  if (previous.empty()) return;
-  for (size_t i = 0; i < lights_.size(); ++i)
+  for (size_t i = 0; i < lights_.size() && !previous.empty(); ++i)
     lights_[i].changed = i >= previous.size() || !same(lights_[i], previous[i]);
+  environment_changed_ = false;
+}
+
+void LightBuilder::mark_unchanged() {
+  for (Light& light : lights_) light.changed = false;
 }
 
 LightsView LightBuilder::view() const {

@@ -11,13 +11,16 @@ namespace relume {
 
 class LightBuilder {
  public:
-  /// Environment arrays (map, sampling table); once a scene.
+  /// Environment arrays (map, sampling table).
   void set_environment(const Environment& environment);
 
   /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
   /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
   void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
                const std::vector<Mat4>& world, const SceneBounds& bounds);
+
+  /// Forgets which lights differ from the frame before.
+  void mark_unchanged();
 
   LightsView view() const;
 
@@ -36,6 +39,7 @@ class LightBuilder {
   std::vector<Rgb> environment_map_;
   Distribution2DStorage environment_distribution_;
   EnvironmentView environment_;
+  bool environment_changed_ = false;
   bool has_sun_ = false;
   DirectionalLight sun_{};
   SceneBounds bounds_;

@@ -98,8 +98,9 @@ std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
   return world;
 }
 
-std::vector<bool> animated_nodes(const Scene& scene) {
+std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable) {
   std::vector<bool> moves(scene.nodes.size(), false);
+  for (const Index node : movable) moves[static_cast<size_t>(node)] = true;
   for (const AnimationChannel& channel : scene.animation) moves[static_cast<size_t>(channel.node)] = true;
   for (const size_t i : topological_order(scene)) {
     const Index parent = scene.nodes[i].parent;

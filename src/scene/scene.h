@@ -217,8 +217,8 @@ void validate(const Scene& scene, const std::string& place);
 /// the last key).
 std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
-/// Whether each node moves: it or an ancestor has an animation channel.
-std::vector<bool> animated_nodes(const Scene& scene);
+/// Whether each node may move: it or an ancestor has an animation channel or is one of `movable`.
+std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});
 
 /// Time of the last key in seconds; 0 without animation.
 float animation_end(const Scene& scene);

@@ -77,7 +77,7 @@ TEST(Animation, MovesDescendantsWhateverTheOrderOfNodes) {
   c.node = 1;
   scene.animation.push_back(c);
   EXPECT_EQ(position_at(scene, 1), Vec3(0, 3, 0));
-  EXPECT_EQ(animated_nodes(scene), (std::vector<bool>{true, true, false}));
+  EXPECT_EQ(moving_nodes(scene), (std::vector<bool>{true, true, false}));
 }
 
 TEST(LookAt, PointsTheCameraAtItsTarget) {

@@ -21,6 +21,11 @@ struct Affine {
   RELUME_HD Vec3 vector(const Vec3& v) const { return linear * v; }
 };
 
+/// Takes normals along: the transpose of the inverse times the determinant.
+RELUME_HD inline Mat3 cofactors(const Mat3& m) {
+  return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
 /// A unit normal with 16 bits a component, so that three of them interpolate without a square root; the fourth number
 /// is the handedness of the bitangent.
 struct PackedNormal {

@@ -40,8 +40,9 @@ std::vector<uint32_t> bits_of(const Session& session) {
   };
   const Image image = session.image();
   add(image.pixels.data(), image.pixels.size() * 3);
-  for (const std::string& name : Session::aov_names()) {
-    if (!session.settings().auxiliary && name != "variance" && name != "heatmap") continue;
+  for (const std::string& name : Session::aov_names(session.settings())) {
+    const Buffer* buffer = session.buffers().find(name);
+    if (buffer && !buffer->description().persistent) continue;  // of this frame only, which may have been abandoned
     for (const ExrChannel& channel : session.aov(name)) add(channel.values.data(), channel.values.size());
   }
   return bits;

@@ -47,6 +47,7 @@ struct CoreKernel {
 
 template __global__ void run(CoreKernel, uint32_t, uint32_t);
 template __global__ void run(PrimaryHitsKernel, uint32_t, uint32_t);
+template __global__ void run(SurfaceKernel, uint32_t, uint32_t);
 template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateKernel, uint32_t, uint32_t);

@@ -22,8 +22,9 @@ MAY_INCLUDE = {
     "io": "core settings materials scene",
     "film": "core settings backend io",
     "metrics": "core film io",
-    "techniques": "core settings sampling materials lights scene backend accel film",
-    "render": "core settings sampling materials lights scene backend accel io film techniques",
+    "pipeline": "core sampling scene backend film",
+    "techniques": "core settings sampling materials lights scene backend accel film pipeline",
+    "render": "core settings sampling materials lights scene backend accel io film pipeline techniques",
     "experiments": "core settings sampling materials lights scene backend accel io film metrics techniques render",
 }
 

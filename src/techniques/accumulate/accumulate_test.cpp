@@ -10,62 +10,88 @@
 namespace relume {
 namespace {
 
-TEST(Accumulate, SumsEveryPixelByItself) {
-  std::vector<Rgb> radiance{Rgb(1, 2, 3), Rgb(0), Rgb(0.5f), Rgb(4, 0, 0)};
-  std::vector<Rgb> sum(4, Rgb(1));
-  std::vector<float> squares(4, 0.0f);
-  std::vector<uint32_t> frame_rays{1, 2, 3, 4};
-  std::vector<uint32_t> rays(4, 10);
-  std::vector<uint32_t> nonfinite(4, 0);
-  const AccumulateKernel kernel{view_of(radiance),
-                                view_of(frame_rays),
-                                mutable_view_of(sum),
-                                mutable_view_of(squares),
-                                mutable_view_of(rays),
-                                mutable_view_of(nonfinite),
-                                2};
-  for (uint32_t y = 0; y < 2; ++y) {
-    for (uint32_t x = 0; x < 2; ++x) kernel(x, y);
+/// The buffers of `n` pixels in a row.
+struct Pixels {
+  explicit Pixels(size_t n)
+      : radiance(n, Rgb(0)), rays(n, 1), mean(n, Rgb(0)), m2(n, 0), count(n, 0), ray_sum(n, 0), nonfinite(n, 0) {}
+
+  AccumulateKernel kernel() {
+    AccumulateKernel k;
+    k.radiance = view_of(radiance);
+    k.rays = view_of(rays);
+    k.allocation = view_of(allocation);
+    k.mean = mutable_view_of(mean);
+    k.m2 = mutable_view_of(m2);
+    k.count = mutable_view_of(count);
+    k.ray_sum = mutable_view_of(ray_sum);
+    k.nonfinite = mutable_view_of(nonfinite);
+    k.width = static_cast<uint32_t>(mean.size());
+    return k;
   }
-  for (size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(sum[i], Rgb(1) + radiance[i]);
-    EXPECT_FLOAT_EQ(squares[i], sqr(luminance(radiance[i])));
-    EXPECT_EQ(rays[i], 10 + frame_rays[i]);
-    EXPECT_EQ(nonfinite[i], 0u);
+  void add(uint32_t pixel, const Rgb& value) {
+    radiance[pixel] = value;
+    kernel()(pixel, 0);
   }
+  float variance(uint32_t pixel) const { return variance_of_mean(m2[pixel], count[pixel]); }
+
+  std::vector<Rgb> radiance;
+  std::vector<uint32_t> rays;
+  std::vector<uint32_t> allocation;
+  std::vector<Rgb> mean;
+  std::vector<float> m2;
+  std::vector<uint32_t> count;
+  std::vector<uint32_t> ray_sum;
+  std::vector<uint32_t> nonfinite;
+};
+
+TEST(Accumulate, AveragesEveryPixelByItself) {
+  Pixels p(2);
+  p.rays = {3, 5};
+  p.add(0, Rgb(1, 2, 3));
+  p.add(0, Rgb(3, 0, 3));
+  p.add(1, Rgb(7));
+  EXPECT_EQ(p.mean[0], Rgb(2, 1, 3));
+  EXPECT_EQ(p.mean[1], Rgb(7));
+  EXPECT_EQ(p.count, (std::vector<uint32_t>{2, 1}));
+  EXPECT_EQ(p.ray_sum, (std::vector<uint32_t>{6, 5}));
 }
 
 TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
-  std::vector<Rgb> radiance{Rgb(std::numeric_limits<float>::quiet_NaN()), Rgb(kInfinity)};
-  std::vector<Rgb> sum(2, Rgb(1));
-  std::vector<float> squares(2, 0.5f);
-  std::vector<uint32_t> frame_rays{1, 1};
-  std::vector<uint32_t> rays(2, 0);
-  std::vector<uint32_t> nonfinite(2, 0);
-  const AccumulateKernel kernel{view_of(radiance),
-                                view_of(frame_rays),
-                                mutable_view_of(sum),
-                                mutable_view_of(squares),
-                                mutable_view_of(rays),
-                                mutable_view_of(nonfinite),
-                                2};
+  Pixels p(2);
+  p.add(0, Rgb(4));
+  p.add(0, Rgb(std::numeric_limits<float>::quiet_NaN()));
+  p.add(1, Rgb(kInfinity));
+  EXPECT_EQ(p.nonfinite, (std::vector<uint32_t>{1, 1}));
+  EXPECT_EQ(p.mean[0], Rgb(2));
+  EXPECT_EQ(p.mean[1], Rgb(0));
+}
+
+TEST(Accumulate, LeavesPixelsAloneThatGotNoSample) {
+  Pixels p(2);
+  p.allocation = {0, 1};
+  p.add(0, Rgb(4));
+  p.add(1, Rgb(4));
+  EXPECT_EQ(p.count, (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(p.mean[0], Rgb(0));
+}
+
+TEST(Accumulate, WithoutHistoryShowsTheLatestSample) {
+  Pixels p(1);
+  p.add(0, Rgb(4));
+  p.radiance[0] = Rgb(1);
+  AccumulateKernel kernel = p.kernel();
+  kernel.keep = false;
   kernel(0, 0);
-  kernel(1, 0);
-  EXPECT_EQ(nonfinite, (std::vector<uint32_t>{1, 1}));
-  EXPECT_EQ(sum[0], Rgb(1));
-  EXPECT_EQ(squares[1], 0.5f);
+  EXPECT_EQ(p.mean[0], Rgb(1));
+  EXPECT_EQ(p.count[0], 1u);
+  EXPECT_EQ(p.variance(0), 0.0f);
 }
 
 TEST(Accumulate, VarianceOfTheMeanMatchesItsDefinition) {
   // Grey values 1, 2, 3, 6: mean 3, unbiased variance 14/3, of the mean 14/12.
-  const float values[] = {1, 2, 3, 6};
-  Rgb sum(0);
-  float squares = 0;
-  for (const float v : values) {
-    sum += Rgb(v);
-    squares += sqr(luminance(Rgb(v)));
-  }
-  EXPECT_NEAR(variance_of_mean(sum, squares, 4), 14.0 / 12.0, 1e-5);
+  Pixels p(1);
+  for (const float v : {1.0f, 2.0f, 3.0f, 6.0f}) p.add(0, Rgb(v));
+  EXPECT_NEAR(p.variance(0), 14.0 / 12.0, 1e-5);
 }
 
 TEST(Accumulate, VarianceIsUnbiased) {
@@ -73,23 +99,26 @@ TEST(Accumulate, VarianceIsUnbiased) {
   testing::Random random(81);
   double mean = 0;
   constexpr int kPixels = 20000;
-  for (int p = 0; p < kPixels; ++p) {
-    Rgb sum(0);
-    float squares = 0;
-    for (int i = 0; i < 8; ++i) {
-      const Rgb value(random.next());
-      sum += value;
-      squares += sqr(luminance(value));
-    }
-    mean += variance_of_mean(sum, squares, 8) / kPixels;
+  for (int i = 0; i < kPixels; ++i) {
+    Pixels p(1);
+    for (int k = 0; k < 8; ++k) p.add(0, Rgb(random.next()));
+    mean += static_cast<double>(p.variance(0)) / kPixels;
   }
   EXPECT_NEAR(mean * 96.0, 1.0, 0.02);  // the estimates spread by 0.45 of their mean: five standard errors are 0.016
 }
 
+TEST(Accumulate, ManySamplesLoseNothing) {
+  // 2^16 times 0.1 and 0.3 in turn: mean 0.2, variance 0.01.
+  Pixels p(1);
+  constexpr uint32_t kSamples = 1u << 16;
+  for (uint32_t i = 0; i < kSamples; ++i) p.add(0, Rgb(i % 2 ? 0.3f : 0.1f));
+  EXPECT_NEAR(p.mean[0].x, 0.2f, 1e-4f);
+  EXPECT_NEAR(p.variance(0) * kSamples, 0.01f, 1e-4f);
+}
+
 TEST(Accumulate, VarianceNeedsTwoSamples) {
-  EXPECT_EQ(variance_of_mean(Rgb(1), 1.0f, 1), 0.0f);
-  EXPECT_EQ(variance_of_mean(Rgb(0), 0.0f, 0), 0.0f);
-  EXPECT_EQ(variance_of_mean(Rgb(3), 3.0f * sqr(luminance(Rgb(1))), 3), 0.0f);  // all equal
+  EXPECT_EQ(variance_of_mean(1.0f, 1), 0.0f);
+  EXPECT_EQ(variance_of_mean(0.0f, 0), 0.0f);
 }
 
 }  // namespace

@@ -179,12 +179,18 @@ struct PathKernel {
   PathContext context;
   SampleIndex index;
   View<const Hit> hits;
-  View<Rgb> radiance;   ///< of this sample; may be not finite
-  View<uint32_t> rays;  ///< of this sample
+  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
+  View<Rgb> radiance;               ///< of this sample; may be not finite
+  View<uint32_t> rays;              ///< of this sample
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
+    if (!allocation.empty() && allocation[pixel] == 0) {
+      radiance[pixel] = Rgb(0);
+      rays[pixel] = 0;
+      return;
+    }
     Sampler sampler = index.sampler(x, y);
     const PathState path = trace_path(context, x, y, sampler, hits[pixel]);
     radiance[pixel] = path.radiance;

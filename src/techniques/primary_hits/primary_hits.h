@@ -2,22 +2,10 @@
 #pragma once
 
 #include "backend/launch.h"
-#include "sampling/sampler.h"
+#include "sampling/sample_index.h"
 #include "scene/surface_point.h"
 
 namespace relume {
-
-/// Which sample of which pixel is being taken.
-struct SampleIndex {
-  uint32_t seed = 0;
-  uint32_t frame = 0;
-  uint32_t sample = 0;       ///< index within the sequence, or within the frame
-  bool independent = false;  ///< a scramble of its own each frame
-
-  RELUME_HD Sampler sampler(uint32_t x, uint32_t y) const {
-    return independent ? Sampler::independent(seed, x, y, frame, sample) : Sampler::sequence(seed, x, y, sample);
-  }
-};
 
 /// Camera ray through a random point of pixel (x, y); uses the first two dimensions.
 RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
@@ -74,47 +62,80 @@ struct PrimaryHitsKernel {
   }
 };
 
-/// Adds what the primary hit looks like to sums that are divided by the number of samples when shown. Views may be
-/// empty.
-struct AuxiliaryKernel {
+/// No surface: the camera ray left the scene.
+inline constexpr uint32_t kNoSurface = 0xffffffffu;
+
+/// What the primary hit shows, for filters, histories and auxiliary outputs. Pixels that see no surface get zeros,
+/// kNoSurface and the motion of infinity.
+struct SurfaceKernel {
   SceneView scene;
   SampleIndex index;
   View<const Hit> hits;
-  View<Rgb> albedo;   ///< directional albedo; the emission of emitters, clamped to 1; sky: 0
-  View<Rgb> normal;   ///< shading normal, world space
-  View<float> depth;  ///< distance from the camera, metres
-  View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
+  View<Vec3> position;     ///< metres, world space
+  View<Vec3> normal;       ///< shading normal, world space
+  View<Rgb> albedo;        ///< directional albedo; the emission of emitters, clamped to 1
+  View<float> depth;       ///< distance from the camera, metres
+  View<Vec2> motion;       ///< pixels from the previous frame's position to this one's
+  View<uint32_t> surface;  ///< instance
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const Hit hit = hits[pixel];
-    if (!hit.valid()) return;
     Sampler sampler = index.sampler(x, y);
     const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    surface[pixel] = hit.instance;
+    if (!hit.valid()) {
+      position[pixel] = normal[pixel] = Vec3(0);
+      albedo[pixel] = Rgb(0);
+      depth[pixel] = 0.0f;
+      motion[pixel] = film_motion(ray, Ray{scene.previous_camera.position, ray.direction, kInfinity});
+      return;
+    }
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
-    if (!albedo.empty())
-      albedo[pixel] += glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
-    if (!normal.empty()) normal[pixel] += sp.frame.n;
-    if (!depth.empty()) depth[pixel] += hit.t;
-    if (!motion.empty()) motion[pixel] += motion_of(sp);
+    position[pixel] = sp.position;
+    normal[pixel] = sp.frame.n;
+    albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
+    depth[pixel] = hit.t;
+    motion[pixel] = film_motion(ray_to(scene.camera, sp.position), ray_to(scene.previous_camera, sp.previous_position));
   }
 
  private:
-  RELUME_HD Vec2 motion_of(const SurfacePoint& sp) const {
-    Vec2 now;
-    Vec2 before;
-    const auto ray_to = [](const CameraView& camera, const Vec3& p) {
-      const Vec3 along =
-          camera.projection == Projection::orthographic ? -camera.axes.n : glm::normalize(p - camera.position);
-      const Vec3 origin = camera.projection == Projection::orthographic ? p : camera.position;
-      return Ray{origin, along, kInfinity};
-    };
-    film_position(scene.camera, ray_to(scene.camera, sp.position), &now);
-    film_position(scene.previous_camera, ray_to(scene.previous_camera, sp.previous_position), &before);
-    const Vec2 difference = now - before;
+  RELUME_HD static Ray ray_to(const CameraView& camera, const Vec3& p) {
+    if (camera.projection == Projection::orthographic) return {p, -camera.axes.n, kInfinity};
+    return {camera.position, glm::normalize(p - camera.position), kInfinity};
+  }
+  RELUME_HD Vec2 film_motion(const Ray& now, const Ray& before) const {
+    Vec2 here(kInfinity);  // stays so behind the camera
+    Vec2 there(kInfinity);
+    film_position(scene.camera, now, &here);
+    film_position(scene.previous_camera, before, &there);
+    const Vec2 difference = here - there;
     return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(0);
+  }
+};
+
+/// Sums of what the primary hits of several samples show; divided by their number when written. Motion is that of the
+/// first, as nothing moves while samples of a still picture add up.
+struct AuxiliaryKernel {
+  View<const Rgb> surface_albedo;
+  View<const Vec3> surface_normal;
+  View<const float> surface_depth;
+  View<const Vec2> surface_motion;
+  View<Rgb> albedo;
+  View<Vec3> normal;
+  View<float> depth;
+  View<Vec2> motion;
+  bool first = false;  ///< sample after a change: the only one that shows motion
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    albedo[pixel] += surface_albedo[pixel];
+    normal[pixel] += surface_normal[pixel];
+    depth[pixel] += surface_depth[pixel];
+    if (first) motion[pixel] = surface_motion[pixel];
   }
 };
 

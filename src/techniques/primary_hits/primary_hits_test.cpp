@@ -64,35 +64,110 @@ TEST(PrimaryHits, HitsLieOnTheirRays) {
   }
 }
 
-TEST(PrimaryHits, AuxiliaryBuffersShowTheFirstHit) {
+/// What SurfaceKernel writes, for kWidth × kHeight pixels.
+struct Surfaces {
+  std::vector<Vec3> position{kWidth * kHeight};
+  std::vector<Vec3> normal{kWidth * kHeight};
+  std::vector<Rgb> albedo{kWidth * kHeight};
+  std::vector<float> depth = std::vector<float>(kWidth * kHeight);
+  std::vector<Vec2> motion{kWidth * kHeight};
+  std::vector<uint32_t> instance = std::vector<uint32_t>(kWidth * kHeight);
+
+  SurfaceKernel kernel(const CompiledScene& scene, const SampleIndex& index, const std::vector<Hit>& hits) {
+    SurfaceKernel k;
+    k.scene = scene.view();
+    k.index = index;
+    k.hits = view_of(hits);
+    k.position = mutable_view_of(position);
+    k.normal = mutable_view_of(normal);
+    k.albedo = mutable_view_of(albedo);
+    k.depth = mutable_view_of(depth);
+    k.motion = mutable_view_of(motion);
+    k.surface = mutable_view_of(instance);
+    k.width = kWidth;
+    return k;
+  }
+};
+
+TEST(PrimaryHits, SurfaceBuffersShowTheFirstHit) {
   const CompiledScene scene = compile("cornell");
   std::vector<Hit> hits;
   const PrimaryHitsKernel kernel = kernel_for(scene, hits);
-  std::vector<Rgb> albedo(hits.size(), Rgb(0));
-  std::vector<Rgb> normal(hits.size(), Rgb(0));
-  std::vector<float> depth(hits.size(), 0.0f);
-  std::vector<Vec2> motion(hits.size(), Vec2(0));
-  AuxiliaryKernel auxiliary{scene.view(),
-                            kernel.index,
-                            view_of(hits),
-                            mutable_view_of(albedo),
-                            mutable_view_of(normal),
-                            mutable_view_of(depth),
-                            mutable_view_of(motion),
-                            kWidth};
+  Surfaces s;
+  const SurfaceKernel surface = s.kernel(scene, kernel.index, hits);
   for (uint32_t y = 0; y < kHeight; ++y) {
     for (uint32_t x = 0; x < kWidth; ++x) {
       kernel(x, y);
-      auxiliary(x, y);
+      surface(x, y);
       const size_t i = y * kWidth + x;
+      EXPECT_EQ(s.instance[i], hits[i].instance);
       if (!hits[i].valid()) continue;
-      EXPECT_NEAR(glm::length(normal[i]), 1.0f, 1e-5f);
-      EXPECT_EQ(depth[i], hits[i].t);
-      EXPECT_GT(max_component(albedo[i]), 0.0f);
-      EXPECT_LE(max_component(albedo[i]), 1.0f);
-      EXPECT_LT(std::hypot(motion[i].x, motion[i].y), 1e-3f);  // nothing moves
+      EXPECT_NEAR(glm::length(s.normal[i]), 1.0f, 1e-5f);
+      EXPECT_EQ(s.depth[i], hits[i].t);
+      EXPECT_NEAR(glm::length(s.position[i] - scene.view().camera.position), hits[i].t, 1e-4f);
+      EXPECT_GT(max_component(s.albedo[i]), 0.0f);
+      EXPECT_LE(max_component(s.albedo[i]), 1.0f);
+      EXPECT_LT(std::hypot(s.motion[i].x, s.motion[i].y), 1e-3f);  // nothing moves
     }
   }
+}
+
+TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
+  // A camera that moves to its right by 0.1 m shifts a point at distance z to the left by 0.1 / (z · pixel width at 1
+  // m).
+  CompiledScene scene(find_builtin_scene("cornell")->build(), CompileOptions{.width = kWidth, .height = kHeight});
+  PlacedCamera camera = scene.camera();
+  camera.to_world[3] += 0.1f * camera.to_world[0];
+  EXPECT_EQ(scene.set_camera(camera), Change::camera);
+  std::vector<Hit> hits;
+  const PrimaryHitsKernel kernel = kernel_for(scene, hits);
+  Surfaces s;
+  const SurfaceKernel surface = s.kernel(scene, kernel.index, hits);
+  const CameraView& view = scene.view().camera;
+  for (uint32_t y = 0; y < kHeight; ++y) {
+    for (uint32_t x = 0; x < kWidth; ++x) {
+      kernel(x, y);
+      surface(x, y);
+      const size_t i = y * kWidth + x;
+      if (!hits[i].valid()) continue;
+      const float z = -glm::dot(s.position[i] - view.position, view.axes.n);
+      EXPECT_NEAR(s.motion[i].x, -0.1f / (z * 2.0f * view.half_extent.x / kWidth), 2e-2f);
+      EXPECT_NEAR(s.motion[i].y, 0.0f, 1e-3f);
+    }
+  }
+  scene.end_frame();
+  const SurfaceKernel still = s.kernel(scene, kernel.index, hits);
+  still(kWidth / 2, kHeight / 2);
+  EXPECT_LT(std::fabs(s.motion[kHeight / 2 * kWidth + kWidth / 2].x), 1e-3f);
+}
+
+TEST(PrimaryHits, AuxiliarySumsAndKeepsTheFirstMotion) {
+  std::vector<Rgb> albedo{Rgb(1)};
+  std::vector<Vec3> normal{Vec3(0, 1, 0)};
+  std::vector<float> depth{2};
+  std::vector<Vec2> motion{Vec2(3, 4)};
+  AuxiliaryKernel kernel;
+  std::vector<Rgb> source_albedo{Rgb(0.5f)};
+  std::vector<Vec3> source_normal{Vec3(0, 0, 1)};
+  std::vector<float> source_depth{5};
+  std::vector<Vec2> source_motion{Vec2(7)};
+  kernel.surface_albedo = view_of(source_albedo);
+  kernel.surface_normal = view_of(source_normal);
+  kernel.surface_depth = view_of(source_depth);
+  kernel.surface_motion = view_of(source_motion);
+  kernel.albedo = mutable_view_of(albedo);
+  kernel.normal = mutable_view_of(normal);
+  kernel.depth = mutable_view_of(depth);
+  kernel.motion = mutable_view_of(motion);
+  kernel.width = 1;
+  kernel(0, 0);
+  EXPECT_EQ(albedo[0], Rgb(1.5f));
+  EXPECT_EQ(normal[0], Vec3(0, 1, 1));
+  EXPECT_EQ(depth[0], 7.0f);
+  EXPECT_EQ(motion[0], Vec2(3, 4));
+  kernel.first = true;
+  kernel(0, 0);
+  EXPECT_EQ(motion[0], Vec2(7));
 }
 
 }  // namespace

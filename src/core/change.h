@@ -1,0 +1,32 @@
+// What differs between one frame and the next. Buffers say which changes make their content invalid; histories and
+// caches read from it what they have to verify again.
+#pragma once
+
+#include <cstdint>
+
+namespace relume {
+
+/// A set of flags.
+enum class Change : uint32_t {
+  none = 0,
+  camera = 1,     ///< position, direction, lens or projection
+  geometry = 2,   ///< an instance moved
+  lights = 4,     ///< a light moved, or emits differently
+  materials = 8,  ///< a surface looks different
+  settings = 16,  ///< a setting that resets the history
+  scene = camera | geometry | lights | materials,
+  any = scene | settings,
+};
+
+constexpr Change operator|(Change a, Change b) {
+  return static_cast<Change>(static_cast<uint32_t>(a) | static_cast<uint32_t>(b));
+}
+constexpr Change operator&(Change a, Change b) {
+  return static_cast<Change>(static_cast<uint32_t>(a) & static_cast<uint32_t>(b));
+}
+constexpr Change& operator|=(Change& a, Change b) { return a = a | b; }
+
+/// Whether `changes` holds one of `wanted`.
+constexpr bool includes(Change changes, Change wanted) { return (changes & wanted) != Change::none; }
+
+}  // namespace relume

@@ -1,0 +1,54 @@
+// A pass: one step of a frame. It says which buffers it owns, reads and writes, and is run once a frame, in the order
+// of the stages (docs/architecture.md).
+#pragma once
+
+#include <iosfwd>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/frame_context.h"
+
+namespace relume {
+
+/// Steps of a frame, in their order. The pass list keeps the order within a stage.
+enum class Stage : uint8_t {
+  prepare,   ///< structures from the scene and from what earlier frames sampled
+  gbuffer,   ///< primary hits and what they show
+  history,   ///< what earlier frames know of this frame's pixels
+  allocate,  ///< how many paths each pixel gets
+  trace,     ///< the paths
+  resolve,   ///< caches turn samples into pixels
+  present,   ///< samples join the history
+  denoise,   ///< filters over the picture
+};
+
+struct PassDeclaration {
+  std::string_view name;  ///< kebab-case; what timings and messages call it
+  Stage stage = Stage::trace;
+  std::vector<BufferDescription> owns = {};   ///< buffers that it brings along and writes
+  std::vector<std::string_view> reads = {};   ///< buffers of passes before it, or of the frame before
+  std::vector<std::string_view> writes = {};  ///< buffers of others that it changes
+};
+
+class Pass {
+ public:
+  virtual ~Pass() = default;
+
+  virtual PassDeclaration declaration() const = 0;
+
+  /// Does its part of the frame. False if `frame.stop` was requested first; the frame is then abandoned.
+  virtual bool run(const FrameContext& frame) = 0;
+
+  /// Whether what a frame finds changes how later frames sample or what they show, beyond sums in buffers. Frames then
+  /// draw independent random numbers and are never abandoned half way.
+  virtual bool adapts() const { return false; }
+
+  /// Bytes beyond its buffers.
+  virtual size_t memory_bytes() const { return 0; }
+
+  /// State beyond its buffers, for checkpoints. load() reads what save() wrote; a short stream sets its failbit.
+  virtual void save(std::ostream&) const {}
+  virtual void load(std::istream&) {}
+};
+
+}  // namespace relume

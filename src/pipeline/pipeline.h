@@ -1,0 +1,38 @@
+// The passes of a frame, in order.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pipeline/pass.h"
+
+namespace relume {
+
+class Pipeline {
+ public:
+  /// Puts the pass behind the others of its stage.
+  void add(std::unique_ptr<Pass> pass);
+
+  /// Checks that every buffer has one owner, that it exists where it is read, and that it is written by an earlier pass
+  /// of the frame unless it is persistent, double-buffered or belongs to the reader. Throws std::logic_error naming
+  /// pass and buffer: a mistake in the list of passes, not of a user.
+  void check() const;
+
+  /// Adds the buffers that the passes own.
+  void add_buffers(BufferTable& table) const;
+
+  /// Runs one frame. False if a stop was requested first.
+  bool run(const FrameContext& frame);
+
+  bool adapts() const;
+  size_t memory_bytes() const;
+  std::vector<PassDeclaration> declarations() const;
+
+  void save(std::ostream& out) const;
+  void load(std::istream& in);
+
+ private:
+  std::vector<std::unique_ptr<Pass>> passes_;
+};
+
+}  // namespace relume

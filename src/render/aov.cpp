@@ -1,0 +1,73 @@
+#include "render/aov.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/error.h"
+#include "techniques/accumulate/accumulate.h"
+
+namespace relume {
+namespace {
+
+std::string_view channel_letters(const BufferDescription& b) {
+  if (!b.channels.empty()) return b.channels;
+  if (b.type == BufferType::rgb32f) return "RGB";
+  return b.type == BufferType::vec2f ? "XY" : "Y";
+}
+
+/// Component `c` of element `i`.
+float component(const Buffer& buffer, uint32_t i, int c) {
+  switch (buffer.description().type) {
+    case BufferType::f32: return buffer.view<const float>()[i];
+    case BufferType::rgb32f: return buffer.view<const Rgb>()[i][c];
+    case BufferType::vec2f: return buffer.view<const Vec2>()[i][c];
+    case BufferType::u32: return static_cast<float>(buffer.view<const uint32_t>()[i]);
+    default: return 0.0f;
+  }
+}
+
+std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
+  const auto m2 = buffers.view<const float>("m2");
+  const auto count = buffers.view<const uint32_t>("samples");
+  ExrChannel plane{"variance.Y", std::vector<float>(m2.size)};
+  for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i]);
+  return {plane};
+}
+
+}  // namespace
+
+std::vector<std::string> aov_names(const Pipeline& pipeline) {
+  std::vector<std::string> names{"variance"};
+  for (const PassDeclaration& pass : pipeline.declarations()) {
+    for (const BufferDescription& b : pass.owns) {
+      if (b.display != BufferDisplay::hidden) names.push_back(b.name);
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames) {
+  if (name == "variance") return variance_planes(buffers);
+  const Buffer* buffer = buffers.find(name);
+  if (!buffer || buffer->description().display == BufferDisplay::hidden) {
+    throw Error(fmt::format("there is no AOV '{}' with these settings", name));
+  }
+  const BufferDescription& description = buffer->description();
+  const size_t count = size_t{buffers.width()} * buffers.height();
+  const bool is_mean = description.display == BufferDisplay::mean;
+  const float scale = is_mean && frames > 0 ? 1.0f / static_cast<float>(frames) : 1.0f;
+  std::vector<ExrChannel> planes;
+  const std::string_view letters = channel_letters(description);
+  for (size_t c = 0; c < letters.size(); ++c) {
+    ExrChannel plane{fmt::format("{}.{}", name, letters[c]), std::vector<float>(count)};
+    for (size_t i = 0; i < count; ++i)
+      plane.values[i] = component(*buffer, static_cast<uint32_t>(i), static_cast<int>(c)) * scale;
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
+}  // namespace relume

@@ -1,0 +1,15 @@
+// The explicit list of techniques: which passes a frame has for each choice in each slot.
+#pragma once
+
+#include "pipeline/pipeline.h"
+#include "render/render_settings.h"
+
+namespace relume {
+
+/// Throws Error with a sentence that says what would work if the slots do not combine.
+void check_combination(const RenderSettings& settings);
+
+/// The passes that `settings` ask for. They keep references to `settings`, whose values they read every frame.
+Pipeline build_pipeline(const RenderSettings& settings);
+
+}  // namespace relume

@@ -1,0 +1,176 @@
+// What changes while a scene is shown.
+#include <cmath>
+
+#include "scene/compiled_scene.h"
+#include "scene/surface_point.h"
+
+namespace relume {
+namespace {
+
+bool same(const CameraView& a, const CameraView& b) {
+  return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
+         a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
+}
+
+}  // namespace
+
+void CompiledScene::end_frame() {
+  if (!was_moved_) return;
+  was_moved_ = false;
+  for (Instance& i : instances_) i.previous_to_world = i.to_world;
+  previous_camera_view_ = camera_view_;
+  lights_.mark_unchanged();
+  refresh_view();
+}
+
+Change CompiledScene::set_time(float time_s) {
+  time_s_ = time_s;
+  return place_everything();
+}
+
+Change CompiledScene::set_camera(const std::optional<PlacedCamera>& camera) {
+  placed_camera_ = camera;
+  const CameraView before = camera_view_;
+  place_camera();
+  refresh_view();
+  if (same(before, camera_view_)) return Change::none;
+  was_moved_ = true;
+  return Change::camera;
+}
+
+Change CompiledScene::set_resolution(int width, int height) {
+  resolution_ = {width, height};
+  place_camera();
+  previous_camera_view_ = camera_view_;
+  refresh_view();
+  return Change::settings;
+}
+
+Change CompiledScene::set_transform(Index node, const Transform& transform) {
+  Node& target = source_.nodes[static_cast<size_t>(node)];
+  target.transform = transform;
+  target.matrix.reset();
+  std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
+  return place_everything();
+}
+
+Change CompiledScene::set_light(Index light, const PunctualLight& value) {
+  source_.lights[static_cast<size_t>(light)] = value;
+  collect_lights();
+  was_moved_ = true;
+  return Change::lights;
+}
+
+Change CompiledScene::set_environment(const Environment& environment) {
+  source_.environment = environment;
+  lights_.set_environment(environment);
+  collect_lights();
+  was_moved_ = true;
+  return Change::lights;
+}
+
+Change CompiledScene::set_material(Index material, const Material& value) {
+  Material& target = source_.materials[static_cast<size_t>(material)];
+  const bool emits = !is_black(target.emission) || !is_black(value.emission);
+  target = value;
+  build_materials();
+  refresh_view();
+  if (!emits) return Change::materials;
+  collect_lights();
+  was_moved_ = true;
+  return Change::materials | Change::lights;
+}
+
+Change CompiledScene::place_everything() {
+  world_ = world_matrices(source_, time_s_);
+  const CameraView camera_before = camera_view_;
+  Change change = Change::none;
+  place_camera();
+  if (!same(camera_before, camera_view_)) change |= Change::camera;
+  if (place_instances()) {
+    change |= Change::geometry;
+    accel_->update(accel_instances());
+  }
+  collect_lights();
+  for (const Light& light : view_.lights.lights) {
+    if (light.changed) change |= Change::lights;
+  }
+  if (change != Change::none) was_moved_ = true;
+  return change;
+}
+
+void CompiledScene::collect_lights() {
+  refresh_view();
+  lights_.collect(view_, instances_, source_, world_, bounds_);
+  refresh_view();
+}
+
+PlacedCamera CompiledScene::camera() const {
+  if (placed_camera_) return *placed_camera_;
+  return {camera_node_ == kNone ? default_camera_ : world_[static_cast<size_t>(camera_node_)], camera_};
+}
+
+bool CompiledScene::place_instances() {
+  const bool first = instances_.empty();
+  instances_.resize(appearances_.size());
+  bool moved = false;
+  for (size_t i = 0; i < appearances_.size(); ++i) {
+    Instance& instance = instances_[i];
+    instance.mesh = mesh_of_appearance_[i];
+    instance.in_world_space = world_space_[i];
+    if (instance.in_world_space) continue;
+    const Mat4 m = world_[appearances_[i].node] * appearances_[i].local;
+    const Affine now{Mat3(m), Vec3(m[3])};
+    moved = moved || now.linear != instance.to_world.linear || now.translation != instance.to_world.translation;
+    if (first) instance.previous_to_world = now;
+    instance.to_world = now;
+    instance.normal_to_world = cofactors(now.linear);
+    instance.orientation = glm::dot(now.linear[0], instance.normal_to_world[0]) < 0.0f ? -1.0f : 1.0f;
+  }
+  return moved;
+}
+
+void CompiledScene::place_camera() {
+  const auto [m, camera] = this->camera();
+  const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
+  CameraView c;
+  c.projection = camera.projection;
+  c.position = Vec3(m[3]);
+  c.axes.n = glm::normalize(Vec3(m[2]));
+  c.axes.t = glm::normalize(glm::cross(Vec3(m[1]), c.axes.n));
+  c.axes.b = glm::cross(c.axes.n, c.axes.t);
+  const float half =
+      camera.projection == Projection::orthographic ? camera.half_height : std::tan(0.5f * camera.fov_y_rad);
+  c.half_extent = {half * aspect, half};
+  c.lens_radius = camera.lens_radius;
+  c.focus_distance = camera.focus_distance;
+  c.resolution = Vec2(resolution_);
+  camera_view_ = c;
+}
+
+void CompiledScene::refresh_view() {
+  view_.vertices = view_of(vertices_);
+  view_.triangles = view_of(triangles_);
+  view_.uv1 = view_of(uv1_);
+  view_.colors = view_of(colors_);
+  view_.meshes = view_of(meshes_);
+  view_.instances = view_of(instances_);
+  view_.materials = view_of(materials_);
+  view_.textures = textures_.views();
+  view_.lights = lights_.view();
+  view_.camera = camera_view_;
+  view_.previous_camera = previous_camera_view_;
+  view_.energy_tables = &energy_tables();
+}
+
+std::vector<AccelInstance> CompiledScene::accel_instances() const {
+  std::vector<AccelInstance> result;
+  for (const Instance& i : instances_) {
+    Mat4 m(i.to_world.linear);
+    m[3] = Vec4(i.to_world.translation, 1.0f);
+    result.push_back({i.mesh, m, i.in_world_space});
+  }
+  return result;
+}
+
+}  // namespace relume

@@ -1,0 +1,58 @@
+#include "techniques/accumulate/accumulate_pass.h"
+
+#include "techniques/accumulate/accumulate.h"
+
+namespace relume {
+
+PassDeclaration AccumulatePass::declaration() const {
+  const Change reset = invalidated_by_;
+  return {.name = "accumulate",
+          .stage = Stage::present,
+          .owns = {{.name = "mean",
+                    .type = BufferType::rgb32f,
+                    .help = "mean radiance of the samples that the pixel keeps",
+                    .persistent = true,
+                    .double_buffered = false,
+                    .reset = reset},
+                   {.name = "m2",
+                    .type = BufferType::f32,
+                    .help = "sum of squared distances of their luminance from its mean",
+                    .persistent = true,
+                    .reset = reset},
+                   {.name = "samples",
+                    .type = BufferType::u32,
+                    .help = "samples that the pixel keeps",
+                    .persistent = true,
+                    .reset = reset,
+                    .display = BufferDisplay::value},
+                   {.name = "heatmap",
+                    .type = BufferType::u32,
+                    .help = "rays traced for the pixel, a frame",
+                    .persistent = true,
+                    .reset = Change::any,
+                    .display = BufferDisplay::mean},
+                   {.name = "nonfinite",
+                    .type = BufferType::u32,
+                    .help = "samples that were not finite",
+                    .persistent = true,
+                    .display = BufferDisplay::value}},
+          .reads = {"radiance", "rays"}};
+}
+
+bool AccumulatePass::run(const FrameContext& frame) {
+  AccumulateKernel kernel;
+  kernel.radiance = frame.view<const Rgb>("radiance");
+  kernel.rays = frame.view<const uint32_t>("rays");
+  kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.mean = frame.view<Rgb>("mean");
+  kernel.m2 = frame.view<float>("m2");
+  kernel.count = frame.view<uint32_t>("samples");
+  kernel.ray_sum = frame.view<uint32_t>("heatmap");
+  kernel.nonfinite = frame.view<uint32_t>("nonfinite");
+  kernel.keep = keep_;
+  kernel.width = frame.width();
+  // Not to be stopped: sums change only after a complete frame, so that one that is stopped leaves nothing behind.
+  return launch(frame.backend, "accumulate", kernel, frame.width(), frame.height());
+}
+
+}  // namespace relume

@@ -1,0 +1,38 @@
+#include "techniques/path/path_pass.h"
+
+#include "techniques/path/path.h"
+
+namespace relume {
+
+std::vector<BufferDescription> estimator_buffers() {
+  return {{.name = "radiance",
+           .type = BufferType::rgb32f,
+           .help = "radiance of this frame's sample",
+           .display = BufferDisplay::value},
+          {.name = "rays",
+           .type = BufferType::u32,
+           .help = "rays traced for this frame's sample",
+           .display = BufferDisplay::value}};
+}
+
+PassDeclaration PathPass::declaration() const {
+  return {.name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+}
+
+bool PathPass::run(const FrameContext& frame) {
+  PathKernel kernel;
+  kernel.context.scene = frame.scene;
+  kernel.context.selector = selector_;
+  kernel.context.directions = directions_;
+  kernel.context.max_bounces = static_cast<uint32_t>(settings_.max_bounces);
+  kernel.context.russian_roulette = settings_.russian_roulette;
+  kernel.index = frame.index;
+  kernel.hits = frame.view<const Hit>("primary-hits");
+  kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.radiance = frame.view<Rgb>("radiance");
+  kernel.rays = frame.view<uint32_t>("rays");
+  kernel.width = frame.width();
+  return frame.launch("trace", kernel);
+}
+
+}  // namespace relume

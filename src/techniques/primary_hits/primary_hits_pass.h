@@ -1,0 +1,29 @@
+// The passes of the stage "gbuffer".
+#pragma once
+
+#include "pipeline/pass.h"
+
+namespace relume {
+
+/// Traces the camera rays.
+class PrimaryHitsPass final : public Pass {
+ public:
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+};
+
+/// What they met, for whoever filters, reprojects or shows it. Part of a frame only if another pass reads it.
+class SurfacePass final : public Pass {
+ public:
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+};
+
+/// Averages of the same, as AOVs.
+class AuxiliaryPass final : public Pass {
+ public:
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+};
+
+}  // namespace relume
