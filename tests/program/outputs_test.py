@@ -29,7 +29,11 @@ class Outputs(ProgramTest):
 
     def test_layers_have_conventional_names(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--aov", ",".join(LAYERS))
-        self.assertEqual(exr_channels(self.folder / "out.exr"), sorted(["R", "G", "B"] + sum(LAYERS.values(), [])))
+        channels = sorted(["R", "G", "B"] + sum(LAYERS.values(), []))
+        self.assertEqual(exr_channels(self.folder / "out.exr"), channels)
+        info = self.succeed("info", "out.exr").stdout
+        for channel in channels:
+            self.assertIn(f" {channel} from ", info)
 
     def test_metadata_says_how_it_was_made(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "3", "--seed", "5", "--lights", "uniform", "--max-bounces", "4")
@@ -47,6 +51,7 @@ class Outputs(ProgramTest):
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
         self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.exr")
         self.assert_same_pixels("a.exr", "b.exr")
+        self.assertIn('"seed": 9', self.succeed("info", "b.exr").stdout)
 
     def test_statistics(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--stats", "s.json")
@@ -114,8 +119,10 @@ class Outputs(ProgramTest):
             self.assertAlmostEqual(value / expected, 1, delta=0.01)
 
     def test_help_and_version(self):
-        for command in ([], ["render"], ["scenes"], ["export"], ["info"], ["metrics"], ["settings"], ["devices"], ["completion"]):
-            self.assertIn("relume", self.succeed(*command, "--help").stdout)
+        self.assertIn("relume", self.succeed("--help").stdout)
+        for command in ("render", "scenes", "export", "info", "metrics", "settings", "devices", "completion"):
+            text = self.succeed(command, "--help").stdout
+            self.assertLess(text.index("Examples:"), text.index("Usage:"))
         self.assertRegex(self.succeed("--version").stdout, r"\d+\.\d+\.\d+")
         self.assertIn("Embree", self.succeed("devices").stdout)
 
