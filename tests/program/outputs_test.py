@@ -73,9 +73,20 @@ class Outputs(ProgramTest):
         self.assertLessEqual(METRICS_KEYS, set(different))
         self.assertGreater(different["mse"], 0)
         self.assertGreater(different["flip"], 0)
+        self.assertGreater(json.loads(self.succeed("metrics", "a.exr", "b.exr", "--json", "--hdr-flip").stdout)["hdr_flip"], 0)
         same = self.metrics("a.exr", "a.exr")
         self.assertEqual([same[key] for key in ("mse", "rel_mse", "mae", "mape", "flip")], [0] * 5)
         self.assertEqual(same["mean_a"], same["mean_b"])
+
+    def test_info_for_scripts(self):
+        scene = json.loads(self.succeed("info", "cornell", "--json").stdout)
+        self.assertGreater(scene["triangles"], 0)
+        self.assertEqual(len(scene["cameras"]), 1)
+        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "1", "--seed", "5")
+        picture = json.loads(self.succeed("info", "a.exr", "--json").stdout)
+        self.assertEqual((picture["width"], picture["height"]), (24, 18))
+        self.assertEqual(sorted(c["name"] for c in picture["channels"]), ["B", "G", "R"])
+        self.assertEqual(picture["attributes"]["relume.seed"], "5")
 
     def test_seed_and_threads(self):
         for name, flags in {"a": ["--threads", "1"], "b": ["--threads", "2"], "c": ["--threads", "5"], "d": ["--threads", "1", "--seed", "2"]}.items():
