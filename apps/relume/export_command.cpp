@@ -27,7 +27,7 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   check_folder_of(file);
   const Scene scene = open_scene(options.scene);
   warn_all(verbosity, scene.warnings);
-  write_gltf(file, scene);
+  warn_all(verbosity, write_gltf(file, scene));
   tell(verbosity, fmt::format("wrote {}", options.output));
   return kExitDone;
 }

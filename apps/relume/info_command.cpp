@@ -10,6 +10,7 @@
 #include "command.h"
 #include "console.h"
 #include "io/image.h"
+#include "reports.h"
 #include "scene_source.h"
 #include "scene_summary.h"
 
@@ -25,26 +26,47 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-std::string exr_text(const ExrFile& exr) {
-  std::string text =
-      fmt::format("size          {} x {}\nchannels      {}\n", exr.width, exr.height, exr.channels.size());
+bool is_picture(const std::string& extension) {
+  return std::find(kPictureExtensions.begin(), kPictureExtensions.end(), extension) != kPictureExtensions.end();
+}
+
+PictureReport report_picture(const std::string& file, const std::string& extension) {
+  if (extension != ".exr") {
+    const Image image = read_image(file);
+    return {image.width, image.height, {}, {}};
+  }
+  const ExrFile exr = read_exr(file);
+  PictureReport report{exr.width, exr.height, {}, {exr.attributes.begin(), exr.attributes.end()}};
   for (const ExrChannel& channel : exr.channels) {
     const auto [low, high] = std::minmax_element(channel.values.begin(), channel.values.end());
-    text += fmt::format("              {} from {:.4g} to {:.4g}\n", channel.name, *low, *high);
+    report.channels.push_back({channel.name, *low, *high});
   }
-  for (const auto& [name, value] : exr.attributes) text += fmt::format("{}: {}\n", name, value);
+  return report;
+}
+
+std::string to_text(const PictureReport& report) {
+  std::string text = fmt::format("size          {} x {}\n", report.width, report.height);
+  if (!report.channels.empty()) text += fmt::format("channels      {}\n", report.channels.size());
+  for (const PictureReport::Channel& channel : report.channels)
+    text += fmt::format("              {} from {:.4g} to {:.4g}\n", channel.name, channel.min, channel.max);
+  for (const auto& [name, value] : report.attributes) text += fmt::format("{}: {}\n", name, value);
   return text;
 }
 
-int run_info(const std::string& file) {
-  const std::string extension = extension_of(file);
-  if (extension == ".exr") {
-    std::fputs(exr_text(read_exr(file)).c_str(), stdout);
-  } else if (std::find(kPictureExtensions.begin(), kPictureExtensions.end(), extension) != kPictureExtensions.end()) {
-    const Image image = read_image(file);
-    std::fputs(fmt::format("size          {} x {}\n", image.width, image.height).c_str(), stdout);
+struct InfoOptions {
+  std::string file;
+  bool json = false;
+};
+
+int run_info(const InfoOptions& options) {
+  const std::string extension = extension_of(options.file);
+  const auto print = [&](const auto& what) {
+    std::fputs((options.json ? to_json(what) : to_text(what)).c_str(), stdout);
+  };
+  if (is_picture(extension)) {
+    print(report_picture(options.file, extension));
   } else {
-    std::fputs(to_text(summarize(open_scene(file))).c_str(), stdout);
+    print(summarize(open_scene(options.file)));
   }
   return kExitDone;
 }
@@ -52,18 +74,20 @@ int run_info(const std::string& file) {
 }  // namespace
 
 Command info_command(Verbosity& verbosity) {
-  const auto file = std::make_shared<std::string>();
+  const auto options = std::make_shared<InfoOptions>();
   Command command{
       .name = "info",
       .summary = "Tell what a scene or a picture contains, and what the loader ignored.",
       .examples = {{"relume info scene.glb", "counts, cameras, extent, memory, warnings"},
-                   {"relume info out.exr", "size, channels, and how it was rendered"}},
-      .arguments = {{"FILE", file.get(), "Scene file, built-in scene or picture", true, Completion::scene}},
-      .options = verbosity_options(verbosity),
+                   {"relume info out.exr", "size, channels, and how it was rendered"},
+                   {"relume info scene.glb --json", "the same for scripts"}},
+      .arguments = {{"FILE", &options->file, "Scene file, built-in scene or picture", true, Completion::scene}},
+      .options = {{{"json", &options->json, "Print a JSON object"}}},
       .setting_groups = {},
       .setting_flags = nullptr,
-      .run = [file] { return run_info(*file); },
+      .run = [options] { return run_info(*options); },
   };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;
 }
 

@@ -17,16 +17,18 @@ struct MetricsOptions {
   std::string a;
   std::string b;
   bool json = false;
+  bool hdr_flip = false;
   std::string flip_map;
   OutputSettings display{.exposure = 0, .tone_map = ToneMap::none};  ///< as which FLIP sees the pictures
 };
 
-std::string to_text(const Metrics& m) {
+std::string to_text(const Metrics& m, bool with_hdr_flip) {
+  const std::string hdr_flip = with_hdr_flip ? fmt::format("hdr_flip {:.6g}\n", m.hdr_flip) : "";
   return fmt::format(
-      "mse      {:.6g}\nrel_mse  {:.6g}\nmae      {:.6g}\nmape     {:.6g}\nflip     {:.6g}\n"
+      "mse      {:.6g}\nrel_mse  {:.6g}\nmae      {:.6g}\nmape     {:.6g}\nflip     {:.6g}\n{}"
       "mean_a   {:.6g} {:.6g} {:.6g}\nmean_b   {:.6g} {:.6g} {:.6g}\n",
-      m.mse, m.rel_mse, m.mae, m.mape, m.flip, m.mean_a[0], m.mean_a[1], m.mean_a[2], m.mean_b[0], m.mean_b[1],
-      m.mean_b[2]);
+      m.mse, m.rel_mse, m.mae, m.mape, m.flip, hdr_flip, m.mean_a[0], m.mean_a[1], m.mean_a[2], m.mean_b[0],
+      m.mean_b[1], m.mean_b[2]);
 }
 
 void write_flip_map(const MetricsOptions& options, const Image& a, const Image& b) {
@@ -44,14 +46,14 @@ int run_metrics(const MetricsOptions& options) {
         fmt::format("{} has {} x {} pixels, but {} has {} x {}; pictures must have the same size to be compared",
                     options.a, a.width, a.height, options.b, b.width, b.height));
   }
-  const Metrics metrics =
-      compute_metrics(a, b, {.tone_map = options.display.tone_map, .exposure = options.display.exposure});
+  const Metrics metrics = compute_metrics(
+      a, b, {.tone_map = options.display.tone_map, .exposure = options.display.exposure, .hdr_flip = options.hdr_flip});
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
     warn(fmt::format("left out pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
                      metrics.nonfinite_b, options.b));
   }
   if (!options.flip_map.empty()) write_flip_map(options, a, b);
-  std::fputs((options.json ? to_json(metrics) : to_text(metrics)).c_str(), stdout);
+  std::fputs((options.json ? to_json(metrics, options.hdr_flip) : to_text(metrics, options.hdr_flip)).c_str(), stdout);
   return kExitDone;
 }
 
@@ -67,6 +69,7 @@ Command metrics_command() {
                    {"relume metrics out.exr reference.exr --flip-map flip.png", "where the differences are"}},
       .arguments = {{"A", &options->a, "Picture"}, {"B", &options->b, "Reference of the same size"}},
       .options = {{{"json", &options->json, "Print a JSON object"}},
+                  {{"hdr-flip", &options->hdr_flip, "Print HDR-FLIP too, which looks at every exposure; slow"}},
                   {{"flip-map", &options->flip_map, "Write the FLIP difference of each pixel, as colours"},
                    "FILE",
                    0,

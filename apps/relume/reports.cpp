@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "metrics/metrics.h"
+#include "scene_summary.h"
 
 namespace relume::cli {
 namespace {
@@ -40,17 +41,54 @@ std::string to_json(const RunReport& report) {
   return text_of(json);
 }
 
-std::string to_json(const Metrics& m) {
-  return text_of({{"mse", m.mse},
-                  {"rel_mse", m.rel_mse},
-                  {"mae", m.mae},
-                  {"mape", m.mape},
-                  {"flip", m.flip},
-                  {"mean_a", m.mean_a},
-                  {"mean_b", m.mean_b},
-                  {"pixels", m.pixels},
-                  {"nonfinite_a", m.nonfinite_a},
-                  {"nonfinite_b", m.nonfinite_b}});
+std::string to_json(const Metrics& m, bool with_hdr_flip) {
+  Json json = {{"mse", m.mse},
+               {"rel_mse", m.rel_mse},
+               {"mae", m.mae},
+               {"mape", m.mape},
+               {"flip", m.flip},
+               {"mean_a", m.mean_a},
+               {"mean_b", m.mean_b},
+               {"pixels", m.pixels},
+               {"nonfinite_a", m.nonfinite_a},
+               {"nonfinite_b", m.nonfinite_b}};
+  if (with_hdr_flip) json["hdr_flip"] = m.hdr_flip;
+  return text_of(json);
+}
+
+std::string to_json(const PictureReport& report) {
+  Json channels = Json::array();
+  for (const PictureReport::Channel& c : report.channels) {
+    channels.push_back({{"name", c.name}, {"min", c.min}, {"max", c.max}});
+  }
+  Json attributes = Json::object();
+  for (const auto& [name, value] : report.attributes) attributes[name] = value;
+  return text_of(
+      {{"width", report.width}, {"height", report.height}, {"channels", channels}, {"attributes", attributes}});
+}
+
+std::string to_json(const SceneSummary& s) {
+  const auto vector = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
+  const bool placed = s.bounds_min.x <= s.bounds_max.x;
+  return text_of({
+      {"nodes", s.nodes},
+      {"meshes", s.meshes},
+      {"mesh_instances", s.mesh_instances},
+      {"triangles", s.triangles},
+      {"instanced_triangles", s.instanced_triangles},
+      {"materials", s.materials},
+      {"emissive_materials", s.emissive_materials},
+      {"textures", s.textures},
+      {"lights", s.lights},
+      {"environment", s.environment},
+      {"cameras", s.cameras},
+      {"animation_s", s.animation_s},
+      {"bounds_min", placed ? vector(s.bounds_min) : Json()},
+      {"bounds_max", placed ? vector(s.bounds_max) : Json()},
+      {"geometry_bytes", s.geometry_bytes},
+      {"texture_bytes", s.texture_bytes},
+      {"warnings", s.warnings},
+  });
 }
 
 }  // namespace relume::cli

@@ -1,4 +1,4 @@
-// What `render --stats` and `metrics --json` write, as JSON. Numbers that are not finite become null.
+// What `render --stats`, `metrics --json` and `info --json` write, as JSON. Numbers that are not finite become null.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,8 @@ struct Metrics;
 }
 
 namespace relume::cli {
+
+struct SceneSummary;
 
 /// What a render did.
 struct RunReport {
@@ -35,8 +37,23 @@ struct RunReport {
   std::vector<std::pair<std::string, double>> passes;  ///< name and seconds
 };
 
+/// What `info` says about a picture.
+struct PictureReport {
+  struct Channel {
+    std::string name;
+    float min = 0;
+    float max = 0;
+  };
+  int width = 0;
+  int height = 0;
+  std::vector<Channel> channels;                                ///< of an EXR
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< of an EXR: name and text
+};
+
 /// An object with the members' names.
 std::string to_json(const RunReport& report);
-std::string to_json(const Metrics& metrics);
+std::string to_json(const Metrics& metrics, bool with_hdr_flip);
+std::string to_json(const PictureReport& report);
+std::string to_json(const SceneSummary& summary);
 
 }  // namespace relume::cli

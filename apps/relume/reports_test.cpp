@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "metrics/metrics.h"
+#include "scene_summary.h"
 
 namespace relume::cli {
 namespace {
@@ -36,11 +37,32 @@ TEST(Reports, MetricsHaveTheNamesThatScriptsRelyOn) {
   Metrics metrics;
   metrics.mse = 0.5;
   metrics.mean_a = {1, 2, 3};
-  const std::string text = to_json(metrics);
+  const std::string text = to_json(metrics, false);
   expect_in("\"mse\": 0.5", text);
   for (const char* name : {"rel_mse", "mae", "mape", "flip"}) expect_in(fmt::format("\"{}\": 0.0", name), text);
   expect_in("\"mean_a\": [\n    1.0,\n    2.0,\n    3.0\n  ]", text);
   expect_in("\"mean_b\"", text);
+  EXPECT_EQ(text.find("hdr_flip"), std::string::npos);
+  expect_in("\"hdr_flip\": 0.0", to_json(metrics, true));
+}
+
+TEST(Reports, PicturesTellTheirChannelsAndAttributes) {
+  const std::string text = to_json(PictureReport{3, 2, {{"depth.Z", 0.5f, 4.0f}}, {{"relume.seed", "7"}}});
+  expect_in("\"width\": 3", text);
+  expect_in("\"name\": \"depth.Z\",\n      \"min\": 0.5,\n      \"max\": 4.0", text);
+  expect_in("\"relume.seed\": \"7\"", text);
+}
+
+TEST(Reports, ScenesThatPlaceNothingHaveNoBounds) {
+  SceneSummary summary;
+  summary.warnings = {"a texture is missing"};
+  std::string text = to_json(summary);
+  expect_in("\"bounds_min\": null", text);
+  expect_in("\"a texture is missing\"", text);
+  summary.bounds_min = Vec3(-1, 0, 2);
+  summary.bounds_max = Vec3(1, 0, 2);
+  text = to_json(summary);
+  expect_in("\"bounds_min\": [\n    -1.0,\n    0.0,\n    2.0\n  ]", text);
 }
 
 }  // namespace

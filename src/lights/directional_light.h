@@ -44,24 +44,6 @@ RELUME_HD inline float pdf_li(const DirectionalLight& light, const Vec3& wi) {
   return light.contains(wi) ? cone_pdf(light.one_minus_cos) : 0.0f;
 }
 
-RELUME_HD inline EmissionSample sample_le(const DirectionalLight& light, const SceneBounds& bounds,
-                                          const Vec2& u_position, const Vec2& u_direction) {
-  const LightSample towards = sample_li(light, u_direction);
-  EmissionSample s;
-  s.direction = -towards.wi;
-  s.origin = disk_origin(bounds, s.direction, u_position);
-  s.le = towards.radiance;
-  s.pdf_a = disk_origin_pdf(bounds);
-  s.pdf_w = towards.pdf_w;
-  s.delta_direction = light.delta();
-  s.infinite = true;
-  return s;
-}
-
-RELUME_HD inline EmissionPdf pdf_le(const DirectionalLight& light, const SceneBounds& bounds, const Vec3& direction) {
-  return {disk_origin_pdf(bounds), pdf_li(light, -direction)};
-}
-
 RELUME_HD inline Rgb power(const DirectionalLight& light, const SceneBounds& bounds) {
   return light.irradiance * (kPi * sqr(bounds.radius));
 }

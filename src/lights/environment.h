@@ -90,24 +90,6 @@ RELUME_HD inline LightSample sample_li(const EnvironmentView& environment, const
   return s;
 }
 
-RELUME_HD inline EmissionSample sample_le(const EnvironmentView& environment, const SceneBounds& bounds,
-                                          const Vec2& u_position, const Vec2& u_direction) {
-  const LightSample towards = sample_li(environment, u_direction);
-  EmissionSample s;
-  s.direction = -towards.wi;
-  s.origin = disk_origin(bounds, s.direction, u_position);
-  s.le = towards.radiance;
-  s.pdf_a = disk_origin_pdf(bounds);
-  s.pdf_w = towards.pdf_w;
-  s.infinite = true;
-  return s;
-}
-
-RELUME_HD inline EmissionPdf pdf_le(const EnvironmentView& environment, const SceneBounds& bounds,
-                                    const Vec3& direction) {
-  return {disk_origin_pdf(bounds), pdf_li(environment, -direction)};
-}
-
 /// What crosses the bounding sphere: π R² times the integral of the radiance over all directions.
 RELUME_HD inline Rgb power(const EnvironmentView& environment, const SceneBounds& bounds) {
   return environment.mean * (4.0f * kPi * kPi * sqr(bounds.radius));

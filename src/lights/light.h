@@ -78,8 +78,9 @@ RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, co
     case LightKind::triangle: return sample_le(light.triangle, view.textured, u_position, u_direction);
     case LightKind::point: return sample_le(light.point, u_direction);
     case LightKind::spot: return sample_le(light.spot, u_direction);
-    case LightKind::directional: return sample_le(light.directional, view.bounds, u_position, u_direction);
-    case LightKind::environment: return sample_le(view.environment, view.bounds, u_position, u_direction);
+    case LightKind::directional:
+    case LightKind::environment:
+      return sample_le_from_infinity(sample_li(view, id, Vec3(0), u_direction), view.bounds, u_position);
   }
   return {};
 }
@@ -92,8 +93,8 @@ RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const Em
     case LightKind::triangle: return pdf_le(light.triangle, view.textured, on_light, direction);
     case LightKind::point: return pdf_le(light.point);
     case LightKind::spot: return pdf_le(light.spot, direction);
-    case LightKind::directional: return pdf_le(light.directional, view.bounds, direction);
-    case LightKind::environment: return pdf_le(view.environment, view.bounds, direction);
+    case LightKind::directional:
+    case LightKind::environment: return {disk_origin_pdf(view.bounds), pdf_li(view, id, Vec3(0), -direction, {})};
   }
   return {};
 }

@@ -65,4 +65,18 @@ RELUME_HD inline Vec3 disk_origin(const SceneBounds& bounds, const Vec3& directi
 /// pdf_a of disk_origin.
 RELUME_HD inline float disk_origin_pdf(const SceneBounds& bounds) { return kInvPi / sqr(bounds.radius); }
 
+/// Light from infinity on its way through the scene: `towards` is the direction that sample_li chose to look at it.
+RELUME_HD inline EmissionSample sample_le_from_infinity(const LightSample& towards, const SceneBounds& bounds,
+                                                        const Vec2& u_position) {
+  EmissionSample s;
+  s.direction = -towards.wi;
+  s.origin = disk_origin(bounds, s.direction, u_position);
+  s.le = towards.radiance;
+  s.pdf_a = disk_origin_pdf(bounds);
+  s.pdf_w = towards.pdf_w;
+  s.delta_direction = towards.delta;
+  s.infinite = true;
+  return s;
+}
+
 }  // namespace relume

@@ -85,7 +85,7 @@ float lambda_ggx(float alpha, float tan2) { return 0.5f * (std::sqrt(1.0f + alph
 float lambda_beckmann(float alpha, float tan2) {
   const float a = 1.0f / (alpha * std::sqrt(tan2));
   const float value = (1.0f - 1.259f * a + 0.396f * a * a) / (3.535f * a + 2.181f * a * a);
-  return a < 1.6f ? value : 0.0f;
+  return a < kBeckmannLambdaEnd ? value : 0.0f;
 }
 
 /// Albedo of the reflection lobe for F = 1 and for F = (1 − cos)^5, over the random numbers that sample the lobe: the

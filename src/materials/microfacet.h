@@ -12,6 +12,10 @@ enum class MicrofacetModel : uint8_t { ggx, beckmann };
 /// Below this α a surface is treated as perfectly smooth: lobes become delta lobes.
 inline constexpr float kMinAlpha = 1e-3f;
 
+/// Where the fit of Beckmann's Λ reaches zero, as a function of 1/(α tan θ). [Walter07] ends it at 1.6, beyond that
+/// root, and lets it dip below zero in between.
+inline constexpr float kBeckmannLambdaEnd = 1.548f;
+
 struct Microfacet {
   MicrofacetModel model;
   float alpha;  ///< roughness, (0, 1]
@@ -34,7 +38,7 @@ struct Microfacet {
     if (!is_finite(tan2)) return kInfinity;
     if (model == MicrofacetModel::ggx) return 0.5f * (std::sqrt(1.0f + alpha * alpha * tan2) - 1.0f);
     const float a = 1.0f / (alpha * std::sqrt(tan2));
-    if (!(a < 1.6f)) return 0.0f;
+    if (!(a < kBeckmannLambdaEnd)) return 0.0f;
     return (1.0f - 1.259f * a + 0.396f * a * a) / (3.535f * a + 2.181f * a * a);
   }
 

@@ -84,8 +84,12 @@ TEST(Microfacet, MaskingStaysBetweenZeroAndOne) {
       wi.z = std::fabs(wi.z);
       const float g2 = mf.g2(wo, wi);
       ASSERT_GE(g2, 0.0f);
-      ASSERT_LE(g2, std::fmin(mf.g1(wo), mf.g1(wi)) + 2e-4f);  // Beckmann's fit of Λ dips a little below zero
-      ASSERT_GE(g2, mf.g1(wo) * mf.g1(wi) - 2e-4f);            // correlated heights hide less
+      ASSERT_LE(g2, std::fmin(mf.g1(wo), mf.g1(wi)));
+      ASSERT_GE(g2, mf.g1(wo) * mf.g1(wi) - 1e-6f);  // correlated heights hide less
+    }
+    for (int i = 0; i < 1000; ++i) {
+      const float angle = (static_cast<float>(i) + 0.5f) / 1000 * 0.5f * kPi;
+      ASSERT_GE(mf.lambda({std::sin(angle), 0, std::cos(angle)}), 0.0f) << name_of(mf) << ", angle " << angle;
     }
     EXPECT_EQ(mf.g1({0, 0, 1}), 1.0f);
     EXPECT_EQ(mf.g1({1, 0, 0}), 0.0f);

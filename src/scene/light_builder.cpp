@@ -1,7 +1,7 @@
 #include "scene/light_builder.h"
 
-#include <cstring>
-#include <map>
+#include <algorithm>
+#include <cmath>
 
 #include <tbb/parallel_for.h>
 
@@ -127,8 +127,6 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   lights_.clear();
   bounds_ = bounds;
   textures_ = geometry.textures;
-  textured_.clear();
-  entries_.clear();
   for (uint32_t i = 0; i < instances.size(); ++i) add_triangles(geometry, i, instances[i]);
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
     const Index light = scene.nodes[i].light;
@@ -173,8 +171,10 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     light.primitive = k;
     light.textured = -1;
     light.two_sided = material.double_sided;
-    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha()))
-      add_textured(geometry, mesh, k, light);
+    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha())) {
+      light.textured = textured_index(geometry, mesh, k);
+      if (light.textured == kBlackTexture) light.radiance = Rgb(0);
+    }
     Light entry;
     entry.kind = LightKind::triangle;
     entry.triangle = light;
@@ -182,8 +182,13 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
   }
 }
 
-void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive,
-                                TriangleLight& light) {
+int32_t LightBuilder::textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive) {
+  const auto [entry, is_new] = textured_indices_.try_emplace(mesh.first_triangle + primitive, kBlackTexture);
+  if (is_new) entry->second = add_textured(geometry, mesh, primitive);
+  return entry->second;
+}
+
+int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive) {
   const MaterialData& material = geometry.materials[mesh.material];
   const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
   TexturedTriangle t{};
@@ -207,18 +212,15 @@ void LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh,
   std::vector<float> weights(count);
   Rgb sum(0);
   for (uint32_t i = 0; i < count; ++i) {
-    weights[i] = luminance(light.radiance * means[i]);
+    weights[i] = luminance(material.emission * means[i]);
     sum += means[i];
   }
   t.mean_emission = sum / static_cast<float>(count);
   const std::vector<AliasEntry> table = build_alias_table(weights);
-  if (table.empty()) {  // a triangle whose texture is black everywhere emits nothing
-    light.radiance = Rgb(0);
-    return;
-  }
+  if (table.empty()) return kBlackTexture;
   entries_.insert(entries_.end(), table.begin(), table.end());
-  light.textured = static_cast<int32_t>(textured_.size());
   textured_.push_back(t);
+  return static_cast<int32_t>(textured_.size()) - 1;
 }
 
 void LightBuilder::add_punctual(const PunctualLight& source, const Mat4& to_world) {

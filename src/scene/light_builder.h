@@ -1,6 +1,7 @@
 // Collects the emitters of a scene into the arrays behind a LightsView.
 #pragma once
 
+#include <unordered_map>
 #include <vector>
 
 #include "lights/light.h"
@@ -26,13 +27,18 @@ class LightBuilder {
 
  private:
   void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
-  void add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive, TriangleLight& light);
+  /// Of the triangle's sampling table, which is made once, however often it appears or moves; or kBlackTexture.
+  int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
+  int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   void add_punctual(const PunctualLight& light, const Mat4& to_world);
   void mark_changes(const std::vector<Light>& previous);
   void push(const DirectionalLight& light);
 
   std::vector<Light> lights_;
   uint32_t first_infinite_ = 0;
+  /// The triangle's texture is black everywhere; it emits nothing.
+  static constexpr int32_t kBlackTexture = -1;
+  std::unordered_map<uint32_t, int32_t> textured_indices_;  ///< by index of the triangle
   std::vector<TexturedTriangle> textured_;
   std::vector<AliasEntry> entries_;
   View<const TextureView> textures_;

@@ -37,7 +37,8 @@ struct Texture {
   std::vector<std::byte> texels;  ///< width · height · bytes per texel, tightly packed
 };
 
-/// Where a material takes a texture from. uv' = offset + R(rotation) · (scale ⊙ uv) (KHR_texture_transform).
+/// Where a material takes a texture from (KHR_texture_transform): uv' = offset + R · (scale ⊙ uv), R = (cos sin; −sin
+/// cos) of the rotation, which is counter-clockwise because V points down.
 struct TextureRef {
   Index texture = kNone;
   int uv_set = 0;  ///< 0 or 1

@@ -2,9 +2,10 @@
 """Bad input: one clear sentence, a non-zero exit code, and nothing left behind."""
 
 import os
+import subprocess
 import unittest
 
-from program import SMALL, ProgramTest, run
+from program import PROGRAM, SMALL, ProgramTest, run
 
 FAILED, USAGE = 1, 2
 
@@ -123,6 +124,13 @@ class Errors(ProgramTest):
 
     def test_export_of_unknown_kind(self):
         self.refuse(USAGE, "export", "cornell", "-o", "c.obj", says=["c.obj"])
+
+    def test_full_disk(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            for command in (["scenes"], ["info", "cornell"], ["settings"]):
+                done = subprocess.run([PROGRAM, *command], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+                self.assertEqual(done.returncode, FAILED, command)
+                self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
     def test_half_a_scene_file(self):
         self.succeed("export", "cornell", "-o", "c.glb")

@@ -29,7 +29,11 @@ class Outputs(ProgramTest):
 
     def test_layers_have_conventional_names(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--aov", ",".join(LAYERS))
-        self.assertEqual(exr_channels(self.folder / "out.exr"), sorted(["R", "G", "B"] + sum(LAYERS.values(), [])))
+        channels = sorted(["R", "G", "B"] + sum(LAYERS.values(), []))
+        self.assertEqual(exr_channels(self.folder / "out.exr"), channels)
+        info = self.succeed("info", "out.exr").stdout
+        for channel in channels:
+            self.assertIn(f" {channel} from ", info)
 
     def test_metadata_says_how_it_was_made(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "3", "--seed", "5", "--lights", "uniform", "--max-bounces", "4")
@@ -47,6 +51,7 @@ class Outputs(ProgramTest):
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
         self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.exr")
         self.assert_same_pixels("a.exr", "b.exr")
+        self.assertIn('"seed": 9', self.succeed("info", "b.exr").stdout)
 
     def test_statistics(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--stats", "s.json")
@@ -68,9 +73,20 @@ class Outputs(ProgramTest):
         self.assertLessEqual(METRICS_KEYS, set(different))
         self.assertGreater(different["mse"], 0)
         self.assertGreater(different["flip"], 0)
+        self.assertGreater(json.loads(self.succeed("metrics", "a.exr", "b.exr", "--json", "--hdr-flip").stdout)["hdr_flip"], 0)
         same = self.metrics("a.exr", "a.exr")
         self.assertEqual([same[key] for key in ("mse", "rel_mse", "mae", "mape", "flip")], [0] * 5)
         self.assertEqual(same["mean_a"], same["mean_b"])
+
+    def test_info_for_scripts(self):
+        scene = json.loads(self.succeed("info", "cornell", "--json").stdout)
+        self.assertGreater(scene["triangles"], 0)
+        self.assertEqual(len(scene["cameras"]), 1)
+        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "1", "--seed", "5")
+        picture = json.loads(self.succeed("info", "a.exr", "--json").stdout)
+        self.assertEqual((picture["width"], picture["height"]), (24, 18))
+        self.assertEqual(sorted(c["name"] for c in picture["channels"]), ["B", "G", "R"])
+        self.assertEqual(picture["attributes"]["relume.seed"], "5")
 
     def test_seed_and_threads(self):
         for name, flags in {"a": ["--threads", "1"], "b": ["--threads", "2"], "c": ["--threads", "5"], "d": ["--threads", "1", "--seed", "2"]}.items():
@@ -114,8 +130,10 @@ class Outputs(ProgramTest):
             self.assertAlmostEqual(value / expected, 1, delta=0.01)
 
     def test_help_and_version(self):
-        for command in ([], ["render"], ["scenes"], ["export"], ["info"], ["metrics"], ["settings"], ["devices"], ["completion"]):
-            self.assertIn("relume", self.succeed(*command, "--help").stdout)
+        self.assertIn("relume", self.succeed("--help").stdout)
+        for command in ("render", "scenes", "export", "info", "metrics", "settings", "devices", "completion"):
+            text = self.succeed(command, "--help").stdout
+            self.assertLess(text.index("Examples:"), text.index("Usage:"))
         self.assertRegex(self.succeed("--version").stdout, r"\d+\.\d+\.\d+")
         self.assertIn("Embree", self.succeed("devices").stdout)
 

@@ -6,7 +6,7 @@ import signal
 import time
 import unittest
 
-from program import SMALL, ProgramTest, exr_strings, start
+from program import SMALL, ProgramTest, exr_strings, png_size, start
 
 ROOM = ["cornell", "--width", "96", "--height", "96"]
 LAYERS = ["--aov", "heatmap,variance"]
@@ -64,6 +64,16 @@ class Stopping(ProgramTest):
         self.assert_same_pixels("resumed.exr", "whole.exr")
         resumed, whole = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("resumed", "whole"))
         self.assertEqual((resumed["samples"], resumed["rays"]), (whole["samples"], whole["rays"]))
+
+    def test_termination_is_an_interrupt(self):
+        process = start("render", *ROOM, "-o", "out.png", "--spp", "1000000", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(self.folder / "a.ckpt", process)
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("interrupted; wrote out.png", errors)
+        self.assertEqual(png_size(self.folder / "out.png"), (96, 96))
 
     def test_kill_and_resume(self):
         # As many samples as take a second or two, whatever the machine.
