@@ -7,6 +7,14 @@
 #define RELUME_HD
 #endif
 
+// The same, inlined whatever the compiler's estimate of the size says. For small functions at the bottom of every
+// kernel: whether loops over them become vector code must not depend on what else a translation unit contains.
+#if defined(__CUDACC__)
+#define RELUME_HD_INLINE __host__ __device__ __forceinline__
+#else
+#define RELUME_HD_INLINE [[gnu::always_inline]] inline
+#endif
+
 // True while compiling code that runs on the device. Only src/accel, src/backend and the atomics of
 // src/core may look at it.
 #if defined(__CUDA_ARCH__)

@@ -27,7 +27,7 @@ struct AliasTable {
 
   RELUME_HD bool empty() const { return entries.empty(); }
 
-  RELUME_HD DiscreteSample sample(float u) const {
+  RELUME_HD_INLINE DiscreteSample sample(float u) const {
     const float scaled = u * static_cast<float>(entries.size);
     uint32_t i = static_cast<uint32_t>(scaled);
     if (i >= entries.size) i = entries.size - 1;
