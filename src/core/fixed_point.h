@@ -23,6 +23,18 @@ RELUME_HD inline void atomic_add(Integer* target, Integer value) {
 #endif
 }
 
+/// Replaces a word that several threads share by `value` if that is smaller.
+RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
+#if RELUME_DEVICE_CODE
+  atomicMin(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<uint64_t> shared(*target);
+  uint64_t seen = shared.load(std::memory_order_relaxed);
+  while (value < seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
 /// Value of one unit of the fixed-point sums of radiance: 2^-24. The largest sum is 2^39.
 inline constexpr float kFixedPointUnit = 0x1p-24f;
 /// Summands above are clamped, so that 2^19 of them cannot overflow; callers count them as saturated.

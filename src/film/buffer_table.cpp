@@ -9,21 +9,22 @@
 
 namespace relume {
 
-size_t element_size(BufferType type) {
-  switch (type) {
+size_t element_size(const BufferDescription& description) {
+  switch (description.type) {
     case BufferType::f32: return sizeof(float);
     case BufferType::rgb32f: return sizeof(Rgb);
     case BufferType::vec2f: return sizeof(Vec2);
     case BufferType::u32: return sizeof(uint32_t);
     case BufferType::hit: return sizeof(Hit);
     case BufferType::fixed_rgb: return sizeof(FixedPointRgb);
+    case BufferType::record: return description.record_bytes;
   }
   return 0;
 }
 
 Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
     : description_(std::move(description)),
-      size_(static_cast<size_t>(width) * height * element_size(description_.type)),
+      size_(static_cast<size_t>(width) * height * element_size(description_)),
       data_(std::make_unique<std::byte[]>(size_)),
       previous_(description_.double_buffered ? std::make_unique<std::byte[]>(size_) : nullptr) {}
 

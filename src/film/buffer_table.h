@@ -18,7 +18,8 @@
 
 namespace relume {
 
-enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, hit, fixed_rgb };
+/// `record`: a struct that the passes agree on, of `record_bytes`.
+enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, hit, fixed_rgb, record };
 
 /// How a buffer is shown.
 enum class BufferDisplay : uint8_t {
@@ -34,12 +35,14 @@ struct BufferDescription {
   bool persistent = false;       ///< survives the frame: goes into checkpoints
   bool double_buffered = false;  ///< the frame before stays readable
   Change reset = Change::none;   ///< what makes the content invalid
+  bool follows_surface = false;  ///< reprojection carries it along to where the surface is now
   BufferDisplay display = BufferDisplay::hidden;
+  uint32_t record_bytes = 0;       ///< of an element of type `record`
   std::string_view channels = "";  ///< of the EXR layer, one letter each; empty: RGB, XY or Y by type
 };
 
 /// Bytes of one element.
-size_t element_size(BufferType type);
+size_t element_size(const BufferDescription& description);
 
 /// A width × height array; row 0 on top.
 class Buffer {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "techniques/accumulate/accumulate_pass.h"
+#include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/light_selection_pass.h"
 #include "techniques/path/path_pass.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
+#include "techniques/reprojection/reprojection_pass.h"
 
 namespace relume {
 namespace {
@@ -31,16 +34,37 @@ const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSetting
   return add<LightSelectionPass>(pipeline, static_cast<LightSelectorKind>(settings.lights)).selector();
 }
 
+/// Changes that the history does not survive.
+Change ends_history(const RenderSettings& settings) {
+  return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
+}
+
 void add_history(Pipeline& pipeline, const RenderSettings& settings) {
-  switch (settings.history) {
-    case HistoryChoice::none: add<AccumulatePass>(pipeline, Change::any, false); break;
-    case HistoryChoice::accumulate: add<AccumulatePass>(pipeline, Change::any, true); break;
-  }
+  add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none);
+  if (settings.history != HistoryChoice::reproject) return;
+  auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject);
+  if (settings.reproject.method == ReprojectionMethod::forward)
+    add<StoreSamplesPass>(pipeline, settings.reproject, reprojection);
+}
+
+void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
+  if (settings.allocation == AllocationChoice::adaptive)
+    add<AdaptiveSamplingPass>(pipeline, settings.adaptive, ends_history(settings));
+}
+
+bool needs_first_vertices(const RenderSettings& settings) {
+  return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
 }  // namespace
 
-void check_combination(const RenderSettings&) {}
+void check_combination(const RenderSettings& settings) {
+  if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {
+    throw Error(
+        "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would have "
+        "nothing to show; use history 'accumulate' or 'reproject'");
+  }
+}
 
 Pipeline build_pipeline(const RenderSettings& settings) {
   check_combination(settings);
@@ -48,8 +72,9 @@ Pipeline build_pipeline(const RenderSettings& settings) {
   static const DirectionSampler bsdf_directions;
   const LightSelector& selector = add_light_selection(pipeline, settings);
   add<PrimaryHitsPass>(pipeline);
-  add<PathPass>(pipeline, settings.path, selector, bsdf_directions);
+  add<PathPass>(pipeline, settings.path, selector, bsdf_directions, needs_first_vertices(settings));
   add_history(pipeline, settings);
+  add_allocation(pipeline, settings);
   if (settings.auxiliary) add<AuxiliaryPass>(pipeline);
   if (reads_surface(pipeline)) add<SurfacePass>(pipeline);
   pipeline.check();

@@ -35,9 +35,11 @@ SettingList describe_slots(RenderSettings& s) {
        "Which light a vertex samples: each alike, or in proportion to its power"},
       {"guide", choice(s.guide, {"bsdf"}), "Which direction a path takes: in proportion to the material's reflection"},
       {"cache", choice(s.cache, {"none"}), "Radiance cache that stands in for long paths"},
-      {"allocation", choice(s.allocation, {"uniform"}), "Paths a pixel gets in a frame: one each"},
-      {"history", choice(s.history, {"none", "accumulate"}),
-       "What earlier frames contribute: nothing, or the mean of all since the last change"},
+      {"allocation", choice(s.allocation, {"uniform", "adaptive"}),
+       "Paths a pixel gets in a frame: one each, or more where there is noise"},
+      {"history", choice(s.history, {"none", "accumulate", "reproject"}),
+       "What earlier frames contribute: nothing, the mean of all since the last change, or what can be verified to be "
+       "seen still when something moves"},
       {"denoise", choice(s.denoise, {"none"}), "Filter over the finished picture"},
   };
 }
@@ -50,10 +52,17 @@ SettingList describe_transport(RenderSettings& s) {
   return list;
 }
 
+SettingList describe_frames(RenderSettings& s) {
+  SettingList list = with_prefix("adaptive", describe(s.adaptive));
+  append(list, with_prefix("reproject", describe(s.reproject)));
+  return list;
+}
+
 SettingList describe(RenderSettings& settings) {
   SettingList list = describe_picture(settings);
   append(list, describe_slots(settings));
   append(list, describe_transport(settings));
+  append(list, describe_frames(settings));
   return list;
 }
 

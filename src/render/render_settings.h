@@ -5,7 +5,9 @@
 
 #include "materials/texture.h"
 #include "settings/setting.h"
+#include "techniques/adaptive_sampling/settings.h"
 #include "techniques/path/path_settings.h"
+#include "techniques/reprojection/settings.h"
 
 namespace relume {
 
@@ -14,8 +16,8 @@ enum class EstimatorChoice : int { path };
 enum class LightSelectionChoice : int { uniform, power };
 enum class GuideChoice : int { bsdf };
 enum class CacheChoice : int { none };
-enum class AllocationChoice : int { uniform };
-enum class HistoryChoice : int { none, accumulate };
+enum class AllocationChoice : int { uniform, adaptive };
+enum class HistoryChoice : int { none, accumulate, reproject };
 enum class DenoiseChoice : int { none };
 
 struct RenderSettings {
@@ -37,6 +39,8 @@ struct RenderSettings {
   /// name of its own.
   bool auxiliary = false;
   PathSettings path;
+  AdaptiveSamplingSettings adaptive;
+  ReprojectionSettings reproject;
 };
 
 /// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
@@ -46,5 +50,6 @@ SettingList describe(RenderSettings& settings);
 SettingList describe_picture(RenderSettings& settings);
 SettingList describe_slots(RenderSettings& settings);
 SettingList describe_transport(RenderSettings& settings);
+SettingList describe_frames(RenderSettings& settings);
 
 }  // namespace relume

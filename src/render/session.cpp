@@ -36,6 +36,18 @@ uint64_t sum(View<const uint32_t> values) {
       std::plus<>());
 }
 
+/// Whether two pipelines have the same passes with the same buffers.
+bool same_shape(const Pipeline& a, const Pipeline& b) {
+  const std::vector<PassDeclaration> one = a.declarations();
+  const std::vector<PassDeclaration> other = b.declarations();
+  const auto same_buffers = [](const BufferDescription& x, const BufferDescription& y) {
+    return x.name == y.name && x.type == y.type && x.reset == y.reset;
+  };
+  return std::equal(one.begin(), one.end(), other.begin(), other.end(), [&](const auto& x, const auto& y) {
+    return x.name == y.name && std::equal(x.owns.begin(), x.owns.end(), y.owns.begin(), y.owns.end(), same_buffers);
+  });
+}
+
 void check_size(const RenderSettings& settings) {
   if (settings.width >= 1 && settings.height >= 1) return;
   throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
@@ -213,11 +225,11 @@ bool Session::set_settings(const RenderSettings& wanted) {
   RenderSettings& current = s.settings;
   if (settings.texture_filter != current.texture_filter || settings.camera != current.camera) return false;
   check_size(settings);
-  build_pipeline(settings);  // throws for what does not combine, before anything changes
-  const bool resized = settings.width != current.width || settings.height != current.height;
-  bool rebuild = resized || settings.auxiliary != current.auxiliary;
+  // Throws for what does not combine, before anything changes.
+  const bool same_passes = same_shape(build_pipeline(settings), s.pipeline);
   SettingList slots = describe_slots(settings);
-  rebuild = rebuild || !differing_settings(describe_slots(current), slots).empty();
+  const bool same_slots = differing_settings(describe_slots(current), slots).empty();
+  const bool resized = settings.width != current.width || settings.height != current.height;
   SettingList all = describe(settings);
   for (const Setting* setting : differing_settings(describe(current), all)) {
     if (setting->traits.resets_history) s.changes |= Change::settings;
@@ -226,7 +238,7 @@ bool Session::set_settings(const RenderSettings& wanted) {
   if (settings.time_s != current.time_s) set_time(settings.time_s);
   current = settings;
   if (resized) s.scene->set_resolution(settings.width, settings.height);
-  if (rebuild) s.rebuild_pipeline();
+  if (resized || !same_slots || !same_passes) s.rebuild_pipeline();
   return true;
 }
 

@@ -76,6 +76,7 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
       {"When to stop", "Whichever comes first.", describe(s.stop)},
       {"Light transport", "Of the path estimator; `--max-bounces` holds for every estimator.",
        describe_transport(s.render)},
+      {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
       {"Slots", "One technique each; any combination that has a meaning runs.", describe_slots(s.render)},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
   };

@@ -253,6 +253,9 @@ void CompiledScene::choose_camera(const std::string& name) {
   for (size_t i = 0; i < source_.nodes.size(); ++i) {
     if (source_.nodes[i].camera != kNone) nodes.push_back(static_cast<Index>(i));
   }
+  std::stable_sort(nodes.begin(), nodes.end(), [&](Index a, Index b) {
+    return source_.nodes[static_cast<size_t>(a)].camera < source_.nodes[static_cast<size_t>(b)].camera;
+  });
   if (nodes.empty()) {
     if (!name.empty())
       throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",

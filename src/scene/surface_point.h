@@ -63,6 +63,13 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
 RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
                                   SurfacePoint& sp);
 
+/// Where a hit's point of the surface is now, and where it was one frame ago, metres.
+struct SurfacePosition {
+  Vec3 now;
+  Vec3 before;
+};
+RELUME_HD SurfacePosition surface_position(const SceneView& scene, const Hit& hit);
+
 /// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
 RELUME_HD float coverage(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
 

@@ -249,6 +249,14 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
 }
 
+RELUME_HD inline SurfacePosition surface_position(const SceneView& scene, const Hit& hit) {
+  using namespace surface_detail;
+  const Instance& instance = scene.instances[hit.instance];
+  const TriangleAt t = triangle_at(scene, scene.meshes[instance.mesh], hit.primitive, hit.u, hit.v);
+  const Geometry g = geometry_at(instance, t);
+  return {g.position, g.previous_position};
+}
+
 RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {
   using namespace surface_detail;
   const MeshView& mesh = scene.meshes[scene.instances[instance_index].mesh];

@@ -29,7 +29,7 @@ MAY_INCLUDE = {
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
-TECHNIQUE_MAY_INCLUDE = {"path": "primary_hits"}
+TECHNIQUE_MAY_INCLUDE = {"path": "primary_hits", "reprojection": "path"}
 
 # Start of an include -> the folders that may use that library.
 LIBRARY_USERS = {

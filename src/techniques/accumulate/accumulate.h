@@ -11,7 +11,8 @@ struct AccumulateKernel {
   View<const uint32_t> rays;        ///< traced for it
   View<const uint32_t> allocation;  ///< samples that the pixel got in this frame, 0 or 1; empty: 1
   View<Rgb> mean;
-  View<float> m2;  ///< sum of squared distances of the samples' luminance from its mean
+  View<float> m2;    ///< sum of squared distances of the samples' luminance from its mean
+  View<Rgb> m2_rgb;  ///< the same for each channel by itself; may be empty
   View<uint32_t> count;
   View<uint32_t> ray_sum;
   View<uint32_t> nonfinite;  ///< counts samples that were not finite and are taken as black
@@ -31,6 +32,7 @@ struct AccumulateKernel {
     const Rgb before = n > 1 ? mean[pixel] : Rgb(0);
     const Rgb after = before + (value - before) / static_cast<float>(n);
     const float square = luminance(value - before) * luminance(value - after);
+    if (!m2_rgb.empty()) m2_rgb[pixel] = n > 1 ? m2_rgb[pixel] + (value - before) * (value - after) : Rgb(0);
     mean[pixel] = after;
     m2[pixel] = n > 1 ? m2[pixel] + square : 0.0f;
     count[pixel] = n;

@@ -29,6 +29,10 @@ struct Connection {
   Ray ray;
   Rgb contribution{0};
   uint32_t ray_id = 0;
+  LightId light = kNoLight;
+  Vec2 u{0};          ///< with which the point on the light was chosen
+  Rgb irradiance{0};  ///< radiance · cos / pdf_w of that point
+  float scale = 0;    ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
@@ -94,6 +98,10 @@ RELUME_HD inline Connection sample_connection(const PathContext& c, const Surfac
   connection.contribution =
       path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
   connection.ray_id = sampler.ray_id();
+  connection.light = selection.light;
+  connection.u = u;
+  connection.irradiance = light.radiance * (shading_cosine(sp, light.wi) / light.pdf_w);
+  connection.scale = weight / selection.pmf;
   return connection;
 }
 
@@ -108,9 +116,9 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
 /// rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
-/// Next direction; false if the path ends here.
-RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
-  const BsdfSample s = c.directions.sample(sp, sampler);
+/// Takes the path on along a sampled direction; false if it ends here.
+RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const BsdfSample& s, PathState& path,
+                             Sampler& sampler) {
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.compression *= s.compression;
@@ -135,12 +143,31 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   return true;
 }
 
+/// Next direction; false if the path ends here.
+RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp, PathState& path, Sampler& sampler) {
+  return follow(c, sp, c.directions.sample(sp, sampler), path, sampler);
+}
+
+/// Watches a path: what caches and histories learn from. This one looks away, and costs nothing.
+struct NoObserver {
+  /// The path has reached a surface whose own emission is already added. False ends it there.
+  RELUME_HD bool arrived(const SurfacePoint&, PathState&) { return true; }
+  /// Next event estimation at the surface; `visible`: nothing was in between.
+  RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
+  /// A direction was sampled; `after`: the path with its new ray.
+  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
+  /// The path is complete.
+  RELUME_HD void finished(const PathState&) {}
+};
+
 /// Pairs of random numbers: two for the camera, then for each bounce one for the light and one for the direction.
 inline constexpr uint32_t kCameraDimensions = 2;
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
 /// Radiance of one sample of pixel (x, y) from its primary hit on.
-RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit) {
+template <typename Observer = NoObserver>
+RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit,
+                                      Observer&& observer = Observer{}) {
   PathState path;
   path.ray = camera_ray(c.scene.camera, x, y, sampler);
   path.cone_width = c.scene.camera.cone_width();
@@ -157,20 +184,25 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
     make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
     absorb(c.scene, sp, hit.t, path);
     add_surface_emission(c, previous, sp, path);
-    if (path.bounce >= c.max_bounces || sp.bsdf.empty()) break;
+    if (path.bounce >= c.max_bounces || sp.bsdf.empty() || !observer.arrived(sp, path)) break;
 
     sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
     if (has_non_delta(sp.bsdf)) {
       const Connection connection = sample_connection(c, sp, path, sampler);
       if (connection.valid()) {
         ++path.rays;
-        if (!occluded(c.scene.accel, connection.ray, connection.ray_id)) path.radiance += connection.contribution;
+        const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
+        if (visible) path.radiance += connection.contribution;
+        observer.connected(sp, path, connection, visible);
       }
     }
-    if (!continue_path(c, sp, path, sampler)) break;
+    const BsdfSample s = c.directions.sample(sp, sampler);
+    if (!follow(c, sp, s, path, sampler)) break;
+    observer.scattered(sp, s, path);
     hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
     ++path.rays;
   }
+  observer.finished(path);
   return path;
 }
 
@@ -184,7 +216,11 @@ struct PathKernel {
   View<uint32_t> rays;              ///< of this sample
   uint32_t width = 0;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace(x, y, NoObserver{}); }
+
+  /// The same, watched by an observer of this path.
+  template <typename Observer>
+  RELUME_HD void trace(uint32_t x, uint32_t y, Observer&& observer) const {
     const uint32_t pixel = y * width + x;
     if (!allocation.empty() && allocation[pixel] == 0) {
       radiance[pixel] = Rgb(0);
@@ -192,7 +228,7 @@ struct PathKernel {
       return;
     }
     Sampler sampler = index.sampler(x, y);
-    const PathState path = trace_path(context, x, y, sampler, hits[pixel]);
+    const PathState path = trace_path(context, x, y, sampler, hits[pixel], observer);
     radiance[pixel] = path.radiance;
     rays[pixel] = path.rays;
   }

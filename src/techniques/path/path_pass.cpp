@@ -1,6 +1,6 @@
 #include "techniques/path/path_pass.h"
 
-#include "techniques/path/path.h"
+#include "techniques/path/first_vertex.h"
 
 namespace relume {
 
@@ -16,7 +16,15 @@ std::vector<BufferDescription> estimator_buffers() {
 }
 
 PassDeclaration PathPass::declaration() const {
-  return {.name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+  PassDeclaration declaration{
+      .name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+  if (first_vertices_) {
+    declaration.owns.push_back({.name = "first-vertices",
+                                .type = BufferType::record,
+                                .help = "directions and light of this frame's sample at its first vertex",
+                                .record_bytes = sizeof(FirstVertex)});
+  }
+  return declaration;
 }
 
 bool PathPass::run(const FrameContext& frame) {
@@ -32,7 +40,8 @@ bool PathPass::run(const FrameContext& frame) {
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
   kernel.width = frame.width();
-  return frame.launch("trace", kernel);
+  if (!first_vertices_) return frame.launch("trace", kernel);
+  return frame.launch("trace", FirstVertexPathKernel{kernel, frame.view<FirstVertex>("first-vertices")});
 }
 
 }  // namespace relume

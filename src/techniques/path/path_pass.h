@@ -12,8 +12,10 @@ namespace relume {
 /// with their owners and are read each frame.
 class PathPass final : public Pass {
  public:
-  PathPass(const PathSettings& settings, const LightSelector& selector, const DirectionSampler& directions)
-      : settings_(settings), selector_(selector), directions_(directions) {}
+  /// `first_vertices`: also leave what each path found at its first vertex, for histories.
+  PathPass(const PathSettings& settings, const LightSelector& selector, const DirectionSampler& directions,
+           bool first_vertices)
+      : settings_(settings), selector_(selector), directions_(directions), first_vertices_(first_vertices) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -22,6 +24,7 @@ class PathPass final : public Pass {
   const PathSettings& settings_;
   const LightSelector& selector_;
   const DirectionSampler& directions_;
+  bool first_vertices_;
 };
 
 /// Buffers that every estimator owns: "radiance" and "rays" of this frame's sample.

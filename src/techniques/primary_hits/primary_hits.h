@@ -72,6 +72,7 @@ struct SurfaceKernel {
   SampleIndex index;
   View<const Hit> hits;
   View<Vec3> position;     ///< metres, world space
+  View<Vec3> previous;     ///< where that point was one frame ago
   View<Vec3> normal;       ///< shading normal, world space
   View<Rgb> albedo;        ///< directional albedo; the emission of emitters, clamped to 1
   View<float> depth;       ///< distance from the camera, metres
@@ -86,7 +87,7 @@ struct SurfaceKernel {
     const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
     surface[pixel] = hit.instance;
     if (!hit.valid()) {
-      position[pixel] = normal[pixel] = Vec3(0);
+      position[pixel] = previous[pixel] = normal[pixel] = Vec3(0);
       albedo[pixel] = Rgb(0);
       depth[pixel] = 0.0f;
       motion[pixel] = film_motion(ray, Ray{scene.previous_camera.position, ray.direction, kInfinity});
@@ -95,6 +96,7 @@ struct SurfaceKernel {
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     position[pixel] = sp.position;
+    previous[pixel] = sp.previous_position;
     normal[pixel] = sp.frame.n;
     albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
     depth[pixel] = hit.t;

@@ -29,6 +29,7 @@ PassDeclaration SurfacePass::declaration() const {
   return {.name = "surface",
           .stage = Stage::gbuffer,
           .owns = {buffer("surface-position", BufferType::rgb32f, "first hit, metres", true, "XYZ"),
+                   buffer("surface-previous", BufferType::rgb32f, "where it was one frame ago, metres", false, "XYZ"),
                    buffer("surface-normal", BufferType::rgb32f, "shading normal of the first hit", true, "XYZ"),
                    buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", true),
                    buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", true, "Z"),
@@ -43,6 +44,7 @@ bool SurfacePass::run(const FrameContext& frame) {
   kernel.index = frame.index;
   kernel.hits = frame.view<const Hit>("primary-hits");
   kernel.position = frame.view<Vec3>("surface-position");
+  kernel.previous = frame.view<Vec3>("surface-previous");
   kernel.normal = frame.view<Vec3>("surface-normal");
   kernel.albedo = frame.view<Rgb>("surface-albedo");
   kernel.depth = frame.view<float>("surface-depth");

@@ -67,6 +67,7 @@ TEST(PrimaryHits, HitsLieOnTheirRays) {
 /// What SurfaceKernel writes, for kWidth × kHeight pixels.
 struct Surfaces {
   std::vector<Vec3> position{kWidth * kHeight};
+  std::vector<Vec3> previous{kWidth * kHeight};
   std::vector<Vec3> normal{kWidth * kHeight};
   std::vector<Rgb> albedo{kWidth * kHeight};
   std::vector<float> depth = std::vector<float>(kWidth * kHeight);
@@ -79,6 +80,7 @@ struct Surfaces {
     k.index = index;
     k.hits = view_of(hits);
     k.position = mutable_view_of(position);
+    k.previous = mutable_view_of(previous);
     k.normal = mutable_view_of(normal);
     k.albedo = mutable_view_of(albedo);
     k.depth = mutable_view_of(depth);

@@ -1,0 +1,83 @@
+// Adaptive sampling ([Schalk18] §3.1, alg. 1; alg. 2 where a history is reprojected): noisy pixels get more samples
+// until each has a probability of further ones.
+#pragma once
+
+#include "core/hash.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// Relative standard deviation of a pixel's samples, eq. 11 and 12. `m2`: sums of squared distances a channel.
+RELUME_HD inline float adaptive_noise(const Rgb& m2, const Rgb& mean, uint32_t samples) {
+  constexpr float kEpsilon = 1e-3f;
+  const float variance = samples > 1 ? (m2.x + m2.y + m2.z) / (3.0f * static_cast<float>(samples - 1)) : 0.0f;
+  return (std::sqrt(variance) + kEpsilon) / (luminance(mean) + kEpsilon);
+}
+
+/// Threshold τ of iteration `iteration`: 1 until `min_samples`, then falling linearly to 0 at `max_samples` (errata:
+/// the printed algorithm assigns where it should subtract).
+RELUME_HD inline float adaptive_threshold(uint32_t iteration, uint32_t min_samples, uint32_t max_samples) {
+  if (iteration <= min_samples) return 1.0f;
+  if (iteration >= max_samples) return 0.0f;
+  return 1.0f - static_cast<float>(iteration - min_samples) / static_cast<float>(max_samples - min_samples);
+}
+
+/// Decides for each pixel whether it gets a sample in this frame.
+struct AdaptiveAllocationKernel {
+  View<const Rgb> mean;
+  View<const Rgb> m2;
+  View<const uint32_t> samples;
+  View<float> probability;    ///< of a sample once τ is 0; 0: not known yet
+  View<float> noise;          ///< eq. 12, for display
+  View<uint32_t> allocation;  ///< 0 or 1
+  uint32_t iteration = 0;     ///< frames since the last change
+  uint32_t min_samples = 4;
+  uint32_t max_samples = 32;
+  uint32_t seed = 0;
+  uint32_t frame = 0;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const uint32_t n = samples[pixel];
+    noise[pixel] = adaptive_noise(m2[pixel], mean[pixel], n);
+    if (iteration == max_samples) probability[pixel] = known_probability(n);
+    allocation[pixel] = ready(x, y, pixel, n) ? 1u : 0u;
+  }
+
+ private:
+  RELUME_HD float known_probability(uint32_t n) const {
+    const float least = static_cast<float>(min_samples) / static_cast<float>(max_samples);
+    return clamp(static_cast<float>(n) / static_cast<float>(max_samples), least, 1.0f);
+  }
+  RELUME_HD bool ready(uint32_t x, uint32_t y, uint32_t pixel, uint32_t n) const {
+    if (iteration >= max_samples) {
+      constexpr uint32_t kSalt = 0x7ed55d16u;
+      return to_unit_float(hash(hash(seed ^ kSalt, x, y), frame)) < probability[pixel];
+    }
+    if (n < min_samples) return true;
+    if (probability[pixel] > 0.0f) return false;  // taken along by reprojection: others need samples first
+    return noise[pixel] >= adaptive_threshold(iteration, min_samples, max_samples);
+  }
+};
+
+/// With pilot samples ([Kirk91]): what decided the probabilities does not enter the picture, which is then unbiased.
+struct ForgetPilotKernel {
+  View<Rgb> mean;
+  View<float> m2;
+  View<Rgb> m2_rgb;
+  View<uint32_t> samples;
+  View<uint32_t> allocation;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    mean[pixel] = m2_rgb[pixel] = Rgb(0);
+    m2[pixel] = 0.0f;
+    samples[pixel] = 0;
+    allocation[pixel] = 1;  // none is left without a sample
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,16 @@
+// Settings of the allocation "adaptive".
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+struct AdaptiveSamplingSettings {
+  int min_samples = 4;
+  int max_samples = 32;
+  bool pilot = false;
+};
+
+SettingList describe(AdaptiveSamplingSettings& settings);
+
+}  // namespace relume

@@ -1,0 +1,64 @@
+// What a sample found at its first vertex: which directions it took from there, and the light that came from them.
+// Histories need it to judge what a sample is worth from another viewpoint or under moved lights.
+#pragma once
+
+#include "techniques/path/path.h"
+
+namespace relume {
+
+struct FirstVertex {
+  Vec3 scatter{0};   ///< direction sampled from the BSDF; zero: none
+  Rgb indirect{0};   ///< what arrived from there, times cos / pdf: the BSDF times this was reflected
+  Vec3 to_light{0};  ///< direction of next event estimation; zero: none
+  Rgb direct{0};     ///< what arrived from there, alike
+  LightId light = kNoLight;
+  Vec2 light_u{0};        ///< with which its point was chosen
+  float light_value = 0;  ///< luminance of radiance · cos / pdf_w of that point, 0 if hidden
+  float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
+};
+
+/// Fills one of them while a path is traced.
+struct FirstVertexObserver {
+  FirstVertex* vertex;
+  Rgb radiance_before{0};
+  Rgb throughput{0};
+
+  RELUME_HD bool arrived(const SurfacePoint&, const PathState& path) {
+    if (path.bounce == 0) *vertex = FirstVertex{};
+    return true;
+  }
+  RELUME_HD void connected(const SurfacePoint&, const PathState& path, const Connection& c, bool visible) {
+    if (path.bounce != 0) return;
+    vertex->to_light = c.ray.direction;
+    vertex->light = c.light;
+    vertex->light_u = c.u;
+    vertex->light_scale = c.scale;
+    if (!visible) return;
+    vertex->light_value = luminance(c.irradiance);
+    vertex->direct = c.irradiance * c.scale;
+  }
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
+    if (after.bounce != 1 || s.delta) return;
+    vertex->scatter = s.wi;
+    radiance_before = after.radiance;
+    throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
+  }
+  RELUME_HD void finished(const PathState& path) {
+    const Rgb found = path.radiance - radiance_before;
+    for (int c = 0; c < 3; ++c) vertex->indirect[c] = throughput[c] > 0.0f ? found[c] / throughput[c] : 0.0f;
+  }
+};
+
+/// PathKernel that also leaves the first vertex of each path.
+struct FirstVertexPathKernel {
+  PathKernel path;
+  View<FirstVertex> first_vertices;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    FirstVertex& vertex = first_vertices[y * path.width + x];
+    vertex = FirstVertex{};
+    path.trace(x, y, FirstVertexObserver{&vertex});
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,111 @@
+// Backward reprojection: where a pixel was one frame ago, as weights of four pixels. Denoisers and the history
+// "reproject" with method "backward" read the frame before through it.
+#pragma once
+
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// Four pixels of the frame before, weights that sum to one. Pixels with weight 0 are not valid.
+struct BackwardTaps {
+  uint32_t pixels[4] = {0, 0, 0, 0};
+  float weights[4] = {0, 0, 0, 0};
+  bool valid = false;
+
+  template <typename T>
+  RELUME_HD T fetch(const View<const T>& values) const {
+    T sum(0);
+    for (int k = 0; k < 4; ++k) {
+      if (weights[k] > 0.0f) sum += values[pixels[k]] * weights[k];
+    }
+    return sum;
+  }
+};
+
+/// What a pixel must share with the one it was.
+struct BackwardTolerance {
+  float normal_cosine = 0.9f;
+  float plane_distance = 0.01f;  ///< of the old surface from the plane of the new one, as a share of the depth
+};
+
+/// Views on the buffers of SurfacePass (primary_hits_pass.h): of this frame and of the one before.
+struct BackwardReprojection {
+  View<const Vec2> motion;
+  View<const Vec3> came_from;  ///< where this frame's surface was one frame ago
+  View<const Vec3> normal;
+  View<const float> depth;
+  View<const uint32_t> instance;
+  View<const Vec3> previous_position;
+  View<const Vec3> previous_normal;
+  View<const uint32_t> previous_instance;
+  BackwardTolerance tolerance;
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  /// Bilinear taps around where pixel (x, y) was; those on another surface are left out.
+  RELUME_HD BackwardTaps taps(uint32_t x, uint32_t y) const {
+    BackwardTaps result;
+    const uint32_t pixel = y * width + x;
+    const float fx = static_cast<float>(x) - motion[pixel].x;
+    const float fy = static_cast<float>(y) - motion[pixel].y;
+    const float x0 = std::floor(fx);
+    const float y0 = std::floor(fy);
+    if (!(x0 >= -1.0f && y0 >= -1.0f && x0 < static_cast<float>(width) && y0 < static_cast<float>(height)))
+      return result;
+    const float wx = fx - x0;
+    const float wy = fy - y0;
+    float sum = 0.0f;
+    for (int k = 0; k < 4; ++k) {
+      const int px = static_cast<int>(x0) + (k & 1);
+      const int py = static_cast<int>(y0) + (k >> 1);
+      if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
+      const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
+      if (!same_surface(pixel, other)) continue;
+      result.pixels[k] = other;
+      result.weights[k] = ((k & 1) ? wx : 1.0f - wx) * ((k >> 1) ? wy : 1.0f - wy);
+      sum += result.weights[k];
+    }
+    constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
+    result.valid = sum > kLeastWeight;
+    for (float& w : result.weights) w = result.valid ? w / sum : 0.0f;
+    return result;
+  }
+
+ private:
+  RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
+    if (instance[pixel] != previous_instance[other]) return false;
+    if (instance[pixel] == 0xffffffffu) return true;  // the background
+    if (glm::dot(normal[pixel], previous_normal[other]) < tolerance.normal_cosine) return false;
+    const float distance = std::fabs(glm::dot(previous_position[other] - came_from[pixel], normal[pixel]));
+    return distance <= tolerance.plane_distance * depth[pixel];
+  }
+};
+
+/// The history "reproject" by looking back: mean and variance are interpolated, counts take the least of the taps.
+struct BackwardHistoryKernel {
+  BackwardReprojection reprojection;
+  View<const Rgb> mean_before;
+  View<const float> m2_before;
+  View<const uint32_t> samples_before;
+  View<Rgb> mean;
+  View<float> m2;
+  View<uint32_t> samples;
+  View<uint32_t> kept;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * reprojection.width + x;
+    const BackwardTaps taps = reprojection.taps(x, y);
+    uint32_t count = 0xffffffffu;
+    for (int k = 0; k < 4; ++k) {
+      if (taps.weights[k] > 0.0f) count = relume::min(count, samples_before[taps.pixels[k]]);
+    }
+    if (!taps.valid) count = 0;
+    kept[pixel] = count > 0;
+    samples[pixel] = count;
+    mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
+    m2[pixel] = count > 0 ? taps.fetch(m2_before) : 0.0f;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,224 @@
+// Forward reprojection: what pixels have gathered moves to where their surfaces are seen now ([Schalk18] §3.2), after
+// three validations, and two more for scenes in which objects and lights move.
+#pragma once
+
+#include "core/fixed_point.h"
+#include "techniques/reprojection/stored_sample.h"
+
+namespace relume {
+
+/// What became of a pixel of the frame before.
+enum class ReprojectionFate : uint32_t {
+  empty,           ///< it held nothing, or the background
+  kept,            ///< a pixel of this frame goes on with it
+  off_screen,      ///< its surface is not in the picture any more
+  occluded,        ///< something is in front of it now
+  view_dependent,  ///< eq. 15: it would look too different from here
+  near_specular,   ///< a mirror, or glass
+  mixed,           ///< it saw more than one surface
+  relit,           ///< its light has moved, or is hidden now, or was and is not
+  covered,         ///< another one that is nearer, or came first, took its place
+};
+
+/// Where a pixel's content comes from: the pixel's index, or kNoSource.
+inline constexpr uint32_t kNoSource = 0xffffffffu;
+inline constexpr uint64_t kNoClaim = ~uint64_t{0};
+
+/// A claim on a pixel: the smallest wins. Nearest depth first, then the lowest stored sample.
+RELUME_HD inline uint64_t claim_of(float depth, uint32_t stored_sample) {
+  return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
+}
+
+/// Every pixel of the frame before tries to find its place in this one.
+struct ClaimKernel {
+  SceneView scene;
+  View<const StoredSample> stored;  ///< capacity a pixel
+  View<const StoredPixel> pixels;
+  View<uint64_t> claims;  ///< a pixel; kNoClaim
+  View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
+  uint32_t capacity = 1;
+  float max_error = 0;        ///< ε of eq. 15, in exposed display units
+  float max_light_error = 0;  ///< the same for light that changed
+  float exposure = 1;         ///< radiance to display units
+  bool lights_changed = false;
+  uint32_t seed = 0;  ///< of stochastic alpha
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    uint32_t fate = static_cast<uint32_t>(ReprojectionFate::empty);
+    for (uint32_t k = 0; k < capacity; ++k) {
+      const uint32_t sample = pixel * capacity + k;
+      if (!stored[sample].valid()) break;
+      const ReprojectionFate f = pixels[pixel].mixed ? ReprojectionFate::mixed : claim(sample, pixels[pixel]);
+      if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
+    }
+    fates[pixel] = fate;
+  }
+
+ private:
+  RELUME_HD ReprojectionFate claim(uint32_t index, const StoredPixel& pixel) const {
+    const StoredSample& sample = stored[index];
+    const SurfacePosition p = surface_position(scene, sample.hit);
+    const Ray ray = ray_to(p.now);
+    Vec2 film;
+    if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return ReprojectionFate::off_screen;
+
+    SurfacePoint sp;
+    const float depth = ray.t_max;
+    make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
+    if (sp.bsdf.empty() || near_specular(sp.bsdf)) return ReprojectionFate::near_specular;
+    if (view_error(sp, p.before, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
+    if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
+    if (lights_changed && light_error(sp, sample) > max_light_error) return ReprojectionFate::relit;
+
+    const auto tx = relume::min(static_cast<uint32_t>(film.x), static_cast<uint32_t>(scene.camera.resolution.x) - 1);
+    const auto ty = relume::min(static_cast<uint32_t>(film.y), static_cast<uint32_t>(scene.camera.resolution.y) - 1);
+    atomic_min(&claims[ty * width + tx], claim_of(depth, index));
+    return ReprojectionFate::kept;
+  }
+
+  /// From the camera to `p`; t_max is the distance, 0 behind the camera.
+  RELUME_HD Ray ray_to(const Vec3& p) const {
+    const CameraView& c = scene.camera;
+    if (c.projection == Projection::orthographic) {
+      const float depth = -glm::dot(p - c.position, c.axes.n);
+      return {p + c.axes.n * depth, -c.axes.n, depth};
+    }
+    const Vec3 d = p - c.position;
+    const float distance = glm::length(d);
+    return {c.position, d / distance, distance};
+  }
+
+  /// Second validation: whether something lies between the camera and the surface. The ray starts at the surface, clear
+  /// of it, and ends at the camera.
+  RELUME_HD bool hidden(const Ray& ray, const SurfacePoint& sp, uint32_t index) const {
+    Ray back = sp.spawn_ray(-ray.direction);
+    back.t_max = ray.t_max * (1.0f - 1e-4f);
+    return occluded(scene.accel, back, hash(seed, index));
+  }
+
+  /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
+  RELUME_HD float view_error(const SurfacePoint& sp, const Vec3& position_before, const StoredSample& sample,
+                             const StoredPixel& pixel) const {
+    const CameraView& c = scene.previous_camera;
+    const Vec3 wo_before =
+        c.projection == Projection::orthographic ? c.axes.n : glm::normalize(c.position - position_before);
+    float error = 0.0f;
+    if (sample.scatter)
+      error = relume::max(error, eq15(sp, wo_before, unpack_direction(sample.scatter), pixel.indirect));
+    if (sample.to_light)
+      error = relume::max(error, eq15(sp, wo_before, unpack_direction(sample.to_light), pixel.direct));
+    return error * exposure;
+  }
+
+  RELUME_HD static float eq15(const SurfacePoint& sp, const Vec3& wo_before, const Vec3& wi, const Rgb& irradiance) {
+    const Vec3 wi_local = sp.frame.to_local(wi);
+    const Vec3 before_local = sp.frame.to_local(wo_before);
+    if (before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
+    const Rgb now = eval_pdf(sp.bsdf, sp.wo_local, wi_local).f;
+    const Rgb before = eval_pdf(sp.bsdf, before_local, wi_local).f;
+    return max_component(abs(now - before) * irradiance);
+  }
+
+  /// Beyond the paper: the light of the stored sample, verified again. How much the reflected light differs.
+  RELUME_HD float light_error(const SurfacePoint& sp, const StoredSample& sample) const {
+    if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
+    const LightSample light = sample_li(scene.lights, sample.light, sp.position, sample.light_u);
+    float value = 0.0f;
+    Rgb f(0);
+    if (sample.to_light) f = eval_pdf(sp, unpack_direction(sample.to_light)).f;
+    if (light.valid()) {
+      const Rgb f_now = eval_pdf(sp, light.wi).f;
+      f = glm::max(f, f_now);
+      Ray shadow = sp.spawn_ray(light.wi);
+      shadow.t_max = light.distance * (1.0f - kShadowMargin);
+      if (!is_black(f_now) && !occluded(scene.accel, shadow, hash(seed, sample.hit.primitive)))
+        value = luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w;
+    }
+    return std::fabs(value - sample.light_value) * sample.light_scale * max_component(f) * exposure;
+  }
+};
+
+/// The winner of each pixel becomes its source.
+struct SourceKernel {
+  View<const uint64_t> claims;
+  View<const StoredSample> stored_before;
+  View<const StoredPixel> pixels_before;
+  View<StoredSample> stored;
+  View<StoredPixel> pixels;
+  View<uint32_t> sources;  ///< pixel of the frame before
+  View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
+  uint32_t capacity = 1;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
+    pixels[pixel] = StoredPixel{};
+    kept[pixel] = claims[pixel] != kNoClaim;
+    sources[pixel] = kNoSource;
+    if (claims[pixel] == kNoClaim) return;
+    const auto sample = static_cast<uint32_t>(claims[pixel]);
+    sources[pixel] = sample / capacity;
+    stored[pixel * capacity] = stored_before[sample];
+    pixels[pixel] = pixels_before[sample / capacity];
+  }
+};
+
+/// Marks the pixels of the frame before that some pixel goes on with.
+struct WinnerKernel {
+  View<const uint32_t> sources;
+  View<uint32_t> winners;  ///< counts, from zero
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t source = sources[y * width + x];
+    if (source != kNoSource) atomic_add(&winners[source], 1u);
+  }
+};
+
+/// A pixel that was fit to go on, and that none goes on with, was covered.
+struct CoveredKernel {
+  View<const uint32_t> winners;
+  View<uint32_t> fates;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    if (fates[pixel] == static_cast<uint32_t>(ReprojectionFate::kept) && winners[pixel] == 0)
+      fates[pixel] = static_cast<uint32_t>(ReprojectionFate::covered);
+  }
+};
+
+/// Moves the elements of one buffer; pixels without a source get zero.
+template <typename T>
+struct MoveKernel {
+  View<const T> before;
+  View<T> now;
+  View<const uint32_t> sources;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    now[pixel] = sources[pixel] == kNoSource ? T{} : before[sources[pixel]];
+  }
+};
+
+/// Bounds how many samples a history stands for, so that new ones count: the mean and the variance of a sample stay.
+struct LimitKernel {
+  View<uint32_t> samples;
+  View<float> m2;
+  uint32_t max_samples = 0;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const uint32_t n = samples[pixel];
+    if (n <= max_samples) return;
+    m2[pixel] *= static_cast<float>(max_samples - 1) / static_cast<float>(n - 1);
+    samples[pixel] = max_samples;
+  }
+};
+
+}  // namespace relume

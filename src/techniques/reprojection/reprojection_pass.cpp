@@ -1,0 +1,238 @@
+#include "techniques/reprojection/reprojection_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <istream>
+#include <ostream>
+
+#include "techniques/reprojection/backward.h"
+#include "techniques/reprojection/reprojection.h"
+
+namespace relume {
+namespace {
+
+/// What a surface that moves takes along. Materials and settings are another matter: then everything starts anew.
+constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
+constexpr Change kEnds = Change::materials | Change::settings;
+
+template <typename T>
+void move_elements(const FrameContext& frame, std::vector<std::byte>& before, const Buffer& buffer,
+                   const std::vector<uint32_t>& sources) {
+  const auto bytes = buffer.bytes();
+  before.assign(bytes.begin(), bytes.end());
+  const View<const T> old{reinterpret_cast<const T*>(before.data()), frame.pixels()};
+  launch(frame.backend, "reproject", MoveKernel<T>{old, buffer.view<T>(), view_of(sources), frame.width()},
+         frame.width(), frame.height());
+}
+
+template <typename T>
+void put(std::ostream& out, const std::vector<T>& values) {
+  out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+}
+template <typename T>
+void get(std::istream& in, std::vector<T>& values, size_t count) {
+  values.resize(count);
+  in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * sizeof(T)));
+}
+
+}  // namespace
+
+PassDeclaration ReprojectionPass::declaration() const {
+  std::vector<std::string_view> reads{"mean", "m2", "samples"};
+  if (settings_.method == ReprojectionMethod::backward)
+    reads.insert(reads.end(), {"surface-motion", "surface-previous", "surface-position", "surface-normal",
+                               "surface-depth", "surface-instance"});
+  return {.name = "reproject",
+          .stage = Stage::history,
+          .owns = {{.name = "history-kept",
+                    .type = BufferType::u32,
+                    .help = "1 where this frame's pixel goes on with a history, 0 where it begins anew",
+                    .display = BufferDisplay::value},
+                   {.name = "history-fate",
+                    .type = BufferType::u32,
+                    .help = "what became of the pixel of the frame before: 1 kept, 2 off screen, 3 occluded, 4 view "
+                            "dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered",
+                    .display = BufferDisplay::value}},
+          .reads = std::move(reads),
+          .writes = {"mean", "m2", "samples"}};
+}
+
+bool ReprojectionPass::run(const FrameContext& frame) {
+  allocate(frame);
+  if (includes(frame.changes, kEnds) || frame.number == 0) {
+    std::fill(stored_.begin(), stored_.end(), StoredSample{});
+    std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
+    return true;
+  }
+  if (!includes(frame.changes, kMoves)) return true;
+  if (settings_.method == ReprojectionMethod::forward) {
+    run_forward(frame);
+  } else {
+    run_backward(frame);
+  }
+  limit(frame);
+  return true;
+}
+
+void ReprojectionPass::allocate(const FrameContext& frame) {
+  const size_t count = frame.pixels();
+  if (capacity_ == settings_.capacity() && pixels_.size() == count) return;
+  capacity_ = settings_.capacity();
+  stored_.assign(count * capacity_, StoredSample{});
+  pixels_.assign(count, StoredPixel{});
+  stored_before_ = stored_;
+  pixels_before_ = pixels_;
+  claims_.resize(count);
+  sources_.resize(count);
+  winners_.resize(count);
+}
+
+void ReprojectionPass::run_forward(const FrameContext& frame) {
+  stored_.swap(stored_before_);
+  pixels_.swap(pixels_before_);
+  claim_places(frame);
+  take_over(frame);
+  note_covered(frame);
+  for (const auto& buffer : frame.buffers.all()) {
+    const BufferDescription& description = buffer->description();
+    if (!description.follows_surface) continue;
+    if (description.type == BufferType::rgb32f) {
+      move_elements<Rgb>(frame, before_, *buffer, sources_);
+    } else {
+      move_elements<uint32_t>(frame, before_, *buffer, sources_);
+    }
+  }
+}
+
+void ReprojectionPass::claim_places(const FrameContext& frame) {
+  std::fill(claims_.begin(), claims_.end(), kNoClaim);
+  ClaimKernel claim;
+  claim.scene = frame.scene;
+  claim.stored = view_of(stored_before_);
+  claim.pixels = view_of(pixels_before_);
+  claim.claims = mutable_view_of(claims_);
+  claim.fates = frame.view<uint32_t>("history-fate");
+  claim.capacity = capacity_;
+  claim.max_error = settings_.error;
+  claim.max_light_error = settings_.light_error;
+  claim.exposure = std::exp2(settings_.exposure);
+  claim.lights_changed = includes(frame.changes, Change::lights | Change::geometry);
+  claim.seed = hash(frame.index.seed, frame.number);
+  claim.width = frame.width();
+  launch(frame.backend, "reproject", claim, frame.width(), frame.height());
+}
+
+void ReprojectionPass::take_over(const FrameContext& frame) {
+  SourceKernel source;
+  source.claims = view_of(claims_);
+  source.stored_before = view_of(stored_before_);
+  source.pixels_before = view_of(pixels_before_);
+  source.stored = mutable_view_of(stored_);
+  source.pixels = mutable_view_of(pixels_);
+  source.sources = mutable_view_of(sources_);
+  source.kept = frame.view<uint32_t>("history-kept");
+  source.capacity = capacity_;
+  source.width = frame.width();
+  launch(frame.backend, "reproject", source, frame.width(), frame.height());
+}
+
+void ReprojectionPass::note_covered(const FrameContext& frame) {
+  std::fill(winners_.begin(), winners_.end(), 0u);
+  const WinnerKernel winner{view_of(sources_), mutable_view_of(winners_), frame.width()};
+  launch(frame.backend, "reproject", winner, frame.width(), frame.height());
+  const CoveredKernel covered{view_of(winners_), frame.view<uint32_t>("history-fate"), frame.width()};
+  launch(frame.backend, "reproject", covered, frame.width(), frame.height());
+}
+
+void ReprojectionPass::run_backward(const FrameContext& frame) {
+  BackwardHistoryKernel kernel;
+  kernel.reprojection = {frame.view<const Vec2>("surface-motion"),
+                         frame.view<const Vec3>("surface-previous"),
+                         frame.view<const Vec3>("surface-normal"),
+                         frame.view<const float>("surface-depth"),
+                         frame.view<const uint32_t>("surface-instance"),
+                         frame.previous<const Vec3>("surface-position"),
+                         frame.previous<const Vec3>("surface-normal"),
+                         frame.previous<const uint32_t>("surface-instance"),
+                         {},
+                         frame.width(),
+                         frame.height()};
+  const auto copy = [](auto view) {
+    using T = std::remove_const_t<std::remove_pointer_t<decltype(view.data)>>;
+    return std::vector<T>(view.begin(), view.end());
+  };
+  const auto mean = copy(frame.view<Rgb>("mean"));
+  const auto m2 = copy(frame.view<float>("m2"));
+  const auto samples = copy(frame.view<uint32_t>("samples"));
+  kernel.mean_before = view_of(mean);
+  kernel.m2_before = view_of(m2);
+  kernel.samples_before = view_of(samples);
+  kernel.mean = frame.view<Rgb>("mean");
+  kernel.m2 = frame.view<float>("m2");
+  kernel.samples = frame.view<uint32_t>("samples");
+  kernel.kept = frame.view<uint32_t>("history-kept");
+  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+}
+
+void ReprojectionPass::limit(const FrameContext& frame) const {
+  const bool scene_moved = includes(frame.changes, Change::geometry | Change::lights);
+  LimitKernel kernel;
+  kernel.samples = frame.view<uint32_t>("samples");
+  kernel.m2 = frame.view<float>("m2");
+  kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
+  kernel.width = frame.width();
+  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+}
+
+size_t ReprojectionPass::memory_bytes() const {
+  return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
+         claims_.size() * (sizeof(uint64_t) + 2 * sizeof(uint32_t)) + before_.size();
+}
+
+void ReprojectionPass::save(std::ostream& out) const {
+  const uint64_t counts[2] = {stored_.size(), pixels_.size()};
+  out.write(reinterpret_cast<const char*>(counts), sizeof(counts));
+  put(out, stored_);
+  put(out, pixels_);
+}
+
+void ReprojectionPass::load(std::istream& in) {
+  uint64_t counts[2] = {0, 0};
+  in.read(reinterpret_cast<char*>(counts), sizeof(counts));
+  constexpr uint64_t kMost = uint64_t{1} << 33;  // more is a damaged file
+  if (!in || counts[0] > kMost || counts[1] > counts[0]) {
+    in.setstate(std::ios::failbit);
+    return;
+  }
+  get(in, stored_, counts[0]);
+  get(in, pixels_, counts[1]);
+  stored_before_ = stored_;
+  pixels_before_ = pixels_;
+  capacity_ = counts[1] > 0 ? static_cast<uint32_t>(counts[0] / counts[1]) : 0;
+  claims_.resize(counts[1]);
+  sources_.resize(counts[1]);
+  winners_.resize(counts[1]);
+}
+
+PassDeclaration StoreSamplesPass::declaration() const {
+  return {.name = "store", .stage = Stage::present, .reads = {"primary-hits", "first-vertices", "samples"}};
+}
+
+bool StoreSamplesPass::run(const FrameContext& frame) {
+  if (settings_.method == ReprojectionMethod::backward) return true;
+  StoreKernel kernel;
+  kernel.hits = frame.view<const Hit>("primary-hits");
+  kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");
+  kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.samples = frame.view<const uint32_t>("samples");
+  kernel.scene = frame.scene;
+  kernel.stored = mutable_view_of(history_.stored());
+  kernel.pixels = mutable_view_of(history_.pixels());
+  kernel.capacity = history_.capacity();
+  kernel.max_distance = settings_.max_distance;
+  kernel.width = frame.width();
+  return launch(frame.backend, "store", kernel, frame.width(), frame.height());
+}
+
+}  // namespace relume

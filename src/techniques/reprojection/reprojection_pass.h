@@ -1,0 +1,65 @@
+// The history "reproject" as two passes: one that takes the past along, one that remembers the present.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/pass.h"
+#include "techniques/reprojection/settings.h"
+#include "techniques/reprojection/stored_sample.h"
+
+namespace relume {
+
+/// Moves every buffer that follows the surface to where the surface is now, if anything but materials and settings has
+/// changed.
+class ReprojectionPass final : public Pass {
+ public:
+  explicit ReprojectionPass(const ReprojectionSettings& settings) : settings_(settings) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool adapts() const override { return true; }
+  size_t memory_bytes() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What pixels have stored; for the pass that adds to it.
+  std::vector<StoredSample>& stored() { return stored_; }
+  std::vector<StoredPixel>& pixels() { return pixels_; }
+  uint32_t capacity() const { return capacity_; }
+
+ private:
+  void allocate(const FrameContext& frame);
+  void run_forward(const FrameContext& frame);
+  void claim_places(const FrameContext& frame);
+  void take_over(const FrameContext& frame);
+  void note_covered(const FrameContext& frame);
+  void run_backward(const FrameContext& frame);
+  void limit(const FrameContext& frame) const;
+
+  const ReprojectionSettings& settings_;
+  uint32_t capacity_ = 0;
+  std::vector<StoredSample> stored_;
+  std::vector<StoredPixel> pixels_;
+  std::vector<StoredSample> stored_before_;
+  std::vector<StoredPixel> pixels_before_;
+  std::vector<uint64_t> claims_;
+  std::vector<uint32_t> sources_;
+  std::vector<uint32_t> winners_;
+  std::vector<std::byte> before_;  ///< the buffer that is being moved
+};
+
+/// Stores what this frame's samples found.
+class StoreSamplesPass final : public Pass {
+ public:
+  StoreSamplesPass(const ReprojectionSettings& settings, ReprojectionPass& history)
+      : settings_(settings), history_(history) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const ReprojectionSettings& settings_;
+  ReprojectionPass& history_;
+};
+
+}  // namespace relume

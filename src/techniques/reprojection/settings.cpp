@@ -1,0 +1,39 @@
+#include "techniques/reprojection/settings.h"
+
+namespace relume {
+
+SettingList describe(ReprojectionSettings& s) {
+  return {
+      {"method", choice(s.method, {"forward", "backward"}),
+       "Forward: pixels of the frame before look for their place in this one and are verified by rays; backward: "
+       "pixels "
+       "look up where they came from, between four neighbours"},
+      {"stored", choice(s.stored, {"1", "4"}), "Samples that a pixel stores, each of which may find a place (forward)"},
+      {"error",
+       &s.error,
+       "Largest change of the picture that another viewpoint may make, in display units (forward)",
+       {.min = 0, .max = 1000, .biases = true}},
+      {"light-error",
+       &s.light_error,
+       "Largest change of the picture that moved lights and shadows may make, in display units (forward)",
+       {.min = 0, .max = 1000, .biases = true}},
+      {"exposure",
+       &s.exposure,
+       "Exposure at which the picture will be seen: display units are 2^exposure of radiance",
+       {.min = -30, .max = 30, .unit = "stops"}},
+      {"max-distance",
+       &s.max_distance,
+       "Samples of one pixel that lie further apart, as a share of their distance, are not taken along",
+       {.min = 0, .max = 1, .biases = true}},
+      {"max-samples",
+       &s.max_samples,
+       "Samples that a history counts for at most when the view moves",
+       {.min = 1, .max = 1 << 20, .biases = true}},
+      {"max-samples-changed",
+       &s.max_samples_changed,
+       "The same when objects or lights move: light that comes by way of other surfaces is not verified, but fades",
+       {.min = 1, .max = 1 << 20, .biases = true}},
+  };
+}
+
+}  // namespace relume

@@ -1,0 +1,116 @@
+// What a pixel remembers of its samples, so that they can be judged from another viewpoint ([Schalk18] §3.2.1).
+#pragma once
+
+#include "core/octahedral.h"
+#include "techniques/path/first_vertex.h"
+
+namespace relume {
+
+inline constexpr uint32_t kMaxStoredSamples = 4;
+
+/// One of the samples that a pixel stores: where it lies on the surface, and the directions it took from there.
+struct StoredSample {
+  Hit hit;                ///< instance kNoHit: nothing is stored
+  uint32_t scatter = 0;   ///< octahedral; 0: none
+  uint32_t to_light = 0;  ///< octahedral; 0: none
+  LightId light = kNoLight;
+  Vec2 light_u{0};
+  float light_value = 0;  ///< see FirstVertex
+  float light_scale = 0;
+
+  RELUME_HD bool valid() const { return hit.valid(); }
+};
+
+/// What the samples of a pixel have in common.
+struct StoredPixel {
+  Rgb indirect{0};     ///< mean of FirstVertex::indirect over the samples
+  Rgb direct{0};       ///< mean of FirstVertex::direct
+  uint32_t mixed = 0;  ///< 1: the samples lie further apart than one surface explains
+};
+
+/// Direction and back; 0 stands for "none", whose own code is given up.
+RELUME_HD inline uint32_t store_direction(const Vec3& w) {
+  if (length_squared(w) == 0.0f) return 0;
+  const uint32_t bits = pack_direction(w);
+  return bits == 0 ? 1u : bits;
+}
+
+/// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses α < 0.01 and what refracts.
+RELUME_HD inline bool near_specular(const Lobe& lobe) {
+  constexpr float kNearSpecularAlpha = 0.01f;
+  switch (lobe.kind) {
+    case LobeKind::lambert:
+    case LobeKind::covered_lambert:
+    case LobeKind::multiple_reflection: return false;
+    case LobeKind::reflection: return lobe.microfacet.alpha < kNearSpecularAlpha;
+    case LobeKind::mirror:
+    case LobeKind::dielectric:
+    case LobeKind::smooth_dielectric:
+    case LobeKind::thin_transmission:
+    case LobeKind::pass_through: return true;
+  }
+  return true;
+}
+
+RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    // A dielectric's smooth coat over a diffuse base keeps the base's look; without one, nothing else is left.
+    if (near_specular(bsdf.lobes[i])) return true;
+  }
+  return false;
+}
+
+/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean.
+struct StoreKernel {
+  View<const Hit> hits;  ///< of this frame
+  View<const FirstVertex> first_vertices;
+  View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
+  View<const uint32_t> samples;     ///< that the pixel keeps, this one included
+  SceneView scene;
+  View<StoredSample> stored;  ///< capacity a pixel
+  View<StoredPixel> pixels;
+  uint32_t capacity = 1;
+  float max_distance = 0;  ///< between samples of one pixel, as a share of the distance to the camera
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = y * width + x;
+    if (!allocation.empty() && allocation[i] == 0) return;
+    const Hit& hit = hits[i];
+    const FirstVertex& vertex = first_vertices[i];
+    StoredPixel& pixel = pixels[i];
+    StoredSample* const samples_of_pixel = &stored[i * capacity];
+    if (samples[i] <= 1) {
+      pixel = StoredPixel{};
+      for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
+    } else if (far_from(samples_of_pixel[0], hit)) {
+      pixel.mixed = 1;
+    }
+    const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
+    if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
+    if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
+    for (uint32_t k = 0; k < capacity; ++k) {
+      if (samples_of_pixel[k].valid()) continue;
+      samples_of_pixel[k] = {hit,
+                             store_direction(vertex.scatter),
+                             store_direction(vertex.to_light),
+                             vertex.light,
+                             vertex.light_u,
+                             vertex.light_value,
+                             vertex.light_scale};
+      break;
+    }
+  }
+
+ private:
+  /// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
+  /// belongs to neither.
+  RELUME_HD bool far_from(const StoredSample& first, const Hit& hit) const {
+    if (!first.valid() || !hit.valid()) return first.valid() != hit.valid();
+    const Vec3 a = surface_position(scene, first.hit).now;
+    const Vec3 b = surface_position(scene, hit).now;
+    return length_squared(a - b) > sqr(max_distance * hit.t);
+  }
+};
+
+}  // namespace relume
