@@ -129,6 +129,86 @@ TEST_P(Determinism, ResumedEqualsUninterrupted) {
   std::filesystem::remove(file);
 }
 
+/// Techniques that carry state from frame to frame, on a scene in which everything moves.
+struct Technique {
+  const char* name;
+  void (*choose)(RenderSettings& settings);
+};
+
+const Technique kTechniques[] = {
+    {"reproject", [](RenderSettings& s) { s.history = HistoryChoice::reproject; }},
+    {"reproject_one",
+     [](RenderSettings& s) {
+       s.history = HistoryChoice::reproject;
+       s.reproject.stored = StoredSampleChoice::one;
+     }},
+    {"backward",
+     [](RenderSettings& s) {
+       s.history = HistoryChoice::reproject;
+       s.reproject.method = ReprojectionMethod::backward;
+     }},
+    {"adaptive",
+     [](RenderSettings& s) {
+       s.allocation = AllocationChoice::adaptive;
+       s.adaptive.max_samples = 6;
+     }},
+    {"combination",
+     [](RenderSettings& s) {
+       s.allocation = AllocationChoice::adaptive;
+       s.adaptive.max_samples = 6;
+       s.history = HistoryChoice::reproject;
+     }},
+};
+
+class TechniqueDeterminism : public ::testing::TestWithParam<Technique> {
+ protected:
+  static constexpr Case kScene{"turntable", 61, 33};
+  static constexpr int kFrames = 24;  // three a picture, eight pictures
+
+  static RenderSettings settings(int threads) {
+    RenderSettings s = settings_of(kScene, threads);
+    GetParam().choose(s);
+    return s;
+  }
+  /// Frames `first` to `last` of the sequence.
+  static void render(Session& session, int first, int last) {
+    for (int frame = first; frame < last; ++frame) {
+      if (frame % 3 == 0) session.set_time(0.05f * static_cast<float>(frame / 3));
+      session.render_frame();
+    }
+  }
+};
+
+TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
+  const auto frames = [&](int threads) {
+    Session session(build(kScene.scene), settings(threads));
+    render(session, 0, kFrames);
+    return bits_of(session);
+  };
+  const std::vector<uint32_t> one = frames(1);
+  EXPECT_EQ(frames(2), one);
+  EXPECT_EQ(frames(5), one);
+}
+
+TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
+  const std::filesystem::path file = checkpoint_file(GetParam().name);
+  Session whole(build(kScene.scene), settings(2));
+  render(whole, 0, kFrames);
+  {
+    Session first(build(kScene.scene), settings(1));
+    render(first, 0, 14);
+    first.save_checkpoint(file);
+  }
+  Session second(build(kScene.scene), settings(2));
+  second.load_checkpoint(file);
+  render(second, 14, kFrames);
+  EXPECT_EQ(bits_of(second), bits_of(whole));
+  std::filesystem::remove(file);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(kTechniques),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
 INSTANTIATE_TEST_SUITE_P(Scenes, Determinism, ::testing::ValuesIn(kCases), [](const auto& instance) {
   std::string name = instance.param.scene;
   for (char& c : name) c = c == '-' ? '_' : c;

@@ -10,8 +10,11 @@
 #include "core/view.h"
 #include "film/tone_map.h"
 #include "techniques/accumulate/accumulate.h"
+#include "techniques/adaptive_sampling/adaptive_sampling.h"
 #include "techniques/path/path.h"
 #include "techniques/primary_hits/primary_hits.h"
+#include "techniques/reprojection/backward.h"
+#include "techniques/reprojection/reprojection.h"
 
 namespace relume {
 namespace {
@@ -51,6 +54,17 @@ template __global__ void run(SurfaceKernel, uint32_t, uint32_t);
 template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateKernel, uint32_t, uint32_t);
+template __global__ void run(FirstVertexPathKernel, uint32_t, uint32_t);
+template __global__ void run(StoreKernel, uint32_t, uint32_t);
+template __global__ void run(ClaimKernel, uint32_t, uint32_t);
+template __global__ void run(SourceKernel, uint32_t, uint32_t);
+template __global__ void run(WinnerKernel, uint32_t, uint32_t);
+template __global__ void run(CoveredKernel, uint32_t, uint32_t);
+template __global__ void run(MoveKernel<Rgb>, uint32_t, uint32_t);
+template __global__ void run(LimitKernel, uint32_t, uint32_t);
+template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
+template __global__ void run(AdaptiveAllocationKernel, uint32_t, uint32_t);
+template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
 
 }  // namespace
 }  // namespace relume

@@ -163,6 +163,10 @@ struct SourceKernel {
     sources[pixel] = sample / capacity;
     stored[pixel * capacity] = stored_before[sample];
     pixels[pixel] = pixels_before[sample / capacity];
+    pixels[pixel].inherited = 1;
+    pixels[pixel].fresh = Rgb(0);
+    pixels[pixel].fresh_m2 = 0.0f;
+    pixels[pixel].fresh_samples = 0;
   }
 };
 

@@ -216,7 +216,10 @@ void ReprojectionPass::load(std::istream& in) {
 }
 
 PassDeclaration StoreSamplesPass::declaration() const {
-  return {.name = "store", .stage = Stage::present, .reads = {"primary-hits", "first-vertices", "samples"}};
+  return {.name = "store",
+          .stage = Stage::present,
+          .reads = {"primary-hits", "first-vertices", "radiance"},
+          .writes = {"mean", "m2", "samples"}};
 }
 
 bool StoreSamplesPass::run(const FrameContext& frame) {
@@ -225,7 +228,10 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.hits = frame.view<const Hit>("primary-hits");
   kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");
   kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.samples = frame.view<const uint32_t>("samples");
+  kernel.radiance = frame.view<const Rgb>("radiance");
+  kernel.samples = frame.view<uint32_t>("samples");
+  kernel.mean = frame.view<Rgb>("mean");
+  kernel.m2 = frame.view<float>("m2");
   kernel.scene = frame.scene;
   kernel.stored = mutable_view_of(history_.stored());
   kernel.pixels = mutable_view_of(history_.pixels());

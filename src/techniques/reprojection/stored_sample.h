@@ -23,9 +23,13 @@ struct StoredSample {
 
 /// What the samples of a pixel have in common.
 struct StoredPixel {
-  Rgb indirect{0};     ///< mean of FirstVertex::indirect over the samples
-  Rgb direct{0};       ///< mean of FirstVertex::direct
-  uint32_t mixed = 0;  ///< 1: the samples lie further apart than one surface explains
+  Rgb indirect{0};         ///< mean of FirstVertex::indirect over the samples
+  Rgb direct{0};           ///< mean of FirstVertex::direct
+  uint32_t mixed = 0;      ///< 1: the samples lie further apart than one surface explains
+  uint32_t inherited = 0;  ///< 1: some of them come from before the last reprojection
+  Rgb fresh{0};            ///< mean of those that do not
+  float fresh_m2 = 0;      ///< sum of squared distances of their luminance from its mean
+  uint32_t fresh_samples = 0;
 };
 
 /// Direction and back; 0 stands for "none", whose own code is given up.
@@ -60,12 +64,16 @@ RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
   return false;
 }
 
-/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean.
+/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean. A sample that lies
+/// on another surface than the history which the pixel inherited ends that history.
 struct StoreKernel {
   View<const Hit> hits;  ///< of this frame
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
-  View<const uint32_t> samples;     ///< that the pixel keeps, this one included
+  View<const Rgb> radiance;         ///< of this frame
+  View<uint32_t> samples;           ///< that the pixel keeps, this one included
+  View<Rgb> mean;
+  View<float> m2;
   SceneView scene;
   View<StoredSample> stored;  ///< capacity a pixel
   View<StoredPixel> pixels;
@@ -80,12 +88,16 @@ struct StoreKernel {
     const FirstVertex& vertex = first_vertices[i];
     StoredPixel& pixel = pixels[i];
     StoredSample* const samples_of_pixel = &stored[i * capacity];
-    if (samples[i] <= 1) {
-      pixel = StoredPixel{};
-      for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
-    } else if (far_from(samples_of_pixel[0], hit)) {
-      pixel.mixed = 1;
+    const bool elsewhere = samples[i] > 1 && far_from(samples_of_pixel[0], hit);
+    if (samples[i] <= 1) forget(pixel, samples_of_pixel);
+    if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
+    if (elsewhere && pixel.inherited) {
+      samples[i] = pixel.fresh_samples;
+      mean[i] = pixel.fresh;
+      m2[i] = pixel.fresh_m2;
+      forget(pixel, samples_of_pixel);
     }
+    if (elsewhere) pixel.mixed = 1;
     const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
     if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
     if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
@@ -103,10 +115,23 @@ struct StoreKernel {
   }
 
  private:
+  RELUME_HD void forget(StoredPixel& pixel, StoredSample* samples_of_pixel) const {
+    pixel = StoredPixel{};
+    for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
+  }
+
+  RELUME_HD static void add_fresh(StoredPixel& pixel, const Rgb& value) {
+    const Rgb before = pixel.fresh;
+    pixel.fresh += (value - before) / static_cast<float>(++pixel.fresh_samples);
+    pixel.fresh_m2 += luminance(value - before) * luminance(value - pixel.fresh);
+  }
+
   /// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
-  /// belongs to neither.
+  /// belongs to neither. Surfaces of different instances are told apart however close they are: a lamp lies on its
+  /// ceiling.
   RELUME_HD bool far_from(const StoredSample& first, const Hit& hit) const {
     if (!first.valid() || !hit.valid()) return first.valid() != hit.valid();
+    if (first.hit.instance != hit.instance) return true;
     const Vec3 a = surface_position(scene, first.hit).now;
     const Vec3 b = surface_position(scene, hit).now;
     return length_squared(a - b) > sqr(max_distance * hit.t);

@@ -1,0 +1,36 @@
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "backend/launch.h"
+#include "techniques/adaptive_sampling/adaptive_sampling.h"
+
+namespace relume {
+namespace {
+
+void bm_adaptive_allocation(benchmark::State& state) {
+  constexpr uint32_t kWidth = 640;
+  constexpr uint32_t kHeight = 360;
+  const std::vector<Rgb> mean(kWidth * kHeight, Rgb(0.5f));
+  const std::vector<Rgb> m2(mean.size(), Rgb(1.5f));
+  const std::vector<uint32_t> samples(mean.size(), 9);
+  std::vector<float> probability(mean.size(), 0.0f);
+  std::vector<float> noise(mean.size(), 0.0f);
+  std::vector<uint32_t> allocation(mean.size(), 0);
+  AdaptiveAllocationKernel kernel;
+  kernel.mean = view_of(mean);
+  kernel.m2 = view_of(m2);
+  kernel.samples = view_of(samples);
+  kernel.probability = mutable_view_of(probability);
+  kernel.noise = mutable_view_of(noise);
+  kernel.allocation = mutable_view_of(allocation);
+  kernel.iteration = 12;
+  kernel.width = kWidth;
+  Backend backend(1);
+  for (auto _ : state) launch(backend, "allocate", kernel, kWidth, kHeight);
+  state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
+}
+BENCHMARK(bm_adaptive_allocation);
+
+}  // namespace
+}  // namespace relume

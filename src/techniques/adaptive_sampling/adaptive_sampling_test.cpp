@@ -1,0 +1,119 @@
+#include "techniques/adaptive_sampling/adaptive_sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace relume {
+namespace {
+
+struct Pixels {
+  explicit Pixels(uint32_t n)
+      : mean(n, Rgb(1)), m2(n, Rgb(0)), samples(n, 0), probability(n, 0), noise(n, 0), allocation(n, 0) {}
+
+  /// Samples given in one frame.
+  uint32_t allocate(uint32_t iteration, uint32_t frame = 0) {
+    AdaptiveAllocationKernel k;
+    k.mean = view_of(mean);
+    k.m2 = view_of(m2);
+    k.samples = view_of(samples);
+    k.probability = mutable_view_of(probability);
+    k.noise = mutable_view_of(noise);
+    k.allocation = mutable_view_of(allocation);
+    k.iteration = iteration;
+    k.min_samples = 4;
+    k.max_samples = 32;
+    k.seed = 5;
+    k.frame = frame;
+    k.width = static_cast<uint32_t>(mean.size());
+    uint32_t sum = 0;
+    for (uint32_t x = 0; x < k.width; ++x) {
+      k(x, 0);
+      sum += allocation[x];
+    }
+    return sum;
+  }
+
+  std::vector<Rgb> mean;
+  std::vector<Rgb> m2;
+  std::vector<uint32_t> samples;
+  std::vector<float> probability;
+  std::vector<float> noise;
+  std::vector<uint32_t> allocation;
+};
+
+TEST(AdaptiveSampling, NoiseIsTheRelativeStandardDeviation) {
+  // Grey samples 1 and 3: mean 2, variance 2.
+  EXPECT_NEAR(adaptive_noise(Rgb(2), Rgb(2), 2), std::sqrt(2.0f) / 2.0f, 1e-3f);
+  EXPECT_FLOAT_EQ(adaptive_noise(Rgb(0), Rgb(0), 4), 1.0f);  // black so far: unknown, sampled like noise
+  EXPECT_GT(adaptive_noise(Rgb(1), Rgb(0.1f), 4), adaptive_noise(Rgb(1), Rgb(1), 4));  // dark areas come first
+}
+
+TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
+  EXPECT_EQ(adaptive_threshold(0, 4, 32), 1.0f);
+  EXPECT_EQ(adaptive_threshold(4, 4, 32), 1.0f);
+  EXPECT_FLOAT_EQ(adaptive_threshold(18, 4, 32), 0.5f);
+  EXPECT_EQ(adaptive_threshold(32, 4, 32), 0.0f);
+  EXPECT_EQ(adaptive_threshold(99, 4, 32), 0.0f);
+}
+
+TEST(AdaptiveSampling, EveryPixelGetsTheLeast) {
+  Pixels p(3);
+  p.samples = {3, 4, 4};
+  p.m2 = {Rgb(0), Rgb(0), Rgb(100)};
+  p.allocate(4);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 0, 1}));
+}
+
+TEST(AdaptiveSampling, NoisyPixelsComeFirst) {
+  Pixels p(2);
+  p.samples = {8, 8};
+  p.m2 = {Rgb(0.07f), Rgb(7.0f)};  // standard deviations 0.1 and 1
+  p.allocate(18);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
+}
+
+TEST(AdaptiveSampling, ProbabilityIsTheShareOfSamplesTaken) {
+  Pixels p(4);
+  p.samples = {4, 16, 32, 40};
+  p.allocate(32);
+  EXPECT_EQ(p.probability, (std::vector<float>{0.125f, 0.5f, 1.0f, 1.0f}));
+}
+
+TEST(AdaptiveSampling, SamplesFollowTheProbability) {
+  // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
+  Pixels p(4000);
+  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.probability.begin(), p.probability.end(), 0.25f);
+  const uint32_t first = p.allocate(40, 7);
+  EXPECT_NEAR(first, 1000, 5 * 27);
+  const std::vector<uint32_t> chosen = p.allocation;
+  p.allocate(40, 8);
+  EXPECT_NE(p.allocation, chosen);  // other pixels in the next frame
+}
+
+TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
+  Pixels p(2);
+  p.samples = {20, 8};
+  p.m2 = {Rgb(100), Rgb(100)};
+  p.probability = {0.6f, 0.0f};
+  p.allocate(10);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
+}
+
+TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
+  std::vector<Rgb> mean{Rgb(3)};
+  std::vector<float> m2{4};
+  std::vector<Rgb> m2_rgb{Rgb(5)};
+  std::vector<uint32_t> samples{9};
+  std::vector<uint32_t> allocation{0};
+  const ForgetPilotKernel kernel{mutable_view_of(mean),    mutable_view_of(m2),         mutable_view_of(m2_rgb),
+                                 mutable_view_of(samples), mutable_view_of(allocation), 1};
+  kernel(0, 0);
+  EXPECT_EQ(mean[0], Rgb(0));
+  EXPECT_EQ(samples[0], 0u);
+  EXPECT_EQ(allocation[0], 1u);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,342 @@
+#include "techniques/reprojection/reprojection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "scene/builtin.h"
+#include "scene/compiled_scene.h"
+#include "techniques/reprojection/backward.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kSize = 24;
+constexpr uint32_t kPixels = kSize * kSize;
+
+/// A scene, and what one frame of it leaves behind.
+struct Stage {
+  explicit Stage(Scene source, std::vector<Index> movable = {})
+      : scene(std::move(source), {.width = kSize, .height = kSize, .movable = std::move(movable)}) {}
+
+  void render() {
+    std::fill(hits.begin(), hits.end(), Hit{});
+    const SampleIndex index{1, 0, 3, false};
+    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), kSize};
+    FirstVertexPathKernel kernel;
+    kernel.path.context.scene = scene.view();
+    kernel.path.context.selector.kind = LightSelectorKind::uniform;
+    kernel.path.context.selector.uniform = make_uniform_lights(scene.view().lights);
+    kernel.path.context.max_bounces = 2;
+    kernel.path.index = index;
+    kernel.path.hits = view_of(hits);
+    kernel.path.radiance = mutable_view_of(radiance);
+    kernel.path.rays = mutable_view_of(rays);
+    kernel.path.width = kSize;
+    kernel.first_vertices = mutable_view_of(vertices);
+    StoreKernel store;
+    store.hits = view_of(hits);
+    store.first_vertices = view_of(vertices);
+    store.radiance = view_of(radiance);
+    store.samples = mutable_view_of(samples);
+    store.mean = mutable_view_of(mean);
+    store.m2 = mutable_view_of(m2);
+    store.scene = scene.view();
+    store.stored = mutable_view_of(stored);
+    store.pixels = mutable_view_of(pixels);
+    store.max_distance = 0.02f;
+    store.width = kSize;
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) {
+        primary(x, y);
+        kernel(x, y);
+        store(x, y);
+      }
+    }
+    scene.end_frame();
+  }
+
+  void claim(float max_error, bool lights_changed) {
+    std::fill(claims.begin(), claims.end(), kNoClaim);
+    ClaimKernel kernel;
+    kernel.scene = scene.view();
+    kernel.stored = view_of(stored);
+    kernel.pixels = view_of(pixels);
+    kernel.claims = mutable_view_of(claims);
+    kernel.fates = mutable_view_of(fates);
+    kernel.max_error = max_error;
+    kernel.max_light_error = max_error;
+    kernel.lights_changed = lights_changed;
+    kernel.width = kSize;
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) kernel(x, y);
+    }
+  }
+
+  int count(ReprojectionFate fate) const {
+    return static_cast<int>(std::count(fates.begin(), fates.end(), static_cast<uint32_t>(fate)));
+  }
+
+  CompiledScene scene;
+  std::vector<Hit> hits = std::vector<Hit>(kPixels);
+  std::vector<FirstVertex> vertices = std::vector<FirstVertex>(kPixels);
+  std::vector<Rgb> radiance = std::vector<Rgb>(kPixels);
+  std::vector<uint32_t> rays = std::vector<uint32_t>(kPixels);
+  std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 1);
+  std::vector<Rgb> mean = std::vector<Rgb>(kPixels);
+  std::vector<float> m2 = std::vector<float>(kPixels);
+  std::vector<StoredSample> stored = std::vector<StoredSample>(kPixels);
+  std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
+  std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
+  std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
+};
+
+Scene cornell() { return find_builtin_scene("cornell")->build(); }
+
+/// The Cornell box with one look for every surface that does not emit.
+Scene cornell_of(float roughness, float metallic) {
+  Scene scene = cornell();
+  for (Material& m : scene.materials) {
+    m.roughness = roughness;
+    m.metallic = metallic;
+  }
+  return scene;
+}
+
+TEST(Reprojection, AStillCameraClaimsItsOwnPixels) {
+  Stage stage(cornell());
+  stage.render();
+  stage.claim(1e-4f, false);
+  int surfaces = 0;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (!stage.hits[i].valid() || max_component(stage.radiance[i]) > 5.0f) continue;  // the lamp reflects nothing
+    ++surfaces;
+    EXPECT_EQ(static_cast<ReprojectionFate>(stage.fates[i]), ReprojectionFate::kept) << i;
+    EXPECT_EQ(static_cast<uint32_t>(stage.claims[i]), i);
+  }
+  EXPECT_GT(surfaces, static_cast<int>(kPixels) / 2);
+}
+
+TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
+  Stage stage(cornell());
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world[3] += 0.3f * camera.to_world[0];
+  stage.scene.set_camera(camera);
+  stage.claim(10.0f, false);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (stage.claims[i] == kNoClaim) continue;
+    const auto source = static_cast<uint32_t>(stage.claims[i]);
+    const Vec3 p = surface_position(stage.scene.view(), stage.stored[source].hit).now;
+    Vec2 film;
+    const CameraView& view = stage.scene.view().camera;
+    ASSERT_TRUE(film_position(view, {view.position, glm::normalize(p - view.position), kInfinity}, &film));
+    EXPECT_EQ(static_cast<uint32_t>(film.y) * kSize + static_cast<uint32_t>(film.x), i);
+  }
+}
+
+TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
+  Stage stage(cornell());
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world = glm::rotate(camera.to_world, kPi, Vec3(0, 1, 0));
+  stage.scene.set_camera(camera);
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::off_screen), 0);
+}
+
+TEST(Reprojection, NoticesWhatIsHiddenNow) {
+  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  Stage stage(cornell());
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world[3] += 1.2f * camera.to_world[0];
+  stage.scene.set_camera(camera);
+  stage.claim(10.0f, false);
+  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+}
+
+TEST(Reprojection, MirrorsAreNeverTakenAlong) {
+  Stage stage(cornell_of(0.05f, 1.0f));  // α = 0.0025
+  stage.render();
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::near_specular), 0);
+}
+
+TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
+  const auto refused = [](float roughness, float max_error) {
+    Stage stage(cornell_of(roughness, 1.0f));
+    stage.render();
+    PlacedCamera camera = stage.scene.camera();
+    camera.to_world[3] += 0.5f * camera.to_world[0];
+    stage.scene.set_camera(camera);
+    stage.claim(max_error, false);
+    return stage.count(ReprojectionFate::view_dependent);
+  };
+  EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(0.3f, 0.25f));
+  EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
+}
+
+TEST(Reprojection, LambertNeverDependsOnTheView) {
+  Scene scene = cornell_of(1.0f, 0.0f);
+  for (Material& m : scene.materials) m.specular = 0.0f;
+  Stage stage(std::move(scene));
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world[3] += 0.5f * camera.to_world[0];
+  stage.scene.set_camera(camera);
+  stage.claim(1e-6f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
+}
+
+TEST(Reprojection, FollowsAnObjectThatMoves) {
+  Scene scene = cornell();
+  Index node = kNone;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!scene.nodes[i].meshes.empty() && scene.nodes[i].name.find("tall") != std::string::npos)
+      node = static_cast<Index>(i);
+  }
+  ASSERT_NE(node, kNone);
+  Stage stage(std::move(scene), {node});
+  stage.render();
+  Transform moved = stage.scene.source().nodes[static_cast<size_t>(node)].transform;
+  moved.translation.x += 0.3f;
+  stage.scene.set_transform(node, moved);
+  stage.claim(10.0f, false);
+  int shifted = 0;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (stage.claims[i] != kNoClaim && static_cast<uint32_t>(stage.claims[i]) != i) ++shifted;
+  }
+  EXPECT_GT(shifted, 5);
+  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+}
+
+TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
+  Scene scene = cornell();
+  scene.materials.push_back({});
+  PunctualLight light;
+  light.intensity = Rgb(5);
+  scene.lights.push_back(light);
+  Node node;
+  node.light = 0;
+  node.transform.translation = {0, 1, 0};
+  scene.add_node(node);
+  Stage stage(std::move(scene));
+  stage.render();
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_EQ(stage.count(ReprojectionFate::relit), 0);  // verified, and the same
+  light.intensity = Rgb(0.5f);
+  stage.scene.set_light(0, light);
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_GT(stage.count(ReprojectionFate::relit), 20);
+}
+
+TEST(Reprojection, NearestClaimWinsThenTheLowestSample) {
+  EXPECT_LT(claim_of(1.0f, 9), claim_of(2.0f, 3));
+  EXPECT_LT(claim_of(1.0f, 3), claim_of(1.0f, 9));
+  std::vector<uint64_t> claim{kNoClaim};
+  for (const uint64_t c : {claim_of(3.0f, 1), claim_of(2.0f, 7), claim_of(2.0f, 5), claim_of(9.0f, 0)})
+    atomic_min(&claim[0], c);
+  EXPECT_EQ(claim[0], claim_of(2.0f, 5));
+}
+
+TEST(Reprojection, MovesBuffersAndBeginsAnewWhereNothingLands) {
+  const std::vector<float> before{1, 2, 3};
+  std::vector<float> now(3, 9);
+  const std::vector<uint32_t> sources{2, kNoSource, 0};
+  const MoveKernel<float> kernel{view_of(before), mutable_view_of(now), view_of(sources), 3};
+  for (uint32_t x = 0; x < 3; ++x) kernel(x, 0);
+  EXPECT_EQ(now, (std::vector<float>{3, 0, 1}));
+}
+
+TEST(Reprojection, LimitKeepsTheVarianceOfASample) {
+  std::vector<uint32_t> samples{101, 3};
+  std::vector<float> m2{200, 5};
+  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), 11, 2};
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(samples, (std::vector<uint32_t>{11, 3}));
+  EXPECT_FLOAT_EQ(m2[0] / 10.0f, 200.0f / 100.0f);
+  EXPECT_EQ(m2[1], 5.0f);
+}
+
+TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
+  Stage stage(cornell());
+  stage.render();
+  uint32_t other = 1;
+  while (!stage.hits[other].valid() || stage.hits[other].instance == stage.hits[0].instance) ++other;
+  stage.render();
+  stage.pixels[other].inherited = 1;
+  stage.stored[other].hit = stage.hits[0];  // what it inherited lies elsewhere
+  stage.samples[other] = 20;
+  stage.mean[other] = Rgb(77);
+  stage.render();
+  EXPECT_EQ(stage.samples[other], 1u);
+  EXPECT_EQ(stage.mean[other], stage.radiance[other]);
+  EXPECT_EQ(stage.pixels[other].mixed, 1u);
+}
+
+TEST(FirstVertex, AccountsForWhatThePathReflects) {
+  // Radiance = emission + f(scatter) · indirect + f(light) · direct, for every sample.
+  Stage stage(cornell());
+  stage.render();
+  int checked = 0;
+  for (uint32_t y = 0; y < kSize; ++y) {
+    for (uint32_t x = 0; x < kSize; ++x) {
+      const uint32_t i = y * kSize + x;
+      if (!stage.hits[i].valid()) continue;
+      Sampler sampler = SampleIndex{1, 0, 3, false}.sampler(x, y);
+      const CameraView& camera = stage.scene.view().camera;
+      const Ray ray = lone_camera_ray(camera, x, y, sampler);
+      SurfacePoint sp;
+      make_surface_point(stage.scene.view(), ray, stage.hits[i], camera.cone_spread() * stage.hits[i].t, sp);
+      const FirstVertex& v = stage.vertices[i];
+      Rgb sum = sp.emission;
+      if (length_squared(v.scatter) > 0) sum += eval_pdf(sp, v.scatter).f * v.indirect;
+      if (length_squared(v.to_light) > 0) sum += eval_pdf(sp, v.to_light).f * v.direct;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], stage.radiance[i][c], 1e-3f * (1.0f + stage.radiance[i][c]));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 100);
+}
+
+TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
+  constexpr uint32_t kWidth = 4;
+  std::vector<Vec2> motion(16, Vec2(0.5f, 0));
+  std::vector<Vec3> position(16, Vec3(0));
+  const std::vector<Vec3> normal(16, Vec3(0, 0, 1));
+  const std::vector<float> depth(16, 1.0f);
+  const std::vector<uint32_t> instance(16, 7);
+  std::vector<uint32_t> before(16, 7);
+  before[5] = 8;
+  std::vector<float> values(16);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  const BackwardReprojection reprojection{view_of(motion),
+                                          view_of(position),
+                                          view_of(normal),
+                                          view_of(depth),
+                                          view_of(instance),
+                                          view_of(position),
+                                          view_of(normal),
+                                          view_of(before),
+                                          {},
+                                          kWidth,
+                                          4};
+  const View<const float> old = view_of(values);
+  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
+  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
+  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
+  motion[0] = Vec2(9, 0);
+  EXPECT_FALSE(reprojection.taps(0, 0).valid);
+}
+
+}  // namespace
+}  // namespace relume
