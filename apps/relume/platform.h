@@ -1,4 +1,5 @@
-// What only the operating system knows. platform.cpp is the program's only file that assumes POSIX and Linux.
+// What only the operating system knows. platform.cpp and
+// child_pipe.cpp are the program's only files that assume POSIX and Linux.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,10 @@ namespace {
 
 std::vector<Option> declare(RenderOptions& o) {
   return {
-      {{"output", &o.output, "File to write: .exr or .hdr (linear radiance), .png, .jpg or .tga (tone-mapped)"},
+      {{"output", &o.output,
+        "File to write: .exr or .hdr (linear radiance), .png, .jpg or .tga (tone-mapped); with --frames also .mp4 or "
+        ".y4m "
+        "(through ffmpeg)"},
        "FILE",
        'o',
        Completion::file},
@@ -56,6 +59,7 @@ Command render_command(Verbosity& verbosity) {
                "until good enough, ten minutes at most"},
               {"relume render scene.glb -o out.exr --spp 4096 --resume out.ckpt", "can be interrupted and continued"},
               {"relume render turntable -o frames/####.png --frames 0-47 --fps 24", "two seconds of an animation"},
+              {"relume render turntable -o film.mp4 --frames 0-47 --spp 8 --history reproject", "the same as a video"},
               {"relume render scene.gltf -o out.png --camera Door --env sky.hdr --exposure -1",
                "another view and light"},
           },

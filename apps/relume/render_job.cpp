@@ -21,6 +21,7 @@
 #include "scene_source.h"
 #include "settings/settings_json.h"
 #include "version.h"
+#include "video.h"
 
 namespace relume::cli {
 namespace {
@@ -37,6 +38,18 @@ struct Plan {
   SettingSources sources;
 };
 
+/// One a frame; a video's is the same for all.
+std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& options, const FrameRange& frames) {
+  const bool video = is_video_file(options.output);
+  if (video && !options.checkpoint.empty())
+    throw UsageError("--resume cannot continue a video; render pictures (-o out.####.png) and encode them afterwards");
+  const FrameNames name(options.output);
+  std::vector<std::filesystem::path> files;
+  for (int frame = frames.first; frame <= frames.last; ++frame)
+    files.push_back(video ? std::filesystem::path(options.output) : name(frame));
+  return files;
+}
+
 Plan make_plan(const RenderOptions& options) {
   Plan plan;
   if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
@@ -44,20 +57,18 @@ Plan make_plan(const RenderOptions& options) {
   if (!options.checkpoint.empty()) check_folder_of(options.checkpoint);
   plan.files = {options.output};
   if (!options.frames.empty()) {
-    if (!options.checkpoint.empty()) {
-      throw UsageError(
-          "--resume continues a single picture; continue a sequence with --frames from its first missing frame");
-    }
     plan.frames = parse_frame_range(options.frames, "--frames");
-    const FrameNames name(options.output);
-    plan.files.clear();
-    for (int frame = plan.frames.first; frame <= plan.frames.last; ++frame) plan.files.push_back(name(frame));
+    plan.files = files_of_sequence(options, plan.frames);
   }
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   RenderSettings settings = resolve(plan.sources).render;
   settings.auxiliary = true;
   plan.aovs = parse_aovs(options.aov, Session::aov_names(settings));
-  check_picture_file(options.output, plan.aovs);
+  if (is_video_file(options.output) && !options.frames.empty()) {
+    check_video_file(options.output);
+  } else {
+    check_picture_file(options.output, plan.aovs);
+  }
   return plan;
 }
 
@@ -99,16 +110,18 @@ class RenderJob {
       tell(verbosity_, fmt::format("{}stopping; interrupt again to abort", is_terminal(stderr) ? "\n" : ""));
     });
     StopReason reason = StopReason::samples;
-    for (size_t i = 0; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
-      if (i > 0) session_->set_time(frame_time_s(i));
+    for (size_t i = first_picture_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
+      if (i > first_picture_) session_->set_time(frame_time_s(i));
       reason = render_picture(i, interrupts.token());
     }
+    if (video_) video_->finish();
     report(reason);
     return reason == StopReason::interrupted ? kExitInterrupted : kExitDone;
   }
 
  private:
   void load();
+  size_t picture_of_checkpoint() const;
   StopReason render_picture(size_t index, std::stop_token stop);
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
   void save_checkpoint();
@@ -128,6 +141,8 @@ class RenderJob {
   Settings settings_;
   float scene_time_s_ = 0;  ///< of frame 0
   std::optional<Session> session_;
+  size_t first_picture_ = 0;  ///< later than 0 if a sequence is resumed
+  std::optional<VideoWriter> video_;
   std::vector<std::string> written_;
   double load_s_ = 0;
   double write_s_ = 0;
@@ -154,8 +169,22 @@ void RenderJob::load() {
                                     session_->statistics().threads));
   if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint)) return;
   session_->load_checkpoint(options_.checkpoint);
+  first_picture_ = picture_of_checkpoint();
   tell(verbosity_,
-       fmt::format("continues from {} at {} samples a pixel", options_.checkpoint, session_->sample_count()));
+       fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint, session_->sample_count(),
+                   options_.frames.empty()
+                       ? ""
+                       : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
+}
+
+size_t RenderJob::picture_of_checkpoint() const {
+  for (size_t i = 0; i < plan_.files.size(); ++i) {
+    if (frame_time_s(i) == session_->settings().time_s) return i;
+  }
+  throw Error(
+      fmt::format("{}: the checkpoint was made at time {} s, which is not asked for; use the same frames or "
+                  "time, or delete it",
+                  options_.checkpoint, session_->settings().time_s));
 }
 
 StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
@@ -203,13 +232,23 @@ void RenderJob::save_checkpoint() {
 void RenderJob::write(size_t index, StopReason reason) {
   const double start_s = now_s();
   const std::filesystem::path& file = plan_.files[index];
-  write_picture(file, *session_, settings_.output, plan_.aovs, metadata(index));
-  written_.push_back(file.string());
+  if (is_video_file(file)) {
+    const Image image = tone_map(session_->image(), settings_.output.tone_map, settings_.output.exposure);
+    if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
+    video_->add(image);
+    if (index == first_picture_) written_.push_back(file.string());
+  } else {
+    write_picture(file, *session_, settings_.output, plan_.aovs, metadata(index));
+    written_.push_back(file.string());
+  }
   write_s_ += now_s() - start_s;
   const uint32_t samples = session_->sample_count();
+  const std::string what =
+      is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
+                          : file.string();
   tell(verbosity_,
        fmt::format("{} {} with {} sample{} a pixel", reason == StopReason::interrupted ? "interrupted; wrote" : "wrote",
-                   file.string(), samples, samples == 1 ? "" : "s"));
+                   what, samples, samples == 1 ? "" : "s"));
 }
 
 Metadata RenderJob::metadata(size_t index) const {

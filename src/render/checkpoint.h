@@ -15,7 +15,7 @@ namespace relume {
 struct Counters {
   uint32_t frames = 0;        ///< complete ones
   uint32_t since_change = 0;  ///< of them, since anything changed
-  uint32_t epoch = 0;         ///< changes that came after a frame: each has random numbers of its own
+  uint32_t epoch = 0;         ///< edits that came after a frame: each has random numbers of its own
   float time_s = 0;           ///< of the animation
   float previous_time_s = 0;  ///< in the frame before
   uint64_t paths = 0;

@@ -83,15 +83,26 @@ struct Session::State {
   void apply_changes() {
     if (changes == Change::none) return;
     buffers->reset(changes);
-    if (counters.since_change > 0) ++counters.epoch;
+    if (edited && counters.since_change > 0) ++counters.epoch;
+    edited = false;
     counters.since_change = 0;
+  }
+
+  void edit(Change change) {
+    changes |= change;
+    edited = true;
+  }
+
+  /// Seed of this stretch of frames. Each time of the animation has numbers of its own, whichever frames came before.
+  uint32_t scramble() const {
+    const auto seed = static_cast<uint32_t>(settings.seed);
+    if (counters.epoch == 0 && counters.time_s == 0.0f) return seed;
+    return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.time_s));
   }
 
   FrameContext frame(const std::stop_token& stop) {
     const bool adapts = pipeline.adapts();
-    const auto seed = static_cast<uint32_t>(settings.seed);
-    const uint32_t scramble = counters.epoch == 0 ? seed : relume::hash(seed, counters.epoch);
-    const SampleIndex index{scramble, counters.frames, adapts ? 0 : counters.since_change, adapts};
+    const SampleIndex index{scramble(), counters.frames, adapts ? 0 : counters.since_change, adapts};
     return {scene->view(),   *buffers,
             *backend,        index,
             counters.frames, counters.since_change,
@@ -113,6 +124,7 @@ struct Session::State {
   Pipeline pipeline;
   std::unique_ptr<CompiledScene> scene;
   Change changes = Change::none;
+  bool edited = false;  ///< some of them are not the animation's
   Counters counters;
   mutable Statistics statistics;
 };
@@ -150,20 +162,18 @@ void Session::set_time(float time_s) {
   state_->changes |= state_->scene->set_time(time_s);
 }
 
-void Session::set_camera(const std::optional<PlacedCamera>& camera) {
-  state_->changes |= state_->scene->set_camera(camera);
-}
+void Session::set_camera(const std::optional<PlacedCamera>& camera) { state_->edit(state_->scene->set_camera(camera)); }
 void Session::set_transform(Index node, const Transform& transform) {
-  state_->changes |= state_->scene->set_transform(node, transform);
+  state_->edit(state_->scene->set_transform(node, transform));
 }
 void Session::set_light(Index light, const PunctualLight& value) {
-  state_->changes |= state_->scene->set_light(light, value);
+  state_->edit(state_->scene->set_light(light, value));
 }
 void Session::set_environment(const Environment& environment) {
-  state_->changes |= state_->scene->set_environment(environment);
+  state_->edit(state_->scene->set_environment(environment));
 }
 void Session::set_material(Index material, const Material& value) {
-  state_->changes |= state_->scene->set_material(material, value);
+  state_->edit(state_->scene->set_material(material, value));
 }
 
 Image Session::image() const {
@@ -232,7 +242,7 @@ bool Session::set_settings(const RenderSettings& wanted) {
   const bool resized = settings.width != current.width || settings.height != current.height;
   SettingList all = describe(settings);
   for (const Setting* setting : differing_settings(describe(current), all)) {
-    if (setting->traits.resets_history) s.changes |= Change::settings;
+    if (setting->traits.resets_history) s.edit(Change::settings);
   }
   if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
   if (settings.time_s != current.time_s) set_time(settings.time_s);

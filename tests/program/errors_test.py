@@ -102,7 +102,7 @@ class Errors(ProgramTest):
     def test_bad_frames(self):
         for frames in ("5-2", "x", "-3", "1-9999999"):
             self.refuse(USAGE, *self.render("-o", "out.exr", f"--frames={frames}"), says=["--frames"])
-        self.refuse(USAGE, *self.render("-o", "out.exr", "--frames", "0-1", "--resume", "a.ckpt"), says=["--resume"])
+        self.refuse(USAGE, *self.render("-o", "out.mp4", "--frames", "0-1", "--resume", "a.ckpt"), says=["--resume"])
 
     def test_damaged_checkpoint(self):
         (self.folder / "a.ckpt").write_bytes(b"no checkpoint")

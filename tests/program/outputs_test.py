@@ -2,6 +2,7 @@
 """What the program writes: pictures, layers, metadata, statistics, sequences, completion."""
 
 import json
+import os
 import subprocess
 import unittest
 
@@ -154,6 +155,34 @@ class Outputs(ProgramTest):
         done = run("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "1", "--camera", "none", cwd=self.folder)
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual((self.folder / "out.exr").read_bytes(), b"old")
+
+    def with_encoder(self, script):
+        """An environment in which `ffmpeg` is this shell script."""
+        folder = self.folder / "bin"
+        folder.mkdir()
+        (folder / "ffmpeg").write_text("#!/bin/sh\n" + script)
+        (folder / "ffmpeg").chmod(0o755)
+        return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
+
+    def test_video_gets_every_frame(self):
+        # The stand-in keeps the raw frames that it is given.
+        env = self.with_encoder('for last; do :; done; cat > "$last"')
+        self.succeed("render", "turntable", "-o", "out.mp4", *SMALL, "--spp", "1", "--frames", "0-3", env=env)
+        self.assertEqual((self.folder / "out.mp4").stat().st_size, 4 * 24 * 18 * 3)
+        self.assertEqual(self.files(), ["bin", "out.mp4"])
+
+    def test_video_that_cannot_be_encoded_leaves_nothing(self):
+        env = self.with_encoder("exit 3")
+        done = run("render", "turntable", "-o", "out.mp4", *SMALL, "--spp", "1", "--frames", "0-3", cwd=self.folder, env=env)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ffmpeg", done.stderr)
+        self.assertEqual(self.files(), ["bin"])
+
+    def test_video_needs_an_encoder(self):
+        env = {**os.environ, "PATH": str(self.folder)}
+        done = run("render", "turntable", "-o", "out.mp4", *SMALL, "--frames", "0-3", cwd=self.folder, env=env)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("install", done.stderr)
 
 
 if __name__ == "__main__":

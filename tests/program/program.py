@@ -12,9 +12,9 @@ PROGRAM = os.environ["RELUME_PROGRAM"]
 SMALL = ["--width", "24", "--height", "18", "--threads", "1"]
 
 
-def run(*arguments, cwd=None, timeout=120):
+def run(*arguments, cwd=None, timeout=120, env=None):
     """The finished process; its output is text."""
-    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
 
 
 def start(*arguments, cwd=None):

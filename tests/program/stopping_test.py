@@ -99,6 +99,20 @@ class Stopping(ProgramTest):
         self.succeed("render", "cornell", "-o", "c.exr", *SMALL, "--spp", "5")
         self.assert_same_pixels("b.exr", "c.exr")
 
+    def test_kill_and_resume_a_sequence(self):
+        # The history goes from picture to picture, so every later one depends on where the checkpoint left off.
+        arguments = ["render", "turntable", "--width", "96", "--height", "54", "--frames", "0-5", "--spp", "24", "--history", "reproject"]
+        process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(self.folder / "a.0002.exr", process)
+        process.kill()
+        process.communicate(timeout=60)
+        done = self.succeed(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
+        self.assertRegex(done.stderr, r"continues from a.ckpt at \d+ samples a pixel of frame [1-5]")
+        self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
+        for frame in range(6):
+            self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
+
 
 if __name__ == "__main__":
     unittest.main()

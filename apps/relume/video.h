@@ -1,0 +1,41 @@
+// Sequences as one video file, encoded by ffmpeg.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "child_pipe.h"
+#include "io/image.h"
+
+namespace relume::cli {
+
+/// Whether the extension names a video: .mp4 or .y4m.
+bool is_video_file(const std::filesystem::path& file);
+
+/// Throws UsageError if ffmpeg is missing or the folder cannot be written to.
+void check_video_file(const std::filesystem::path& file);
+
+class VideoWriter {
+ public:
+  /// Frames of width × height at `fps`. Throws Error.
+  VideoWriter(std::filesystem::path file, int width, int height, float fps);
+  /// Without finish(), nothing is left behind.
+  ~VideoWriter();
+
+  /// Appends a display-ready, still linear picture. Throws Error if ffmpeg gave up.
+  void add(const Image& image);
+
+  /// Completes the file and gives it its name. Throws Error.
+  void finish();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path file_;
+  std::filesystem::path temporary_;
+  std::vector<unsigned char> bytes_;
+  std::unique_ptr<ChildPipe> encoder_;
+};
+
+}  // namespace relume::cli
