@@ -1,0 +1,124 @@
+// Histories and allocations against the picture that they stand in for: those without bias agree with it, the others
+// keep to the bound that their pages state.
+#include <gtest/gtest.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/image_test.h"
+
+namespace relume::support {
+namespace {
+
+constexpr int kSize = 32;
+constexpr int kSeeds = 16;
+
+Scene cornell() { return find_builtin_scene("cornell")->build(); }
+
+RenderSettings settings_of(AllocationChoice allocation, HistoryChoice history, int size = kSize) {
+  RenderSettings s = small_settings(size, size);
+  s.allocation = allocation;
+  s.history = history;
+  s.adaptive.max_samples = 24;
+  return s;
+}
+
+/// The camera of the scene, `shift` metres to its right.
+PlacedCamera moved(const Session& session, float shift) {
+  PlacedCamera camera = session.scene().camera();
+  camera.to_world[3] += shift * camera.to_world[0];
+  return camera;
+}
+
+/// Pictures after the camera has come back to where it was: five steps aside, `frames` at each, and five back.
+Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames, int seeds = kSeeds) {
+  std::vector<Image> images;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    RenderSettings seeded = settings;
+    seeded.seed = seed;
+    Session session(cornell(), seeded);
+    const PlacedCamera start = session.scene().camera();
+    const auto stay = [&](int count) {
+      for (int i = 0; i < count; ++i) session.render_frame();
+    };
+    stay(frames);
+    for (int step = 1; step <= 5; ++step) {
+      session.set_camera(moved(session, 0.15f));
+      stay(frames);
+    }
+    for (int step = 1; step <= 5; ++step) {
+      session.set_camera(step == 5 ? start : moved(session, -0.15f));
+      stay(step == 5 ? last_frames : frames);
+    }
+    images.push_back(session.image());
+  }
+  return moments_of(std::move(images));
+}
+
+Moments reference() {
+  return measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 256, kSeeds, 1001);
+}
+
+double mean_of(const Moments& m) {
+  const Image image = m.mean_image();
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+/// Mean over images and pixels of the squared difference from the mean of `reference`, radiance clamped to 1: what a
+/// display shows.
+double mse_of(const Moments& m, const Moments& truth) {
+  double sum = 0;
+  for (const Image& image : m.images) {
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+      const Rgb difference = glm::min(image.pixels[i], Rgb(1)) - glm::min(truth.mean[i], Rgb(1));
+      sum += static_cast<double>(length_squared(difference)) / 3.0;
+    }
+  }
+  return sum / static_cast<double>(m.images.size() * m.mean.size());
+}
+
+TEST(History, ReprojectionWithoutMovesIsAccumulation) {
+  expect_same_picture(
+      "reproject-still", reference(),
+      measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::reproject), 64, kSeeds, 1));
+}
+
+TEST(History, AdaptiveSamplingWithPilotSamplesHasNoBias) {
+  RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
+  s.adaptive.pilot = true;
+  expect_same_picture("adaptive-pilot", reference(), measure(cornell(), s, 128, kSeeds, 1));
+}
+
+TEST(History, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {
+  const RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
+  EXPECT_NEAR(mean_of(measure(cornell(), s, 128, kSeeds, 1)) / mean_of(reference()), 1.0, 0.02);
+}
+
+TEST(History, ReprojectionIsBiasedByLessThanTwoPercent) {
+  for (const ReprojectionMethod method : {ReprojectionMethod::forward, ReprojectionMethod::backward}) {
+    RenderSettings s = settings_of(AllocationChoice::uniform, HistoryChoice::reproject);
+    s.reproject.method = method;
+    EXPECT_NEAR(mean_of(after_a_walk(s, 4, 16)) / mean_of(reference()), 1.0, 0.02);
+  }
+}
+
+TEST(History, ReprojectionBeatsStartingAnew) {
+  constexpr int kLarger = 96;  // at 32 every other pixel lies on an edge, which reprojection refuses
+  const auto settings = [](HistoryChoice history) { return settings_of(AllocationChoice::uniform, history, kLarger); };
+  const Moments truth = measure(cornell(), settings(HistoryChoice::accumulate), 256, 2, 1001);
+  const auto walk = [&](HistoryChoice history) { return mse_of(after_a_walk(settings(history), 4, 1, 4), truth); };
+  EXPECT_LT(walk(HistoryChoice::reproject), 0.6 * walk(HistoryChoice::accumulate));
+}
+
+TEST(History, NoneShowsTheLatestSampleOnly) {
+  Session session(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::none));
+  session.render_frame();
+  const Image first = session.image();
+  session.render_frame();
+  EXPECT_NE(session.image().pixels, first.pixels);
+  EXPECT_EQ(session.buffers().view<const uint32_t>("samples")[0], 1u);
+}
+
+}  // namespace
+}  // namespace relume::support
