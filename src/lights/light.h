@@ -36,6 +36,8 @@ struct Light {
 /// All emitters of a scene. Lights at infinity (directional, environment) come last.
 struct LightsView {
   View<const Light> lights;
+  View<const Light> previous;   ///< the same lights one frame ago
+  View<const LightId> changed;  ///< those that differ
   uint32_t first_infinite = 0;
   TexturedEmission textured;
   EnvironmentView environment;
@@ -53,6 +55,13 @@ RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const
     case LightKind::environment: return sample_li(view.environment, u);
   }
   return {};
+}
+
+/// The same of a light as it was one frame ago, among today's textures and environment.
+RELUME_HD inline LightSample sample_li_before(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
+  LightsView before = view;
+  before.lights = view.previous;
+  return sample_li(before, id, p, u);
 }
 
 /// pdf_w with which sample_li(id, p) chooses direction `wi`; 0 for delta lights. For triangles `on_light` is the point

@@ -123,7 +123,6 @@ void LightBuilder::set_environment(const Environment& source) {
 
 void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
                            const std::vector<Mat4>& world, const SceneBounds& bounds) {
-  const std::vector<Light> previous = std::move(lights_);
   lights_.clear();
   bounds_ = bounds;
   textures_ = geometry.textures;
@@ -143,7 +142,7 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   }
   if (has_sun_) push(sun_);
   if (!environment_.black()) lights_.emplace_back();
-  mark_changes(previous);
+  mark_changes();
 }
 
 void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance) {
@@ -245,7 +244,7 @@ void LightBuilder::add_punctual(const PunctualLight& source, const Mat4& to_worl
   lights_.push_back(entry);
 }
 
-void LightBuilder::mark_changes(const std::vector<Light>& previous) {
+void LightBuilder::mark_changes() {
   const auto same = [this](const Light& a, const Light& b) {
     if (a.kind != b.kind) return false;
     switch (a.kind) {
@@ -261,18 +260,27 @@ void LightBuilder::mark_changes(const std::vector<Light>& previous) {
     }
     return true;
   };
-  for (size_t i = 0; i < lights_.size() && !previous.empty(); ++i)
-    lights_[i].changed = i >= previous.size() || !same(lights_[i], previous[i]);
+  const bool first = previous_.empty();
+  changed_.clear();
+  for (size_t i = 0; i < lights_.size(); ++i) {
+    lights_[i].changed = !first && (i >= previous_.size() || !same(lights_[i], previous_[i]));
+    if (lights_[i].changed) changed_.push_back(static_cast<LightId>(i));
+  }
+  if (first || previous_.size() != lights_.size()) previous_ = lights_;
   environment_changed_ = false;
 }
 
 void LightBuilder::mark_unchanged() {
   for (Light& light : lights_) light.changed = false;
+  changed_.clear();
+  previous_ = lights_;
 }
 
 LightsView LightBuilder::view() const {
   LightsView v;
   v.lights = view_of(lights_);
+  v.previous = view_of(previous_);
+  v.changed = view_of(changed_);
   v.first_infinite = first_infinite_;
   v.textured = {view_of(textured_), view_of(entries_), textures_};
   v.environment = environment_;

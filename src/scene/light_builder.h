@@ -31,10 +31,12 @@ class LightBuilder {
   int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   void add_punctual(const PunctualLight& light, const Mat4& to_world);
-  void mark_changes(const std::vector<Light>& previous);
+  void mark_changes();
   void push(const DirectionalLight& light);
 
   std::vector<Light> lights_;
+  std::vector<Light> previous_;  ///< one frame ago, as many
+  std::vector<LightId> changed_;
   uint32_t first_infinite_ = 0;
   /// The triangle's texture is black everywhere; it emits nothing.
   static constexpr int32_t kBlackTexture = -1;

@@ -31,9 +31,9 @@ Scene load_relume_json_from_memory(std::span<const std::byte> file, const std::f
   const JsonObject root(document, "", place,
                         {"scene", "camera", "camera_keys", "lights", "environment", "materials", "nodes", "settings"});
   Scene scene = load_base_scene(root, base_dir, place);
-  apply_nodes(root, scene);
   apply_materials(root, scene);
   apply_lights(root, scene);
+  apply_nodes(root, scene);
   apply_environment(root, base_dir, scene);
   apply_camera(root, scene);
   if (root.has("settings")) {

@@ -161,6 +161,18 @@ TEST_F(RelumeJson, MovesNodes) {
   EXPECT_NEAR(glm::distance(Vec3(middle[0]), Vec3(0, 0, -1)), 0, 1e-6);  // 90° about +Y
 }
 
+TEST_F(RelumeJson, MovesItsOwnLights) {
+  const Scene scene =
+      load({{"lights", {{{"type", "point"}, {"name", "lamp"}}}},
+            {"nodes",
+             {{"lamp",
+               {{"keys", {{{"time", 0}, {"translation", {0, 1, 0}}}, {{"time", 2}, {"translation", {4, 1, 0}}}}}}}}}});
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].name == "lamp") EXPECT_EQ(Vec3(world_matrices(scene, 1)[i][3]), Vec3(2, 1, 0));
+  }
+  EXPECT_EQ(animation_end(scene), 2.0f);
+}
+
 TEST_F(RelumeJson, TurnsAllTheWayRound) {
   const json keys = {{{"time", 0}, {"rotation_deg", {0, 0, 0}}}, {{"time", 4}, {"rotation_deg", {0, 360, 0}}}};
   const Scene scene = load({{"nodes", {{"part", {{"scale", {1, 1, 1}}, {"keys", keys}}}}}});

@@ -36,10 +36,13 @@ struct ClaimKernel {
   View<const StoredPixel> pixels;
   View<uint64_t> claims;  ///< a pixel; kNoClaim
   View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
+  View<const Rgb> mean;   ///< of the frame before
+  View<uint32_t> limits;  ///< samples that its history may count for, because light has changed
   uint32_t capacity = 1;
-  float max_error = 0;        ///< ε of eq. 15, in exposed display units
-  float max_light_error = 0;  ///< the same for light that changed
-  float exposure = 1;         ///< radiance to display units
+  float max_error = 0;               ///< ε of eq. 15, in exposed display units
+  float max_light_error = 0;         ///< the same for light that changed, below which a history counts in full
+  float exposure = 1;                ///< radiance to display units
+  uint32_t max_samples_changed = 1;  ///< limit where light has changed by no more than max_light_error
   bool lights_changed = false;
   uint32_t seed = 0;  ///< of stochastic alpha
   uint32_t width = 0;
@@ -47,6 +50,7 @@ struct ClaimKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     uint32_t fate = static_cast<uint32_t>(ReprojectionFate::empty);
+    limits[pixel] = 0xffffffffu;
     for (uint32_t k = 0; k < capacity; ++k) {
       const uint32_t sample = pixel * capacity + k;
       if (!stored[sample].valid()) break;
@@ -70,7 +74,7 @@ struct ClaimKernel {
     if (sp.bsdf.empty() || near_specular(sp.bsdf)) return ReprojectionFate::near_specular;
     if (view_error(sp, p.before, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
     if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
-    if (lights_changed && light_error(sp, sample) > max_light_error) return ReprojectionFate::relit;
+    if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
 
     const auto tx = relume::min(static_cast<uint32_t>(film.x), static_cast<uint32_t>(scene.camera.resolution.x) - 1);
     const auto ty = relume::min(static_cast<uint32_t>(film.y), static_cast<uint32_t>(scene.camera.resolution.y) - 1);
@@ -121,22 +125,54 @@ struct ClaimKernel {
     return max_component(abs(now - before) * irradiance);
   }
 
-  /// Beyond the paper: the light of the stored sample, verified again. How much the reflected light differs.
-  RELUME_HD float light_error(const SurfacePoint& sp, const StoredSample& sample) const {
+  /// Beyond the paper: the more the light on a surface has changed, the fewer samples its history counts for. False if
+  /// that is less than one.
+  RELUME_HD bool limit_samples(const SurfacePoint& sp, uint32_t index) const {
+    const uint32_t pixel = index / capacity;
+    const float shown = luminance(mean[pixel]) * exposure;
+    const float change = relume::max(stored_light_change(sp, stored[index]), moved_light_change(sp, index));
+    const float error = change * exposure / (1.0f + shown);  // bright pixels hide more, as tone mapping has it
+    const float excess = error / max_light_error;
+    if (excess > static_cast<float>(max_samples_changed)) return false;
+    const float limit = static_cast<float>(max_samples_changed) / relume::max(excess, 1.0f);
+    limits[pixel] = relume::min(limits[pixel], static_cast<uint32_t>(relume::max(limit, 1.0f)));
+    return true;
+  }
+
+  /// The light of the stored sample, verified again: how much what it reflects differs.
+  RELUME_HD float stored_light_change(const SurfacePoint& sp, const StoredSample& sample) const {
     if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
-    const LightSample light = sample_li(scene.lights, sample.light, sp.position, sample.light_u);
-    float value = 0.0f;
-    Rgb f(0);
-    if (sample.to_light) f = eval_pdf(sp, unpack_direction(sample.to_light)).f;
-    if (light.valid()) {
-      const Rgb f_now = eval_pdf(sp, light.wi).f;
-      f = glm::max(f, f_now);
-      Ray shadow = sp.spawn_ray(light.wi);
-      shadow.t_max = light.distance * (1.0f - kShadowMargin);
-      if (!is_black(f_now) && !occluded(scene.accel, shadow, hash(seed, sample.hit.primitive)))
-        value = luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w;
-    }
-    return std::fabs(value - sample.light_value) * sample.light_scale * max_component(f) * exposure;
+    const Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
+    const Received now = receive(sp, sample_li(scene.lights, sample.light, sp.position, sample.light_u), sample.light);
+    const float f = relume::max(max_component(eval_pdf(sp, wi).f), now.f);
+    return std::fabs(now.irradiance - sample.light_value) * sample.light_scale * f;
+  }
+
+  /// One of the lights that have changed, chosen at random, as it is and as it was.
+  RELUME_HD float moved_light_change(const SurfacePoint& sp, uint32_t index) const {
+    const View<const LightId>& changed = scene.lights.changed;
+    if (changed.empty()) return 0.0f;
+    const uint32_t random = hash(seed, index, 7u);
+    const LightId light = changed[random % changed.size];
+    if (light >= scene.lights.previous.size) return 0.0f;
+    const Vec2 u(to_unit_float(hash(random, 1u)), to_unit_float(hash(random, 2u)));
+    const Received now = receive(sp, sample_li(scene.lights, light, sp.position, u), light);
+    const Received before = receive(sp, sample_li_before(scene.lights, light, sp.position, u), light);
+    return std::fabs(now.irradiance * now.f - before.irradiance * before.f) * static_cast<float>(changed.size);
+  }
+
+  /// Luminance of radiance · cos / pdf_w that arrives from a light sample, 0 if it is hidden, and the BSDF for it.
+  struct Received {
+    float irradiance = 0;
+    float f = 0;
+  };
+  RELUME_HD Received receive(const SurfacePoint& sp, const LightSample& light, LightId id) const {
+    if (!light.valid()) return {};
+    const float f = max_component(eval_pdf(sp, light.wi).f);
+    Ray shadow = sp.spawn_ray(light.wi);
+    shadow.t_max = light.distance * (1.0f - kShadowMargin);
+    if (!(f > 0.0f) || occluded(scene.accel, shadow, hash(seed, id))) return {};
+    return {luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w, f};
   }
 };
 
@@ -147,6 +183,8 @@ struct SourceKernel {
   View<const StoredPixel> pixels_before;
   View<StoredSample> stored;
   View<StoredPixel> pixels;
+  View<const uint32_t> limits_before;
+  View<uint32_t> limits;
   View<uint32_t> sources;  ///< pixel of the frame before
   View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
   uint32_t capacity = 1;
@@ -158,9 +196,11 @@ struct SourceKernel {
     pixels[pixel] = StoredPixel{};
     kept[pixel] = claims[pixel] != kNoClaim;
     sources[pixel] = kNoSource;
+    limits[pixel] = 0;
     if (claims[pixel] == kNoClaim) return;
     const auto sample = static_cast<uint32_t>(claims[pixel]);
     sources[pixel] = sample / capacity;
+    limits[pixel] = limits_before[sample / capacity];
     stored[pixel * capacity] = stored_before[sample];
     pixels[pixel] = pixels_before[sample / capacity];
     pixels[pixel].inherited = 1;
@@ -213,15 +253,17 @@ struct MoveKernel {
 struct LimitKernel {
   View<uint32_t> samples;
   View<float> m2;
+  View<const uint32_t> limits;  ///< of each pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const uint32_t n = samples[pixel];
-    if (n <= max_samples) return;
-    m2[pixel] *= static_cast<float>(max_samples - 1) / static_cast<float>(n - 1);
-    samples[pixel] = max_samples;
+    const uint32_t most = limits.empty() ? max_samples : relume::min(limits[pixel], max_samples);
+    if (n <= most) return;
+    m2[pixel] *= static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
+    samples[pixel] = most;
   }
 };
 

@@ -86,6 +86,8 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
   claims_.resize(count);
   sources_.resize(count);
   winners_.resize(count);
+  limits_.resize(count);
+  limits_before_.resize(count);
 }
 
 void ReprojectionPass::run_forward(const FrameContext& frame) {
@@ -113,6 +115,9 @@ void ReprojectionPass::claim_places(const FrameContext& frame) {
   claim.pixels = view_of(pixels_before_);
   claim.claims = mutable_view_of(claims_);
   claim.fates = frame.view<uint32_t>("history-fate");
+  claim.mean = frame.view<const Rgb>("mean");
+  claim.limits = mutable_view_of(limits_before_);
+  claim.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
   claim.capacity = capacity_;
   claim.max_error = settings_.error;
   claim.max_light_error = settings_.light_error;
@@ -130,6 +135,8 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
   source.pixels_before = view_of(pixels_before_);
   source.stored = mutable_view_of(stored_);
   source.pixels = mutable_view_of(pixels_);
+  source.limits_before = view_of(limits_before_);
+  source.limits = mutable_view_of(limits_);
   source.sources = mutable_view_of(sources_);
   source.kept = frame.view<uint32_t>("history-kept");
   source.capacity = capacity_;
@@ -180,6 +187,7 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   LimitKernel kernel;
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.m2 = frame.view<float>("m2");
+  if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
   kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
   kernel.width = frame.width();
   launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
@@ -187,7 +195,7 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
 
 size_t ReprojectionPass::memory_bytes() const {
   return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
-         claims_.size() * (sizeof(uint64_t) + 2 * sizeof(uint32_t)) + before_.size();
+         claims_.size() * (sizeof(uint64_t) + 4 * sizeof(uint32_t)) + before_.size();
 }
 
 void ReprojectionPass::save(std::ostream& out) const {
@@ -213,6 +221,8 @@ void ReprojectionPass::load(std::istream& in) {
   claims_.resize(counts[1]);
   sources_.resize(counts[1]);
   winners_.resize(counts[1]);
+  limits_.resize(counts[1]);
+  limits_before_.resize(counts[1]);
 }
 
 PassDeclaration StoreSamplesPass::declaration() const {

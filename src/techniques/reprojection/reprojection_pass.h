@@ -45,7 +45,9 @@ class ReprojectionPass final : public Pass {
   std::vector<uint64_t> claims_;
   std::vector<uint32_t> sources_;
   std::vector<uint32_t> winners_;
-  std::vector<std::byte> before_;  ///< the buffer that is being moved
+  std::vector<uint32_t> limits_;         ///< samples that each history may count for
+  std::vector<uint32_t> limits_before_;  ///< the same where the pixels were
+  std::vector<std::byte> before_;        ///< the buffer that is being moved
 };
 
 /// Stores what this frame's samples found.

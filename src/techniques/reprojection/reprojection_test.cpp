@@ -71,6 +71,9 @@ struct Stage {
     kernel.max_error = max_error;
     kernel.max_light_error = max_error;
     kernel.lights_changed = lights_changed;
+    kernel.mean = view_of(radiance);
+    kernel.limits = mutable_view_of(limits);
+    kernel.max_samples_changed = 16;
     kernel.width = kSize;
     for (uint32_t y = 0; y < kSize; ++y) {
       for (uint32_t x = 0; x < kSize; ++x) kernel(x, y);
@@ -93,6 +96,7 @@ struct Stage {
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
   std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
   std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
+  std::vector<uint32_t> limits = std::vector<uint32_t>(kPixels);
 };
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
@@ -232,10 +236,18 @@ TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
   stage.render();
   stage.claim(1.0f / 256.0f, true);
   EXPECT_EQ(stage.count(ReprojectionFate::relit), 0);  // verified, and the same
+  const auto limited = [&] {
+    return std::count_if(stage.limits.begin(), stage.limits.end(), [](uint32_t n) { return n < 16; });
+  };
+  EXPECT_EQ(limited(), 0);
+  light.intensity = Rgb(4.5f);
+  stage.scene.set_light(0, light);
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_GT(limited(), 20);  // a little: they count for less
   light.intensity = Rgb(0.5f);
   stage.scene.set_light(0, light);
   stage.claim(1.0f / 256.0f, true);
-  EXPECT_GT(stage.count(ReprojectionFate::relit), 20);
+  EXPECT_GT(stage.count(ReprojectionFate::relit), 20);  // a lot: not at all
 }
 
 TEST(Reprojection, NearestClaimWinsThenTheLowestSample) {
@@ -259,7 +271,7 @@ TEST(Reprojection, MovesBuffersAndBeginsAnewWhereNothingLands) {
 TEST(Reprojection, LimitKeepsTheVarianceOfASample) {
   std::vector<uint32_t> samples{101, 3};
   std::vector<float> m2{200, 5};
-  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), 11, 2};
+  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), {}, 11, 2};
   kernel(0, 0);
   kernel(1, 0);
   EXPECT_EQ(samples, (std::vector<uint32_t>{11, 3}));

@@ -15,7 +15,8 @@ SettingList describe(ReprojectionSettings& s) {
        {.min = 0, .max = 1000, .biases = true}},
       {"light-error",
        &s.light_error,
-       "Largest change of the picture that moved lights and shadows may make, in display units (forward)",
+       "Change of the picture by moved lights and shadows, in display units, above which a history counts for "
+       "fewer samples the larger it is (forward)",
        {.min = 0, .max = 1000, .biases = true}},
       {"exposure",
        &s.exposure,
