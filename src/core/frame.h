@@ -10,8 +10,8 @@ struct Frame {
   Vec3 b;
   Vec3 n;
 
-  RELUME_HD Vec3 to_local(const Vec3& v) const { return {glm::dot(v, t), glm::dot(v, b), glm::dot(v, n)}; }
-  RELUME_HD Vec3 to_world(const Vec3& v) const { return v.x * t + v.y * b + v.z * n; }
+  RELUME_HD_INLINE Vec3 to_local(const Vec3& v) const { return {glm::dot(v, t), glm::dot(v, b), glm::dot(v, n)}; }
+  RELUME_HD_INLINE Vec3 to_world(const Vec3& v) const { return v.x * t + v.y * b + v.z * n; }
 };
 
 /// Frame around the unit vector `n`, continuous but for n.z = 0 ([Duff17], listing 3).

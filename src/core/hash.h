@@ -24,8 +24,10 @@ RELUME_HD_INLINE constexpr uint32_t hash(uint32_t a, uint32_t b, uint32_t c, uin
   return hash(hash(a, b, c), d);
 }
 
-/// Uniform in [0, 1) from the upper 24 bits.
-RELUME_HD_INLINE constexpr float to_unit_float(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
+/// Uniform in [0, 1) from the upper 24 bits. By way of a signed number: vector units have no other conversion.
+RELUME_HD_INLINE constexpr float to_unit_float(uint32_t x) {
+  return static_cast<float>(static_cast<int32_t>(x >> 8)) * 0x1p-24f;
+}
 
 RELUME_HD_INLINE uint32_t float_bits(float x) { return std::bit_cast<uint32_t>(x); }
 

@@ -57,7 +57,8 @@ RELUME_HD inline Vec3 abs(const Vec3& v) { return {std::fabs(v.x), std::fabs(v.y
 /// Relative luminance of linear Rec. 709 (ITU-R BT.709, item 3.2).
 RELUME_HD inline float luminance(const Rgb& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
 
-RELUME_HD inline bool is_black(const Rgb& c) { return c.r == 0.0f && c.g == 0.0f && c.b == 0.0f; }
+/// Whether all components are zero; none may be negative. One comparison instead of three branches.
+RELUME_HD inline bool is_black(const Rgb& c) { return c.r + c.g + c.b == 0.0f; }
 
 RELUME_HD inline bool is_finite(float x) { return std::fabs(x) <= 3.402823466e+38f; }
 RELUME_HD inline bool is_finite(const Vec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }

@@ -172,14 +172,10 @@ RELUME_HD inline bool is_lambert(const Bsdf& bsdf) {
   return bsdf.lobe_count == 1 && bsdf.lobes[0].kind == LobeKind::lambert;
 }
 
-/// BSDF value and densities of all lobes but delta ones. wo.z > 0.
-template <bool kReverse = false>
-RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
-                                   TransportMode mode = TransportMode::radiance) {
-  if (is_lambert(bsdf)) {
-    const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
-    return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
-  }
+namespace bsdf_detail {
+
+template <bool kReverse>
+RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode) {
   BsdfEval result;
   const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
   for (int i = 0; i < bsdf.lobe_count; ++i) {
@@ -191,6 +187,17 @@ RELUME_HD inline BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   }
   if constexpr (kReverse) result.pdf_reverse = reverse_pdf(bsdf, wo, wi);
   return result;
+}
+
+}  // namespace bsdf_detail
+
+/// BSDF value and densities of all lobes but delta ones. wo.z > 0.
+template <bool kReverse = false>
+RELUME_HD_INLINE BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
+                                   TransportMode mode = TransportMode::radiance) {
+  if (!is_lambert(bsdf)) return bsdf_detail::eval_pdf_of_mixture<kReverse>(bsdf, wo, wi, mode);
+  const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
+  return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
 }
 
 /// A direction from the mixture of all lobes.

@@ -64,17 +64,13 @@ RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, cons
   lobe.weight = weight;
 }
 
-}  // namespace bsdf_assembly
+/// Whether nothing lies over or mixes with the diffuse base.
+RELUME_HD inline bool is_bare(const MaterialSample& m) {
+  return m.specular == 0.0f && m.metallic == 0.0f && m.transmission == 0.0f && m.clearcoat == 0.0f;
+}
 
-/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base
-/// or, by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base
-/// colour.
-RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
-                                const EnergyTables& tables, float cos_theta_o, bool front_face) {
-  using namespace bsdf_assembly;
-  bsdf.lobe_count = 0;
-  bsdf.coat = 0;
-  bsdf.tables = &tables;
+RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
+                                 const EnergyTables& tables, float cos_theta_o, bool front_face) {
   if (m.clearcoat > 0.0f) add_clearcoat(bsdf, m, material.microfacet_model);
 
   const Microfacet microfacet{material.microfacet_model, sqr(m.roughness)};
@@ -108,6 +104,27 @@ RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const Mater
   if (transparent > 0.0f)
     add_transmission(bsdf, m, material, dielectric_f0, dielectric_f90, transparent, front_face, microfacet);
   prepare(bsdf, cos_theta_o);
+}
+
+}  // namespace bsdf_assembly
+
+/// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base
+/// or, by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base
+/// colour.
+RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
+                                const EnergyTables& tables, float cos_theta_o, bool front_face) {
+  using namespace bsdf_assembly;
+  bsdf.lobe_count = 0;
+  bsdf.coat = 0;
+  bsdf.tables = &tables;
+  if (!is_bare(m)) {
+    add_layers(bsdf, m, material, tables, cos_theta_o, front_face);
+  } else if (!is_black(m.base_color)) {
+    Lobe& lobe = add(bsdf, LobeKind::lambert, {material.microfacet_model, sqr(m.roughness)});
+    lobe.color = m.base_color;
+    lobe.f0 = lobe.f90 = Rgb(0);
+    lobe.probability = 1.0f;
+  }
 }
 
 }  // namespace relume

@@ -11,8 +11,9 @@ struct SampleIndex {
   uint32_t sample = 0;       ///< index within the sequence, or within the frame
   bool independent = false;  ///< a scramble of its own each frame: for whatever adapts to earlier frames
 
-  RELUME_HD Sampler sampler(uint32_t x, uint32_t y) const {
-    return independent ? Sampler::independent(seed, x, y, frame, sample) : Sampler::sequence(seed, x, y, sample);
+  RELUME_HD uint32_t scramble_frame() const { return independent ? frame : Sampler::kAllFrames; }
+  RELUME_HD_INLINE Sampler sampler(uint32_t x, uint32_t y) const {
+    return Sampler::independent(seed, x, y, scramble_frame(), sample);
   }
 };
 

@@ -9,12 +9,17 @@ namespace relume {
 /// samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
+  /// Stands for the frame where one sequence runs through all of them.
+  static constexpr uint32_t kAllFrames = 0xffffffffu;
+
+  /// To be assigned before use.
+  Sampler() = default;
   /// Continues one sequence over all samples of the pixel: for estimators that do not adapt.
-  RELUME_HD static Sampler sequence(uint32_t seed, uint32_t x, uint32_t y, uint32_t sample) {
-    return Sampler(hash(seed, x, y), sample);
+  RELUME_HD_INLINE static Sampler sequence(uint32_t seed, uint32_t x, uint32_t y, uint32_t sample) {
+    return independent(seed, x, y, kAllFrames, sample);
   }
   /// Draws each frame with a scramble of its own: for whatever adapts to what earlier frames found.
-  RELUME_HD static Sampler independent(uint32_t seed, uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) {
+  RELUME_HD_INLINE static Sampler independent(uint32_t seed, uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) {
     return Sampler(hash(hash(seed, x, y), frame), sample);
   }
 
@@ -28,10 +33,12 @@ class Sampler {
   }
 
   /// The first pair, without the rest of its block: for passes that need no more.
-  RELUME_HD Vec2 first_2d() const { return owen_sobol_2d(reversed_index_, seed_of(0)); }
+  RELUME_HD_INLINE Vec2 first_2d() const { return owen_sobol_2d(reversed_index_, seed_of(0)); }
 
   /// One stratified number; these have dimensions of their own.
-  RELUME_HD float next_1d() { return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++)); }
+  RELUME_HD_INLINE float next_1d() {
+    return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++));
+  }
 
   /// A plain random number: for decisions that gain nothing from stratification, such as Russian roulette.
   RELUME_HD float next_unstratified() {
@@ -45,7 +52,7 @@ class Sampler {
   }
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
-  RELUME_HD uint32_t ray_id() const { return hash(scramble_ ^ reversed_index_, dimension_); }
+  RELUME_HD uint32_t ray_id() const { return hash((scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
   RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }
 
  private:
@@ -53,7 +60,8 @@ class Sampler {
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
   static constexpr uint32_t kSaltPlain = 0x02e5be93u;
 
-  RELUME_HD Sampler(uint32_t scramble, uint32_t index) : scramble_(scramble), reversed_index_(reverse_bits(index)) {}
+  RELUME_HD_INLINE Sampler(uint32_t scramble, uint32_t index)
+      : scramble_(scramble), reversed_index_(reverse_bits(index)) {}
 
   RELUME_HD uint32_t seed_of(uint32_t dimension) const { return hash(scramble_ + dimension); }
 

@@ -50,7 +50,7 @@ RELUME_HD inline Vec3 panoramic_direction(const CameraView& c, const Vec2& film)
 }  // namespace camera_detail
 
 /// Ray through a film position and, with a lens, a point on it.
-RELUME_HD inline Ray generate(const CameraView& c, const Vec2& film, const Vec2& u_lens) {
+RELUME_HD_INLINE Ray generate(const CameraView& c, const Vec2& film, const Vec2& u_lens) {
   Ray ray;
   const Vec2 ndc = camera_detail::ndc_from_film(c, film);
   switch (c.projection) {

@@ -31,10 +31,8 @@ RELUME_HD inline Mat3 cofactors(const Mat3& m) {
 struct PackedNormal {
   int16_t x, y, z, sign;
 
-  RELUME_HD Vec3 unpack() const {
-    constexpr float kScale = 1.0f / 32767.0f;
-    return {static_cast<float>(x) * kScale, static_cast<float>(y) * kScale, static_cast<float>(z) * kScale};
-  }
+  /// Of length 32767, to be interpolated and normalised.
+  RELUME_HD Vec3 unpack() const { return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)}; }
   RELUME_HD float handedness() const { return sign < 0 ? -1.0f : 1.0f; }
 };
 

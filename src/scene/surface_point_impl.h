@@ -103,7 +103,7 @@ struct Geometry {
   Vec3 front;
 };
 
-RELUME_HD inline Geometry geometry_at(const Instance& instance, const TriangleAt& t) {
+RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt& t) {
   const Vec3& p0 = t.v[0]->position;
   const Vec3& p1 = t.v[1]->position;
   const Vec3& p2 = t.v[2]->position;
@@ -162,7 +162,7 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
 }
 
 /// Interpolated and normal-mapped normal on the side of `front`, the unit geometric normal.
-RELUME_HD inline Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
+RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
                                      const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
                                      float footprint_area, const Vec3& front) {
   Vec3 ns = front;

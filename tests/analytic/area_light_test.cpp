@@ -112,7 +112,9 @@ TEST_P(AreaLight, BlendedOccluderLetsItsShareThrough) {
   veil.alpha_mode = AlphaMode::blend;
   veil.alpha = 0.3f;
   add(scene, ceiling(2, 2, 0.8f), veil);
-  expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.7 * 4 * M_PI * corner_factor(0.8, 0.5))), 6144);
+  // A shadow ray gets through or not, so n samples leave a relative error of sqrt(0.3 / 0.7 / n) whatever the sampler
+  // does: 5.7e-4 for these on 144 pixels, where expect_near asks for 6.7e-4.
+  expect_irradiance(std::move(scene), Rgb(static_cast<float>(0.7 * 4 * M_PI * corner_factor(0.8, 0.5))), 9216);
 }
 
 TEST_P(AreaLight, BlendedLampShinesByItsShare) {

@@ -167,9 +167,9 @@ TEST_F(RelumeJson, MovesItsOwnLights) {
             {"nodes",
              {{"lamp",
                {{"keys", {{{"time", 0}, {"translation", {0, 1, 0}}}, {{"time", 2}, {"translation", {4, 1, 0}}}}}}}}}});
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    if (scene.nodes[i].name == "lamp") EXPECT_EQ(Vec3(world_matrices(scene, 1)[i][3]), Vec3(2, 1, 0));
-  }
+  const Node& lamp = scene.nodes.back();
+  ASSERT_EQ(lamp.name, "lamp");
+  EXPECT_EQ(Vec3(world_matrices(scene, 1).back()[3]), Vec3(2, 1, 0));
   EXPECT_EQ(animation_end(scene), 2.0f);
 }
 

@@ -164,37 +164,52 @@ struct NoObserver {
 inline constexpr uint32_t kCameraDimensions = 2;
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
-/// Radiance of one sample of pixel (x, y) from its primary hit on.
-template <typename Observer = NoObserver>
-RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit,
-                                      Observer&& observer = Observer{}) {
+/// A path before its first hit.
+RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler) {
   PathState path;
   path.ray = camera_ray(c.scene.camera, x, y, sampler);
   path.cone_width = c.scene.camera.cone_width();
   path.cone_spread = c.scene.camera.cone_spread();
   path.rays = 1;
+  return path;
+}
+
+/// The vertex at the end of the path's ray: fills `sp` and adds what it emits. False if the path ends here.
+RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const SurfacePoint& previous, SurfacePoint& sp,
+                             PathState& path) {
+  if (!hit.valid()) {
+    add_infinite_lights(c, previous, path);
+    return false;
+  }
+  make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
+  absorb(c.scene, sp, hit.t, path);
+  add_surface_emission(c, previous, sp, path);
+  return path.bounce < c.max_bounces && !sp.bsdf.empty();
+}
+
+/// Next event estimation at a vertex; invalid where only delta lobes scatter.
+RELUME_HD inline Connection connect(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                    Sampler& sampler) {
+  sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
+  return has_non_delta(sp.bsdf) ? sample_connection(c, sp, path, sampler) : Connection{};
+}
+
+/// Radiance of one sample of pixel (x, y) from its primary hit on.
+template <typename Observer = NoObserver>
+RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit,
+                                      Observer&& observer = Observer{}) {
+  PathState path = start_path(c, x, y, sampler);
   SurfacePoint points[2];  // this vertex and the previous one, in turn
   for (;;) {
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
-    if (!hit.valid()) {
-      add_infinite_lights(c, previous, path);
-      break;
-    }
-    make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
-    absorb(c.scene, sp, hit.t, path);
-    add_surface_emission(c, previous, sp, path);
-    if (path.bounce >= c.max_bounces || sp.bsdf.empty() || !observer.arrived(sp, path)) break;
-
-    sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-    if (has_non_delta(sp.bsdf)) {
-      const Connection connection = sample_connection(c, sp, path, sampler);
-      if (connection.valid()) {
-        ++path.rays;
-        const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
-        if (visible) path.radiance += connection.contribution;
-        observer.connected(sp, path, connection, visible);
-      }
+    if (!arrive(c, hit, previous, sp, path) || !observer.arrived(sp, path)) break;
+    const Connection connection = connect(c, sp, path, sampler);
+    if (connection.valid()) {
+      ++path.rays;
+      const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
+      if (visible) path.radiance += connection.contribution;
+      observer.connected(sp, path, connection, visible);
     }
     const BsdfSample s = c.directions.sample(sp, sampler);
     if (!follow(c, sp, s, path, sampler)) break;
@@ -222,16 +237,24 @@ struct PathKernel {
   template <typename Observer>
   RELUME_HD void trace(uint32_t x, uint32_t y, Observer&& observer) const {
     const uint32_t pixel = y * width + x;
-    if (!allocation.empty() && allocation[pixel] == 0) {
-      radiance[pixel] = Rgb(0);
-      rays[pixel] = 0;
-      return;
-    }
+    if (!wanted(pixel)) return leave_out(pixel);
     Sampler sampler = index.sampler(x, y);
     const PathState path = trace_path(context, x, y, sampler, hits[pixel], observer);
     radiance[pixel] = path.radiance;
     rays[pixel] = path.rays;
   }
+
+  /// Host: some paths of the tile side by side.
+  void operator()(const Tile& tile) const;
+
+ private:
+  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    radiance[pixel] = Rgb(0);
+    rays[pixel] = 0;
+  }
 };
 
 }  // namespace relume
+
+#include "techniques/path/path_batch.h"

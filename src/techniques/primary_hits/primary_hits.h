@@ -7,6 +7,11 @@
 
 namespace relume {
 
+/// Camera ray through the point `jitter` of pixel (x, y), without a lens.
+RELUME_HD_INLINE Ray pinhole_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, const Vec2& jitter) {
+  return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, Vec2(0));
+}
+
 /// Camera ray through a random point of pixel (x, y); uses the first two dimensions.
 RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   const Vec2 jitter = sampler.next_2d();
@@ -17,7 +22,7 @@ RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y
 /// The same ray where nothing else will be drawn from the sampler.
 RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   if (camera.lens_radius > 0.0f) return camera_ray(camera, x, y, sampler);
-  return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + sampler.first_2d(), Vec2(0));
+  return pinhole_camera_ray(camera, x, y, sampler.first_2d());
 }
 
 /// Finds the primary hit of every pixel.
@@ -43,19 +48,37 @@ struct PrimaryHitsKernel {
 
  private:
   void packet(uint32_t x0, uint32_t y0, const Tile& tile) const {
+    constexpr uint32_t kColumns = kPacketSize / 2;
+    float jitter_x[kPacketSize];
+    float jitter_y[kPacketSize];
+    uint32_t ids[kPacketSize];
+    // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
+    const uint32_t frame = index.scramble_frame();
+    for (uint32_t k = 0; k < kPacketSize; ++k) {
+      const Sampler sampler =
+          Sampler::independent(index.seed, x0 + k % kColumns, y0 + k / kColumns, frame, index.sample);
+      const Vec2 u = sampler.first_2d();
+      jitter_x[k] = u.x;
+      jitter_y[k] = u.y;
+      ids[k] = sampler.camera_ray_id();
+    }
     Ray rays[kPacketSize];
-    uint32_t ids[kPacketSize] = {};
     uint32_t pixels[kPacketSize];
     Hit found[kPacketSize];
     int count = 0;
-    for (uint32_t y = y0; y < y0 + 2 && y < tile.y1; ++y) {
-      for (uint32_t x = x0; x < x0 + kPacketSize / 2 && x < tile.x1; ++x) {
+    for (uint32_t k = 0; k < kPacketSize; ++k) {
+      const uint32_t x = x0 + k % kColumns;
+      const uint32_t y = y0 + k / kColumns;
+      if (x >= tile.x1 || y >= tile.y1) continue;
+      if (camera.lens_radius > 0.0f) {
         Sampler sampler = index.sampler(x, y);
-        rays[count] = lone_camera_ray(camera, x, y, sampler);
-        ids[count] = sampler.camera_ray_id();
-        pixels[count] = y * width + x;
-        ++count;
+        rays[count] = camera_ray(camera, x, y, sampler);
+      } else {
+        rays[count] = pinhole_camera_ray(camera, x, y, {jitter_x[k], jitter_y[k]});
       }
+      ids[count] = ids[k];
+      pixels[count] = y * width + x;
+      ++count;
     }
     intersect_packet(accel, rays, ids, found, count, true);
     for (int i = 0; i < count; ++i) hits[pixels[i]] = found[i];
