@@ -26,7 +26,11 @@ void bm_claim(benchmark::State& state) {
   const std::vector<StoredPixel> pixels(hits.size());
   std::vector<uint64_t> claims(hits.size(), kNoClaim);
   std::vector<uint32_t> fates(hits.size());
+  const std::vector<Rgb> mean(hits.size(), Rgb(0.5f));
+  std::vector<uint32_t> limits(hits.size());
   ClaimKernel kernel;
+  kernel.mean = view_of(mean);
+  kernel.limits = mutable_view_of(limits);
   kernel.scene = scene.view();
   kernel.stored = view_of(stored);
   kernel.pixels = view_of(pixels);
