@@ -12,6 +12,7 @@ function(relume_add_tests name)
   endif()
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
+  target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT 300)
 endfunction()
 

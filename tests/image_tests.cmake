@@ -2,6 +2,7 @@
 function(relume_add_image_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE test_support relume_flags GTest::gtest_main)
+  target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. TEST_FILTER -*Slow* PROPERTIES TIMEOUT 300)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. TEST_FILTER *Slow* TEST_LIST ${name}_slow
     PROPERTIES TIMEOUT 600 LABELS slow)

@@ -241,7 +241,7 @@ void CompiledScene::add_missing_light() {
   for (const MaterialData& m : materials_) {
     if (m.unlit) return;
   }
-  notes_.push_back("the scene has no light: a constant environment of radiance 1 stands in; give one with --env");
+  notes_.emplace_back("the scene has no light: a constant environment of radiance 1 stands in; give one with --env");
   Environment environment;
   environment.kind = EnvironmentKind::constant;
   lights_.set_environment(environment);
@@ -260,7 +260,7 @@ void CompiledScene::choose_camera(const std::string& name) {
     if (!name.empty())
       throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
                               source_.name, name));
-    notes_.push_back("the scene has no camera: one that sees all of it stands in");
+    notes_.emplace_back("the scene has no camera: one that sees all of it stands in");
     const float fov = camera_.fov_y_rad;
     const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(0.5f * fov));
     default_camera_ = glm::inverse(glm::lookAt(eye, bounds_.center, Vec3(0, 1, 0)));
