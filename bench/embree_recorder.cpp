@@ -4,6 +4,7 @@
 #include <bit>
 
 // The linker's names: __wrap_F is what callers of F reach, __real_F is F itself.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" {
 void __real_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query);
 void __real_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* query);
@@ -114,12 +115,9 @@ void record_queries(QueryLog* log) {
 RTCScene last_queried_scene() { return last_scene; }
 uint64_t recorded_sum() { return found_sum; }
 
-}  // namespace relume
-
 extern "C" {
 
 void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query) {
-  using namespace relume;
   note_scene(scene);
   if (!current_log) return __real_rtcIntersect1(scene, context, query);
   current_log->add(query->ray, *context, false);
@@ -127,7 +125,6 @@ void __wrap_rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHi
 }
 
 void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* query) {
-  using namespace relume;
   note_scene(scene);
   if (!current_log) return __real_rtcOccluded1(scene, context, query);
   current_log->add(*query, *context, true);
@@ -135,7 +132,6 @@ void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* q
 }
 
 void __wrap_rtcIntersect8(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRayHit8* query) {
-  using namespace relume;
   note_scene(scene);
   if (!current_log) return __real_rtcIntersect8(valid, scene, context, query);
   current_log->add(query->ray, valid, *context, false);
@@ -143,10 +139,12 @@ void __wrap_rtcIntersect8(const int* valid, RTCScene scene, RTCIntersectContext*
 }
 
 void __wrap_rtcOccluded8(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRay8* query) {
-  using namespace relume;
   note_scene(scene);
   if (!current_log) return __real_rtcOccluded8(valid, scene, context, query);
   current_log->add(*query, valid, *context, true);
   found_sum += answer(valid, scene, context, query);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
+
+}  // namespace relume

@@ -98,8 +98,8 @@ RELUME_HD inline Vec2 barycentric_in_small_triangle(uint32_t grid, uint32_t inde
   while (row > 0 && row * (2 * grid - row) > index) --row;
   while ((row + 1) * (2 * grid - row - 1) <= index) ++row;
   rest = index - row * (2 * grid - row);
-  const float column = static_cast<float>(rest / 2);
-  const Vec2 corner(column, static_cast<float>(row));
+  const uint32_t column = rest / 2;
+  const Vec2 corner(static_cast<float>(column), static_cast<float>(row));
   return (rest % 2 == 0 ? corner + inner : corner + Vec2(1) - inner) / g;
 }
 
