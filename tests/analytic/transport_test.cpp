@@ -85,6 +85,26 @@ TEST_P(Transport, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5
   EXPECT_EQ(estimate_of(render(scene, settings(0), 1)).mean, Rgb(0));
 }
 
+TEST(Furnace, CompensatedMetalLosesNothing) {  // F0 = 1: what bounces between microfacets is not lost
+  RenderSettings s = small_settings(16, 16);
+  for (const float roughness : {0.0f, 0.4f, 1.0f}) {
+    const Material white = metal("white", Rgb(1), roughness);
+    const int spp = roughness > 0 ? 5120 : 4;
+    for (const float angle : {0.0f, 0.8f, 1.4f}) {
+      Scene scene;
+      add(scene, quad({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), white);
+      set_constant_environment(scene, Rgb(1));
+      add_spot_meter(scene, Vec3(0), {-std::sin(angle), 0, -std::cos(angle)}, 1);
+      expect_near(estimate_of(render(scene, s, spp)), Rgb(1), 0.001);
+    }
+    Scene sphere;
+    add(sphere, flat_shaded(icosphere(1, 3)), white);
+    set_constant_environment(sphere, Rgb(1));
+    add_camera(sphere, {.name = "", .fov_y_rad = 0.45f}, {0, 0, 4}, {0, 0, -1});
+    expect_near(estimate_of(render(sphere, s, spp)), Rgb(1), 0.001);
+  }
+}
+
 /// A slab 0 ≥ z ≥ -thickness of glass in a furnace of radiance 1, seen at `angle` to its normal.
 Scene glass_slab(const Material& glass, float thickness, float angle) {
   Scene scene;

@@ -6,7 +6,7 @@ import os
 import subprocess
 import unittest
 
-from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run
+from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run, write_gltf
 
 STATS_KEYS = {"load_s", "build_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
 METRICS_KEYS = {"mse", "rel_mse", "mae", "mape", "flip", "mean_a", "mean_b"}
@@ -66,6 +66,34 @@ class Outputs(ProgramTest):
         self.assertTrue(stats["passes"])
         for entry in stats["passes"]:
             self.assertGreaterEqual(entry["seconds"], 0)
+
+    def test_samples_that_are_no_numbers_are_counted_and_reported(self):
+        # A lamp of 1e30 candela 10 µm above the floor: in the middle of the picture its light overflows.
+        write_gltf(self.folder / "burst.gltf", {
+            "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1e-4, "ymag": 1e-4, "znear": 0.1, "zfar": 10}}],
+            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 1e30}]}},
+            "nodes": [
+                {"camera": 0, "translation": [0, 0, 1]},
+                {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0, 0, 1e-5]},
+                {"mesh": 0},
+            ],
+        })
+        done = self.succeed("render", "burst.gltf", "-o", "out.exr", *SMALL, "--spp", "4", "--stats", "s.json")
+        stats = json.loads((self.folder / "s.json").read_text())
+        self.assertGreater(stats["nonfinite_samples"], 0)
+        self.assertLess(stats["nonfinite_samples"], stats["samples"])
+        self.assertRegex(done.stderr, rf"warning: {stats['nonfinite_samples']} of \d.* samples were not finite")
+        for channel in json.loads(self.succeed("info", "out.exr", "--json").stdout)["channels"]:
+            self.assertEqual(channel["min"], 0)  # where all samples were lost
+            self.assertLess(channel["max"], 3.5e38)
+
+    def test_what_stands_in_for_light_and_camera_is_said(self):
+        write_gltf(self.folder / "bare.gltf", {"nodes": [{"mesh": 0}]})
+        said = self.succeed("render", "bare.gltf", "-o", "out.png", *SMALL, "--spp", "1").stderr
+        self.assertIn("no light", said)
+        self.assertIn("no camera", said)
+        said = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "1").stderr
+        self.assertNotIn("stands in", said)
 
     def test_metrics(self):
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "4")

@@ -1,5 +1,6 @@
 """Runs the program and reads what it wrote. RELUME_PROGRAM in the environment says where the program is."""
 
+import base64
 import json
 import os
 import pathlib
@@ -57,6 +58,22 @@ def png_size(file):
     data = pathlib.Path(file).read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
     return struct.unpack(">II", data[16:24])
+
+
+def write_gltf(file, members):
+    """A glTF file of one mesh, a triangle that covers the unit circle and faces +Z; `members` adds the rest."""
+    corners = struct.pack("<9f", -2, -1, 0, 2, -1, 0, 0, 3, 0)
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(members["nodes"])))}],
+        "buffers": [{"byteLength": len(corners), "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(corners)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        **members,
+    }
+    pathlib.Path(file).write_text(json.dumps(document))
 
 
 class ProgramTest(unittest.TestCase):
