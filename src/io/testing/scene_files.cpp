@@ -70,16 +70,20 @@ Bytes to_bytes(std::string_view text) {
 
 std::string data_uri(const Bytes& bytes) { return "data:application/octet-stream;base64," + encode_base64(bytes); }
 
-Bytes solid_png(int width, int height, uint8_t r, uint8_t g, uint8_t b, uint8_t a) {
-  std::vector<uint8_t> texels;
-  for (int i = 0; i < width * height; ++i) texels.insert(texels.end(), {r, g, b, a});
-  Bytes png;
+Bytes png(int width, int height, const std::vector<uint8_t>& rgba) {
+  Bytes file;
   const auto append = [](void* context, void* data, int size) {
     const auto* first = static_cast<const std::byte*>(data);
     static_cast<Bytes*>(context)->insert(static_cast<Bytes*>(context)->end(), first, first + size);
   };
-  stbi_write_png_to_func(append, &png, width, height, 4, texels.data(), 4 * width);
-  return png;
+  stbi_write_png_to_func(append, &file, width, height, 4, rgba.data(), 4 * width);
+  return file;
+}
+
+Bytes solid_png(int width, int height, uint8_t r, uint8_t g, uint8_t b, uint8_t a) {
+  std::vector<uint8_t> texels;
+  for (int i = 0; i < width * height; ++i) texels.insert(texels.end(), {r, g, b, a});
+  return png(width, height, texels);
 }
 
 int GltfBuilder::add_view(const Bytes& bytes) {

@@ -39,6 +39,8 @@ Bytes to_bytes(std::string_view text);
 /// "data:…;base64,…"
 std::string data_uri(const Bytes& bytes);
 
+/// PNG of `width` x `height` texels of RGBA, row by row from the top.
+Bytes png(int width, int height, const std::vector<uint8_t>& rgba);
 /// PNG of `width` x `height` texels, all of this RGBA.
 Bytes solid_png(int width, int height, uint8_t r, uint8_t g, uint8_t b, uint8_t a);
 
