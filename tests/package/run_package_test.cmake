@@ -25,4 +25,4 @@ endforeach()
 run("Configuring against the package" ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build
   -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 run("Building against the package" ${CMAKE_COMMAND} --build ${WORK}/build)
-run("The program built against the package" ${WORK}/build/package_test)
+run("The program built against the package" ${CMAKE_COMMAND} -E chdir ${WORK} build/package_test)
