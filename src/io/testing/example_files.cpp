@@ -89,8 +89,9 @@ std::string ply_header(const char* format) {
 
 template <typename T>
 void append(Bytes& bytes, T value) {
-  const auto* first = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), first, first + sizeof(T));
+  const size_t end = bytes.size();
+  bytes.resize(end + sizeof(T));
+  std::memcpy(&bytes[end], &value, sizeof(T));
 }
 
 Bytes binary_ply() {
