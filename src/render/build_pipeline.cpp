@@ -39,10 +39,14 @@ Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
 }
 
+uint32_t pixel_count(const RenderSettings& settings) {
+  return static_cast<uint32_t>(settings.width) * static_cast<uint32_t>(settings.height);
+}
+
 void add_history(Pipeline& pipeline, const RenderSettings& settings) {
   add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none);
   if (settings.history != HistoryChoice::reproject) return;
-  auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject);
+  auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject, pixel_count(settings));
   if (settings.reproject.method == ReprojectionMethod::forward)
     add<StoreSamplesPass>(pipeline, settings.reproject, reprojection);
 }

@@ -122,6 +122,14 @@ void check_header(Reader& reader, const std::filesystem::path& file, const Check
   }
 }
 
+bool plausible(const Counters& counters) {
+  RenderSettings settings;
+  const SettingList list = describe(settings);
+  const SettingTraits& time = require_setting(list, "scene-time", "").traits;
+  const auto in_range = [&](float time_s) { return time_s >= time.min && time_s <= time.max; };
+  return counters.since_change <= counters.frames && in_range(counters.time_s) && in_range(counters.previous_time_s);
+}
+
 }  // namespace
 
 std::string checkpoint_key(const RenderSettings& settings) {
@@ -168,6 +176,7 @@ Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHead
   Reader reader(in, file);
   check_header(reader, file, expected);
   const auto counters = reader.get<Counters>();
+  if (!plausible(counters)) reader.damaged();
   std::vector<LoadedBuffer> loaded;
   for (std::string name = reader.get_text(); name != kEndOfBuffers; name = reader.get_text()) {
     Buffer* buffer = buffers.find(name);

@@ -57,6 +57,7 @@ class Session {
   uint32_t sample_count() const;
 
   /// What changes from one frame to the next. Histories keep what they can; without one, samples start anew.
+  /// Times lie in the range of the setting "scene-time".
   void set_time(float time_s);
   void set_camera(const std::optional<PlacedCamera>& camera);
   void set_transform(Index node, const Transform& transform);

@@ -31,7 +31,7 @@ Vec4 cubic_spline(const AnimationChannel& channel, size_t i, float dt, float t) 
 
 Vec4 evaluate(const AnimationChannel& channel, float time_s) {
   const auto& times = channel.times;
-  if (time_s <= times.front()) return key_value(channel, 0);
+  if (!(time_s > times.front())) return key_value(channel, 0);  // what is no number too
   if (time_s >= times.back()) return key_value(channel, times.size() - 1);
   const auto next = std::upper_bound(times.begin(), times.end(), time_s);
   const size_t i = static_cast<size_t>(next - times.begin()) - 1;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "scene/scene_hash.h"
@@ -40,6 +41,12 @@ TEST(Animation, LinearInterpolatesAndHoldsOutside) {
   EXPECT_EQ(position_at(s, 0), Vec3(1, 2, 3));
   EXPECT_EQ(position_at(s, 1.5f), Vec3(2, 2, 2));
   EXPECT_EQ(position_at(s, 4), Vec3(5, 2, -1));
+}
+
+// Looking for the next key would go past the last.
+TEST(Animation, TimeThatIsNoNumberIsTheStart) {
+  const Scene s = one_node(channel(AnimatedProperty::translation, Interpolation::linear, {1, 3}, {Vec4(1), Vec4(5)}));
+  EXPECT_EQ(position_at(s, std::numeric_limits<float>::quiet_NaN()), Vec3(1));
 }
 
 TEST(Animation, CubicSplineReproducesACubic) {

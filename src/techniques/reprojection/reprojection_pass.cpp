@@ -36,6 +36,15 @@ void get(std::istream& in, std::vector<T>& values, size_t count) {
   in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * sizeof(T)));
 }
 
+/// Whether kernels may look the sample up in the scene.
+bool exists_in(const SceneView& scene, const StoredSample& sample) {
+  const auto in_unit_interval = [](float x) { return x >= 0.0f && x < 1.0f; };
+  const Hit& hit = sample.hit;
+  return hit.instance < scene.instances.size &&
+         hit.primitive < scene.meshes[scene.instances[hit.instance].mesh].triangle_count && std::isfinite(hit.u) &&
+         std::isfinite(hit.v) && in_unit_interval(sample.light_u.x) && in_unit_interval(sample.light_u.y);
+}
+
 }  // namespace
 
 PassDeclaration ReprojectionPass::declaration() const {
@@ -60,6 +69,8 @@ PassDeclaration ReprojectionPass::declaration() const {
 
 bool ReprojectionPass::run(const FrameContext& frame) {
   allocate(frame);
+  if (loaded_) drop_unknown(frame.scene);
+  loaded_ = false;
   if (includes(frame.changes, kEnds) || frame.number == 0) {
     std::fill(stored_.begin(), stored_.end(), StoredSample{});
     std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
@@ -88,6 +99,12 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
   winners_.resize(count);
   limits_.resize(count);
   limits_before_.resize(count);
+}
+
+void ReprojectionPass::drop_unknown(const SceneView& scene) {
+  for (StoredSample& sample : stored_) {
+    if (sample.valid() && !exists_in(scene, sample)) sample = StoredSample{};
+  }
 }
 
 void ReprojectionPass::run_forward(const FrameContext& frame) {
@@ -208,16 +225,20 @@ void ReprojectionPass::save(std::ostream& out) const {
 void ReprojectionPass::load(std::istream& in) {
   uint64_t counts[2] = {0, 0};
   in.read(reinterpret_cast<char*>(counts), sizeof(counts));
-  constexpr uint64_t kMost = uint64_t{1} << 33;  // more is a damaged file
-  if (!in || counts[0] > kMost || counts[1] > counts[0]) {
+  const bool nothing = counts[0] == 0 && counts[1] == 0;  // saved before the first frame
+  const uint64_t capacity = counts[0] / pixel_count_;     // not settings_.capacity() if that has changed since a frame
+  if (!nothing && (counts[1] != pixel_count_ || counts[0] != capacity * pixel_count_ || capacity < 1 ||
+                   capacity > kMaxStoredSamples))
     in.setstate(std::ios::failbit);
-    return;
-  }
-  get(in, stored_, counts[0]);
-  get(in, pixels_, counts[1]);
-  stored_before_ = stored_;
-  pixels_before_ = pixels_;
-  capacity_ = counts[1] > 0 ? static_cast<uint32_t>(counts[0] / counts[1]) : 0;
+  if (!in) return;
+  // Whatever goes wrong, the next frame overwrites these.
+  get(in, stored_before_, counts[0]);
+  get(in, pixels_before_, counts[1]);
+  if (!in) return;
+  stored_ = stored_before_;
+  pixels_ = pixels_before_;
+  loaded_ = true;
+  capacity_ = static_cast<uint32_t>(capacity);
   claims_.resize(counts[1]);
   sources_.resize(counts[1]);
   winners_.resize(counts[1]);

@@ -13,7 +13,9 @@ namespace relume {
 /// changed.
 class ReprojectionPass final : public Pass {
  public:
-  explicit ReprojectionPass(const ReprojectionSettings& settings) : settings_(settings) {}
+  /// `pixel_count`: of the picture; a checkpoint must agree.
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count)
+      : settings_(settings), pixel_count_(pixel_count) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -29,6 +31,7 @@ class ReprojectionPass final : public Pass {
 
  private:
   void allocate(const FrameContext& frame);
+  void drop_unknown(const SceneView& scene);
   void run_forward(const FrameContext& frame);
   void claim_places(const FrameContext& frame);
   void take_over(const FrameContext& frame);
@@ -37,7 +40,9 @@ class ReprojectionPass final : public Pass {
   void limit(const FrameContext& frame) const;
 
   const ReprojectionSettings& settings_;
+  const uint32_t pixel_count_;
   uint32_t capacity_ = 0;
+  bool loaded_ = false;  ///< from a file, and not looked through yet
   std::vector<StoredSample> stored_;
   std::vector<StoredPixel> pixels_;
   std::vector<StoredSample> stored_before_;

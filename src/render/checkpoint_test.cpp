@@ -1,0 +1,57 @@
+#include "render/checkpoint.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/error.h"
+
+namespace relume {
+namespace {
+
+/// A checkpoint of one buffer and no passes.
+class CheckpointTest : public ::testing::Test {
+ protected:
+  CheckpointTest() { buffers_.add({.name = "mean", .type = BufferType::rgb32f, .persistent = true}); }
+  ~CheckpointTest() override { std::filesystem::remove(file_); }
+
+  void write(const Counters& counters) { write_checkpoint(file_, {1, "settings", counters}, buffers_, pipeline_); }
+  Counters read() { return read_checkpoint(file_, {1, "settings", {}}, buffers_, pipeline_); }
+
+  const std::filesystem::path file_ =
+      std::filesystem::path(::testing::TempDir()) / ("relume_counters_" + std::to_string(::getpid()) + ".ckpt");
+  BufferTable buffers_{2, 2};
+  Pipeline pipeline_;
+};
+
+TEST_F(CheckpointTest, GivesTheCountersBack) {
+  write({.frames = 7, .since_change = 3, .epoch = 2, .time_s = 1e6f, .previous_time_s = 0, .paths = 4, .rays = 9});
+  const Counters counters = read();
+  EXPECT_EQ(counters.frames, 7u);
+  EXPECT_EQ(counters.since_change, 3u);
+  EXPECT_EQ(counters.epoch, 2u);
+  EXPECT_EQ(counters.time_s, 1e6f);
+  EXPECT_EQ(counters.previous_time_s, 0.0f);
+  EXPECT_EQ(counters.paths, 4u);
+  EXPECT_EQ(counters.rays, 9u);
+}
+
+TEST_F(CheckpointTest, RefusesTimesThatNoSessionHas) {
+  for (const float time_s : {std::nanf(""), std::numeric_limits<float>::infinity(), -1.0f, 2e6f}) {
+    write({.time_s = time_s});
+    EXPECT_THROW(read(), Error) << time_s;
+    write({.previous_time_s = time_s});
+    EXPECT_THROW(read(), Error) << time_s;
+  }
+}
+
+TEST_F(CheckpointTest, RefusesMoreFramesSinceAChangeThanAtAll) {
+  write({.frames = 2, .since_change = 3});
+  EXPECT_THROW(read(), Error);
+}
+
+}  // namespace
+}  // namespace relume
