@@ -166,6 +166,14 @@ TEST(GltfMaterial, ReadsTextureTransforms) {
   EXPECT_TRUE(mentions(scene.warnings, "texture coordinate set 5"));
 }
 
+TEST(GltfMaterial, SaysThatAClearcoatDoesNotDimEmission) {
+  GltfBuilder file;
+  file.add_triangle_with_material({{"name", "lamp"},
+                                   {"emissiveFactor", {0, 1, 0}},
+                                   {"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}});
+  EXPECT_TRUE(mentions(file.load().warnings, "material 'lamp' emits below a clearcoat"));
+}
+
 TEST(GltfMaterial, ReadsImagesFromBufferViews) {
   GltfBuilder file;
   const int view = file.add_view(solid_png(3, 1, 9, 8, 7, 6));

@@ -91,6 +91,8 @@ void MaterialImporter::convert_surface_extensions(const tinygltf::Material& sour
   }
   apply_material_extras(source.extras, m);
   m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
+  if (!m.unlit && m.clearcoat > 0 && m.emission != Vec3(0))
+    document_.warnings.add("material '" + m.name + "' emits below a clearcoat, which does not dim its light");
 }
 
 void MaterialImporter::convert_volume_extensions(const tinygltf::Material& source, Material& m) {
