@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -105,6 +107,38 @@ int64_t count_channels(Reader& value) {
   return count;
 }
 
+/// Bytes of a value of `type` (OpenEXR file layout, "Predefined Attribute Types"); 0 if they vary.
+size_t value_bytes(std::string_view type) {
+  constexpr std::pair<std::string_view, size_t> kBytes[] = {{"box2f", 16},
+                                                            {"box2i", 16},
+                                                            {"chromaticities", 32},
+                                                            {"compression", 1},
+                                                            {"deepImageState", 1},
+                                                            {"double", 8},
+                                                            {"envmap", 1},
+                                                            {"float", 4},
+                                                            {"int", 4},
+                                                            {"keycode", 28},
+                                                            {"lineOrder", 1},
+                                                            {"m33d", 72},
+                                                            {"m33f", 36},
+                                                            {"m44d", 128},
+                                                            {"m44f", 64},
+                                                            {"rational", 8},
+                                                            {"tiledesc", 9},
+                                                            {"timecode", 8},
+                                                            {"v2d", 16},
+                                                            {"v2f", 8},
+                                                            {"v2i", 8},
+                                                            {"v3d", 24},
+                                                            {"v3f", 12},
+                                                            {"v3i", 12}};
+  for (const auto& [name, bytes] : kBytes) {
+    if (name == type) return bytes;
+  }
+  return 0;
+}
+
 /// The library reads these attributes by sizes inside the value, not by the attribute's size.
 void check_nested_sizes(const std::string& type, Reader& value) {
   if (type == "stringvector") {
@@ -112,15 +146,23 @@ void check_nested_sizes(const std::string& type, Reader& value) {
   } else if (type == "preview") {
     const auto width = value.read<uint32_t>();
     const auto height = value.read<uint32_t>();
-    if (uint64_t{width} * height > value.remaining() / 4) value.fail_truncated();
+    if (value.remaining() % 4 != 0 || uint64_t{width} * height != value.remaining() / 4) value.fail_truncated();
+  } else if (type == "floatvector") {
+    if (value.remaining() % 4 != 0) value.fail_truncated();
   }
 }
 
+/// Throws unless the library, which trusts the type, reads as many bytes as the attribute says it has. Otherwise the
+/// library would find the next attribute somewhere else than check_exr_header() does, of a size that nobody has
+/// checked.
 void read_attribute(const std::string& attribute, const std::string& type, Reader value, Header& header) {
+  const size_t bytes = value_bytes(type);
+  if (bytes != 0 && value.remaining() != bytes) value.fail_truncated();
   if (type == "box2i") {
     if (attribute == "dataWindow" || attribute == "displayWindow") header.windows.push_back(read_window(value));
   } else if (type == "chlist") {
     header.channel_count = std::max(header.channel_count, count_channels(value));
+    if (value.remaining() != 0) value.fail_truncated();
   } else if (type == "compression") {
     header.lines_per_chunk = lines_per_chunk(value.read<uint8_t>());
   } else if (type == "tiledesc") {
