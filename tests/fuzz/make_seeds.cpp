@@ -1,17 +1,81 @@
-// Writes the seed corpora of the fuzzers: make_seeds FOLDER makes FOLDER/gltf, FOLDER/obj, …
+// Writes the seed corpora of the fuzzers: make_seeds FOLDER makes FOLDER/gltf, FOLDER/obj, … for fuzz_gltf, fuzz_obj,
+// ….
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
+#include "checkpoint_case.h"
 #include "io/image.h"
 #include "io/testing/example_files.h"
+#include "render/settings.h"
+#include "settings/settings_json.h"
 
 namespace {
 
-void write(const std::filesystem::path& file, const relume::Bytes& bytes) {
-  std::filesystem::create_directories(file.parent_path());
+namespace fs = std::filesystem;
+using relume::Bytes;
+
+void write(const fs::path& file, const Bytes& bytes) {
+  fs::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// `bytes` behind a byte that chooses among the cases of a target.
+Bytes behind(int choice, Bytes bytes) {
+  bytes.insert(bytes.begin(), static_cast<std::byte>(choice));
+  return bytes;
+}
+
+void write_scenes(const fs::path& folder) {
+  const std::vector<std::string> by_assimp = {"fbx", "dae", "stl", "3ds", "off"};  // as fuzz_assimp orders them
+  for (const relume::testing::ExampleFile& file : relume::testing::example_files()) {
+    const std::string extension = fs::path(file.name).extension().string().substr(1);
+    const auto format = std::find(by_assimp.begin(), by_assimp.end(), extension);
+    if (format != by_assimp.end()) {
+      write(folder / "assimp" / file.name, behind(static_cast<int>(format - by_assimp.begin()), file.bytes));
+    } else {
+      write(folder / (extension == "glb" ? "gltf" : extension) / file.name, file.bytes);
+    }
+  }
+}
+
+void write_pictures(const fs::path& folder) {
+  write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
+  for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
+    relume::write_image(folder / "texture" / name, relume::Image(3, 2));
+}
+
+void write_settings(const fs::path& folder) {
+  relume::Settings settings;
+  const std::string text = relume::settings_to_json(relume::describe(settings));
+  write(folder / "settings" / "all.json", relume::testing::to_bytes(text));
+  write(folder / "settings" / "nested.json",
+        relume::testing::to_bytes("{\"path\": {\"russian-roulette\": false}, /* none */ \"spp\": 4}"));
+  relume::ExrFile exr;
+  exr.width = 3;
+  exr.height = 2;
+  exr.channels = relume::exr_channels(relume::Image(3, 2));
+  exr.attributes = {{"relume.settings", text}, {"relume.seed", "0"}};
+  fs::create_directories(folder / "exr");
+  relume::write_exr(folder / "exr" / "settings.exr", exr);
+}
+
+void write_checkpoints(const fs::path& folder) {
+  const fs::path whole = folder / "whole.checkpoint";
+  for (const int choice : {0, 1}) {
+    relume::Session session = relume::fuzz::checkpoint_session(choice == 0 ? relume::HistoryChoice::accumulate
+                                                                           : relume::HistoryChoice::reproject);
+    for (int i = 0; i < 2; ++i) session.render_frame();
+    session.save_checkpoint(whole);
+    const std::string checkpoint = relume::fuzz::contents(whole);
+    write(folder / "checkpoint" / std::to_string(choice),
+          behind(choice, relume::testing::to_bytes(checkpoint.substr(relume::fuzz::header_size(checkpoint)))));
+  }
+  fs::remove(whole);
 }
 
 }  // namespace
@@ -21,13 +85,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: make_seeds FOLDER\n");
     return 1;
   }
-  const std::filesystem::path folder = argv[1];
-  for (const relume::testing::ExampleFile& file : relume::testing::example_files()) {
-    const std::string extension = std::filesystem::path(file.name).extension().string().substr(1);
-    write(folder / (extension == "glb" ? "gltf" : extension) / file.name, file.bytes);
-  }
-  write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
-  for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
-    relume::write_image(folder / "texture" / name, relume::Image(3, 2));
+  write_scenes(argv[1]);
+  write_pictures(argv[1]);
+  write_settings(argv[1]);
+  write_checkpoints(argv[1]);
   return 0;
 }

@@ -1,0 +1,25 @@
+// Fuzzes the EXR reader and the settings that it finds among the attributes: any bytes end in a picture with settings
+// or in an Error.
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/error.h"
+#include "io/image.h"
+#include "render/settings.h"
+#include "settings/settings_json.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
+  try {
+    const relume::ExrFile exr = relume::parse_exr(bytes, "fuzz.exr");
+    relume::Settings settings;
+    for (const auto& [name, text] : exr.attributes) {
+      if (name == "relume.settings") relume::settings_from_json(relume::describe(settings), text, "fuzz.exr");
+    }
+    relume::image_from_exr(exr, "", "fuzz.exr");
+  } catch (const relume::Error&) {
+    // The expected answer to damaged input.
+  }
+  return 0;
+}
