@@ -12,8 +12,8 @@ struct AccelView {
   void* scene = nullptr;
 };
 
-/// Nearest hit along the ray. `ray_id` decides stochastic alpha: the same (ray id, instance, primitive) decides the
-/// same.
+/// Nearest hit along the ray; none if the ray is not finite. `ray_id` decides stochastic alpha: the same (ray id,
+/// instance, primitive) decides the same.
 RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
 /// Whether anything lies on the ray before ray.t_max.

@@ -1,6 +1,7 @@
 #include "accel/embree_accel.h"
 
 #include <atomic>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -37,11 +38,42 @@ void coverage_filter(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// Embree takes rays into the space of an instance; what comes out must be finite there, or Embree ends the process.
+/// Instances that are scaled to (nearly) nothing have no such space and are left out.
+bool has_inverse(const Mat4& to_world) {
+  constexpr double kMost = 1e8;  // takes coordinates of 10⁹ m to 10¹⁷, which Embree still accepts
+  const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dmat4(to_world)));
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      if (!(std::fabs(inverse[column][row]) <= kMost)) return false;
+    }
+  }
+  return true;
+}
+
+/// Moves an instance's node; the scene must be committed afterwards.
+void place(RTCGeometry node, const Mat4& to_world) {
+  if (has_inverse(to_world)) {
+    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world);
+    rtcEnableGeometry(node);
+  } else {
+    rtcDisableGeometry(node);
+  }
+  rtcCommitGeometry(node);
+}
+
 void on_error(void* message, RTCError code, const char* text) {
   if (code != RTC_ERROR_NONE) *static_cast<std::string*>(message) = text ? text : "unknown error";
 }
 
 RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
+
+/// Embree ends the process at a ray that is not finite, whatever made it; such a ray meets nothing.
+bool is_traceable(const Ray& ray) {
+  constexpr float kMost = 1e17f;
+  const Vec3 reach = abs(ray.origin) + abs(ray.direction);
+  return reach.x + reach.y + reach.z <= kMost && ray.t_max >= 0.0f;
+}
 
 RTCRay to_embree(const Ray& ray, uint32_t ray_id) {
   RTCRay r;
@@ -134,8 +166,7 @@ struct EmbreeAccel::State {
   void add_instance(uint32_t index, const AccelInstance& instance) {
     RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
-    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instance.to_world);
-    rtcCommitGeometry(node);
+    place(node, instance.to_world);
     rtcAttachGeometryByID(scene, node, index);
     rtcReleaseGeometry(node);
     instance_nodes.emplace_back(index, node);
@@ -184,10 +215,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
 EmbreeAccel::~EmbreeAccel() = default;
 
 void EmbreeAccel::update(std::span<const AccelInstance> instances) {
-  for (const auto& [index, node] : state_->instance_nodes) {
-    rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &instances[index].to_world);
-    rtcCommitGeometry(node);
-  }
+  for (const auto& [index, node] : state_->instance_nodes) place(node, instances[index].to_world);
   rtcCommitScene(state_->scene);
   state_->check();
 }
@@ -199,6 +227,7 @@ size_t EmbreeAccel::memory_bytes() const { return static_cast<size_t>(state_->by
 std::string EmbreeAccel::embree_version() { return RTC_VERSION_STRING; }
 
 Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  if (!is_traceable(ray)) return {};
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query;
@@ -212,6 +241,7 @@ Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
 }
 
 bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  if (!is_traceable(ray)) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query = to_embree(ray, ray_id);
@@ -227,7 +257,7 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
   RTCRayHit8 query;
   alignas(32) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count ? -1 : 0;
+    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
     fill_packet(query.ray, i, rays[k], ray_ids[k]);
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
@@ -248,7 +278,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
   RTCRay8 query;
   alignas(32) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
-    valid[i] = i < count ? -1 : 0;
+    valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
     fill_packet(query, i, rays[k], ray_ids[k]);
   }

@@ -1,5 +1,5 @@
-// Damaged files of every format end in an Error or in a valid scene, never in a crash or a hang. Mutations are
-// generated from a fixed seed; the suite prints the count.
+// Damaged files of every format end in an Error or in a picture, never in a crash or a hang. Mutations are generated
+// from a fixed seed; the suite prints the count.
 #include <chrono>
 #include <functional>
 #include <random>
@@ -10,6 +10,7 @@
 #include "io/gltf/gltf_loader.h"
 #include "io/relume_json/relume_json.h"
 #include "io/testing/example_files.h"
+#include "render/session.h"
 
 /// assimp leaks when it gives up in the middle of a file. Under LeakSanitizer only this function is looked at.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
@@ -42,13 +43,23 @@ Scene load(const std::string& name, const Bytes& bytes) {
   return load_assimp_from_memory(bytes, extension, name);
 }
 
-/// Loads and, since nothing but Error may come out, reports whether the file was refused.
+/// Every pixel must be a number, and no sample may have been replaced to make it one.
+void expect_picture(Scene scene, const std::string& what) {
+  RenderSettings settings;
+  settings.width = settings.height = 4;
+  settings.threads = 1;
+  Session session(std::move(scene), settings);
+  session.render_frame();
+  EXPECT_EQ(session.statistics().nonfinite_samples, 0u) << what;
+}
+
+/// Loads and shows and, since nothing but Error may come out, reports whether the file was refused.
 bool is_refused(const std::string& name, const Bytes& bytes, const std::string& what) {
   constexpr double kLimitS = 20;  // far more than any of these small files takes, also under sanitizers
   const auto start = std::chrono::steady_clock::now();
   bool refused = false;
   try {
-    validate(load(name, bytes), name);
+    expect_picture(load(name, bytes), name + " " + what);
   } catch (const Error& error) {
     refused = true;
     EXPECT_GT(std::string_view(error.what()).size(), name.size()) << what;
@@ -174,8 +185,51 @@ TEST(Malformed, NotFiniteVerticesAndZeroAreas) {
   point.add_root(
       {{"mesh", point.add_triangle({{"attributes", {{"POSITION", point.floats(std::vector<float>(9, 1.0f), 3)}}}})}});
   EXPECT_FALSE(is_refused("a.gltf", to_bytes(point.text()), "zero area"));
+  for (const float far : {9e17f, 1e12f, 9e8f}) {
+    GltfBuilder file;
+    file.add_root(
+        {{"mesh", file.add_triangle(
+                      {{"attributes", {{"POSITION", file.floats({-far, -far, 0, far, -far, 0, 0, far, 0}, 3)}}}})}});
+    EXPECT_FALSE(is_refused("a.gltf", to_bytes(file.text()), "far " + std::to_string(far)));
+  }
   is_refused("a.obj", to_bytes("v nan inf -inf\nv 1e999 0 0\nv 0 0 0\nf 1 2 3\nf 1 1 1\nf 0 9 -9\n"), "obj");
   is_refused("a.obj", to_bytes("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\nf 1 1 1\n"), "obj zero area");
+}
+
+TEST(Malformed, TransformsThatCollapseOrReachTooFar) {
+  const json kTransforms[] = {
+      {{"scale", {0, 0, 0}}},          {{"scale", {1, 0, 1}}},
+      {{"scale", {1, 1, 0}}},          {{"scale", {1e-30, 1e-30, 1e-30}}},
+      {{"scale", {1e30, 1e30, 1e30}}}, {{"scale", {3e38, 1, 1}}},
+      {{"translation", {0, 0, 1e20}}}, {{"translation", {1e300, 0, 0}}},
+      {{"rotation", {0, 0, 0, 0}}},    {{"matrix", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1}}}};
+  const json kContents[] = {{{"mesh", 0}},
+                            {{"camera", 0}},
+                            {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+                            {{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
+  for (const json& transform : kTransforms) {
+    for (const json& content : kContents) {
+      for (const bool above : {false, true}) {
+        GltfBuilder file;
+        file.add_root({{"mesh", file.add_triangle()}, {"translation", {0, 0, -1}}});
+        file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+        file.doc["extensionsUsed"] = {"KHR_lights_punctual"};
+        file.doc["extensions"] = {
+            {"KHR_lights_punctual",
+             {{"lights", {{{"type", "spot"}, {"spot", {{"outerConeAngle", 0.7}}}}, {{"type", "directional"}}}}}}};
+        json node = content;
+        if (above) {
+          json parent = transform;
+          parent["children"] = {file.add("nodes", node)};
+          file.add_root(parent);
+        } else {
+          node.update(transform);
+          file.add_root(node);
+        }
+        is_refused("a.gltf", to_bytes(file.text()), transform.dump() + " of " + content.dump());
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include "scene/placement.h"
 
 namespace relume {
 namespace {
-
-/// Squared distances between such coordinates are still finite in single precision.
-constexpr float kMaxCoordinate = 1e18f;
 
 bool usable(const Vec3& p) {
   return std::fabs(p.x) <= kMaxCoordinate && std::fabs(p.y) <= kMaxCoordinate && std::fabs(p.z) <= kMaxCoordinate;
@@ -38,15 +38,16 @@ void drop_broken_triangles(Mesh& mesh, Warnings& warnings) {
     warnings.add(
         fmt::format("mesh '{}': {} triangles with vertex indices out of range are dropped", mesh.name, out_of_range));
   if (broken_vertices > 0)
-    warnings.add(fmt::format("mesh '{}': {} vertices are not finite; {} triangles that use them are dropped", mesh.name,
-                             broken_vertices, dropped - out_of_range));
+    warnings.add(
+        fmt::format("mesh '{}': {} vertices are not finite or beyond {:g} m; {} triangles that use them are dropped",
+                    mesh.name, broken_vertices, kMaxCoordinate, dropped - out_of_range));
 }
 
 void repair_normals(Mesh& mesh, Warnings& warnings) {
   std::vector<size_t> broken;
   for (size_t i = 0; i < mesh.normals.size(); ++i) {
     const float length = glm::length(mesh.normals[i]);
-    if (length > 0 && length <= kMaxCoordinate) {
+    if (length > 0 && is_finite(length)) {
       mesh.normals[i] /= length;
     } else {
       broken.push_back(i);
@@ -62,7 +63,7 @@ void repair_normals(Mesh& mesh, Warnings& warnings) {
 void repair_tangents(Mesh& mesh, Warnings& warnings) {
   for (Vec4& tangent : mesh.tangents) {
     const float length = glm::length(Vec3(tangent));
-    if (!(length > 0 && length <= kMaxCoordinate)) {
+    if (!(length > 0 && is_finite(length))) {
       warnings.add(fmt::format(
           "mesh '{}': tangents without direction are ignored; they are derived from texture coordinates", mesh.name));
       mesh.tangents.clear();
@@ -79,7 +80,20 @@ void replace_broken(std::vector<V>& values, const V& by, const char* what, const
   const auto broken = std::count_if(values.begin(), values.end(), is_broken);
   if (broken == 0) return;
   std::replace_if(values.begin(), values.end(), is_broken, by);
-  warnings.add(fmt::format("mesh '{}': {} {} are not finite and are replaced", mesh, broken, what));
+  warnings.add(fmt::format("mesh '{}': {} {} are not finite or beyond {:g} and are replaced", mesh, broken, what,
+                           kMaxCoordinate));
+}
+
+/// glTF 2.0, section 3.7.2.1: colours are clamped.
+void clamp_colors(Mesh& mesh, Warnings& warnings) {
+  size_t outside = 0;
+  for (Vec4& color : mesh.colors) {
+    const Vec4 clamped = glm::clamp(color, Vec4(0), Vec4(1));
+    outside += clamped != color;
+    color = clamped;
+  }
+  if (outside > 0)
+    warnings.add(fmt::format("mesh '{}': {} vertex colours outside [0, 1] are clamped", mesh.name, outside));
 }
 
 template <typename V>
@@ -136,6 +150,7 @@ void repair_mesh(Mesh& mesh, Warnings& warnings) {
   replace_broken(mesh.uv0, Vec2(0), "texture coordinates", mesh.name, warnings);
   replace_broken(mesh.uv1, Vec2(0), "texture coordinates", mesh.name, warnings);
   replace_broken(mesh.colors, Vec4(1), "vertex colours", mesh.name, warnings);
+  clamp_colors(mesh, warnings);
 }
 
 }  // namespace relume

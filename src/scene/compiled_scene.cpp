@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/error.h"
+#include "scene/placement.h"
 #include "scene/surface_point.h"
 
 namespace relume {
@@ -31,7 +32,9 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 
 CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
     : source_(std::move(scene)), time_s_(options.time_s), resolution_(options.width, options.height) {
+  validate(source_, source_.name);
   world_ = world_matrices(source_, time_s_);
+  check_placement(source_, world_, source_.name);
   textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
   list_appearances();
@@ -43,9 +46,10 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   compute_bounds();
   lights_.set_environment(source_.environment);
   collect_lights();
+  note_collapsed_lights();
   add_missing_light();
   choose_camera(options.camera);
-  place_camera();
+  camera_view_ = view_through(camera());
   was_moved_ = true;
   end_frame();
   build_accel();
@@ -206,42 +210,45 @@ void CompiledScene::build_meshes() {
   triangles_.shrink_to_fit();
 }
 
-void CompiledScene::compute_bounds() {
-  Vec3 low(kInfinity);
-  Vec3 high(-kInfinity);
-  std::vector<std::pair<Vec3, Vec3>> boxes(meshes_.size(), {low, high});
-  tbb::parallel_for(size_t{0}, meshes_.size(), [&](size_t m) {
-    for (uint32_t t = 0; t < meshes_[m].triangle_count; ++t) {
-      const UVec3 index = triangles_[meshes_[m].first_triangle + t];
-      for (int k = 0; k < 3; ++k) {
-        const Vec3& p = vertices_[index[k]].position;
-        boxes[m] = {glm::min(boxes[m].first, p), glm::max(boxes[m].second, p)};
-      }
-    }
-  });
-  for (const Instance& instance : instances_) {
-    const auto& [box_low, box_high] = boxes[instance.mesh];
-    if (box_low.x > box_high.x) continue;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 p(corner & 1 ? box_high.x : box_low.x, corner & 2 ? box_high.y : box_low.y,
-                   corner & 4 ? box_high.z : box_low.z);
-      const Vec3 q = instance.in_world_space ? p : instance.to_world.point(p);
-      low = glm::min(low, q);
-      high = glm::max(high, q);
-    }
+void CompiledScene::note_collapsed_lights() {
+  for (size_t i = 0; i < source_.nodes.size(); ++i) {
+    const Index light = source_.nodes[i].light;
+    if (light == kNone || direction_of(Vec3(world_[i][2])) != Vec3(0)) continue;
+    const PunctualLight& source = source_.lights[static_cast<size_t>(light)];
+    if (source.type != PunctualType::point)
+      notes_.push_back(
+          fmt::format("light '{}' is dark, because a scale of 0 leaves it no direction; give its node and "
+                      "those above it another scale",
+                      source.name));
   }
-  if (low.x > high.x) low = high = Vec3(0);
-  bounds_.center = 0.5f * (low + high);
-  // A margin keeps rays from infinity outside whatever moves a little.
-  bounds_.radius = std::max(0.55f * glm::length(high - low), 1e-3f);
+}
+
+bool CompiledScene::is_lit() const {
+  const LightsView lights = lights_.view();
+  for (LightId id = 0; id < lights.lights.size; ++id) {
+    if (!is_black(power(lights, id))) return true;
+  }
+  // What moves may shine at another time.
+  for (size_t i = 0; i < source_.nodes.size(); ++i) {
+    const Index light = source_.nodes[i].light;
+    if (light != kNone && moves_[i] && !is_black(source_.lights[static_cast<size_t>(light)].intensity)) return true;
+  }
+  const auto material_of = [&](const Instance& i) -> const MaterialData& {
+    return materials_[meshes_[i.mesh].material];
+  };
+  for (const Instance& i : instances_) {
+    if (!i.in_world_space && material_of(i).emissive()) return true;
+  }
+  return !instances_.empty() &&
+         std::all_of(instances_.begin(), instances_.end(), [&](const Instance& i) { return material_of(i).unlit; });
 }
 
 void CompiledScene::add_missing_light() {
-  if (!lights_.view().lights.empty()) return;
-  for (const MaterialData& m : materials_) {
-    if (m.unlit) return;
-  }
-  notes_.emplace_back("the scene has no light: a constant environment of radiance 1 stands in; give one with --env");
+  if (is_lit()) return;
+  notes_.push_back(fmt::format("{}: a constant environment of radiance 1 stands in; give one with --env",
+                               lights_.view().lights.empty()
+                                   ? "the scene has no light"
+                                   : "no light of the scene shines, as each is black or has no area or direction"));
   Environment environment;
   environment.kind = EnvironmentKind::constant;
   lights_.set_environment(environment);

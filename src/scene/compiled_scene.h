@@ -33,7 +33,8 @@ struct PlacedCamera {
 /// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
 class CompiledScene {
  public:
-  /// Arrays of the scene are moved into their kernel layout and freed. Throws Error if there is no such camera.
+  /// Arrays of the scene are moved into their kernel layout and freed. Throws Error if there is no such camera, and as
+  /// validate() does.
   CompiledScene(Scene scene, const CompileOptions& options);
   CompiledScene(const CompiledScene&) = delete;
   CompiledScene& operator=(const CompiledScene&) = delete;
@@ -41,7 +42,8 @@ class CompiledScene {
   /// Ends a frame: where things are becomes where they were one frame ago, and no light counts as changed.
   void end_frame();
 
-  /// Moves animated nodes. This and what follows say what differs afterwards.
+  /// Moves animated nodes. This and what follows say what differs afterwards, and throw Error for what no kernel could
+  /// bear (a camera that a scale of 0 collapses, a node beyond kMaxCoordinate); then everything stays as it was.
   Change set_time(float time_s);
   /// Looks through another camera; std::nullopt returns to that of the scene.
   Change set_camera(const std::optional<PlacedCamera>& camera);
@@ -71,6 +73,14 @@ class CompiledScene {
     uint32_t mesh;
     Mat4 local;  ///< below the node
   };
+  struct Box {
+    Vec3 low{kInfinity};
+    Vec3 high{-kInfinity};
+
+    bool empty() const { return low.x > high.x; }
+    void add(const Vec3& p);
+    void add(const Box& box, const Mat4& to_world);
+  };
 
   void list_appearances();
   void decide_instancing();
@@ -79,10 +89,17 @@ class CompiledScene {
   void append_mesh(uint32_t mesh, const Mat4* transform);
   bool place_instances();
   void build_accel();
+  void note_collapsed_lights();
+  /// Whether anything gives light, or everything glows by itself.
+  bool is_lit() const;
   void add_missing_light();
   void choose_camera(const std::string& name);
-  void place_camera();
-  Change place_everything();
+  CameraView view_through(const PlacedCamera& camera) const;
+  PlacedCamera scene_camera(const std::vector<Mat4>& world) const;
+  std::vector<Mat4> checked_world(float time_s) const;
+  void check_extent(const Box& box) const;
+  Box moving_box(const std::vector<Mat4>& world) const;
+  Change place_everything(std::vector<Mat4> world);
   void collect_lights();
   void compute_bounds();
   void refresh_view();
@@ -101,6 +118,7 @@ class CompiledScene {
   std::vector<Vec2> uv1_;
   std::vector<Vec4> colors_;
   std::vector<MeshView> meshes_;
+  std::vector<Box> boxes_;  ///< one a mesh
   std::vector<uint32_t> mesh_of_appearance_;
   std::vector<Instance> instances_;
   std::vector<MaterialData> materials_;

@@ -1,7 +1,10 @@
 #include "scene/compiled_scene.h"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "scene/builtin.h"
 
 namespace relume {
@@ -115,6 +118,182 @@ TEST(CompiledScene, AnotherCameraAndBack) {
   EXPECT_FLOAT_EQ(compiled.view().previous_camera.position.x, before.position.x);
   EXPECT_EQ(compiled.set_camera(std::nullopt), Change::camera);
   EXPECT_EQ(compiled.view().camera.position, before.position);
+}
+
+/// A square plate at the origin that `material` covers, and a camera in front of it.
+Scene plate(const Material& material = {}) {
+  Scene scene;
+  scene.name = "plate";
+  scene.materials.push_back(material);
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = 0;
+  scene.meshes.push_back(mesh);
+  Node node;
+  node.meshes = {0};
+  scene.add_node(node);
+  scene.cameras.push_back({.name = "eye"});
+  Node eye;
+  eye.camera = 0;
+  eye.transform.translation = Vec3(0, 0, 3);
+  scene.add_node(eye);
+  return scene;
+}
+
+void animate_scale(Scene& scene, Index node, const Vec3& first, const Vec3& last) {
+  scene.animation.push_back(
+      {node, AnimatedProperty::scale, Interpolation::linear, {0, 1}, {Vec4(first, 0), Vec4(last, 0)}});
+}
+
+std::string problem_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+std::string notes_of(const Scene& scene) {
+  std::string all;
+  const CompiledScene compiled(scene, {.width = kSize, .height = kSize});
+  for (const std::string& note : compiled.notes()) all += note + "\n";
+  return all;
+}
+
+constexpr const char* kCollapsed = "plate: camera 'eye' looks nowhere, because a scale of 0";
+
+TEST(CompiledScene, RefusesACollapsedCamera) {
+  Scene scene = plate();
+  scene.nodes[1].transform.scale = Vec3(0);
+  const std::string problem = problem_of([&] { CompiledScene(scene, {.width = kSize, .height = kSize}); });
+  EXPECT_EQ(problem.rfind(kCollapsed, 0), 0u) << problem;
+}
+
+TEST(CompiledScene, StaysAsItWasWhenAChangeIsRefused) {
+  Scene scene = plate();
+  animate_scale(scene, 1, Vec3(1), Vec3(0));
+  CompiledScene compiled(scene, {.width = kSize, .height = kSize, .movable = {0}});
+  const CameraView before = compiled.view().camera;
+  const auto is_unchanged = [&] {
+    return compiled.view().camera.position == before.position && compiled.view().camera.axes.n == before.axes.n &&
+           compiled.view().instances[0].to_world.translation == Vec3(0);
+  };
+  std::string problem = problem_of([&] { compiled.set_time(1); });
+  EXPECT_EQ(problem.rfind(kCollapsed, 0), 0u) << problem;
+  EXPECT_TRUE(is_unchanged());
+  problem = problem_of([&] { compiled.set_transform(0, {.translation = Vec3(1e20f)}); });
+  EXPECT_NE(problem.find("node 0"), std::string::npos) << problem;
+  EXPECT_TRUE(is_unchanged());
+  EXPECT_EQ(compiled.source().nodes[0].transform.translation, Vec3(0));
+  EXPECT_EQ(compiled.source().animation.size(), 1u);
+  PlacedCamera camera = compiled.camera();
+  camera.to_world[3].x = 1e20f;
+  EXPECT_NE(problem_of([&] { compiled.set_camera(camera); }).find("stands beyond"), std::string::npos);
+  camera.to_world = Mat4(0);
+  EXPECT_NE(problem_of([&] { compiled.set_camera(camera); }).find("looks nowhere"), std::string::npos);
+  EXPECT_TRUE(is_unchanged());
+  EXPECT_EQ(compiled.set_time(0.5f), Change::none);  // a camera's scale does not matter
+}
+
+TEST(CompiledScene, RefusesWhatReachesTooFar) {
+  Scene scene = plate();
+  scene.nodes[0].transform.scale = Vec3(9e8f);
+  EXPECT_EQ(problem_of([&] { CompiledScene(scene, {}); }), "");
+  for (Vec3& p : scene.meshes[0].positions) p *= 2.0f;
+  EXPECT_NE(problem_of([&] { CompiledScene(scene, {}); }).find("reaches 1.8e+09 m"), std::string::npos);
+}
+
+TEST(CompiledScene, LightsWithoutDirectionAreDark) {
+  for (const PunctualType type : {PunctualType::spot, PunctualType::directional, PunctualType::point}) {
+    Scene scene = plate();
+    scene.lights.push_back({.name = "lamp", .type = type});
+    Node node;
+    node.light = 0;
+    node.transform.scale = Vec3(0);
+    scene.add_node(node);
+    const CompiledScene compiled(scene, {.width = kSize, .height = kSize});
+    const LightsView& lights = compiled.view().lights;
+    const bool shines = type == PunctualType::point;
+    EXPECT_EQ(is_black(power(lights, 0)), !shines);
+    EXPECT_TRUE(is_finite(sample_li(lights, 0, Vec3(1), Vec2(0.5f)).wi));
+    EXPECT_EQ(notes_of(scene).find("light 'lamp' is dark") == std::string::npos, shines);
+    EXPECT_EQ(notes_of(scene).find("no light of the scene shines") == std::string::npos, shines);
+  }
+}
+
+TEST(CompiledScene, CollapsedInstancesAreNotSeen) {
+  for (const Vec3& collapsed : {Vec3(0), Vec3(1, 1, 0), Vec3(0, 1, 1), Vec3(1e-30f)}) {
+    Scene scene = plate();
+    animate_scale(scene, 0, collapsed, Vec3(1));
+    CompiledScene compiled(scene, {.width = kSize, .height = kSize});
+    const auto seen = [&] {
+      int count = 0;
+      for (int i = 0; i < 64; ++i) {
+        const Vec3 origin(static_cast<float>(i % 8) * 0.2f - 0.7f, static_cast<float>(i / 8) * 0.2f - 0.7f, 3);
+        count += intersect(compiled.view().accel, {origin, Vec3(0, 0, -1), kInfinity}, 0).valid();
+      }
+      return count;
+    };
+    EXPECT_EQ(seen(), 0);
+    compiled.set_time(1);
+    EXPECT_EQ(seen(), 64);
+    compiled.set_time(0);
+    EXPECT_EQ(seen(), 0);
+  }
+}
+
+TEST(CompiledScene, RaysThatAreNotFiniteMeetNothing) {
+  const CompiledScene compiled(plate(), {.width = kSize, .height = kSize});
+  const AccelView& accel = compiled.view().accel;
+  const Vec3 down(0, 0, -1);
+  const Ray rays[] = {
+      {Vec3(0.1f, 0.2f, 3), down, kInfinity},       {Vec3(0, 0, kInfinity), down, kInfinity},
+      {Vec3(0, std::nanf(""), 3), down, kInfinity}, {Vec3(0, 0, 3), Vec3(0, 0, std::nanf("")), kInfinity},
+      {Vec3(0, 0, 1e20f), down, kInfinity},         {Vec3(0, 0, 3), down, std::nanf("")}};
+  constexpr int kCount = 6;
+  const uint32_t ids[kCount] = {};
+  Hit hits[kCount];
+  bool blocked[kCount];
+  intersect_packet(accel, rays, ids, hits, kCount, true);
+  occluded_packet(accel, rays, ids, blocked, kCount);
+  for (int i = 0; i < kCount; ++i) {
+    EXPECT_EQ(intersect(accel, rays[i], 0).valid(), i == 0) << i;
+    EXPECT_EQ(occluded(accel, rays[i], 0), i == 0) << i;
+    EXPECT_EQ(hits[i].valid(), i == 0) << i;
+    EXPECT_EQ(blocked[i], i == 0) << i;
+  }
+}
+
+TEST(CompiledScene, SomeLightStandsInIfNoneShines) {
+  constexpr const char* kStandsIn = "a constant environment of radiance 1 stands in";
+  const auto needs_light = [&](const Scene& scene) { return notes_of(scene).find(kStandsIn) != std::string::npos; };
+  EXPECT_TRUE(needs_light(plate()));
+  Material lamp;
+  lamp.emission = Rgb(1);
+  Scene scene = plate(lamp);
+  EXPECT_FALSE(needs_light(scene));
+  scene.nodes[0].transform.scale = Vec3(1, 0, 1);
+  EXPECT_TRUE(needs_light(scene)) << "no area";
+  animate_scale(scene, 0, Vec3(0), Vec3(1));
+  EXPECT_FALSE(needs_light(scene)) << "grows";
+  scene = plate(lamp);
+  scene.textures.push_back({"black", 1, 1, PixelFormat::rgba8_srgb, WrapMode::repeat, WrapMode::repeat,
+                            FilterMode::linear, std::vector<std::byte>(4)});
+  scene.materials[0].emission_texture.texture = 0;
+  EXPECT_TRUE(needs_light(scene)) << "black texture";
+
+  Material unlit;
+  unlit.unlit = true;
+  scene = plate(unlit);
+  EXPECT_FALSE(needs_light(scene)) << "all glows";
+  scene.materials.emplace_back();
+  EXPECT_FALSE(needs_light(scene)) << "used by nothing";
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes[1].material = 1;
+  scene.nodes[0].meshes.push_back(1);
+  EXPECT_TRUE(needs_light(scene)) << "one glows, one is dark";
 }
 
 }  // namespace

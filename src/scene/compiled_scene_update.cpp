@@ -1,7 +1,12 @@
 // What changes while a scene is shown.
 #include <cmath>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "scene/compiled_scene.h"
+#include "scene/placement.h"
 #include "scene/surface_point.h"
 
 namespace relume {
@@ -24,14 +29,20 @@ void CompiledScene::end_frame() {
 }
 
 Change CompiledScene::set_time(float time_s) {
+  std::vector<Mat4> world = checked_world(time_s);
   time_s_ = time_s;
-  return place_everything();
+  return place_everything(std::move(world));
 }
 
 Change CompiledScene::set_camera(const std::optional<PlacedCamera>& camera) {
+  if (camera) {
+    validate(camera->camera, source_.name);
+    if (!(max_component(abs(Vec3(camera->to_world[3]))) <= kMaxCoordinate))
+      throw Error(fmt::format("{}: the camera stands beyond {:g} m; move it nearer", source_.name, kMaxCoordinate));
+  }
+  const CameraView now = view_through(camera ? *camera : scene_camera(world_));
+  const CameraView before = std::exchange(camera_view_, now);
   placed_camera_ = camera;
-  const CameraView before = camera_view_;
-  place_camera();
   refresh_view();
   if (same(before, camera_view_)) return Change::none;
   was_moved_ = true;
@@ -40,7 +51,7 @@ Change CompiledScene::set_camera(const std::optional<PlacedCamera>& camera) {
 
 Change CompiledScene::set_resolution(int width, int height) {
   resolution_ = {width, height};
-  place_camera();
+  camera_view_ = view_through(camera());
   previous_camera_view_ = camera_view_;
   refresh_view();
   return Change::settings;
@@ -48,13 +59,22 @@ Change CompiledScene::set_resolution(int width, int height) {
 
 Change CompiledScene::set_transform(Index node, const Transform& transform) {
   Node& target = source_.nodes[static_cast<size_t>(node)];
+  const Node before = target;
+  const std::vector<AnimationChannel> animation_before = source_.animation;
   target.transform = transform;
   target.matrix.reset();
   std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
-  return place_everything();
+  try {
+    return place_everything(checked_world(time_s_));
+  } catch (const Error&) {
+    target = before;
+    source_.animation = animation_before;
+    throw;
+  }
 }
 
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
+  validate(value, source_.name);
   source_.lights[static_cast<size_t>(light)] = value;
   collect_lights();
   was_moved_ = true;
@@ -62,6 +82,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
 }
 
 Change CompiledScene::set_environment(const Environment& environment) {
+  validate(environment, source_.name);
   source_.environment = environment;
   lights_.set_environment(environment);
   collect_lights();
@@ -70,6 +91,7 @@ Change CompiledScene::set_environment(const Environment& environment) {
 }
 
 Change CompiledScene::set_material(Index material, const Material& value) {
+  validate(value, source_.name);
   Material& target = source_.materials[static_cast<size_t>(material)];
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
   target = value;
@@ -81,11 +103,18 @@ Change CompiledScene::set_material(Index material, const Material& value) {
   return Change::materials | Change::lights;
 }
 
-Change CompiledScene::place_everything() {
-  world_ = world_matrices(source_, time_s_);
-  const CameraView camera_before = camera_view_;
+std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
+  std::vector<Mat4> world = world_matrices(source_, time_s);
+  check_placement(source_, world, source_.name);
+  check_extent(moving_box(world));
+  view_through(scene_camera(world));
+  return world;
+}
+
+Change CompiledScene::place_everything(std::vector<Mat4> world) {
+  world_ = std::move(world);
   Change change = Change::none;
-  place_camera();
+  const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
   if (!same(camera_before, camera_view_)) change |= Change::camera;
   if (place_instances()) {
     change |= Change::geometry;
@@ -105,10 +134,11 @@ void CompiledScene::collect_lights() {
   refresh_view();
 }
 
-PlacedCamera CompiledScene::camera() const {
-  if (placed_camera_) return *placed_camera_;
-  return {camera_node_ == kNone ? default_camera_ : world_[static_cast<size_t>(camera_node_)], camera_};
+PlacedCamera CompiledScene::scene_camera(const std::vector<Mat4>& world) const {
+  return {camera_node_ == kNone ? default_camera_ : world[static_cast<size_t>(camera_node_)], camera_};
 }
+
+PlacedCamera CompiledScene::camera() const { return placed_camera_ ? *placed_camera_ : scene_camera(world_); }
 
 bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
@@ -130,22 +160,26 @@ bool CompiledScene::place_instances() {
   return moved;
 }
 
-void CompiledScene::place_camera() {
-  const auto [m, camera] = this->camera();
+CameraView CompiledScene::view_through(const PlacedCamera& placed) const {
+  const auto& [m, camera] = placed;
+  const std::optional<Mat3> axes = orientation(m);
+  if (!axes)
+    throw Error(
+        fmt::format("{}: camera '{}' looks nowhere, because a scale of 0 collapses its axes; give its node and "
+                    "those above it another scale",
+                    source_.name, camera.name));
   const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
   CameraView c;
   c.projection = camera.projection;
   c.position = Vec3(m[3]);
-  c.axes.n = glm::normalize(Vec3(m[2]));
-  c.axes.t = glm::normalize(glm::cross(Vec3(m[1]), c.axes.n));
-  c.axes.b = glm::cross(c.axes.n, c.axes.t);
+  c.axes = {(*axes)[0], (*axes)[1], (*axes)[2]};
   const float half =
       camera.projection == Projection::orthographic ? camera.half_height : std::tan(0.5f * camera.fov_y_rad);
   c.half_extent = {half * aspect, half};
   c.lens_radius = camera.lens_radius;
   c.focus_distance = camera.focus_distance;
   c.resolution = Vec2(resolution_);
-  camera_view_ = c;
+  return c;
 }
 
 void CompiledScene::refresh_view() {

@@ -5,6 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "scene/placement.h"
 #include "scene/sun_sky.h"
 #include "scene/surface_point.h"
 
@@ -165,7 +166,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     const float twice_area = glm::length(cross);
     light.normal = twice_area > 0.0f ? cross / twice_area : Vec3(0);
     light.area = 0.5f * twice_area;
-    light.radiance = material.emission;
+    light.radiance = light.area > 0.0f ? material.emission : Rgb(0);
     light.instance = instance_index;
     light.primitive = k;
     light.textured = -1;
@@ -222,9 +223,13 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
   return static_cast<int32_t>(textured_.size()) - 1;
 }
 
-void LightBuilder::add_punctual(const PunctualLight& source, const Mat4& to_world) {
+void LightBuilder::add_punctual(PunctualLight source, const Mat4& to_world) {
   const Vec3 position(to_world[3]);
-  const Vec3 axis = glm::normalize(-Vec3(to_world[2]));
+  Vec3 axis = -direction_of(Vec3(to_world[2]));
+  if (axis == Vec3(0) && source.type != PunctualType::point) {  // collapsed: it keeps its place in the list, dark
+    source.intensity = Rgb(0);
+    axis = Vec3(0, 0, -1);
+  }
   Light entry;
   switch (source.type) {
     case PunctualType::point:

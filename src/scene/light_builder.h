@@ -30,7 +30,7 @@ class LightBuilder {
   /// Of the triangle's sampling table, which is made once, however often it appears or moves; or kBlackTexture.
   int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
-  void add_punctual(const PunctualLight& light, const Mat4& to_world);
+  void add_punctual(PunctualLight light, const Mat4& to_world);
   void mark_changes();
   void push(const DirectionalLight& light);
 

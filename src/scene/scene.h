@@ -214,6 +214,12 @@ struct Scene {
 /// Error with `place` (a file name) in its sentence. Loaders repair what they can before they call it.
 void validate(const Scene& scene, const std::string& place);
 
+/// The same for one part of a scene that is about to be replaced.
+void validate(const Material& material, const std::string& place);
+void validate(const PunctualLight& light, const std::string& place);
+void validate(const Camera& camera, const std::string& place);
+void validate(const Environment& environment, const std::string& place);
+
 /// World matrix of every node at `time_s`, animation applied (values are held before the first and after
 /// the last key).
 std::vector<Mat4> world_matrices(const Scene& scene, float time_s);

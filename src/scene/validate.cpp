@@ -3,10 +3,19 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "scene/placement.h"
 #include "scene/scene.h"
 
 namespace relume {
 namespace {
+
+template <typename... Args>
+[[noreturn]] void fail(const std::string& place, fmt::format_string<Args...> format, Args&&... args) {
+  throw Error(place + ": " + fmt::format(format, std::forward<Args>(args)...));
+}
+
+bool in_range(float x, float low, float high) { return x >= low && x <= high; }
+bool is_radiance(const Rgb& c) { return is_finite(c) && min_component(c) >= 0.0f; }
 
 class Validator {
  public:
@@ -16,15 +25,20 @@ class Validator {
     for (size_t i = 0; i < scene_.textures.size(); ++i) check_texture(i);
     for (size_t i = 0; i < scene_.materials.size(); ++i) check_material(i);
     for (size_t i = 0; i < scene_.meshes.size(); ++i) check_mesh(i);
+    for (const PunctualLight& light : scene_.lights) validate(light, place_);
+    for (const Camera& camera : scene_.cameras) validate(camera, place_);
+    validate(scene_.environment, place_);
     for (size_t i = 0; i < scene_.nodes.size(); ++i) check_node(i);
     for (size_t i = 0; i < scene_.animation.size(); ++i) check_channel(i);
     check_cycles();
+    check_placement(scene_, world_matrices(scene_, 0), place_);
   }
 
  private:
   template <typename... Args>
   [[noreturn]] void fail(fmt::format_string<Args...> format, Args&&... args) const {
-    throw Error(place_ + ": " + fmt::format(format, std::forward<Args>(args)...));
+    throw Error(place_ + ": " + fmt::format(format, std::forward<Args>(args)...) +
+                "; the scene is damaged, repair it or export it again");
   }
 
   static bool in_range(Index i, size_t count) { return i >= 0 && static_cast<size_t>(i) < count; }
@@ -50,9 +64,7 @@ class Validator {
       if (ref->uv_set < 0 || ref->uv_set > 1)
         fail("material {} '{}' uses texture coordinate set {}; only 0 and 1 exist", i, m.name, ref->uv_set);
     }
-    if (!is_finite(m.base_color) || !is_finite(m.emission) || !is_finite(m.specular_color) || !is_finite(m.roughness) ||
-        !is_finite(m.metallic) || !is_finite(m.ior) || !is_finite(m.transmission))
-      fail("material {} '{}' has a number that is not finite", i, m.name);
+    validate(m, place_);
   }
 
   void check_mesh(size_t i) const {
@@ -69,7 +81,8 @@ class Validator {
         fail("mesh {} '{}' has a vertex index out of range ({} vertices)", i, m.name, count);
     }
     for (const Vec3& p : m.positions) {
-      if (!is_finite(p)) fail("mesh {} '{}' has a vertex that is not finite", i, m.name);
+      if (!(max_component(abs(p)) <= kMaxCoordinate))
+        fail("mesh {} '{}' has a vertex that is not finite or beyond {:g} m", i, m.name, kMaxCoordinate);
     }
   }
 
@@ -92,6 +105,10 @@ class Validator {
     const size_t per_key = c.interpolation == Interpolation::cubic_spline ? 3 : 1;
     if (c.times.empty() || c.values.size() != per_key * c.times.size())
       fail("animation channel {} has {} times but {} values", i, c.times.size(), c.values.size());
+    for (const Vec4& value : c.values) {
+      if (!is_finite(Vec3(value)) || !is_finite(value.w))
+        fail("animation channel {} has a value that is not finite", i);
+    }
     for (size_t k = 0; k < c.times.size(); ++k) {
       if (!is_finite(c.times[k]) || (k > 0 && c.times[k] <= c.times[k - 1]))
         fail("animation channel {} has times that do not increase", i);
@@ -117,6 +134,56 @@ class Validator {
 };
 
 }  // namespace
+
+void validate(const Material& m, const std::string& place) {
+  for (const Vec3& color : {m.base_color, m.emission, m.specular_color, m.attenuation_color}) {
+    if (!is_finite(color)) fail(place, "material '{}' has a colour that is not finite; give it another", m.name);
+  }
+  for (const float number : {m.alpha, m.metallic, m.roughness, m.normal_scale, m.alpha_cutoff, m.ior, m.specular,
+                             m.transmission, m.thickness, m.clearcoat, m.clearcoat_roughness}) {
+    if (!is_finite(number)) fail(place, "material '{}' has a number that is not finite; give it another", m.name);
+  }
+  if (std::isnan(m.attenuation_distance))
+    fail(place, "material '{}' has an attenuation distance that is not a number; give it another", m.name);
+}
+
+void validate(const PunctualLight& l, const std::string& place) {
+  if (!is_radiance(l.intensity))
+    fail(place, "light '{}' has an intensity that is negative or not finite; give it another", l.name);
+  if (!in_range(l.outer_cone_rad, 0, kPi / 2) || !in_range(l.inner_cone_rad, 0, l.outer_cone_rad))
+    fail(place, "light '{}' has cone angles of {} and {} radians; give it 0 <= inner <= outer <= pi/2", l.name,
+         l.inner_cone_rad, l.outer_cone_rad);
+  if (!in_range(l.angular_diameter_rad, 0, kPi))
+    fail(place, "light '{}' has an angular diameter of {} radians; give it one between 0 and pi", l.name,
+         l.angular_diameter_rad);
+}
+
+void validate(const Camera& c, const std::string& place) {
+  constexpr float kSmallest = 1e-6f;
+  if (!in_range(c.fov_y_rad, kSmallest, kPi - kSmallest))
+    fail(place, "camera '{}' has a field of view of {} radians; give it one between 0 and pi", c.name, c.fov_y_rad);
+  if (!in_range(c.half_height, kSmallest, kMaxCoordinate))
+    fail(place, "camera '{}' has a half height of {} m; give it one between {:g} and {:g}", c.name, c.half_height,
+         kSmallest, kMaxCoordinate);
+  if (!in_range(c.lens_radius, 0, kMaxCoordinate) || !in_range(c.focus_distance, kSmallest, kMaxCoordinate))
+    fail(place, "camera '{}' has a lens radius of {} m and focuses at {} m; give it positive ones up to {:g}", c.name,
+         c.lens_radius, c.focus_distance, kMaxCoordinate);
+}
+
+void validate(const Environment& e, const std::string& place) {
+  const bool is_map = e.kind == EnvironmentKind::map;
+  if (is_map &&
+      (e.width <= 0 || e.height <= 0 || e.map.size() != static_cast<size_t>(e.width) * static_cast<size_t>(e.height)))
+    fail(place, "the environment map has {} pixels, which does not match its size {}x{}", e.map.size(), e.width,
+         e.height);
+  const SunSky& s = e.sun_sky;
+  if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
+      !(is_finite(s.sun_scale) && s.sun_scale >= 0))
+    fail(place, "the environment has a colour or scale that is negative or not finite; give it another");
+  if (!is_finite(e.rotation_rad) || !is_finite(s.sun_elevation_rad) || !is_finite(s.sun_azimuth_rad) ||
+      !is_finite(s.turbidity) || !in_range(s.sun_angular_diameter_rad, 0, kPi))
+    fail(place, "the environment has an angle or turbidity out of range; give it another");
+}
 
 void validate(const Scene& scene, const std::string& place) { Validator(scene, place).run(); }
 

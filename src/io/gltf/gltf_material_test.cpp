@@ -44,6 +44,16 @@ TEST(GltfMaterial, ReadsCoreProperties) {
   EXPECT_EQ(scene.meshes[0].material, 0);
 }
 
+TEST(GltfMaterial, ClampsVertexColors) {
+  GltfBuilder file;
+  file.add_root({{"mesh", file.add_triangle({{"attributes",
+                                              {{"POSITION", file.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3)},
+                                               {"COLOR_0", file.floats({3, 0.5f, 1, 0, -1, 0.25f, 1, 1, 1}, 3)}}}})}});
+  const Scene scene = file.load();
+  EXPECT_EQ(scene.meshes[0].colors, (std::vector<Vec4>{Vec4(1, 0.5f, 1, 1), Vec4(0, 0, 0.25f, 1), Vec4(1)}));
+  EXPECT_TRUE(mentions(scene.warnings, "2 vertex colours outside [0, 1] are clamped"));
+}
+
 TEST(GltfMaterial, ReadsEveryExtension) {
   GltfBuilder file;
   file.add_triangle_with_material(
