@@ -25,9 +25,8 @@ struct UvTransform {
   float m00 = 1, m01 = 0, m10 = 0, m11 = 1;
   Vec2 offset{0};
 
-  RELUME_HD Vec2 operator()(const Vec2& uv) const {
-    return Vec2(m00 * uv.x + m01 * uv.y, m10 * uv.x + m11 * uv.y) + offset;
-  }
+  RELUME_HD Vec2 operator()(const Vec2& uv) const { return vector(uv) + offset; }
+  RELUME_HD Vec2 vector(const Vec2& duv) const { return {m00 * duv.x + m01 * duv.y, m10 * duv.x + m11 * duv.y}; }
   RELUME_HD float area_scale() const { return std::fabs(m00 * m11 - m01 * m10); }
 };
 

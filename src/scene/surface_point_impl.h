@@ -29,30 +29,37 @@ RELUME_HD inline T interpolate(const T& a, const T& b, const T& c, const Vec3& w
   return a * w.x + b * w.y + c * w.z;
 }
 
-/// Texture coordinates at the hit, and how much of texture space a square metre covers.
-struct Uv {
-  Vec2 uv[2] = {Vec2(0), Vec2(0)};
-  float density = 0;  ///< uv area per m²
+/// One set of texture coordinates along a triangle.
+struct UvSet {
+  Vec2 origin{0};  ///< at the first vertex
+  Vec2 d1{0};      ///< from there to the second
+  Vec2 d2{0};      ///< and to the third
+
+  RELUME_HD UvSet() = default;
+  RELUME_HD UvSet(const Vec2& a, const Vec2& b, const Vec2& c) : origin(a), d1(b - a), d2(c - a) {}
+  RELUME_HD float determinant() const { return d1.x * d2.y - d1.y * d2.x; }
 };
 
-RELUME_HD inline float triangle_uv_area(const Vec2& a, const Vec2& b, const Vec2& c) {
-  const Vec2 d1 = b - a;
-  const Vec2 d2 = c - a;
-  return std::fabs(d1.x * d2.y - d1.y * d2.x);
+RELUME_HD inline UvSet uv_set(const SceneView& scene, const MeshView& mesh, const TriangleAt& t, uint32_t set) {
+  if (set == 0 && mesh.has_uv) return {t.v[0]->uv, t.v[1]->uv, t.v[2]->uv};
+  if (set == 0 || !mesh.has_uv1) return {};
+  const uint32_t first = mesh.first_uv1;
+  return {scene.uv1[first + t.index.x], scene.uv1[first + t.index.y], scene.uv1[first + t.index.z]};
 }
+
+/// Texture coordinates at the hit, and how much of texture space a square metre covers, by set.
+struct Uv {
+  Vec2 uv[2] = {Vec2(0), Vec2(0)};
+  float density[2] = {0, 0};  ///< uv area per m²
+};
 
 RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const TriangleAt& t, float twice_area) {
   Uv result;
-  if (mesh.has_uv) {
-    result.uv[0] = interpolate(t.v[0]->uv, t.v[1]->uv, t.v[2]->uv, t.weights);
-    result.density = triangle_uv_area(t.v[0]->uv, t.v[1]->uv, t.v[2]->uv) / twice_area;
-  }
-  if (mesh.has_uv1) {
-    const Vec2& a = scene.uv1[mesh.first_uv1 + t.index.x];
-    const Vec2& b = scene.uv1[mesh.first_uv1 + t.index.y];
-    const Vec2& c = scene.uv1[mesh.first_uv1 + t.index.z];
-    result.uv[1] = interpolate(a, b, c, t.weights);
-    if (result.density == 0.0f) result.density = triangle_uv_area(a, b, c) / twice_area;
+  for (uint32_t set = 0; set < 2; ++set) {
+    if (set == 0 ? !mesh.has_uv : !mesh.has_uv1) continue;
+    const UvSet corners = uv_set(scene, mesh, t, set);
+    result.uv[set] = corners.origin + corners.d1 * t.weights.y + corners.d2 * t.weights.z;
+    result.density[set] = std::fabs(corners.determinant()) / twice_area;
   }
   return result;
 }
@@ -60,7 +67,7 @@ RELUME_HD inline Uv uv_at(const SceneView& scene, const MeshView& mesh, const Tr
 /// Look-up with the level that fits a footprint of `area` m².
 RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const Uv& uv, float area) {
   const TextureView& texture = scene.textures[static_cast<uint32_t>(use.texture)];
-  const float texels = uv.density * use.transform.area_scale() * area * static_cast<float>(texture.width) *
+  const float texels = uv.density[use.uv_set] * use.transform.area_scale() * area * static_cast<float>(texture.width) *
                        static_cast<float>(texture.height);
   const float lod = texels > 1.0f ? 0.5f * std::log2(texels) : 0.0f;
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
@@ -141,18 +148,20 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
     if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
     handedness = t.v[0]->normal.handedness() * instance.orientation;
   } else {
-    const Vec2 d1 = t.v[1]->uv - t.v[0]->uv;
-    const Vec2 d2 = t.v[2]->uv - t.v[0]->uv;
-    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    const UvTransform& transform = material.normal_texture.transform;
+    UvSet uvs = uv_set(scene, mesh, t, material.normal_texture.uv_set);
+    uvs.d1 = transform.vector(uvs.d1);
+    uvs.d2 = transform.vector(uvs.d2);
+    const float determinant = uvs.determinant();
     if (determinant == 0.0f) return ns;
-    tangent = (g.e1 * d2.y - g.e2 * d1.y) / determinant;
+    tangent = (g.e1 * uvs.d2.y - g.e2 * uvs.d1.y) / determinant;
     // glTF's bitangent points against growing v.
-    const Vec3 bitangent = (g.e1 * d2.x - g.e2 * d1.x) / determinant;
+    const Vec3 bitangent = (g.e1 * uvs.d2.x - g.e2 * uvs.d1.x) / determinant;
     handedness = glm::dot(glm::cross(ns, tangent), bitangent) < 0.0f ? -1.0f : 1.0f;
   }
   tangent -= ns * glm::dot(ns, tangent);
   const float length = glm::length(tangent);
-  if (!(length > 0.0f)) return ns;
+  if (!(length > 0.0f && is_finite(length))) return ns;
   tangent /= length;
   const Vec3 bitangent = glm::cross(ns, tangent) * handedness;
   const Vec4 texel = fetch(scene, material.normal_texture, uv, area);

@@ -214,5 +214,96 @@ TEST(SurfacePoint, MotionRemembersThePreviousPlace) {
   EXPECT_NEAR(sp.position.y, sp.previous_position.y, 1e-6f);
 }
 
+/// A square of 2 m in z = 0 with one texture on it; texture coordinates as the test wants them.
+struct TexturedSquare {
+  Scene scene;
+
+  explicit TexturedSquare(Texture texture) {
+    scene.name = "square";
+    scene.textures.push_back(std::move(texture));
+    Material material;
+    material.metallic = 0;
+    scene.materials.push_back(material);
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.material = 0;
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.meshes = {0};
+    scene.add_node(node);
+  }
+
+  /// Coordinates that cover the square once, v downwards, multiplied.
+  static std::vector<Vec2> uv(float scale) { return {Vec2(0, scale), Vec2(scale), Vec2(scale, 0), Vec2(0)}; }
+  Mesh& mesh() { return scene.meshes[0]; }
+  Material& material() { return scene.materials[0]; }
+
+  SurfacePoint seen_at(const Vec2& p, float cone_width) const {
+    const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
+    const Ray ray{Vec3(p, 1), Vec3(0, 0, -1), kInfinity};
+    SurfacePoint sp;
+    make_surface_point(compiled.view(), ray, intersect(compiled.view().accel, ray, 0), cone_width, sp);
+    return sp;
+  }
+};
+
+Texture checkered(int size) {
+  Texture t;
+  t.name = "checkered";
+  t.width = t.height = size;
+  t.format = PixelFormat::rgba8_linear;
+  for (int i = 0; i < size * size; ++i) {
+    const auto code = static_cast<std::byte>((i % size < size / 2) == (i / size < size / 2) ? 255 : 0);
+    t.texels.insert(t.texels.end(), {code, code, code, std::byte{255}});
+  }
+  return t;
+}
+
+TEST(SurfacePoint, TextureLevelsFollowTheSetInUse) {
+  // The other set repeats 2000 times: its footprint would select the coarsest level, which is grey.
+  for (const int used : {0, 1}) {
+    TexturedSquare square(checkered(64));
+    square.material().unlit = true;
+    square.material().base_color_texture = {.texture = 0, .uv_set = used};
+    square.mesh().uv0 = TexturedSquare::uv(used == 0 ? 1.0f : 2000.0f);
+    square.mesh().uv1 = TexturedSquare::uv(used == 1 ? 1.0f : 2000.0f);
+    EXPECT_EQ(square.seen_at({-0.5f, 0.5f}, 1e-3f).emission, Rgb(1)) << used;
+    EXPECT_EQ(square.seen_at({0.5f, 0.5f}, 1e-3f).emission, Rgb(0)) << used;
+  }
+}
+
+/// Tilts every normal towards growing u.
+Texture tilt_along_u() {
+  Texture t;
+  t.name = "tilt";
+  t.width = t.height = 1;
+  t.format = PixelFormat::rgba8_linear;
+  for (const int code : {204, 128, 230, 255}) t.texels.push_back(static_cast<std::byte>(code));
+  return t;
+}
+
+TEST(SurfacePoint, DerivedTangentsFollowTheCoordinatesInUse) {
+  TexturedSquare square(tilt_along_u());
+  square.mesh().uv0 = TexturedSquare::uv(1);
+  square.material().normal_texture.texture = 0;
+  const Vec3 tilted = square.seen_at({0.3f, 0.4f}, 0).frame.n;
+  ASSERT_GT(tilted.x, 0.5f);  // u grows along +X
+  const auto normal = [&] { return square.seen_at({0.3f, 0.4f}, 0).frame.n; };
+
+  // A quarter turn: u' = v, v' = −u. u' grows where v does, along −Y.
+  square.material().normal_texture.rotation_rad = kPi / 2;
+  EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
+  square.material().normal_texture.rotation_rad = 0;
+  square.material().normal_texture.scale = Vec2(-1, 1);  // mirrored
+  EXPECT_LT(glm::length(normal() - Vec3(-tilted.x, tilted.y, tilted.z)), 1e-4f);
+
+  square.material().normal_texture = {.texture = 0, .uv_set = 1};
+  square.mesh().uv1 = {Vec2(1, 1), Vec2(1, 0), Vec2(0, 0), Vec2(0, 1)};  // u grows along −Y, v along −X
+  EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
+  square.mesh().uv0.clear();
+  EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
+}
+
 }  // namespace
 }  // namespace relume
