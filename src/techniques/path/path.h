@@ -18,6 +18,7 @@ struct PathState {
   float first_throughput = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
   float pdf_w = 0;             ///< with which the ray's direction was sampled
   bool delta = true;      ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
+  Rgb medium{0};          ///< absorption along the ray, per metre: that of all bodies it is in
   float cone_width = 0;   ///< metres, at the ray's origin
   float cone_spread = 0;  ///< growth a metre
   uint32_t bounce = 0;    ///< scattering events so far
@@ -79,6 +80,21 @@ RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoi
   }
 }
 
+/// What absorbs light beyond the surface in direction `w`, if `medium` does on the viewer's side. A body begins where
+/// its front is passed and ends where its back is; bodies that overlap add up.
+RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, const Rgb& medium) {
+  if (glm::dot(w, sp.ng) >= 0.0f) return medium;
+  const MaterialData& material = scene.materials[sp.material];
+  if (!material.volume) return medium;
+  return sp.front_face ? medium + material.absorption : glm::max(medium - material.absorption, Rgb(0));
+}
+
+/// Share of light that `distance` metres let through. All of what comes from infinity: whoever sees that far has left a
+/// body unnoticed, through an opening.
+RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
+  return is_black(medium) || distance == kInfinity ? Rgb(1) : exp(-medium * distance);
+}
+
 /// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
 RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
                                               Sampler& sampler) {
@@ -86,8 +102,9 @@ RELUME_HD inline Connection sample_connection(const PathContext& c, const Surfac
   const LightSelection selection = c.selector.sample(sp, u.x);
   if (!(selection.pmf > 0.0f)) return {};
   u.x = selection.u;
-  const LightSample light = sample_li(c.scene.lights, selection.light, sp.position, u);
+  LightSample light = sample_li(c.scene.lights, selection.light, sp.position, u);
   if (!light.valid()) return {};
+  light.radiance *= transmittance(medium_along(c.scene, sp, light.wi, path.medium), light.distance);
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
   if (is_black(bsdf.f)) return {};
   const float pdf_light = selection.pmf * light.pdf_w;
@@ -105,10 +122,12 @@ RELUME_HD inline Connection sample_connection(const PathContext& c, const Surfac
   return connection;
 }
 
-/// Absorption along the segment that ends at the inner side of a body.
+/// Absorption along the segment that ends at a surface.
 RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, float distance, PathState& path) {
   const MaterialData& material = scene.materials[sp.material];
-  if (material.volume && !sp.front_face) path.throughput *= exp(-material.absorption * distance);
+  // Who meets an inner side is inside, even if it did not see itself enter: the camera may stand there.
+  if (material.volume && !sp.front_face) path.medium = glm::max(path.medium, material.absorption);
+  path.throughput *= transmittance(path.medium, distance);
 }
 
 /// Roulette begins where throughput, relative to that of the first bounce, falls below the inverse of this, and keeps
@@ -122,7 +141,11 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.compression *= s.compression;
-  if (is_black(path.throughput)) return false;
+  // Black ends the path. So does what is not a number, but that the pixel must report.
+  if (!(path.throughput.r + path.throughput.g + path.throughput.b > 0.0f)) {
+    path.radiance += path.throughput;
+    return false;
+  }
   if (path.bounce == 0) {
     path.first_throughput = max_component(path.throughput) / path.compression;
   } else if (c.russian_roulette) {
@@ -134,6 +157,7 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
     }
   }
   path.ray = sp.spawn_ray(s.wi);
+  path.medium = medium_along(c.scene, sp, s.wi, path.medium);
   path.pdf_w = s.pdf_w;
   path.delta = s.delta;
   path.cone_width = sp.footprint;

@@ -185,6 +185,142 @@ TEST(Path, SelectorsAgreeInTheMean) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.mean[c] / b.mean[c], 1.0f, 0.05f);
 }
 
+/// Absorbs but neither reflects nor refracts.
+Material tint(const Rgb& absorption) {
+  Material m = lambert(Rgb(1));
+  m.transmission = 1;
+  m.roughness = 0;
+  m.ior = 1;
+  m.thickness = 1;
+  m.attenuation_distance = 1;
+  m.attenuation_color = exp(-absorption);
+  return m;
+}
+
+/// Surface of a body between two heights, or at one an open sheet.
+void add_body(Scene& scene, const Material& material, float top, float bottom) {
+  Mesh mesh;
+  for (const float y : {top, bottom}) {
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const Vec2& p : {Vec2(-4), Vec2(-4, 4), Vec2(4), Vec2(4, -4)}) mesh.positions.emplace_back(p.x, y, p.y);
+    const bool up = first == 0;
+    mesh.triangles.emplace_back(first, first + (up ? 1 : 2), first + (up ? 2 : 1));
+    mesh.triangles.emplace_back(first, first + (up ? 2 : 3), first + (up ? 3 : 2));
+    if (bottom == top) break;
+  }
+  mesh.material = static_cast<Index>(scene.materials.size());
+  scene.materials.push_back(material);
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size())};
+  scene.meshes.push_back(mesh);
+  scene.add_node(node);
+}
+
+/// A glowing plate in y = 0, seen from above, from height `eye`.
+Scene glowing_plate(float eye) {
+  Material material = lambert(Rgb(1));
+  material.unlit = true;
+  Scene scene = plate(material, 3, 1);
+  scene.nodes[1].transform.translation.y = eye;
+  return scene;
+}
+
+const Rgb kAbsorption(0.2f, 0.5f, 1.0f);
+
+void expect_transmitted(const Scene& scene, float metres, const char* what) {
+  RenderSettings settings = small(4, 8);
+  settings.path.russian_roulette = false;
+  const Rgb mean = render(scene, 1, settings).mean;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], std::exp(-kAbsorption[c] * metres), 1e-4f) << what;
+}
+
+TEST(Path, BodiesAbsorbWhereverThePathIsInside) {
+  Scene behind = glowing_plate(5);
+  add_body(behind, tint(kAbsorption), 3, 1);
+  expect_transmitted(behind, 2, "a body before the plate");
+  Scene inside = glowing_plate(5);
+  add_body(inside, tint(kAbsorption), 3, -1);
+  expect_transmitted(inside, 3, "the plate in a body");
+  Scene sheet = glowing_plate(5);
+  add_body(sheet, tint(kAbsorption), 2, 2);
+  expect_transmitted(sheet, 2, "the plate below an open sheet");
+  Scene eye_inside = glowing_plate(2);
+  add_body(eye_inside, tint(kAbsorption), 3, 0.5f);
+  expect_transmitted(eye_inside, 1.5f, "the camera in a body");
+  Scene nested = glowing_plate(5);
+  add_body(nested, tint(kAbsorption * 0.5f), 4, -1);
+  add_body(nested, tint(kAbsorption), 3, 2);
+  expect_transmitted(nested, 2 + 1, "a body in a body");
+}
+
+TEST(Path, BodiesAbsorbTheLightOfLampsInside) {
+  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1e-3f);
+  scene.nodes[1].transform.translation.y = 5;
+  add_body(scene, tint(kAbsorption), 4, -1);
+  add_light(scene, {"lamp", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
+  const Rgb mean = render(scene, 4, small(4, 2)).mean;
+  // 2 m from the lamp to the plate, 4 m from there to the surface.
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], 8.0f / 4.0f * 0.5f / kPi * std::exp(-kAbsorption[c] * 6), 1e-4f);
+}
+
+/// E at the origin of a plane from a parallel rectangle of radiance 1 at height h, through an absorbing medium:
+/// midpoint rule for ∫ cos² exp(−σ r) / r² dA.
+double absorbed_irradiance(double x0, double x1, double half_z, double h, double absorption) {
+  constexpr int kSteps = 400;
+  const double dx = (x1 - x0) / kSteps;
+  const double dz = 2 * half_z / kSteps;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    for (int j = 0; j < kSteps; ++j) {
+      const double x = x0 + (i + 0.5) * dx;
+      const double z = -half_z + (j + 0.5) * dz;
+      const double r2 = x * x + z * z + h * h;
+      sum += h * h / r2 * std::exp(-absorption * std::sqrt(r2)) / r2 * dx * dz;
+    }
+  }
+  return sum;
+}
+
+TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
+  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  scene.nodes[1].transform.translation.y = 5;
+  add_body(scene, tint(kAbsorption), 4, -1);
+  // So wide and near that neither strategy does the work alone; not above the point that is seen.
+  Material lamp = lambert(Rgb(0));
+  lamp.emission = Rgb(1);
+  Mesh mesh;
+  mesh.positions = {{0.1f, 0.5f, -3}, {3, 0.5f, -3}, {3, 0.5f, 3}, {0.1f, 0.5f, 3}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = static_cast<Index>(scene.materials.size());
+  scene.materials.push_back(lamp);
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size())};
+  scene.meshes.push_back(mesh);
+  scene.add_node(node);
+  // The camera's ray passes the surface first: lighting is the second event.
+  const Rgb mean = render(scene, 512, small(16, 2)).mean;
+  for (int c = 0; c < 3; ++c) {
+    const double expected = absorbed_irradiance(0.1, 3, 3, 0.5, kAbsorption[c]) * 0.5 * kInvPi;
+    // 131,072 paths, standard deviation below twice the mean: three standard errors.
+    EXPECT_NEAR(mean[c] / (expected * std::exp(-4.0 * kAbsorption[c])), 1.0, 0.016);
+  }
+}
+
+TEST(Path, ThroughputThatIsNotANumberIsReported) {
+  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+  const CompiledScene compiled(scene, {.width = 4, .height = 4});
+  PathContext context;
+  context.scene = compiled.view();
+  Sampler sampler = SampleIndex{7, 0, 0, false}.sampler(0, 0);
+  PathState path = start_path(context, 0, 0, sampler);
+  SurfacePoint sp;
+  make_surface_point(context.scene, path.ray, intersect(context.scene.accel, path.ray, 0), 0, sp);
+  BsdfSample s = context.directions.sample(sp, sampler);
+  s.weight.g = std::nanf("");
+  EXPECT_FALSE(follow(context, sp, s, path, sampler));
+  EXPECT_FALSE(is_finite(path.radiance));
+}
+
 /// Radiance and rays of one sample of every pixel, element by element or in tiles.
 struct Traced {
   std::vector<Rgb> radiance;
