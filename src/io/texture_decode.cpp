@@ -3,6 +3,8 @@
 #include <cstring>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "core/srgb.h"
 #include "io/image.h"
 #include "io/rgbe.h"
@@ -85,6 +87,25 @@ Texture decode_texture(std::span<const std::byte> bytes, const std::string& name
   }
   texture.name = name;
   return texture;
+}
+
+std::string repair_texels(Texture& texture, const std::string& name, PixelFormat wanted) {
+  constexpr float kBrightest = 1e15f;
+  if (texture.format != PixelFormat::rgba32_float) return {};
+  const float largest = wanted == PixelFormat::rgba8_linear ? 1.0f : kBrightest;
+  size_t repaired = 0;
+  for (size_t i = 0; i < texture.texels.size(); i += sizeof(float)) {
+    float value;
+    std::memcpy(&value, &texture.texels[i], sizeof value);
+    if (value >= 0.0f && value <= largest) continue;
+    value = value > largest ? largest : 0.0f;
+    std::memcpy(&texture.texels[i], &value, sizeof value);
+    ++repaired;
+  }
+  if (repaired == 0) return {};
+  return fmt::format(
+      "{}: {} numbers are negative, above {:g} or none at all; the nearest that makes sense replaces them", name,
+      repaired, largest);
 }
 
 }  // namespace relume

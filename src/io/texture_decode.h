@@ -19,4 +19,9 @@ namespace relume {
 /// HDR and EXR always become rgba32_float; EXR alpha is the channel "A", else 1. Grey is replicated. Throws Error.
 Texture decode_texture(std::span<const std::byte> bytes, const std::string& name, PixelFormat wanted);
 
+/// Makes numbers of a float texture what kernels can bear: at least 0 and at most 1 if `wanted` is rgba8_linear, which
+/// holds data and normals, else 10^15; what is not a number becomes 0. Returns a sentence about it, empty if nothing
+/// was wrong.
+std::string repair_texels(Texture& texture, const std::string& name, PixelFormat wanted);
+
 }  // namespace relume

@@ -9,43 +9,14 @@
 #include "io/atomic_file.h"
 #include "io/image.h"
 #include "io/temp_folder.h"
+#include "io/testing/png.h"
 
 namespace relume {
 namespace {
 
-/// An uncompressed PNG (ISO/IEC 15948). `samples` are big-endian rows without filter bytes; checksums are left zero,
-/// which the decoder does not look at.
-std::vector<std::byte> make_png(uint32_t width, uint32_t height, int bit_depth, int color_type,
-                                const std::vector<uint8_t>& samples) {
-  std::string raw;
-  const size_t row = samples.size() / height;
-  for (uint32_t y = 0; y < height; ++y) {
-    raw.push_back('\0');  // filter: none
-    raw.append(samples.begin() + static_cast<std::ptrdiff_t>(y * row),
-               samples.begin() + static_cast<std::ptrdiff_t>((y + 1) * row));
-  }
-  const auto big_endian = [](uint32_t x) {
-    return std::string{static_cast<char>(x >> 24), static_cast<char>(x >> 16), static_cast<char>(x >> 8),
-                       static_cast<char>(x)};
-  };
-  const auto chunk = [&](const std::string& type, const std::string& data) {
-    return big_endian(static_cast<uint32_t>(data.size())) + type + data + big_endian(0);
-  };
-  const auto n = static_cast<uint16_t>(raw.size());
-  const auto m = static_cast<uint16_t>(~n);
-  std::string zlib{0x78, 0x01, 0x01};  // one stored block
-  for (const uint16_t x : {n, m}) zlib += {static_cast<char>(x & 255), static_cast<char>(x >> 8)};
-  zlib += raw + big_endian(0);
-  const std::string header = big_endian(width) + big_endian(height) +
-                             std::string{static_cast<char>(bit_depth), static_cast<char>(color_type), 0, 0, 0};
-  const std::string file = "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", zlib) + chunk("IEND", "");
-  std::vector<std::byte> bytes(file.size());
-  std::memcpy(bytes.data(), file.data(), file.size());
-  return bytes;
-}
-
-constexpr int kGrey = 0;
-constexpr int kRgba = 6;
+using testing::kGrey;
+using testing::kRgba;
+using testing::make_png;
 
 std::vector<float> floats(const Texture& texture) {
   std::vector<float> values(texture.texels.size() / 4);
@@ -128,6 +99,23 @@ TEST(TextureDecode, GarbageIsAnErrorThatNamesTheTexture) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(std::string(e.what()).rfind("wood.png: ", 0), 0u) << e.what();
+  }
+}
+
+TEST(TextureDecode, FloatsAreMadeBearable) {
+  const float nan = std::nanf("");
+  for (const PixelFormat wanted : {PixelFormat::rgba8_srgb, PixelFormat::rgba8_linear}) {
+    const bool is_data = wanted == PixelFormat::rgba8_linear;
+    Texture texture;
+    texture.format = PixelFormat::rgba32_float;
+    const std::vector<float> given{nan, -1, kInfinity, 1, 0.25f, 7, -kInfinity, 0.5f};
+    const std::vector<float> expected{0, 0, is_data ? 1 : 1e15f, 1, 0.25f, is_data ? 1.0f : 7.0f, 0, 0.5f};
+    texture.texels.resize(given.size() * sizeof(float));
+    std::memcpy(texture.texels.data(), given.data(), texture.texels.size());
+    const std::string sentence = repair_texels(texture, "sky.exr", wanted);
+    EXPECT_EQ(floats(texture), expected);
+    EXPECT_NE(sentence.find(is_data ? "sky.exr: 5 numbers" : "sky.exr: 4 numbers"), std::string::npos) << sentence;
+    EXPECT_TRUE(repair_texels(texture, "sky.exr", wanted).empty());
   }
 }
 

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "io/image.h"
 #include "io/scene_io.h"
 #include "io/testing/example_files.h"
+#include "io/testing/png.h"
 
 namespace relume {
 namespace {
@@ -13,6 +15,8 @@ namespace {
 using testing::dae_text;
 using testing::error_of;
 using testing::fbx_text;
+using testing::kGrey;
+using testing::make_png;
 using testing::mentions;
 using testing::SceneFolder;
 using testing::solid_png;
@@ -129,6 +133,44 @@ TEST(Assimp, ReplacesMissingTexturesAndTellsHeightFromNormalMaps) {
   const TextureRef& ref = normal.materials[material_of(normal)].normal_texture;
   ASSERT_TRUE(ref.used());
   EXPECT_EQ(std::to_integer<int>(normal.textures[static_cast<size_t>(ref.texture)].texels[2]), 250);
+}
+
+/// Texel 0 of a float texture.
+Vec4 first_texel(const Scene& scene, const TextureRef& ref) {
+  const Texture& texture = scene.textures.at(static_cast<size_t>(ref.texture));
+  EXPECT_EQ(texture.format, PixelFormat::rgba32_float);
+  Vec4 texel(-1);
+  if (texture.texels.size() >= sizeof texel) std::memcpy(&texel, texture.texels.data(), sizeof texel);
+  return texel;
+}
+
+TEST(Assimp, CombinesImagesOfMoreThanEightBits) {
+  const SceneFolder folder;
+  folder.write("height.png", make_png(2, 1, 16, kGrey, {0x12, 0x34, 0x56, 0x78}));
+  EXPECT_TRUE(mentions(load_obj(folder, "Kd 1 1 1\nmap_Bump height.png\n").warnings, "height maps"));
+
+  folder.write("r.png", make_png(1, 1, 16, kGrey, {0x27, 0x10}));
+  folder.write("m.png", solid_png(2, 2, 200, 0, 0, 255));
+  const Scene rough = load_obj(folder, "Kd 1 1 1\nPr 1\nPm 1\nmap_Pr r.png\nmap_Pm m.png\n");
+  EXPECT_EQ(first_texel(rough, rough.materials[material_of(rough)].metallic_roughness_texture),
+            Vec4(1, 10000.0f / 65535.0f, 200.0f / 255.0f, 1));
+
+  Image bright(1, 1);
+  bright.pixels[0] = Rgb(2, 3, 4);
+  write_image(folder.path() / "bright.exr", bright);
+  folder.write("holes.png", solid_png(4, 4, 0, 0, 0, 255));
+  const Scene masked = load_obj(folder, "Kd 1 1 1\nmap_Kd bright.exr\nmap_d holes.png\n");
+  EXPECT_EQ(first_texel(masked, masked.materials[material_of(masked)].base_color_texture), Vec4(2, 3, 4, 0));
+}
+
+TEST(Assimp, MendsFloatTexturesWithAWarning) {
+  const SceneFolder folder;
+  Image image(1, 1);
+  image.pixels[0] = Rgb(std::nanf(""), 0.5f, 3);
+  write_image(folder.path() / "r.exr", image);
+  const Scene scene = load_obj(folder, "Kd 1 1 1\nPr 1\nmap_Pr r.exr\n");
+  EXPECT_EQ(first_texel(scene, scene.materials[material_of(scene)].metallic_roughness_texture).y, 0.0f);
+  EXPECT_TRUE(mentions(scene.warnings, "r.exr: 2 numbers are negative, above 1 or none at all"));
 }
 
 TEST(Assimp, LoadsStlAndOff) {

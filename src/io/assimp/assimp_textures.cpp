@@ -1,6 +1,7 @@
 #include "io/assimp/assimp_textures.h"
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 
 #include <assimp/scene.h>
@@ -9,14 +10,15 @@
 #include <tbb/parallel_for.h>
 
 #include "core/error.h"
+#include "core/srgb.h"
 #include "io/bytes.h"
 #include "io/texture_decode.h"
 
 namespace relume {
 namespace {
 
-constexpr std::byte kWhite{255};
 constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
+const Vec4 kFlatNormal(128.0f / 255.0f, 128.0f / 255.0f, 1, 1);
 
 PixelFormat format_of(TextureRecipe recipe) {
   const bool is_color = recipe == TextureRecipe::color || recipe == TextureRecipe::color_and_alpha;
@@ -25,30 +27,49 @@ PixelFormat format_of(TextureRecipe recipe) {
 
 bool is_8_bit(const Texture& image) { return image.format != PixelFormat::rgba32_float; }
 
-size_t byte_count(int width, int height) {
-  return size_t{4} * static_cast<size_t>(width) * static_cast<size_t>(height);
+/// A number of an image, which has four a texel; bytes as shares of 255.
+float number_at(const Texture& image, size_t index) {
+  if (is_8_bit(image)) return static_cast<float>(std::to_integer<int>(image.texels[index])) / 255.0f;
+  float value;
+  std::memcpy(&value, &image.texels[index * sizeof value], sizeof value);
+  return value;
 }
 
-/// First byte of the texel of `image` nearest to texel (x, y) of a texture of `width` x `height`.
-size_t nearest_texel(const Texture& image, int x, int y, int width, int height) {
-  const auto u = static_cast<size_t>(static_cast<int64_t>(x) * image.width / width);
-  const auto v = static_cast<size_t>(static_cast<int64_t>(y) * image.height / height);
+size_t number_count(const Texture& image) {
+  return size_t{4} * static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+}
+
+/// First number of the texel of `image` nearest to texel (x, y) of `texture`.
+size_t nearest_texel(const Texture& image, int x, int y, const Texture& texture) {
+  const auto u = static_cast<size_t>(static_cast<int64_t>(x) * image.width / texture.width);
+  const auto v = static_cast<size_t>(static_cast<int64_t>(y) * image.height / texture.height);
   return 4 * (v * static_cast<size_t>(image.width) + u);
 }
 
 bool has_alpha(const Texture& image) {
-  for (size_t i = 3; i < image.texels.size(); i += 4) {
-    if (image.texels[i] != kWhite) return true;
+  for (size_t i = 3; i < number_count(image); i += 4) {
+    if (number_at(image, i) != 1.0f) return true;
   }
   return false;
 }
 
 /// OBJ's "bump" may be a height map (grey) or, against its specification but often, a normal map.
 bool is_grey(const Texture& image) {
-  for (size_t i = 0; i + 3 < image.texels.size(); i += 4) {
-    if (image.texels[i] != image.texels[i + 1] || image.texels[i] != image.texels[i + 2]) return false;
+  for (size_t i = 0; i < number_count(image); i += 4) {
+    const float red = number_at(image, i);
+    if (red != number_at(image, i + 1) || red != number_at(image, i + 2)) return false;
   }
   return true;
+}
+
+/// Appends a texel in the format of the texture.
+void append(Texture& texture, const Vec4& texel) {
+  if (is_8_bit(texture)) {
+    for (int c = 0; c < 4; ++c) texture.texels.push_back(std::byte{quantise_unorm8(texel[c])});
+  } else {
+    const auto* first = reinterpret_cast<const std::byte*>(&texel);
+    texture.texels.insert(texture.texels.end(), first, first + sizeof texel);
+  }
 }
 
 Texture copy_embedded(const aiTexture& source) {
@@ -135,27 +156,29 @@ void AssimpTextures::compose(const Request& request, Texture& texture) {
     texture.texels = first->texels;
     return;
   }
-  if (first && !is_8_bit(*first)) first = nullptr;
-  if (second && !is_8_bit(*second)) second = nullptr;
+  const bool is_color = request.recipe == TextureRecipe::color_and_alpha;
+  // One image of floats makes the texture one.
+  if ((first && !is_8_bit(*first)) || (second && !is_8_bit(*second))) texture.format = PixelFormat::rgba32_float;
   texture.width = std::max(first ? first->width : 1, second ? second->width : 1);
   texture.height = std::max(first ? first->height : 1, second ? second->height : 1);
-  texture.texels.assign(byte_count(texture.width, texture.height), kWhite);
-  if (request.recipe == TextureRecipe::normal) texture.texels[0] = texture.texels[1] = std::byte{128};
+  const bool decode = is_color && first && is_8_bit(*first) && !is_8_bit(texture);
   const size_t opacity_channel = second && has_alpha(*second) ? 3 : 0;
   for (int y = 0; y < texture.height; ++y) {
     for (int x = 0; x < texture.width; ++x) {
-      std::byte* texel =
-          &texture.texels[4 * (static_cast<size_t>(y) * static_cast<size_t>(texture.width) + static_cast<size_t>(x))];
-      const std::byte* a = first ? &first->texels[nearest_texel(*first, x, y, texture.width, texture.height)] : nullptr;
-      const std::byte* b =
-          second ? &second->texels[nearest_texel(*second, x, y, texture.width, texture.height)] : nullptr;
-      if (request.recipe == TextureRecipe::roughness_metal) {
-        if (a) texel[1] = a[0];
-        if (b) texel[2] = b[0];
+      Vec4 texel = request.recipe == TextureRecipe::normal ? kFlatNormal : Vec4(1);
+      const size_t a = first ? nearest_texel(*first, x, y, texture) : 0;
+      const size_t b = second ? nearest_texel(*second, x, y, texture) : 0;
+      if (is_color) {
+        for (int c = 0; first && c < 3; ++c) {
+          const float number = number_at(*first, a + static_cast<size_t>(c));
+          texel[c] = decode ? linear_from_srgb(number) : number;
+        }
+        if (second) texel.w = number_at(*second, b + opacity_channel);
       } else {
-        if (a) std::copy_n(a, 3, texel);
-        if (b) texel[3] = b[opacity_channel];
+        if (first) texel.y = number_at(*first, a);
+        if (second) texel.z = number_at(*second, b);
       }
+      append(texture, texel);
     }
   }
 }
@@ -164,9 +187,12 @@ void AssimpTextures::finish() {
   std::vector<decltype(images_)::value_type*> entries;
   for (auto& entry : images_) entries.push_back(&entry);
   std::vector<std::string> problems(entries.size());
+  std::vector<std::string> repairs(entries.size());
   tbb::parallel_for(size_t{0}, entries.size(), [&](size_t i) {
     try {
-      entries[i]->second = decode(entries[i]->first.first, entries[i]->first.second);
+      const auto& [path, format] = entries[i]->first;
+      entries[i]->second = decode(path, format);
+      repairs[i] = repair_texels(entries[i]->second, path, format);
     } catch (const std::exception& error) {
       problems[i] = error.what();
     }
@@ -174,15 +200,17 @@ void AssimpTextures::finish() {
   for (const std::string& problem : problems) {
     if (!problem.empty()) warnings_.add(fmt::format("{}; the texture is left out", problem));
   }
+  for (const std::string& repair : repairs) {
+    if (!repair.empty()) warnings_.add(repair);
+  }
   for (size_t i = 0; i < requests_.size(); ++i) compose(requests_[i], scene_.textures[i]);
   images_.clear();
 }
 
 bool AssimpTextures::has_transparency(Index texture) const {
   const Texture& t = scene_.textures[static_cast<size_t>(texture)];
-  if (!is_8_bit(t)) return false;
-  for (size_t i = 3; i < t.texels.size(); i += 4) {
-    if (t.texels[i] < std::byte{128}) return true;
+  for (size_t i = 3; i < number_count(t); i += 4) {
+    if (number_at(t, i) < 0.5f) return true;
   }
   return false;
 }

@@ -57,8 +57,8 @@ Index TextureImporter::request(int texture, TextureUse use) {
   return entry->second;
 }
 
-/// Returns what went wrong, nothing if nothing did.
-std::string TextureImporter::decode(const Request& request, Texture& texture) const {
+/// Returns what went wrong, nothing if nothing did. `repair`: what was mended.
+std::string TextureImporter::decode(const Request& request, Texture& texture, std::string& repair) const {
   if (request.image < 0 || static_cast<size_t>(request.image) >= document_.images.size())
     return "a texture has no image in a supported format";
   const ImageEntry& image = document_.images[static_cast<size_t>(request.image)];
@@ -84,6 +84,7 @@ std::string TextureImporter::decode(const Request& request, Texture& texture) co
       return fmt::format("image {} has neither a URI nor a buffer view", request.image);
     }
     Texture decoded = decode_texture(bytes, name, texture.format);
+    repair = repair_texels(decoded, name, texture.format);
     texture.width = decoded.width;
     texture.height = decoded.height;
     texture.format = decoded.format;
@@ -97,13 +98,17 @@ std::string TextureImporter::decode(const Request& request, Texture& texture) co
 
 void TextureImporter::decode_all() {
   std::vector<std::string> problems(requests_.size());
+  std::vector<std::string> repairs(requests_.size());
   tbb::parallel_for(size_t{0}, requests_.size(), [&](size_t i) {
-    problems[i] = decode(requests_[i], scene_.textures[i]);
+    problems[i] = decode(requests_[i], scene_.textures[i], repairs[i]);
     if (!problems[i].empty()) make_stand_in(requests_[i].use, scene_.textures[i]);
   });
   for (const std::string& problem : problems) {
     if (!problem.empty())
       document_.warnings.add(fmt::format("{}; a stand-in of one texel replaces the texture", problem));
+  }
+  for (const std::string& repair : repairs) {
+    if (!repair.empty()) document_.warnings.add(repair);
   }
 }
 

@@ -32,7 +32,7 @@ class TextureImporter {
     std::string float_image;  ///< URI of what replaces the image; empty: nothing
   };
 
-  std::string decode(const Request& request, Texture& texture) const;
+  std::string decode(const Request& request, Texture& texture, std::string& repair) const;
 
   Document& document_;
   Scene& scene_;
