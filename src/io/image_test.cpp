@@ -92,7 +92,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
 }
 
 TEST(Image, HdrReadsFlatOldAndBottomUpPictures) {
-  const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n";
+  const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
   const auto pixel = [](int r, int g, int b, int e) {
     return std::string{static_cast<char>(r), static_cast<char>(g), static_cast<char>(b), static_cast<char>(e)};
   };
@@ -108,9 +108,13 @@ TEST(Image, HdrReadsFlatOldAndBottomUpPictures) {
   EXPECT_EQ(old.at(4, 0), Rgb(2.0f, 0.0f, 0.0f));
   const Image flipped = parse_image(bytes_of(header + "+Y 2 +X 1\n" + one + two), "flipped");
   EXPECT_EQ(flipped.at(0, 0), Rgb(2.0f, 0.0f, 0.0f));
+  // Exposures say what the radiance has been multiplied by, one after the other.
+  const Image exposed = parse_image(bytes_of("#?RADIANCE\nEXPOSURE=0.25\nEXPOSURE= 2\n\n-Y 1 +X 1\n" + one), "exposed");
+  EXPECT_EQ(exposed.at(0, 0), Rgb(2.0f, 1.0f, 0.5f));
   for (const std::string& bad :
-       {header + "-Y 1 +X 2\n" + one + repeat_three, header + "-Y 1 +X 2\n" + repeat_three + one,
-        header + "-Y 1 +X 9999999\n" + one, header + "1 1\n" + one,
+       {"#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\n" + one, "#?RADIANCE\nEXPOSURE=x\n\n-Y 1 +X 1\n" + one,
+        "#?RADIANCE\nEXPOSURE=-1\n\n-Y 1 +X 1\n" + one, header + "-Y 1 +X 2\n" + one + repeat_three,
+        header + "-Y 1 +X 2\n" + repeat_three + one, header + "-Y 1 +X 9999999\n" + one, header + "1 1\n" + one,
         std::string("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n") + one})
     EXPECT_THROW(parse_image(bytes_of(bad), "bad"), Error) << bad;
 }

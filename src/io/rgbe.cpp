@@ -1,5 +1,6 @@
 #include "io/rgbe.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -62,7 +63,17 @@ class RgbeParser {
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
         throw Error(
             fmt::format("{}: HDR pictures with '{}' are not supported; convert it to RGBE or EXR", name_, text));
+      if (text.starts_with("EXPOSURE=")) read_exposure(std::string_view(text).substr(9));
     }
+  }
+
+  /// Each such line says what the radiance has been multiplied by.
+  void read_exposure(std::string_view text) {
+    const size_t first = std::min(text.find_first_not_of(' '), text.size());
+    float exposure = 0;
+    const auto [end, error] = std::from_chars(text.data() + first, text.data() + text.size(), exposure);
+    if (error == std::errc()) scale_ /= exposure;
+    if (error != std::errc() || !std::isnormal(scale_) || scale_ < 0) fail("its exposure is not a positive number");
   }
 
   /// "-Y HEIGHT +X WIDTH": rows from the top; "+Y": from the bottom.
@@ -124,9 +135,9 @@ class RgbeParser {
     }
   }
 
-  static Rgb color_of(const Rgbe& c) {
+  Rgb color_of(const Rgbe& c) const {
     if (c[3] == 0) return Rgb(0);
-    const float scale = std::ldexp(1.0f, c[3] - 136);  // exponent bias 128, mantissas in 1/256
+    const float scale = std::ldexp(scale_, c[3] - 136);  // exponent bias 128, mantissas in 1/256
     return {static_cast<float>(c[0]) * scale, static_cast<float>(c[1]) * scale, static_cast<float>(c[2]) * scale};
   }
 
@@ -134,6 +145,7 @@ class RgbeParser {
   const std::string& name_;
   size_t position_ = 0;
   bool bottom_up_ = false;
+  float scale_ = 1;  ///< radiance / stored value
 };
 
 }  // namespace
