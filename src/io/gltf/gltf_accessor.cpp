@@ -15,7 +15,7 @@ constexpr size_t kMaxZeroElements = size_t{1} << 24;
 
 const tinygltf::Accessor& accessor_at(const Document& document, int index) {
   if (index < 0 || static_cast<size_t>(index) >= document.model.accessors.size())
-    document.fail(fmt::format("accessor {} does not exist; the file is damaged", index));
+    document.damaged(fmt::format("accessor {} does not exist", index));
   return document.model.accessors[static_cast<size_t>(index)];
 }
 
@@ -33,13 +33,13 @@ int components_of(int type) {
 const std::byte* checked_data(const Document& document, int view, size_t offset, size_t count, size_t stride,
                               size_t element_size, int accessor) {
   if (view < 0 || static_cast<size_t>(view) >= document.views.size())
-    document.fail(fmt::format("accessor {} refers to missing buffer view {}", accessor, view));
+    document.damaged(fmt::format("accessor {} refers to missing buffer view {}", accessor, view));
   const ByteSpan bytes = document.views[static_cast<size_t>(view)];
   const bool fits = offset <= bytes.size() && element_size <= bytes.size() - offset &&
                     (count - 1) <= (bytes.size() - offset - element_size) / stride;
   if (count > 0 && !fits)
-    document.fail(fmt::format("accessor {} ({} elements of {} bytes) goes beyond its buffer view of {} bytes", accessor,
-                              count, element_size, bytes.size()));
+    document.damaged(fmt::format("accessor {} ({} elements of {} bytes) goes beyond its buffer view of {} bytes",
+                                 accessor, count, element_size, bytes.size()));
   return bytes.data() + (count > 0 ? offset : 0);
 }
 
@@ -51,14 +51,14 @@ ElementSource element_source(const Document& document, int index, int components
   source.components = components_of(accessor.type);
   source.normalized = accessor.normalized;
   if (source.components != components)
-    document.fail(
+    document.damaged(
         fmt::format("accessor {} should have {} components but has {}", index, components, source.components));
   const size_t element_size = component_size(accessor.componentType) * static_cast<size_t>(components);
   if (element_size == 0)
-    document.fail(fmt::format("accessor {} has the unknown component type {}", index, accessor.componentType));
+    document.damaged(fmt::format("accessor {} has the unknown component type {}", index, accessor.componentType));
   if (accessor.bufferView == document.no_buffer_view) {
     if (accessor.count > kMaxZeroElements)
-      document.fail(fmt::format("accessor {} has {} elements but no data", index, accessor.count));
+      document.damaged(fmt::format("accessor {} has {} elements but no data", index, accessor.count));
     return source;
   }
   const bool has_view =
@@ -119,23 +119,24 @@ struct SparsePart {
 SparsePart read_sparse(const Document& document, int index, const ElementSource& base) {
   const auto& sparse = accessor_at(document, index).sparse;
   if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
-    document.fail(fmt::format("accessor {} has a negative number in 'sparse'", index));
+    document.damaged(fmt::format("accessor {} has a negative number in 'sparse'", index));
   const auto count = static_cast<size_t>(sparse.count);
   ElementSource indices;
   indices.count = count;
   indices.component_type = sparse.indices.componentType;
   indices.components = 1;
   indices.stride = component_size(indices.component_type);
-  if (indices.stride == 0) document.fail(fmt::format("accessor {} has an unknown component type in 'sparse'", index));
+  if (indices.stride == 0)
+    document.damaged(fmt::format("accessor {} has an unknown component type in 'sparse'", index));
   indices.data = checked_data(document, sparse.indices.bufferView, static_cast<size_t>(sparse.indices.byteOffset),
                               count, indices.stride, indices.stride, index);
   SparsePart part;
   part.positions.resize(count);
   if (!convert_to_indices(indices, part.positions.data()))
-    document.fail(fmt::format("accessor {} has sparse indices that are not unsigned integers", index));
+    document.damaged(fmt::format("accessor {} has sparse indices that are not unsigned integers", index));
   for (const uint32_t position : part.positions) {
     if (position >= base.count)
-      document.fail(fmt::format("accessor {} has a sparse index beyond its {} elements", index, base.count));
+      document.damaged(fmt::format("accessor {} has a sparse index beyond its {} elements", index, base.count));
   }
   part.values = base;
   part.values.count = count;
@@ -221,13 +222,13 @@ std::vector<uint32_t> read_indices(const Document& document, int accessor) {
   const ElementSource source = element_source(document, accessor, 1);
   std::vector<uint32_t> indices(source.count, 0);
   if (source.data && source.count > 0 && !convert_to_indices(source, indices.data()))
-    document.fail(
+    document.damaged(
         fmt::format("accessor {} holds vertex indices but its components are not unsigned integers", accessor));
   if (accessor_at(document, accessor).sparse.isSparse) {
     const SparsePart part = read_sparse(document, accessor, source);
     std::vector<uint32_t> values(part.positions.size());
     if (!convert_to_indices(part.values, values.data()))
-      document.fail(
+      document.damaged(
           fmt::format("accessor {} holds vertex indices but its components are not unsigned integers", accessor));
     for (size_t i = 0; i < values.size(); ++i) indices[part.positions[i]] = values[i];
   }

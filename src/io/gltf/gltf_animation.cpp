@@ -59,7 +59,7 @@ void repair_keys(AnimationChannel& channel, const std::string& name, Warnings& w
 void import_channel(Document& document, const tinygltf::Animation& animation, const tinygltf::AnimationChannel& source,
                     AnimationChannel channel, Scene& scene) {
   if (source.sampler < 0 || static_cast<size_t>(source.sampler) >= animation.samplers.size())
-    document.fail(
+    document.damaged(
         fmt::format("animation '{}' refers to sampler {}, which does not exist", animation.name, source.sampler));
   const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<size_t>(source.sampler)];
   channel.interpolation = interpolation_of(sampler.interpolation);
@@ -67,8 +67,8 @@ void import_channel(Document& document, const tinygltf::Animation& animation, co
   channel.values = read_values(document, sampler.output, channel.property);
   const size_t per_key = channel.interpolation == Interpolation::cubic_spline ? 3 : 1;
   if (channel.values.size() != per_key * channel.times.size())
-    document.fail(fmt::format("animation '{}' has {} times but {} values", animation.name, channel.times.size(),
-                              channel.values.size()));
+    document.damaged(fmt::format("animation '{}' has {} times but {} values", animation.name, channel.times.size(),
+                                 channel.values.size()));
   repair_keys(channel, animation.name, document.warnings);
   if (channel.times.empty()) return;
   Node& node = scene.nodes[static_cast<size_t>(channel.node)];
@@ -94,7 +94,7 @@ void import_animation(Document& document, const std::vector<Index>& node_of, Sce
       }
       if (source.target_node < 0) continue;  // glTF 2.0: channels without a node are to be ignored
       if (static_cast<size_t>(source.target_node) >= node_of.size())
-        document.fail(
+        document.damaged(
             fmt::format("animation '{}' moves node {}, which does not exist", animation.name, source.target_node));
       channel.node = node_of[static_cast<size_t>(source.target_node)];
       if (channel.node == kNone) continue;

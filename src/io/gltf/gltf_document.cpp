@@ -27,20 +27,19 @@ std::string_view as_text(ByteSpan bytes) { return {reinterpret_cast<const char*>
 
 /// glTF 2.0, §4.4: header of 12 bytes, then chunks of length, type and payload.
 Chunks split_glb(const Document& document, ByteSpan file) {
-  if (file.size() < 20) document.fail("the file ends within its header; it is truncated");
+  if (file.size() < 20) document.damaged("the file ends within its header");
   if (read_u32(file, 4) != 2)
     document.fail(fmt::format("GLB version {} is not supported; convert the file to 2", read_u32(file, 4)));
   const size_t length = read_u32(file, 8);
   if (length > file.size())
-    document.fail(
-        fmt::format("the header promises {} bytes but the file has {}; it is truncated", length, file.size()));
+    document.damaged(fmt::format("the header promises {} bytes but the file has {}", length, file.size()));
   Chunks chunks;
   size_t offset = 12;
   while (offset + 8 <= length) {
     const size_t size = read_u32(file, offset);
     const uint32_t type = read_u32(file, offset + 4);
     if (size > length - offset - 8)
-      document.fail(fmt::format("the chunk at byte {} goes beyond the end of the file", offset));
+      document.damaged(fmt::format("the chunk at byte {} goes beyond the end of the file", offset));
     const ByteSpan payload = file.subspan(offset + 8, size);
     if (offset == 12 && type != kJsonChunk) document.fail("the first chunk is not JSON; this is not a valid GLB file");
     if (offset == 12) {
@@ -71,7 +70,7 @@ void parse_model(Document& document, const std::string& json) {
   } catch (const std::exception& exception) {
     error = exception.what();
   }
-  if (!ok) document.fail(fmt::format("not valid glTF: {}", first_line(error)));
+  if (!ok) document.damaged(fmt::format("not valid glTF: {}", first_line(error)));
 }
 
 ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index, ByteSpan bin) {
@@ -79,7 +78,7 @@ ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index,
   if (!entry.uri.empty()) {
     if (is_data_uri(entry.uri)) {
       auto decoded = decode_data_uri(entry.uri);
-      if (!decoded) document.fail(fmt::format("the data URI of buffers[{}] is malformed", index));
+      if (!decoded) document.damaged(fmt::format("the data URI of buffers[{}] is malformed", index));
       document.storage.push_back(std::move(*decoded));
     } else {
       const auto file = resolve_uri(document.base_dir, percent_decode(entry.uri), document.place);
@@ -91,11 +90,11 @@ ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index,
   } else if (entry.is_fallback) {
     return {};
   } else if (index != 0 || bin.empty()) {
-    document.fail(fmt::format("buffers[{}] has neither a URI nor a binary chunk", index));
+    document.damaged(fmt::format("buffers[{}] has neither a URI nor a binary chunk", index));
   }
   if (entry.byte_length > bytes.size())
-    document.fail(fmt::format("buffers[{}] should have {} bytes but has {}; it is truncated", index, entry.byte_length,
-                              bytes.size()));
+    document.damaged(
+        fmt::format("buffers[{}] should have {} bytes but has {}", index, entry.byte_length, bytes.size()));
   return bytes.first(entry.byte_length);
 }
 
@@ -106,11 +105,11 @@ void slice_views(Document& document) {
     if (static_cast<int>(i) == document.no_buffer_view || is_meshopt_view(views[i])) continue;
     const auto& view = views[i];
     if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= document.buffers.size())
-      document.fail(fmt::format("bufferViews[{}] refers to missing buffer {}", i, view.buffer));
+      document.damaged(fmt::format("bufferViews[{}] refers to missing buffer {}", i, view.buffer));
     const ByteSpan buffer = document.buffers[static_cast<size_t>(view.buffer)];
     if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-      document.fail(fmt::format("bufferViews[{}] ({} bytes at {}) goes beyond its buffer of {} bytes", i,
-                                view.byteLength, view.byteOffset, buffer.size()));
+      document.damaged(fmt::format("bufferViews[{}] ({} bytes at {}) goes beyond its buffer of {} bytes", i,
+                                   view.byteLength, view.byteOffset, buffer.size()));
     document.views[i] = buffer.subspan(view.byteOffset, view.byteLength);
   }
 }

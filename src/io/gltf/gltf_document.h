@@ -25,6 +25,10 @@ struct Document {
 
   /// Throws Error "place: problem".
   [[noreturn]] void fail(const std::string& problem) const { throw Error(place + ": " + problem); }
+  /// The same for data that contradict themselves.
+  [[noreturn]] void damaged(const std::string& problem) const {
+    fail(problem + "; the file is damaged, export or copy it again");
+  }
 
   std::string place;
   std::filesystem::path base_dir;

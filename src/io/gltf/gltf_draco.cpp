@@ -32,7 +32,7 @@ int component_type_of(draco::DataType type) {
 ByteSpan compressed_bytes(const Document& document, const tinygltf::Value& extension) {
   const int view = integer_member(extension, "bufferView", -1);
   if (view < 0 || static_cast<size_t>(view) >= document.views.size())
-    document.fail(fmt::format("Draco data refer to missing buffer view {}", view));
+    document.damaged(fmt::format("Draco data refer to missing buffer view {}", view));
   return document.views[static_cast<size_t>(view)];
 }
 
@@ -46,7 +46,7 @@ std::unique_ptr<draco::Mesh> decode(const Document& document, ByteSpan bytes) {
   } catch (const std::exception&) {
     // Absurd sizes in a damaged header: std::bad_alloc or std::length_error.
   }
-  document.fail("its Draco data are damaged; export the file anew");
+  document.damaged("its Draco data are damaged");
 }
 
 /// Copies the attribute's values in the order of the mesh's points, each one checked: decoded mappings of damaged data
@@ -61,15 +61,14 @@ DracoAttribute copy_attribute(const Document& document, const draco::Mesh& mesh,
   source.normalized = normalized;
   source.stride = component_size(source.component_type) * static_cast<size_t>(source.components);
   const bool mapped = attribute.is_mapping_identity() || attribute.indices_map_size() >= source.count;
-  if (source.stride == 0 || !mapped || !attribute.buffer())
-    document.fail("a Draco attribute is damaged; export the file anew");
+  if (source.stride == 0 || !mapped || !attribute.buffer()) document.damaged("a Draco attribute is damaged");
   copy.bytes.resize(source.count * source.stride);
   const size_t available = attribute.buffer()->data_size();
   for (size_t i = 0; i < source.count; ++i) {
     const auto value = attribute.mapped_index(draco::PointIndex(static_cast<uint32_t>(i)));
     const int64_t position = attribute.GetBytePos(value);
     if (position < 0 || static_cast<size_t>(position) + source.stride > available)
-      document.fail("a Draco attribute is damaged; export the file anew");
+      document.damaged("a Draco attribute is damaged");
     std::memcpy(copy.bytes.data() + i * source.stride, attribute.buffer()->data() + position, source.stride);
   }
   source.data = copy.bytes.data();
@@ -96,7 +95,7 @@ DracoPrimitive decode_draco_primitive(const Document& document, const tinygltf::
       const int id = integer_member(*attributes, name.c_str(), -1);
       const draco::PointAttribute* attribute =
           id < 0 ? nullptr : mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id));
-      if (!attribute) document.fail(fmt::format("the Draco data lack attribute {} with id {}", name, id));
+      if (!attribute) document.damaged(fmt::format("the Draco data lack attribute {} with id {}", name, id));
       decoded.attributes.emplace(name,
                                  copy_attribute(document, *mesh, *attribute, is_normalized(document, primitive, name)));
     }

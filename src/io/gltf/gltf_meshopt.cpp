@@ -24,7 +24,7 @@ size_t size_member(const Document& document, const tinygltf::Value& extension, c
   const double value = number_member(extension, key, 0);
   // Doubles hold integers exactly up to 2^53, far more than any buffer has.
   if (!(value >= 0 && value <= 9e15))
-    document.fail(fmt::format("bufferViews[{}]: {} of {} is out of range", view, key, kExtension));
+    document.damaged(fmt::format("bufferViews[{}]: {} of {} is out of range", view, key, kExtension));
   return static_cast<size_t>(value);
 }
 
@@ -34,10 +34,10 @@ CompressedView read_extension(const Document& document, size_t index) {
   const size_t offset = size_member(document, extension, "byteOffset", index);
   const size_t length = size_member(document, extension, "byteLength", index);
   if (buffer >= document.buffers.size())
-    document.fail(fmt::format("bufferViews[{}] refers to missing buffer {}", index, buffer));
+    document.damaged(fmt::format("bufferViews[{}] refers to missing buffer {}", index, buffer));
   const ByteSpan bytes = document.buffers[buffer];
   if (offset > bytes.size() || length > bytes.size() - offset)
-    document.fail(
+    document.damaged(
         fmt::format("the compressed bufferViews[{}] goes beyond its buffer of {} bytes", index, bytes.size()));
   CompressedView view;
   view.data = bytes.subspan(offset, length);
@@ -53,24 +53,25 @@ void check_layout(const Document& document, const CompressedView& view, size_t i
   const bool is_vertex = view.mode == "ATTRIBUTES";
   const bool is_index = view.mode == "TRIANGLES" || view.mode == "INDICES";
   if (!is_vertex && !is_index)
-    document.fail(fmt::format("bufferViews[{}]: unknown compression mode '{}'", index, view.mode));
+    document.damaged(fmt::format("bufferViews[{}]: unknown compression mode '{}'", index, view.mode));
   const bool stride_ok =
       is_vertex ? view.stride > 0 && view.stride <= 256 && view.stride % 4 == 0 : view.stride == 2 || view.stride == 4;
   if (!stride_ok)
-    document.fail(fmt::format("bufferViews[{}]: byte stride {} does not suit mode {}", index, view.stride, view.mode));
+    document.damaged(
+        fmt::format("bufferViews[{}]: byte stride {} does not suit mode {}", index, view.stride, view.mode));
   if (view.mode == "TRIANGLES" && view.count % 3 != 0)
-    document.fail(fmt::format("bufferViews[{}]: {} indices are not whole triangles", index, view.count));
+    document.damaged(fmt::format("bufferViews[{}]: {} indices are not whole triangles", index, view.count));
   const bool filter_ok = view.filter.empty() || view.filter == "NONE" ||
                          (view.filter == "OCTAHEDRAL" && (view.stride == 4 || view.stride == 8)) ||
                          (view.filter == "QUATERNION" && view.stride == 8) || view.filter == "EXPONENTIAL";
   if (!filter_ok)
-    document.fail(
+    document.damaged(
         fmt::format("bufferViews[{}]: filter '{}' does not suit byte stride {}", index, view.filter, view.stride));
   // No mode packs more than 64 bytes into one: vertices take at least 2 bits for 16 bytes of a column, triangles a
   // byte.
   if (view.count > view.data.size() * 64 / view.stride)
-    document.fail(fmt::format("bufferViews[{}]: {} elements cannot come from {} compressed bytes", index, view.count,
-                              view.data.size()));
+    document.damaged(fmt::format("bufferViews[{}]: {} elements cannot come from {} compressed bytes", index, view.count,
+                                 view.data.size()));
 }
 
 }  // namespace
@@ -90,7 +91,7 @@ Bytes decode_meshopt_view(const Document& document, size_t index) {
   } else {
     failed = meshopt_decodeIndexSequence(decoded.data(), view.count, view.stride, source, view.data.size());
   }
-  if (failed != 0) document.fail(fmt::format("the compressed data of bufferViews[{}] is damaged", index));
+  if (failed != 0) document.damaged(fmt::format("the compressed data of bufferViews[{}] is damaged", index));
   if (view.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(decoded.data(), view.count, view.stride);
   if (view.filter == "QUATERNION") meshopt_decodeFilterQuat(decoded.data(), view.count, view.stride);
   if (view.filter == "EXPONENTIAL") meshopt_decodeFilterExp(decoded.data(), view.count, view.stride);

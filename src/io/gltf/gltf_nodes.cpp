@@ -19,10 +19,10 @@ std::vector<int> find_parents(const Document& document) {
   for (size_t i = 0; i < nodes.size(); ++i) {
     for (const int child : nodes[i].children) {
       if (child < 0 || static_cast<size_t>(child) >= nodes.size())
-        document.fail(fmt::format("node {} has the child {}, which does not exist; the file is damaged", i, child));
+        document.damaged(fmt::format("node {} has the child {}, which does not exist", i, child));
       int& parent = parents[static_cast<size_t>(child)];
       if (parent == static_cast<int>(i))
-        document.fail(fmt::format("node {} is listed twice as a child of node {}", child, i));
+        document.damaged(fmt::format("node {} is listed twice as a child of node {}", child, i));
       if (parent != -1)
         document.fail(fmt::format("node {} has two parents, {} and {}; glTF allows one", child, parent, i));
       parent = static_cast<int>(i);
@@ -64,9 +64,9 @@ std::vector<int> scene_roots(Document& document, const std::vector<int>& parents
   std::vector<bool> taken(parents.size(), false);
   for (const int root : model.scenes[scene].nodes) {
     if (root < 0 || static_cast<size_t>(root) >= parents.size())
-      document.fail(fmt::format("scene {} lists node {}, which does not exist; the file is damaged", scene, root));
+      document.damaged(fmt::format("scene {} lists node {}, which does not exist", scene, root));
     if (parents[static_cast<size_t>(root)] != -1)
-      document.fail(fmt::format("scene {} lists node {}, which is a child of another node", scene, root));
+      document.damaged(fmt::format("scene {} lists node {}, which is a child of another node", scene, root));
     if (!taken[static_cast<size_t>(root)]) roots.push_back(root);
     taken[static_cast<size_t>(root)] = true;
   }
@@ -116,7 +116,7 @@ std::vector<Mat4> read_instances(Document& document, const tinygltf::Value& exte
   const size_t count = std::max({translations.size(), rotations.size(), scales.size()});
   const auto agrees = [&](size_t size) { return size == 0 || size == count; };
   if (!agrees(translations.size()) || !agrees(rotations.size()) || !agrees(scales.size()))
-    document.fail(fmt::format("node '{}': its instances have attributes of different lengths", node));
+    document.damaged(fmt::format("node '{}': its instances have attributes of different lengths", node));
   std::vector<Mat4> instances(count, Mat4(1));
   for (size_t i = 0; i < count; ++i) {
     Transform t;
@@ -124,7 +124,7 @@ std::vector<Mat4> read_instances(Document& document, const tinygltf::Value& exte
     if (!rotations.empty()) t.rotation = to_rotation({rotations[i].x, rotations[i].y, rotations[i].z, rotations[i].w});
     if (!scales.empty()) t.scale = scales[i];
     if (!is_finite(t.translation) || !is_finite(t.scale))
-      document.fail(fmt::format("node '{}': instance {} is not finite", node, i));
+      document.damaged(fmt::format("node '{}': instance {} is not finite", node, i));
     instances[i] = glm::translate(Mat4(1), t.translation) * glm::mat4_cast(t.rotation) * glm::scale(Mat4(1), t.scale);
   }
   return instances;
@@ -151,7 +151,7 @@ Node convert_node(Document& document, Scene& scene, MeshImporter& meshes, Punctu
 std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes) {
   const std::vector<int> parents = find_parents(document);
   if (walk(document.model, all_roots(parents)).size() != parents.size())
-    document.fail("its node tree has a cycle: a node is its own ancestor");
+    document.damaged("its node tree has a cycle: a node is its own ancestor");
   const std::vector<int> order = walk(document.model, scene_roots(document, parents));
   std::vector<Index> node_of(parents.size(), kNone);
   for (size_t k = 0; k < order.size(); ++k) node_of[static_cast<size_t>(order[k])] = static_cast<Index>(k);

@@ -10,7 +10,7 @@ namespace {
 template <typename V>
 std::vector<V> convert(const Document& document, const ElementSource& source, const std::string& name) {
   if (source.components != V::length())
-    document.fail(fmt::format("the Draco attribute {} has {} components", name, source.components));
+    document.damaged(fmt::format("the Draco attribute {} has {} components", name, source.components));
   std::vector<V> elements(source.count);
   if (!elements.empty()) convert_to_floats(source, &elements[0].x);
   return elements;

@@ -49,7 +49,7 @@ TEST(Gltf, LoadsBufferFileWithEscapedName) {
   doc["buffers"][0]["uri"] = "my buffer.bin";
   doc["buffers"][0]["byteLength"] = 40;
   const auto truncated = folder.write("c.gltf", doc.dump());
-  EXPECT_NE(error_of([&] { load_gltf(truncated); }).find("truncated"), std::string::npos);
+  EXPECT_NE(error_of([&] { load_gltf(truncated); }).find("damaged"), std::string::npos);
 }
 
 TEST(Gltf, KeepsTransformsMatricesAndParents) {

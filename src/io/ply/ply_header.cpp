@@ -73,7 +73,7 @@ class HeaderParser {
   }
 
   [[noreturn]] void fail(const std::string& problem) const {
-    throw Error(fmt::format("{}: {}; the file is damaged", place_, problem));
+    throw Error(fmt::format("{}: {}; the file is damaged, export or copy it again", place_, problem));
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "io/ply/ply_loader.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cstring>
@@ -28,7 +29,7 @@ class NumberReader {
   size_t bytes_left() const { return body_.size(); }
 
   [[noreturn]] void fail(const std::string& problem) const {
-    throw Error(fmt::format("{}: {}; the file is damaged", place_, problem));
+    throw Error(fmt::format("{}: {}; the file is damaged, export or copy it again", place_, problem));
   }
 
  private:
@@ -100,14 +101,22 @@ void skip(NumberReader& reader, const ply::Property& property) {
   for (double i = 0; i < count; ++i) reader.next(property.type);
 }
 
+/// Where a vertex keeps the components of one of its attributes; -1: it lacks that one.
+template <size_t N>
+struct Columns {
+  std::array<int, N> at;
+
+  bool complete() const { return *std::min_element(at.begin(), at.end()) >= 0; }
+  float operator()(const std::vector<float>& row, size_t i) const { return row[static_cast<size_t>(at[i])]; }
+};
+
 void read_vertices(NumberReader& reader, const ply::Element& element, Mesh& mesh) {
-  const int position = element.find({"x"});
-  const int normal = element.find({"nx"});
-  const int uv = element.find({"u", "s", "texture_u"});
-  const int color = element.find({"red", "r"});
-  const bool has_alpha = element.find({"alpha", "a"}) == color + 3;
-  const int count = static_cast<int>(element.properties.size());
-  if (position < 0 || position + 2 >= count) reader.fail("its vertices have no x, y and z");
+  const Columns<3> position{{element.find({"x"}), element.find({"y"}), element.find({"z"})}};
+  const Columns<3> normal{{element.find({"nx"}), element.find({"ny"}), element.find({"nz"})}};
+  const Columns<2> uv{{element.find({"u", "s", "texture_u"}), element.find({"v", "t", "texture_v"})}};
+  const Columns<3> color{{element.find({"red", "r"}), element.find({"green", "g"}), element.find({"blue", "b"})}};
+  const Columns<1> alpha{{element.find({"alpha", "a"})}};
+  if (!position.complete()) reader.fail("its vertices have no x, y and z");
   std::vector<float> row(element.properties.size(), 0.0f);
   for (uint64_t i = 0; i < element.count; ++i) {
     for (size_t p = 0; p < row.size(); ++p) {
@@ -117,18 +126,16 @@ void read_vertices(NumberReader& reader, const ply::Element& element, Mesh& mesh
         row[p] = narrow(reader.next(element.properties[p].type));
       }
     }
-    const auto vec3 = [&](int first) {
-      return Vec3(row[static_cast<size_t>(first)], row[static_cast<size_t>(first) + 1],
-                  row[static_cast<size_t>(first) + 2]);
-    };
+    const auto vec3 = [&](const Columns<3>& c) { return Vec3(c(row, 0), c(row, 1), c(row, 2)); };
     mesh.positions.push_back(vec3(position));
-    if (normal >= 0 && normal + 2 < count) mesh.normals.push_back(vec3(normal));
-    if (uv >= 0 && uv + 1 < count)
-      mesh.uv0.emplace_back(row[static_cast<size_t>(uv)], 1 - row[static_cast<size_t>(uv) + 1]);
-    if (color >= 0 && color + 2 < count) {
-      const float scale = color_scale(element.properties[static_cast<size_t>(color)].type);
-      mesh.colors.emplace_back(vec3(color) / scale, has_alpha ? row[static_cast<size_t>(color) + 3] / scale : 1.0f);
-    }
+    if (normal.complete()) mesh.normals.push_back(vec3(normal));
+    if (uv.complete()) mesh.uv0.emplace_back(uv(row, 0), 1 - uv(row, 1));
+    const auto share = [&](const auto& c, size_t k) {
+      return c(row, k) / color_scale(element.properties[static_cast<size_t>(c.at[k])].type);
+    };
+    if (color.complete())
+      mesh.colors.emplace_back(share(color, 0), share(color, 1), share(color, 2),
+                               alpha.complete() ? share(alpha, 0) : 1.0f);
   }
 }
 
@@ -164,7 +171,7 @@ Scene scene_of(Mesh mesh, Warnings warnings, const std::string& place) {
   mesh.material = 0;
   repair_mesh(mesh, warnings);
   if (mesh.triangles.empty())
-    throw Error(fmt::format("{}: the file has no triangles; point clouds are not supported", place));
+    throw Error(fmt::format("{}: the file has no triangles; point clouds are not supported, make a mesh of it", place));
   if (mesh.normals.empty()) mesh.normals = smooth_normals(mesh);
   Material material;
   material.name = "default";

@@ -35,6 +35,25 @@ TEST(Ply, LoadsAsciiWithColoursAndTextureCoordinates) {
   EXPECT_TRUE(scene.warnings.empty());
 }
 
+TEST(Ply, FindsPropertiesByNameInAnyOrder) {
+  const Scene scene = load(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float z\nproperty uchar blue\nproperty float nz\nproperty "
+      "float y\nproperty float ny\nproperty float texture_v\nproperty uchar red\nproperty float x\nproperty ushort "
+      "green\nproperty float nx\nproperty float texture_u\nelement face 1\nproperty list uchar int "
+      "vertex_indices\nend_header\n"
+      "3 51 0 2 1 0.25 255 1 65535 0 0.5\n0 0 0 0 1 0 0 1 0 0 0\n0 0 0 1 1 0 0 0 0 0 0\n3 0 1 2\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_EQ(mesh.positions[0], Vec3(1, 2, 3));
+  EXPECT_EQ(mesh.normals[0], Vec3(0, 1, 0));
+  EXPECT_EQ(mesh.uv0[0], Vec2(0.5f, 0.75f));
+  EXPECT_EQ(mesh.colors[0], Vec4(1, 1, 0.2f, 1));
+  EXPECT_NE(error_of([&] {
+              load("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float w\n" +
+                   kFaces + "0 0 0\n3 0 0 0\n");
+            }).find("no x, y and z"),
+            std::string::npos);
+}
+
 TEST(Ply, FansPolygonsAndSkipsOtherElements) {
   const Scene scene =
       load("ply\nformat ascii 1.0\n" + kVertices + "element edge 1\nproperty int a\nproperty list uchar float b\n" +
