@@ -1,5 +1,5 @@
-# cmake --install: the library with its headers and its CMake package (find_package(relume) gives relume::relume), the
-# program, and its bash completion.
+# cmake --install: the library with its headers and its CMake package (find_package(relume) gives relume::relume) and the
+# program.
 include(CMakePackageConfigHelpers)
 
 set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
@@ -36,8 +36,4 @@ function(relume_install_programs folder)
 endfunction()
 relume_install_programs(${PROJECT_SOURCE_DIR}/apps)
 
-file(GLOB_RECURSE relume_completion ${PROJECT_SOURCE_DIR}/apps/*.bash)
-if(relume_completion)
-  install(FILES ${relume_completion} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME relume)
-endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/relume)

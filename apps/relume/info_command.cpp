@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,6 +8,7 @@
 
 #include "command.h"
 #include "console.h"
+#include "io/extension.h"
 #include "io/image.h"
 #include "reports.h"
 #include "scene_source.h"
@@ -19,12 +19,6 @@ namespace {
 
 constexpr std::array<std::string_view, 7> kPictureExtensions = {".exr",  ".hdr", ".png", ".jpg",
                                                                 ".jpeg", ".tga", ".bmp"};
-
-std::string extension_of(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 bool is_picture(const std::string& extension) {
   return std::find(kPictureExtensions.begin(), kPictureExtensions.end(), extension) != kPictureExtensions.end();
@@ -59,7 +53,7 @@ struct InfoOptions {
 };
 
 int run_info(const InfoOptions& options) {
-  const std::string extension = extension_of(options.file);
+  const std::string extension = lower_extension(options.file);
   const auto print = [&](const auto& what) {
     std::fputs((options.json ? to_json(what) : to_text(what)).c_str(), stdout);
   };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string_view>
 #include <utility>
 
@@ -10,6 +9,7 @@
 
 #include "command.h"
 #include "film/tone_map.h"
+#include "io/extension.h"
 #include "io/image.h"
 #include "platform.h"
 #include "render/session.h"
@@ -19,12 +19,6 @@ namespace relume::cli {
 namespace {
 
 constexpr std::array<std::string_view, 6> kExtensions = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tga"};
-
-std::string extension_of(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 void write_layers(const std::filesystem::path& file, const Session& session, const std::vector<std::string>& aovs,
                   const Metadata& metadata) {
@@ -39,7 +33,7 @@ void write_layers(const std::filesystem::path& file, const Session& session, con
 }  // namespace
 
 void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
-  const std::string extension = extension_of(file);
+  const std::string extension = lower_extension(file);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) {
     throw UsageError(fmt::format("{}: pictures are written as {}; choose one of these extensions", file.string(),
                                  fmt::join(kExtensions, ", ")));
@@ -81,7 +75,7 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
 
 void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
                    const std::vector<std::string>& aovs, const Metadata& metadata) {
-  const std::string extension = extension_of(file);
+  const std::string extension = lower_extension(file);
   if (extension == ".exr") return write_layers(file, session, aovs, metadata);
   const Image image = session.image();
   write_image(file, extension == ".hdr" ? image : tone_map(image, output.tone_map, output.exposure));

@@ -1,24 +1,12 @@
 #include "video.h"
 
-#include <algorithm>
-#include <cmath>
-#include <system_error>
-
 #include <fmt/format.h>
 
 #include "command.h"
+#include "core/srgb.h"
 #include "picture.h"
 
 namespace relume::cli {
-namespace {
-
-unsigned char srgb_byte(float linear) {
-  const float x = std::clamp(linear, 0.0f, 1.0f);
-  const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-  return static_cast<unsigned char>(std::lround(encoded * 255.0f));
-}
-
-}  // namespace
 
 bool is_video_file(const std::filesystem::path& file) {
   return file.extension() == ".mp4" || file.extension() == ".y4m";
@@ -35,29 +23,22 @@ void check_video_file(const std::filesystem::path& file) {
 }
 
 VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, float fps)
-    : file_(std::move(file)), bytes_(static_cast<size_t>(width) * static_cast<size_t>(height) * 3) {
-  temporary_ = file_;
-  temporary_ += ".tmp" + file_.extension().string();
+    : file_(std::move(file)), pending_(file_), bytes_(static_cast<size_t>(width) * static_cast<size_t>(height) * 3) {
   std::vector<std::string> command{"ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   command.insert(command.end(), {"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", fps), "-i", "-"});
   // 4:2:0 needs even sizes: the last row or column is repeated.
   command.insert(command.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"});
   if (file_.extension() == ".mp4") command.insert(command.end(), {"-crf", "17", "-movflags", "+faststart"});
-  command.push_back(std::filesystem::absolute(temporary_).string());
+  command.push_back(std::filesystem::absolute(pending_.path()).string());
   encoder_ = std::make_unique<ChildPipe>(command);
 }
 
-VideoWriter::~VideoWriter() {
-  if (!encoder_) return;
-  encoder_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
-}
+VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::add(const Image& image) {
   size_t i = 0;
   for (const Rgb& pixel : image.pixels) {
-    for (int c = 0; c < 3; ++c) bytes_[i++] = srgb_byte(pixel[c]);
+    for (int c = 0; c < 3; ++c) bytes_[i++] = quantise_unorm8(srgb_from_linear(pixel[c]));
   }
   if (!encoder_->write(bytes_.data(), bytes_.size())) fail();
 }
@@ -65,7 +46,7 @@ void VideoWriter::add(const Image& image) {
 void VideoWriter::finish() {
   if (encoder_->finish() != 0) fail();
   encoder_.reset();
-  std::filesystem::rename(temporary_, file_);
+  pending_.commit();
 }
 
 void VideoWriter::fail() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "child_pipe.h"
+#include "io/atomic_file.h"
 #include "io/image.h"
 
 namespace relume::cli {
@@ -33,7 +34,7 @@ class VideoWriter {
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_;
-  std::filesystem::path temporary_;
+  PendingFile pending_;
   std::vector<unsigned char> bytes_;
   std::unique_ptr<ChildPipe> encoder_;
 };

@@ -17,11 +17,14 @@ namespace fs = std::filesystem;
 
 std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reason"; }
 
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
 /// A name beside `target` that no other writer uses; hidden, so that globs like *.exr pass it by.
 fs::path temporary_name(const fs::path& target) {
   std::random_device random;
   const uint64_t tag = (static_cast<uint64_t>(random()) << 32) | random();
-  return target.parent_path() / fmt::format(".{}.{:016x}.tmp", target.filename().string(), tag);
+  return target.parent_path() /
+         fmt::format(".{}.{:016x}.tmp{}", target.stem().string(), tag, target.extension().string());
 }
 
 /// Where the bytes finally go: the end of a chain of symbolic links, existing or not.
@@ -34,30 +37,38 @@ fs::path resolve(const fs::path& file) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(const fs::path& target) : target_(resolve(target)) {
+PendingFile::PendingFile(const fs::path& target) : target_(resolve(target)) {
   std::error_code ignored;
   if (target_.filename().empty() || fs::is_directory(target_, ignored))
     throw Error(fmt::format("{}: this is a folder; give the name of a file in it", target.string()));
-  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+  const fs::path folder = folder_of(target_);
   if (!fs::is_directory(folder, ignored))
     throw Error(fmt::format("{}: the folder {} does not exist; create it first", target.string(), folder.string()));
   const bool direct = fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored);
   if (!direct) temporary_ = temporary_name(target_);
-  errno = 0;
-  stream_.open(direct ? target_ : temporary_, std::ios::binary | std::ios::trunc);
-  if (!stream_) {
-    const std::string why = reason();
-    temporary_.clear();
-    throw Error(
-        fmt::format("{}: cannot be written ({}); check the permissions of {}", target.string(), why, folder.string()));
-  }
 }
 
-AtomicFile::~AtomicFile() {
+PendingFile::~PendingFile() {
   if (temporary_.empty()) return;
-  stream_.close();
   std::error_code ignored;
   fs::remove(temporary_, ignored);
+}
+
+void PendingFile::commit() {
+  if (temporary_.empty()) return;
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error)
+    throw Error(fmt::format("{}: cannot be replaced ({}); choose another name", target_.string(), error.message()));
+  temporary_.clear();
+}
+
+AtomicFile::AtomicFile(const fs::path& target) : target_(target), pending_(target) {
+  errno = 0;
+  stream_.open(pending_.path(), std::ios::binary | std::ios::trunc);
+  if (!stream_)
+    throw Error(fmt::format("{}: cannot be written ({}); check the permissions of {}", target_.string(), reason(),
+                            folder_of(pending_.path()).string()));
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -68,12 +79,7 @@ void AtomicFile::commit() {
   errno = 0;
   stream_.close();
   if (!stream_) throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(), reason()));
-  if (temporary_.empty()) return;
-  std::error_code error;
-  fs::rename(temporary_, target_, error);
-  if (error)
-    throw Error(fmt::format("{}: cannot be replaced ({}); choose another name", target_.string(), error.message()));
-  temporary_.clear();
+  pending_.commit();
 }
 
 void write_file(const fs::path& file, std::string_view contents) {

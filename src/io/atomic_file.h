@@ -10,16 +10,33 @@
 
 namespace relume {
 
-/// Collects output under a temporary name in the target's folder and renames it when commit() is called. Without
-/// commit() (an exception on the way) the temporary file is removed and the target stays as it was. A symbolic link
-/// is followed; devices and pipes are written directly.
+/// A name in the target's folder, with its extension, for a file that somebody else writes; commit() renames it to the
+/// target. Without commit() (an exception on the way) that file is removed and the target stays as it was. A symbolic
+/// link is followed; devices and pipes are written directly, under their own name.
+class PendingFile {
+ public:
+  /// Throws Error if the folder does not exist.
+  explicit PendingFile(const std::filesystem::path& target);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  /// Where to write.
+  const std::filesystem::path& path() const { return temporary_.empty() ? target_ : temporary_; }
+
+  /// Gives the file its name. Throws Error.
+  void commit();
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;  ///< empty once renamed, or when the target is written directly
+};
+
+/// A PendingFile written here.
 class AtomicFile {
  public:
   /// Opens the temporary file. Throws Error if the folder does not exist or cannot be written.
   explicit AtomicFile(const std::filesystem::path& target);
-  ~AtomicFile();
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
 
   /// Binary output; seekable unless the target is a pipe.
   std::ostream& stream() { return stream_; }
@@ -30,7 +47,7 @@ class AtomicFile {
 
  private:
   std::filesystem::path target_;
-  std::filesystem::path temporary_;  ///< empty once renamed, or when the target is written directly
+  PendingFile pending_;
   std::ofstream stream_;
 };
 

@@ -2,11 +2,11 @@
 
 #include <array>
 #include <cstdint>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/atomic_file.h"
 
 namespace relume {
 namespace {
@@ -37,14 +37,7 @@ Bytes read_file_bytes(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: the file does not exist; check its path", file.string()));
   if (!std::filesystem::is_regular_file(status))
     throw Error(fmt::format("{}: this is not a regular file; give the path of a file", file.string()));
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : -1;
-  if (size < 0) throw Error(fmt::format("{}: the file cannot be opened; check its permissions", file.string()));
-  Bytes bytes(static_cast<size_t>(size));
-  stream.seekg(0);
-  stream.read(reinterpret_cast<char*>(bytes.data()), size);
-  if (stream.gcount() != size) throw Error(fmt::format("{}: reading the file failed", file.string()));
-  return bytes;
+  return read_file(file);
 }
 
 std::optional<Bytes> decode_base64(std::string_view text) {

@@ -2,7 +2,6 @@
 #include "io/image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "core/error.h"
 #include "core/srgb.h"
 #include "io/atomic_file.h"
+#include "io/extension.h"
 #include "io/image_limits.h"
 #include "io/rgbe.h"
 #include "io/stb_decode.h"
@@ -21,13 +21,6 @@ namespace {
 constexpr int kJpegQuality = 95;
 constexpr int kMaxJpegSide = 65535;  // 16 bits in the frame header
 constexpr int kMaxTgaSide = 65535;   // likewise
-
-std::string lower_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 /// Display-ready values in [0, 1] as 8-bit sRGB.
 std::vector<uint8_t> encode_srgb8(const Image& image) {

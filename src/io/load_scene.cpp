@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cstring>
 #include <fstream>
 
+#include "io/extension.h"
 #include "io/scene_io.h"
 
 namespace relume {
@@ -18,9 +18,7 @@ bool starts_as_glb(const std::filesystem::path& file) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(file);
   if (extension == ".gltf" || extension == ".glb" || starts_as_glb(file)) return load_gltf(file);
   if (extension == ".json") return load_relume_json(file);
   return load_assimp(file);

@@ -1,20 +1,57 @@
 #include "render/checkpoint.h"
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <span>
 #include <sstream>
+#include <streambuf>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/atomic_file.h"
 #include "settings/settings_json.h"
 
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '2'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '3'};
+
+/// FNV-1a of bytes, however they are cut into pieces.
+class Checksum {
+ public:
+  void add(const char* bytes, size_t size) {
+    for (size_t i = 0; i < size; ++i) value_ = (value_ ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
+  }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+/// Passes bytes on to another buffer and sums them up.
+class SummingBuffer final : public std::streambuf {
+ public:
+  explicit SummingBuffer(std::streambuf* target) : target_(target) {}
+  uint64_t checksum() const { return checksum_.value(); }
+
+ protected:
+  std::streamsize xsputn(const char* bytes, std::streamsize size) override {
+    checksum_.add(bytes, static_cast<size_t>(size));
+    return target_->sputn(bytes, size);
+  }
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char byte = traits_type::to_char_type(c);
+    return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
+  }
+
+ private:
+  std::streambuf* target_;
+  Checksum checksum_;
+};
 
 void put(std::ostream& out, const void* data, size_t size) {
   out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
@@ -68,14 +105,21 @@ class Reader {
     get(bytes.data(), size);
     return bytes;
   }
-  /// Throws unless the file is whole, before anything is changed by what follows.
-  void check_ending() {
+  /// Throws unless the rest of the file is what was written, before any of it is believed.
+  void check_rest(Checksum checksum) {
     const auto here = in_.tellg();
-    const std::string ending = kEndOfFile;
-    in_.seekg(-static_cast<std::streamoff>(ending.size()), std::ios::end);
-    std::string found(ending.size(), ' ');
-    get(found.data(), found.size());
-    if (found != ending) damaged();
+    in_.seekg(0, std::ios::end);
+    auto left = static_cast<int64_t>(in_.tellg() - here) - static_cast<int64_t>(sizeof(uint64_t));
+    if (left < 0) damaged();
+    in_.seekg(here);
+    std::vector<char> block(size_t{1} << 20);
+    while (left > 0) {
+      const auto size = static_cast<size_t>(std::min(left, static_cast<int64_t>(block.size())));
+      get(block.data(), size);
+      checksum.add(block.data(), size);
+      left -= static_cast<int64_t>(size);
+    }
+    if (get<uint64_t>() != checksum.value()) damaged();
     in_.seekg(here);
   }
   [[noreturn]] void damaged() const {
@@ -112,7 +156,13 @@ void check_header(Reader& reader, const std::filesystem::path& file, const Check
   char magic[sizeof(kMagic)];
   reader.get(magic, sizeof(magic));
   if (std::memcmp(magic, kMagic, sizeof(magic)) != 0)
-    throw Error(fmt::format("{}: this is not a checkpoint of this version of relume", file.string()));
+    throw Error(
+        fmt::format("{}: this is not a checkpoint of this version of relume; delete it to start over, or name "
+                    "another file",
+                    file.string()));
+  Checksum checksum;
+  checksum.add(magic, sizeof(magic));
+  reader.check_rest(checksum);
   if (reader.get<uint64_t>() != expected.scene_hash)
     throw Error(fmt::format("{}: the checkpoint belongs to another scene; delete it to start over", file.string()));
   const std::string settings = reader.get_text();
@@ -141,38 +191,31 @@ std::string checkpoint_key(const RenderSettings& settings) {
 
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers,
                       const Pipeline& pipeline) {
-  std::filesystem::path temporary = file;
-  temporary += ".tmp";
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    put(out, kMagic, sizeof(kMagic));
-    put(out, header.scene_hash);
-    put_text(out, header.settings);
-    put(out, header.counters);
-    for (const auto& buffer : buffers.all()) {
-      if (!buffer->description().persistent) continue;
-      put_text(out, buffer->description().name);
-      put_bytes(out, buffer->bytes());
-      put_bytes(out, buffer->previous_bytes());
-    }
-    put_text(out, kEndOfBuffers);
-    pipeline.save(out);
-    put_text(out, kEndOfFile);
-    out.flush();
-    if (!out) {
-      out.close();
-      std::filesystem::remove(temporary);
-      throw Error(fmt::format("{}: the checkpoint could not be written; is the disk full or the folder read-only?",
-                              file.string()));
-    }
+  AtomicFile target(file);
+  SummingBuffer summing(target.stream().rdbuf());
+  std::ostream out(&summing);
+  put(out, kMagic, sizeof(kMagic));
+  put(out, header.scene_hash);
+  put_text(out, header.settings);
+  put(out, header.counters);
+  for (const auto& buffer : buffers.all()) {
+    if (!buffer->description().persistent) continue;
+    put_text(out, buffer->description().name);
+    put_bytes(out, buffer->bytes());
+    put_bytes(out, buffer->previous_bytes());
   }
-  std::filesystem::rename(temporary, file);
+  put_text(out, kEndOfBuffers);
+  pipeline.save(out);
+  put_text(out, kEndOfFile);
+  put(target.stream(), summing.checksum());
+  if (!out) target.stream().setstate(std::ios::badbit);
+  target.commit();
 }
 
 Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers,
                          Pipeline& pipeline) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(fmt::format("{}: the checkpoint cannot be opened", file.string()));
+  if (!in) throw Error(fmt::format("{}: the checkpoint cannot be opened; check its permissions", file.string()));
   Reader reader(in, file);
   check_header(reader, file, expected);
   const auto counters = reader.get<Counters>();
@@ -184,7 +227,6 @@ Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHead
     std::vector<std::byte> now = reader.get_bytes(buffer->bytes().size());
     loaded.push_back({buffer, std::move(now), reader.get_bytes(buffer->previous_bytes().size())});
   }
-  reader.check_ending();
   pipeline.load(in);
   if (!in || reader.get_text() != kEndOfFile) reader.damaged();
   for (const LoadedBuffer& l : loaded) {

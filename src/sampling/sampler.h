@@ -40,11 +40,6 @@ class Sampler {
     return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++));
   }
 
-  /// A plain random number: for decisions that gain nothing from stratification, such as Russian roulette.
-  RELUME_HD float next_unstratified() {
-    return to_unit_float(hash(scramble_ ^ reversed_index_, kSaltPlain + single_++));
-  }
-
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
   RELUME_HD void start_dimension(uint32_t dimension) {
     dimension_ = dimension;
@@ -58,7 +53,6 @@ class Sampler {
  private:
   static constexpr uint32_t kBlock = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
-  static constexpr uint32_t kSaltPlain = 0x02e5be93u;
 
   RELUME_HD_INLINE Sampler(uint32_t scramble, uint32_t index)
       : scramble_(scramble), reversed_index_(reverse_bits(index)) {}

@@ -179,7 +179,6 @@ TEST(Sampler, JumpsToADimension) {
   for (Sampler* s : {&a, &b}) s->start_dimension(20);
   EXPECT_EQ(a.next_1d(), b.next_1d());
   EXPECT_EQ(a.next_2d(), b.next_2d());
-  EXPECT_EQ(a.next_unstratified(), b.next_unstratified());
   EXPECT_EQ(a.ray_id(), b.ray_id());
 }
 
@@ -224,12 +223,6 @@ TEST(Sampler, NumbersAreUniformOverPixels) {
       return Vec2(first, s.next_1d());
     };
     EXPECT_GT(uniformity(singles), testing::significance());
-    const auto plain = [&](uint32_t x, uint32_t y) {
-      Sampler s = Sampler::sequence(0, x, y, sample);
-      const float first = s.next_unstratified();
-      return Vec2(first, s.next_unstratified());
-    };
-    EXPECT_GT(uniformity(plain), testing::significance());
     const auto frames = [&](uint32_t x, uint32_t y) { return Sampler::independent(3, x, 0, y, sample).next_2d(); };
     EXPECT_GT(uniformity(frames), testing::significance());
   }

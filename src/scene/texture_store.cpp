@@ -7,13 +7,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/srgb.h"
+
 namespace relume {
 namespace {
-
-float linear_from_srgb(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f) / 1.055f, 2.4f); }
-float srgb_from_linear(float l) { return l <= 0.0031308f ? l * 12.92f : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f; }
-
-uint8_t to_byte(float x) { return static_cast<uint8_t>(saturate(x) * 255.0f + 0.5f); }
 
 /// sRGB code of a linear value through a table fine enough for 8 bits.
 uint8_t srgb_code(float linear) {
@@ -21,7 +18,7 @@ uint8_t srgb_code(float linear) {
     std::array<uint8_t, 4096> t;
     // Square-root spacing keeps the dark end precise.
     for (size_t i = 0; i < t.size(); ++i)
-      t[i] = to_byte(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
+      t[i] = quantise_unorm8(srgb_from_linear(sqr((static_cast<float>(i) + 0.5f) / 4096.0f)));
     return t;
   }();
   return table[static_cast<size_t>(std::sqrt(saturate(linear)) * 4095.99f)];
@@ -43,8 +40,8 @@ void store(std::byte* level, PixelFormat format, int width, int x, int y, const 
     return;
   }
   const bool srgb = format == PixelFormat::rgba8_srgb;
-  const auto code = [&](float c) { return srgb ? srgb_code(c) : to_byte(c); };
-  const uint8_t bytes[4] = {code(value.x), code(value.y), code(value.z), to_byte(value.w)};
+  const auto code = [&](float c) { return srgb ? srgb_code(c) : quantise_unorm8(c); };
+  const uint8_t bytes[4] = {code(value.x), code(value.y), code(value.z), quantise_unorm8(value.w)};
   std::memcpy(level + index * 4, bytes, 4);
 }
 

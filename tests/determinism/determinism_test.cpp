@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -234,6 +235,34 @@ TEST(Checkpoint, RefusesOtherSettingsAndScenesAndStaysUsable) {
   EXPECT_THROW(truncated.load_checkpoint(file), Error);
   truncated.render_frame();
   EXPECT_EQ(bits_of(truncated), bits_of(session));
+  std::filesystem::remove(file);
+}
+
+TEST(Checkpoint, NoticesEveryChangedByteBeforeItChangesAnything) {
+  const std::filesystem::path file = checkpoint_file("flipped");
+  RenderSettings settings = small_settings(8, 8);
+  settings.history = HistoryChoice::reproject;
+  Session session(build("cornell"), settings);
+  session.render_frame();
+  session.save_checkpoint(file);
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(file));
+  for (const std::streamoff at : {std::streamoff{9}, size / 3, size / 2, size - 30, size - 9, size - 1}) {
+    std::fstream damaged(file, std::ios::binary | std::ios::in | std::ios::out);
+    const auto flip = [&] {
+      damaged.seekg(at);
+      const char byte = static_cast<char>(damaged.get() ^ 16);
+      damaged.seekp(at);
+      damaged.put(byte).flush();
+    };
+    flip();
+    Session other(build("cornell"), settings);
+    EXPECT_THROW(other.load_checkpoint(file), Error) << at << " of " << size;
+    other.render_frame();
+    EXPECT_EQ(bits_of(other), bits_of(session));
+    flip();
+  }
+  Session whole(build("cornell"), settings);
+  EXPECT_NO_THROW(whole.load_checkpoint(file));
   std::filesystem::remove(file);
 }
 

@@ -16,6 +16,7 @@
 #include "io/assimp/assimp_nodes.h"
 #include "io/assimp/trial_run.h"
 #include "io/bytes.h"
+#include "io/extension.h"
 #include "io/ply/ply_loader.h"
 #include "io/scene_io.h"
 
@@ -40,14 +41,6 @@ void configure(Assimp::Importer& importer) {
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseAngleDeg);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-}
-
-std::string lower_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  if (!extension.empty()) extension.erase(0, 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 Scene convert(const aiScene* source, const std::string& problem, const std::filesystem::path& base_dir,
@@ -115,7 +108,8 @@ Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string
 }
 
 Scene load_assimp(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
+  std::string extension = lower_extension(file);
+  if (!extension.empty()) extension.erase(0, 1);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
     throw Error(fmt::format("{}: scene files with extension '{}' are not supported; use gltf, glb, json, {}",
                             file.string(), extension, fmt::join(kExtensions, ", ")));
@@ -125,7 +119,7 @@ Scene load_assimp(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: the file does not exist; check its path", file.string()));
   if (size > kMaxFileSize)
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
-  if (size == 0) throw Error(fmt::format("{}: the file is empty", file.string()));
+  if (size == 0) throw Error(fmt::format("{}: the file is empty; export or copy it again", file.string()));
   if (extension == "ply") return load_ply_from_memory(read_file_bytes(file), file.string());
   return guarded(file.string(), file.parent_path(), size, [&](Assimp::Importer& importer) {
     return importer.ReadFile(file.string(), post_processing(extension));
