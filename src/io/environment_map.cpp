@@ -10,12 +10,13 @@ namespace relume {
 namespace {
 
 /// Maps come with stray pixels that are no radiance: NaN and negative values become 0, infinite ones the largest finite
-/// value of the map.
+/// value of the map, and none is brighter than kMaxRadiance.
 void clean(std::vector<Rgb>& pixels) {
   float largest = 0;
   for (const Rgb& pixel : pixels) {
     for (int c = 0; c < 3; ++c) largest = is_finite(pixel[c]) ? std::max(largest, pixel[c]) : largest;
   }
+  largest = std::min(largest, kMaxRadiance);
   for (Rgb& pixel : pixels) {
     for (int c = 0; c < 3; ++c) pixel[c] = pixel[c] > 0 ? std::min(pixel[c], largest) : 0.0f;
   }

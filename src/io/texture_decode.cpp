@@ -90,9 +90,8 @@ Texture decode_texture(std::span<const std::byte> bytes, const std::string& name
 }
 
 std::string repair_texels(Texture& texture, const std::string& name, PixelFormat wanted) {
-  constexpr float kBrightest = 1e15f;
   if (texture.format != PixelFormat::rgba32_float) return {};
-  const float largest = wanted == PixelFormat::rgba8_linear ? 1.0f : kBrightest;
+  const float largest = wanted == PixelFormat::rgba8_linear ? 1.0f : kMaxRadiance;
   size_t repaired = 0;
   for (size_t i = 0; i < texture.texels.size(); i += sizeof(float)) {
     float value;

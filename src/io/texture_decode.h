@@ -20,8 +20,8 @@ namespace relume {
 Texture decode_texture(std::span<const std::byte> bytes, const std::string& name, PixelFormat wanted);
 
 /// Makes numbers of a float texture what kernels can bear: at least 0 and at most 1 if `wanted` is rgba8_linear, which
-/// holds data and normals, else 10^15; what is not a number becomes 0. Returns a sentence about it, empty if nothing
-/// was wrong.
+/// holds data and normals, else kMaxRadiance; what is not a number becomes 0. Returns a sentence about it, empty if
+/// nothing was wrong.
 std::string repair_texels(Texture& texture, const std::string& name, PixelFormat wanted);
 
 }  // namespace relume

@@ -55,6 +55,56 @@ TEST(Proportional, TexturedTriangles) {
   }
 }
 
+/// One triangle of 2 m² over half of a texture whose texels are black but for one, repeated.
+LightScene one_bright_texel(int size, int x, int y, float radiance, float repeats) {
+  Scene scene;
+  scene.name = "texel";
+  std::vector<Vec4> texels(static_cast<size_t>(size) * static_cast<size_t>(size), Vec4(0, 0, 0, 1));
+  texels[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)] = Vec4(radiance);
+  scene.textures.push_back(testing::float_texture(size, size, texels));
+  Material material;
+  material.emission = Rgb(1);
+  material.emission_texture.texture = 0;
+  scene.materials.push_back(material);
+  Mesh mesh;
+  mesh.positions = {Vec3(0), Vec3(2, 0, 0), Vec3(0, 2, 0)};
+  mesh.uv0 = {Vec2(0), Vec2(repeats, 0), Vec2(0, repeats)};
+  mesh.triangles = {UVec3(0, 1, 2)};
+  mesh.material = 0;
+  scene.meshes.push_back(mesh);
+  Node node;
+  node.meshes = {0};
+  scene.add_node(node);
+  LightScene result;
+  result.compiled = std::make_unique<CompiledScene>(std::move(scene), CompileOptions{});
+  return result;
+}
+
+TEST(Proportional, NoTexelIsTooSmallToBeFound) {
+  constexpr int kSize = 2048;
+  for (const IVec2& at : {IVec2(601, 333), IVec2(1200, 70)}) {
+    const LightScene scene = one_bright_texel(kSize, at.x, at.y, 1e6f, 1);
+    const LightsView& view = scene.lights();
+    ASSERT_EQ(view.lights.size, 1u);
+    // π A times the mean over half of the texture.
+    const float expected = kPi * 2.0f * 1e6f / (0.5f * kSize * kSize);
+    EXPECT_NEAR(power(view, 0).r / expected, 1.0f, 0.05f);
+    const Vec2 centre = (Vec2(at) + 0.5f) / static_cast<float>(kSize);
+    EXPECT_GT(pdf_area(view.lights[0].triangle, view.textured, centre), 100.0f);
+  }
+}
+
+TEST(Proportional, TexelsTooSmallToBeCountedAreSampledStill) {
+  const LightScene scene = one_bright_texel(64, 20, 30, 1e3f, 500);
+  const LightsView& view = scene.lights();
+  ASSERT_EQ(view.lights.size, 1u);
+  EXPECT_GT(power(view, 0).r, 0.0f);
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const Vec2 b = triangle_from_square({to_unit_float(hash(i, 1u)), to_unit_float(hash(i, 2u))});
+    ASSERT_GT(pdf_area(view.lights[0].triangle, view.textured, b), 1e-3f);
+  }
+}
+
 void expect_proportional(const EnvironmentView& e, const std::string& name) {
   const auto emission = [&](double x, double y) {
     float sin_theta;
@@ -112,6 +162,19 @@ TEST(Environment, LooksWhereTheConventionSays) {
   EXPECT_NEAR(at({1, std::sqrt(2.0f) * up, 1}), 3.0f, 1e-4f);
   EXPECT_NEAR(at({-1, std::sqrt(2.0f) * up, 1}), 0.0f, 1e-4f);
   EXPECT_NEAR(at({-1, -std::sqrt(2.0f) * up, -1}), 5.0f, 1e-4f);
+}
+
+TEST(Environment, ItsColourMultipliesSkyAndSun) {
+  Environment e;
+  e.kind = EnvironmentKind::sun_sky;
+  const LightScene plain = testing::make_light_scene(e);
+  e.color = Rgb(0.5f, 2, 3);
+  const LightScene tinted = testing::make_light_scene(e);
+  ASSERT_EQ(plain.lights().lights.size, tinted.lights().lights.size);
+  for (LightId id = 8; id < plain.lights().lights.size; ++id) {  // the sun and the sky
+    const Rgb ratio = power(tinted.lights(), id) / power(plain.lights(), id);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio[c], e.color[c], 1e-4f) << id;
+  }
 }
 
 TEST(Environment, UvAndDirectionAreInverse) {

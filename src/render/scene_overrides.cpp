@@ -33,8 +33,8 @@ void apply(const SceneOverrides& overrides, Scene& scene) {
   Environment environment;
   if (Rgb rgb(0); parse_rgb(env, rgb)) {
     for (int channel = 0; channel < 3; ++channel) {
-      if (!std::isfinite(rgb[channel]) || rgb[channel] < 0) {
-        throw Error("env: radiance " + env + " must be three finite numbers of at least 0");
+      if (!(rgb[channel] >= 0 && rgb[channel] <= kMaxRadiance)) {
+        throw Error("env: radiance " + env + " must be three numbers between 0 and 1e15");
       }
     }
     environment.kind = EnvironmentKind::constant;

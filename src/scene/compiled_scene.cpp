@@ -99,7 +99,7 @@ void CompiledScene::build_materials() {
     d.alpha = m.alpha;
     d.metallic = saturate(m.metallic);
     d.roughness = saturate(m.roughness);
-    d.normal_scale = m.normal_scale;
+    d.normal_scale = clamp(m.normal_scale, -1e3f, 1e3f);  // whose squares of the brightest texels are finite
     d.emission = m.emission;
     d.alpha_cutoff = m.alpha_cutoff;
     d.specular_color = m.specular_color;

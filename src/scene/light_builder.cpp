@@ -12,34 +12,71 @@
 namespace relume {
 namespace {
 
-/// Edge of the subdivision of a textured triangle that is about one texel, within bounds.
-uint32_t grid_size(const TexturedEmission& e, const TexturedTriangle& t) {
-  float texels = 1;
+/// Extent of a triangle in the texels of the textures that modulate it.
+struct TexelExtent {
+  float area = 1;
+  float longest_edge = 1;
+};
+
+TexelExtent texel_extent(const TexturedEmission& e, const TexturedTriangle& t) {
+  TexelExtent extent;
   const auto count = [&](int32_t texture, const Vec2 uv[3]) {
     if (texture < 0) return;
     const TextureView& view = e.textures[static_cast<uint32_t>(texture)];
-    const Vec2 d1 = uv[1] - uv[0];
-    const Vec2 d2 = uv[2] - uv[0];
-    texels = std::fmax(texels, 0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x) * static_cast<float>(view.width) *
-                                   static_cast<float>(view.height));
+    const Vec2 size(static_cast<float>(view.width), static_cast<float>(view.height));
+    const Vec2 d1 = (uv[1] - uv[0]) * size;
+    const Vec2 d2 = (uv[2] - uv[0]) * size;
+    extent.area = relume::max(0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x), extent.area);
+    for (const Vec2& edge : {d1, d2, d2 - d1})
+      extent.longest_edge = relume::max(glm::length(edge), extent.longest_edge);
   };
   count(t.emission_texture, t.emission_uv);
   count(t.coverage_texture, t.coverage_uv);
-  constexpr float kMaxGrid = 256;
-  return static_cast<uint32_t>(clamp(std::ceil(std::sqrt(2.0f * texels)), 1.0f, kMaxGrid));
+  return extent;
 }
 
+/// Edge of the subdivision of a textured triangle that is about one texel, within bounds.
+uint32_t grid_size(const TexelExtent& extent) {
+  constexpr float kMaxGrid = 256;
+  return static_cast<uint32_t>(clamp(std::ceil(std::sqrt(2.0f * extent.area)), 1.0f, kMaxGrid));
+}
+
+/// Points along a side of a small triangle at which the texture is looked up: two a texel, so that none is missed. If
+/// those are too many, a few have to do.
+struct Probing {
+  int points = 4;
+  bool sees_all = true;
+
+  Probing(const TexelExtent& extent, uint32_t grid) {
+    constexpr float kMostPoints = 32;
+    const float wanted = std::ceil(2.0f * extent.longest_edge / static_cast<float>(grid));
+    sees_all = wanted <= kMostPoints;
+    if (sees_all) points = std::max(points, static_cast<int>(wanted));
+  }
+};
+
 /// Mean of the texture over one small triangle.
-Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t grid, uint32_t index) {
-  constexpr int kPoints = 4;
+Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t index, int points) {
+  const auto n = static_cast<float>(points);
   Rgb sum(0);
-  for (int i = 0; i < kPoints; ++i) {
-    for (int j = 0; j < kPoints; ++j) {
-      const Vec2 u((static_cast<float>(i) + 0.5f) / kPoints, (static_cast<float>(j) + 0.5f) / kPoints);
-      sum += textured_emission(e, t, barycentric_in_small_triangle(grid, index, triangle_from_square(u)));
+  for (int i = 0; i < points; ++i) {
+    for (int j = 0; j < points; ++j) {
+      const Vec2 u((static_cast<float>(i) + 0.5f) / n, (static_cast<float>(j) + 0.5f) / n);
+      sum += textured_emission(e, t, barycentric_in_small_triangle(t.grid, index, triangle_from_square(u)));
     }
   }
-  return sum / static_cast<float>(kPoints * kPoints);
+  return sum / (n * n);
+}
+
+/// Where bright texels may have been missed, every small triangle gets some samples.
+void leave_none_out(std::vector<float>& weights, Rgb& mean) {
+  constexpr float kLeastShare = 0.01f;  // of the mean weight
+  constexpr float kLeastMean = 1e-3f;   // of the material's emission, if nothing at all was found
+  double sum = 0;
+  for (const float w : weights) sum += w;
+  const auto least = static_cast<float>(kLeastShare * sum / static_cast<double>(weights.size()));
+  for (float& w : weights) w = sum > 0 ? std::max(w, least) : 1.0f;
+  if (!(sum > 0)) mean = Rgb(kLeastMean);
 }
 
 void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use,
@@ -71,9 +108,9 @@ void LightBuilder::set_environment(const Environment& source) {
     baked.map = model.sky;
     baked.width = model.width;
     baked.height = model.height;
-    baked.color = Rgb(1);
-    has_sun_ = !is_black(model.sun.irradiance);
     sun_ = model.sun;
+    sun_.irradiance *= source.color;
+    has_sun_ = !is_black(sun_.irradiance);
   }
   environment_ = {};
   if (source.kind == EnvironmentKind::none) return;
@@ -203,12 +240,14 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
   t.alpha_cutoff = material.alpha_cutoff;
   t.mask = material.mask;
   const TexturedEmission context{view_of(textured_), view_of(entries_), textures_};
-  t.grid = grid_size(context, t);
+  const TexelExtent extent = texel_extent(context, t);
+  t.grid = grid_size(extent);
+  const Probing probing(extent, t.grid);
   t.first_entry = static_cast<uint32_t>(entries_.size());
 
   const uint32_t count = t.grid * t.grid;
   std::vector<Rgb> means(count);
-  tbb::parallel_for(0u, count, [&](uint32_t i) { means[i] = mean_emission(context, t, t.grid, i); });
+  tbb::parallel_for(0u, count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
   std::vector<float> weights(count);
   Rgb sum(0);
   for (uint32_t i = 0; i < count; ++i) {
@@ -216,6 +255,7 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
     sum += means[i];
   }
   t.mean_emission = sum / static_cast<float>(count);
+  if (!probing.sees_all) leave_none_out(weights, t.mean_emission);
   const std::vector<AliasEntry> table = build_alias_table(weights);
   if (table.empty()) return kBlackTexture;
   entries_.insert(entries_.end(), table.begin(), table.end());

@@ -17,6 +17,9 @@
 
 namespace relume {
 
+/// The brightest radiance, intensity or irradiance that lights may have: squares and sums of it are still finite.
+inline constexpr float kMaxRadiance = 1e15f;
+
 /// Index into one of the scene's arrays; kNone is "absent".
 using Index = int32_t;
 inline constexpr Index kNone = -1;
@@ -92,6 +95,13 @@ struct Material {
   MicrofacetModel microfacet_model = MicrofacetModel::ggx;
 };
 
+/// All uses of textures that a material makes or could make.
+inline std::array<const TextureRef*, 9> texture_refs(const Material& m) {
+  return {&m.base_color_texture,   &m.metallic_roughness_texture, &m.normal_texture,
+          &m.emission_texture,     &m.specular_texture,           &m.specular_color_texture,
+          &m.transmission_texture, &m.clearcoat_texture,          &m.clearcoat_roughness_texture};
+}
+
 // --- Geometry -----------------------------------------------------------------------------------------
 
 /// Triangles with one material. Either every optional attribute array is empty or it has one entry a vertex.
@@ -137,7 +147,7 @@ enum class EnvironmentKind : uint8_t { none, constant, map, sun_sky };
 /// and +X lies to its right.
 struct Environment {
   EnvironmentKind kind = EnvironmentKind::none;
-  Rgb color{1};            ///< constant: radiance; map: multiplies
+  Rgb color{1};            ///< constant: radiance; map, sun_sky: multiplies
   int width = 0;           ///< map
   int height = 0;          ///< map
   std::vector<Rgb> map;    ///< radiance, row by row from the top

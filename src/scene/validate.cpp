@@ -15,7 +15,7 @@ template <typename... Args>
 }
 
 bool in_range(float x, float low, float high) { return x >= low && x <= high; }
-bool is_radiance(const Rgb& c) { return is_finite(c) && min_component(c) >= 0.0f; }
+bool is_radiance(const Rgb& c) { return max_component(c) <= kMaxRadiance && min_component(c) >= 0.0f; }
 
 class Validator {
  public:
@@ -56,9 +56,7 @@ class Validator {
   void check_material(size_t i) const {
     const Material& m = scene_.materials[i];
     const size_t count = scene_.textures.size();
-    for (const TextureRef* ref : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-                                  &m.emission_texture, &m.specular_texture, &m.specular_color_texture,
-                                  &m.transmission_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture}) {
+    for (const TextureRef* ref : texture_refs(m)) {
       if (!in_range_or_none(ref->texture, count))
         fail("material {} '{}' refers to missing texture {}", i, m.name, ref->texture);
       if (ref->uv_set < 0 || ref->uv_set > 1)
@@ -143,13 +141,15 @@ void validate(const Material& m, const std::string& place) {
                              m.transmission, m.thickness, m.clearcoat, m.clearcoat_roughness}) {
     if (!is_finite(number)) fail(place, "material '{}' has a number that is not finite; give it another", m.name);
   }
+  if (!is_radiance(m.emission))
+    fail(place, "material '{}' has an emission that is negative or above {:g}; give it another", m.name, kMaxRadiance);
   if (std::isnan(m.attenuation_distance))
     fail(place, "material '{}' has an attenuation distance that is not a number; give it another", m.name);
 }
 
 void validate(const PunctualLight& l, const std::string& place) {
   if (!is_radiance(l.intensity))
-    fail(place, "light '{}' has an intensity that is negative or not finite; give it another", l.name);
+    fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another", l.name, kMaxRadiance);
   if (!in_range(l.outer_cone_rad, 0, kPi / 2) || !in_range(l.inner_cone_rad, 0, l.outer_cone_rad))
     fail(place, "light '{}' has cone angles of {} and {} radians; give it 0 <= inner <= outer <= pi/2", l.name,
          l.inner_cone_rad, l.outer_cone_rad);
@@ -179,7 +179,7 @@ void validate(const Environment& e, const std::string& place) {
   const SunSky& s = e.sun_sky;
   if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
-    fail(place, "the environment has a colour or scale that is negative or not finite; give it another");
+    fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another", kMaxRadiance);
   if (!is_finite(e.rotation_rad) || !is_finite(s.sun_elevation_rad) || !is_finite(s.sun_azimuth_rad) ||
       !is_finite(s.turbidity) || !in_range(s.sun_angular_diameter_rad, 0, kPi))
     fail(place, "the environment has an angle or turbidity out of range; give it another");

@@ -92,13 +92,16 @@ void convert_diffuse_specular(const aiMaterial& source, Material& m) {
   }
 }
 
-void convert_emission(const aiMaterial& source, AssimpTextures& textures, Material& m) {
+void convert_emission(const aiMaterial& source, AssimpTextures& textures, Material& m, Warnings& warnings) {
   constexpr float kLargest = 1e30f;
   color(source, AI_MATKEY_COLOR_EMISSIVE, kLargest, m.emission);
   m.emission_texture = make_ref(textures, TextureRecipe::color,
                                 find_texture(source, {aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE}));
   if (m.emission_texture.used() && is_black(m.emission)) m.emission = Rgb(1);
-  m.emission = glm::min(m.emission * number(source, AI_MATKEY_EMISSIVE_INTENSITY, 1, 0, kLargest), Rgb(kLargest));
+  m.emission *= number(source, AI_MATKEY_EMISSIVE_INTENSITY, 1, 0, kLargest);
+  if (!(max_component(m.emission) <= kMaxRadiance))
+    warnings.add(fmt::format("material '{}': its emission is above {:g}, which takes its place", m.name, kMaxRadiance));
+  m.emission = glm::min(m.emission, Rgb(kMaxRadiance));
 }
 
 void convert_colors(const aiMaterial& source, AssimpTextures& textures, Material& m) {
@@ -142,7 +145,7 @@ Material convert(const aiMaterial& source, AssimpTextures& textures, Warnings& w
   } else {
     convert_diffuse_specular(source, m);
   }
-  convert_emission(source, textures, m);
+  convert_emission(source, textures, m, warnings);
   convert_textures(source, textures, m, warnings);
   m.ior = number(source, AI_MATKEY_REFRACTI, 1.5f, 0, 1000);
   if (m.ior < 1.01f) m.ior = 1.5f;  // OBJ files write 1 for "none"

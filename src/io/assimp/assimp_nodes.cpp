@@ -111,7 +111,10 @@ void import_lights(const aiScene& source, const NodesByName& nodes, Scene& scene
     const bool has_falloff = light.type != PunctualType::directional && in.mAttenuationQuadratic > 0;
     const float scale = has_falloff ? 1.0f / in.mAttenuationQuadratic : 1.0f;
     const Rgb intensity = Rgb(in.mColorDiffuse.r, in.mColorDiffuse.g, in.mColorDiffuse.b) * scale;
-    light.intensity = is_finite(intensity) ? glm::max(intensity, Rgb(0)) : Rgb(0);
+    light.intensity = is_finite(intensity) ? glm::clamp(intensity, Rgb(0), Rgb(kMaxRadiance)) : Rgb(0);
+    if (light.intensity != intensity)
+      warnings.add(fmt::format("light '{}': its intensity is negative, above {:g} or not finite and is changed",
+                               light.name, kMaxRadiance));
     if (light.type == PunctualType::spot) {
       light.outer_cone_rad = clamp(in.mAngleOuterCone / 2, 1e-3f, kPi / 2);  // assimp's are full angles
       light.inner_cone_rad = clamp(in.mAngleInnerCone / 2, 0, light.outer_cone_rad);

@@ -105,6 +105,25 @@ TEST(GltfLights, ReadsAllTypes) {
   EXPECT_TRUE(mentions(scene.warnings, "light 3"));
 }
 
+TEST(GltfLights, LimitsWhatIsOutOfRangeWithAWarning) {
+  GltfBuilder file;
+  file.doc["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"name", "needle"}, {"type", "spot"}, {"spot", {{"outerConeAngle", 0}}}},
+      {{"name", "wide"}, {"type", "spot"}, {"spot", {{"outerConeAngle", 3}}}},
+      {{"name", "nova"}, {"type", "point"}, {"intensity", 1e30}},
+      {{"name", "plain"}, {"type", "spot"}, {"spot", json::object()}}};
+  for (int i = 0; i < 4; ++i) file.add_root({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.lights.size(), 4u);
+  EXPECT_EQ(scene.lights[0].outer_cone_rad, 1e-3f);
+  EXPECT_EQ(scene.lights[1].outer_cone_rad, kPi / 2);
+  EXPECT_EQ(scene.lights[2].intensity, Rgb(kMaxRadiance));
+  EXPECT_TRUE(mentions(scene.warnings, "'needle': its outer cone angle is out of range"));
+  EXPECT_TRUE(mentions(scene.warnings, "'wide': its outer cone angle is out of range"));
+  EXPECT_TRUE(mentions(scene.warnings, "'nova': its intensity"));
+  EXPECT_FALSE(mentions(scene.warnings, "plain"));
+}
+
 TEST(GltfInstancing, ReadsMatrices) {
   GltfBuilder file;
   const json attributes = {{"TRANSLATION", file.floats({1, 2, 3, 4, 5, 6}, 3)},

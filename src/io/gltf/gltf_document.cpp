@@ -53,8 +53,10 @@ Chunks split_glb(const Document& document, ByteSpan file) {
 }
 
 /// tinygltf's messages are lists of lines; the first says what is wrong.
+/// Without its full stop.
 std::string first_line(const std::string& text) {
-  const std::string line = text.substr(0, text.find('\n'));
+  std::string line = text.substr(0, text.find('\n'));
+  if (line.ends_with('.')) line.pop_back();
   return line.empty() ? "its structure cannot be read" : line;
 }
 

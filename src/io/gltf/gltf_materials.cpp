@@ -59,7 +59,7 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
   m.metallic_roughness_texture = reference(pbr.metallicRoughnessTexture, TextureUse::data);
   m.normal_texture = reference(source.normalTexture, TextureUse::normal);
   m.normal_scale = limited(source.normalTexture.scale, -kLargest, kLargest, "normal scale", m.name);
-  m.emission = limited(to_vec3(source.emissiveFactor, Vec3(0)), kLargest, "emission", m.name);
+  m.emission = limited(to_vec3(source.emissiveFactor, Vec3(0)), kMaxRadiance, "emission", m.name);
   m.emission_texture = reference(source.emissiveTexture, TextureUse::color);
   m.alpha_mode = alpha_mode(source.alphaMode);
   m.alpha_cutoff = limited(source.alphaCutoff, 0, kLargest, "alpha cutoff", m.name);
@@ -70,9 +70,8 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
 
 void MaterialImporter::convert_surface_extensions(const tinygltf::Material& source, Material& m) {
   if (const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength")) {
-    m.emission = glm::min(
-        m.emission * limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name),
-        Vec3(kLargest));
+    m.emission *= limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name);
+    m.emission = limited(m.emission, kMaxRadiance, "emission", m.name);
   }
   if (const auto* e = find_extension(source.extensions, "KHR_materials_specular")) {
     m.specular = limited(number_member(*e, "specularFactor", 1), 0, 1, "specular", m.name);

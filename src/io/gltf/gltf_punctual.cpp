@@ -35,15 +35,22 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
 PunctualLight convert_light(Document& document, const tinygltf::Light& source, int index) {
   PunctualLight light;
   light.name = source.name.empty() ? fmt::format("light {}", index) : source.name;
-  light.intensity = glm::clamp(to_vec3(source.color, Vec3(1)) * to_float(source.intensity), Vec3(0), Vec3(1e30f));
+  const Rgb intensity = to_vec3(source.color, Vec3(1)) * to_float(source.intensity);
+  light.intensity = glm::clamp(intensity, Vec3(0), Vec3(kMaxRadiance));
+  if (intensity != light.intensity)
+    document.warnings.add(
+        fmt::format("light '{}': its intensity is negative or above {:g}; the nearest possible takes "
+                    "its place",
+                    light.name, kMaxRadiance));
   if (source.type == "directional") light.type = PunctualType::directional;
   apply_light_extras(source.extras, light);
   if (source.type == "spot") {
     light.type = PunctualType::spot;
-    light.outer_cone_rad = clamp(to_float(source.spot.outerConeAngle), 1e-3f, kPi / 2);
+    constexpr float kNarrowest = 1e-3f;
+    const float outer = to_float(source.spot.outerConeAngle);
+    light.outer_cone_rad = clamp(outer, kNarrowest, kPi / 2);
     light.inner_cone_rad = clamp(to_float(source.spot.innerConeAngle), 0, light.outer_cone_rad);
-    if (source.spot.outerConeAngle != 0 &&
-        std::fabs(to_float(source.spot.outerConeAngle) - light.outer_cone_rad) > 1e-3f)
+    if (outer < kNarrowest || outer > light.outer_cone_rad + kNarrowest)
       document.warnings.add(fmt::format("light '{}': its outer cone angle is out of range; {} takes its place",
                                         light.name, light.outer_cone_rad));
   }

@@ -1,16 +1,19 @@
 #include "techniques/power_lights/power_lights.h"
 
+#include <algorithm>
+
 namespace relume {
 
 std::vector<AliasEntry> build_power_lights(const LightsView& lights) {
   const uint32_t count = lights.lights.size;
+  constexpr float kMostPower = 1e30f;  // textures of the brightest lights may overflow
   std::vector<float> weights(count);
   double finite = 0;
   double infinite = 0;
   for (LightId i = 0; i < count; ++i) {
     const bool is_environment = lights.lights[i].kind == LightKind::environment;
     if (is_environment && !lights.environment.worth_sampling()) continue;
-    weights[i] = luminance(power(lights, i));
+    weights[i] = std::min(luminance(power(lights, i)), kMostPower);
     (i < lights.first_infinite ? finite : infinite) += weights[i];
   }
   if (finite > 0 && infinite > 0) {

@@ -40,6 +40,20 @@ TEST(PowerLights, ReachesEveryLightThatEmits) {
   for (const AliasEntry& e : build_power_lights(scene.lights())) EXPECT_GT(e.pmf, 0.0f);
 }
 
+TEST(PowerLights, PowersThatOverflowLeaveTheOthersTheirPlace) {
+  std::vector<Light> lights(2);
+  for (Light& light : lights) light.kind = LightKind::point;
+  lights[0].point = {Vec3(0), Rgb(3e38f)};
+  lights[1].point = {Vec3(0), Rgb(1e29f)};
+  LightsView view;
+  view.lights = view_of(lights);
+  view.first_infinite = 2;
+  const auto entries = build_power_lights(view);
+  ASSERT_EQ(entries.size(), 2u);
+  EXPECT_GT(entries[0].pmf, 0.4f);
+  EXPECT_GT(entries[1].pmf, 0.4f);
+}
+
 TEST(PowerLights, IsEmptyWithoutLights) {
   const PowerLights none;
   EXPECT_EQ(none.sample(0.5f).pmf, 0.0f);
