@@ -62,6 +62,13 @@ void place(RTCGeometry node, const Mat4& to_world) {
   rtcCommitGeometry(node);
 }
 
+void set_filter(RTCGeometry geometry, GeometryContext* context, bool needs_coverage) {
+  const RTCFilterFunctionN filter = needs_coverage ? coverage_filter : nullptr;
+  rtcSetGeometryUserData(geometry, context);
+  rtcSetGeometryIntersectFilterFunction(geometry, filter);
+  rtcSetGeometryOccludedFilterFunction(geometry, filter);
+}
+
 void on_error(void* message, RTCError code, const char* text) {
   if (code != RTC_ERROR_NONE) *static_cast<std::string*>(message) = text ? text : "unknown error";
 }
@@ -144,11 +151,7 @@ struct EmbreeAccel::State {
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
                                3 * sizeof(uint32_t), mesh.triangle_count);
-    if (mesh.needs_coverage) {
-      rtcSetGeometryUserData(geometry, context);
-      rtcSetGeometryIntersectFilterFunction(geometry, coverage_filter);
-      rtcSetGeometryOccludedFilterFunction(geometry, coverage_filter);
-    }
+    set_filter(geometry, context, mesh.needs_coverage);
     rtcCommitGeometry(geometry);
     return geometry;
   }
@@ -218,6 +221,19 @@ void EmbreeAccel::update(std::span<const AccelInstance> instances) {
   for (const auto& [index, node] : state_->instance_nodes) place(node, instances[index].to_world);
   rtcCommitScene(state_->scene);
   state_->check();
+}
+
+void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_coverage) {
+  State& s = *state_;
+  for (uint32_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].mesh != mesh || !s.contexts[i].coverage) continue;  // without triangles there is no geometry
+    const bool in_world_space = instances[i].in_world_space;
+    const RTCGeometry geometry = in_world_space ? rtcGetGeometry(s.scene, i) : rtcGetGeometry(s.mesh_scenes[mesh], 0);
+    set_filter(geometry, &s.contexts[i], needs_coverage);
+    rtcCommitGeometry(geometry);
+    if (!in_world_space) rtcCommitScene(s.mesh_scenes[mesh]);
+  }
+  update(instances);
 }
 
 AccelView EmbreeAccel::view() const { return {state_->scene}; }

@@ -44,6 +44,9 @@ class EmbreeAccel {
   /// Moves the instances that are not in world space; rebuilds the top level.
   void update(std::span<const AccelInstance> instances);
 
+  /// Whether hits on a mesh ask for its coverage from now on. `instances` as constructed.
+  void set_needs_coverage(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_coverage);
+
   AccelView view() const;
 
   /// Bytes that Embree holds.

@@ -51,7 +51,7 @@ class CompiledScene {
   Change set_transform(Index node, const Transform& transform);
   Change set_light(Index light, const PunctualLight& value);
   Change set_environment(const Environment& environment);
-  /// Replaces factors; textures stay those of the scene.
+  /// Replaces what the material is made of; its textures are among those of the scene.
   Change set_material(Index material, const Material& value);
   /// Another size of the image.
   Change set_resolution(int width, int height);
@@ -102,6 +102,7 @@ class CompiledScene {
   Change place_everything(std::vector<Mat4> world);
   void collect_lights();
   void compute_bounds();
+  void set_bounds();
   void refresh_view();
   std::vector<AccelInstance> accel_instances() const;
 
@@ -119,6 +120,7 @@ class CompiledScene {
   std::vector<Vec4> colors_;
   std::vector<MeshView> meshes_;
   std::vector<Box> boxes_;  ///< one a mesh
+  Box extent_;              ///< of everything, wherever animation takes it
   std::vector<uint32_t> mesh_of_appearance_;
   std::vector<Instance> instances_;
   std::vector<MaterialData> materials_;

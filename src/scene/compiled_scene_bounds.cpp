@@ -10,6 +10,30 @@
 
 namespace relume {
 
+namespace {
+
+/// Times at which to look where animation takes things: the keys and some between, at most a few hundred. 0 without
+/// animation.
+std::vector<float> times_of_animation(const Scene& scene) {
+  constexpr size_t kMostKeys = 64;
+  constexpr int kBetween = 4;  // turns bulge between keys
+  std::vector<float> keys{0};
+  for (const AnimationChannel& channel : scene.animation)
+    keys.insert(keys.end(), channel.times.begin(), channel.times.end());
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  const size_t step = (keys.size() + kMostKeys - 1) / kMostKeys;
+  std::vector<float> times;
+  for (size_t i = 0; i + 1 < keys.size(); i += step) {
+    const float next = keys[std::min(i + step, keys.size() - 1)];
+    for (int k = 0; k < kBetween; ++k) times.push_back(lerp(keys[i], next, static_cast<float>(k) / kBetween));
+  }
+  times.push_back(keys.back());
+  return times;
+}
+
+}  // namespace
+
 void CompiledScene::Box::add(const Vec3& p) {
   low = glm::min(low, p);
   high = glm::max(high, p);
@@ -49,15 +73,21 @@ void CompiledScene::compute_bounds() {
       for (int k = 0; k < 3; ++k) boxes_[m].add(vertices_[index[k]].position);
     }
   });
-  Box box = moving_box(world_);
   for (size_t i = 0; i < appearances_.size(); ++i) {
-    if (world_space_[i]) box.add(boxes_[mesh_of_appearance_[i]], Mat4(1));
+    if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]], Mat4(1));
   }
-  check_extent(box);
-  if (box.empty()) box.add(Vec3(0));
-  bounds_.center = 0.5f * (box.low + box.high);
-  // A margin keeps rays from infinity outside whatever moves a little.
-  bounds_.radius = std::max(0.55f * glm::length(box.high - box.low), 1e-3f);
+  // The time that is shown first must make no difference, so that frames do not depend on which came before.
+  for (const float time_s : times_of_animation(source_))
+    extent_.add(moving_box(world_matrices(source_, time_s)), Mat4(1));
+  check_extent(extent_);
+  set_bounds();
+}
+
+void CompiledScene::set_bounds() {
+  if (extent_.empty()) extent_.add(Vec3(0));
+  bounds_.center = 0.5f * (extent_.low + extent_.high);
+  // A margin keeps rays from infinity outside what moves between the times that were looked at.
+  bounds_.radius = std::max(0.55f * glm::length(extent_.high - extent_.low), 1e-3f);
 }
 
 }  // namespace relume

@@ -65,7 +65,10 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
   target.matrix.reset();
   std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
   try {
-    return place_everything(checked_world(time_s_));
+    std::vector<Mat4> world = checked_world(time_s_);
+    extent_.add(moving_box(world), Mat4(1));
+    set_bounds();
+    return place_everything(std::move(world));
   } catch (const Error&) {
     target = before;
     source_.animation = animation_before;
@@ -92,12 +95,24 @@ Change CompiledScene::set_environment(const Environment& environment) {
 
 Change CompiledScene::set_material(Index material, const Material& value) {
   validate(value, source_.name);
+  for (const TextureRef* ref : texture_refs(value)) {
+    if (ref->texture != kNone && static_cast<size_t>(ref->texture) >= source_.textures.size())
+      throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; name another",
+                              source_.name, value.name, ref->texture, source_.textures.size()));
+  }
   Material& target = source_.materials[static_cast<size_t>(material)];
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
+  const bool had_alpha = target.alpha_mode != AlphaMode::opaque;
+  const bool has_alpha = value.alpha_mode != AlphaMode::opaque;
   target = value;
   build_materials();
   refresh_view();
+  for (uint32_t m = 0; m < meshes_.size() && had_alpha != has_alpha; ++m) {
+    if (meshes_[m].material == static_cast<uint32_t>(material))
+      accel_->set_needs_coverage(m, accel_instances(), has_alpha);
+  }
   if (!emits) return Change::materials;
+  lights_.forget_textures();
   collect_lights();
   was_moved_ = true;
   return Change::materials | Change::lights;

@@ -289,36 +289,56 @@ void LightBuilder::add_punctual(PunctualLight source, const Mat4& to_world) {
   lights_.push_back(entry);
 }
 
-void LightBuilder::mark_changes() {
-  const auto same = [this](const Light& a, const Light& b) {
-    if (a.kind != b.kind) return false;
-    switch (a.kind) {
-      case LightKind::triangle:
-        return a.triangle.v0 == b.triangle.v0 && a.triangle.e1 == b.triangle.e1 && a.triangle.e2 == b.triangle.e2 &&
-               a.triangle.radiance == b.triangle.radiance;
-      case LightKind::point: return a.point.position == b.point.position && a.point.intensity == b.point.intensity;
-      case LightKind::spot:
-        return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity;
-      case LightKind::directional:
-        return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance;
-      case LightKind::environment: return !environment_changed_;
+bool LightBuilder::same(const Light& a, const Light& b) const {
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case LightKind::triangle: {
+      const TriangleLight& x = a.triangle;
+      const TriangleLight& y = b.triangle;
+      return x.v0 == y.v0 && x.e1 == y.e1 && x.e2 == y.e2 && x.normal == y.normal && x.radiance == y.radiance &&
+             x.two_sided == y.two_sided && x.textured == y.textured;
     }
-    return true;
-  };
-  const bool first = previous_.empty();
+    case LightKind::point: return a.point.position == b.point.position && a.point.intensity == b.point.intensity;
+    case LightKind::spot:
+      return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity &&
+             a.spot.cos_inner == b.spot.cos_inner && a.spot.cos_outer == b.spot.cos_outer;
+    case LightKind::directional:
+      return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance &&
+             a.directional.one_minus_cos == b.directional.one_minus_cos;
+    case LightKind::environment: return !environment_changed_;
+  }
+  return true;
+}
+
+void LightBuilder::mark_changes() {
+  const bool same_count = previous_.size() == lights_.size();
+  // What an earlier edit of this frame changed stays changed, though `previous_` may have been replaced since.
+  const std::vector<LightId> before = same_count ? std::move(changed_) : std::vector<LightId>();
   changed_.clear();
   for (size_t i = 0; i < lights_.size(); ++i) {
-    lights_[i].changed = !first && (i >= previous_.size() || !same(lights_[i], previous_[i]));
-    if (lights_[i].changed) changed_.push_back(static_cast<LightId>(i));
+    const auto id = static_cast<LightId>(i);
+    const bool differs = i >= previous_.size() || !same(lights_[i], previous_[i]);
+    lights_[i].changed = has_previous_ && (differs || std::binary_search(before.begin(), before.end(), id));
+    if (lights_[i].changed) changed_.push_back(id);
   }
-  if (first || previous_.size() != lights_.size()) previous_ = lights_;
-  environment_changed_ = false;
+  if (!has_previous_ || !same_count) previous_ = lights_;
+}
+
+void LightBuilder::forget_textures() {
+  textured_indices_.clear();
+  textured_.clear();
+  entries_.clear();
+  for (Light& light : previous_) {
+    if (light.kind == LightKind::triangle) light.triangle.textured = -1;  // its table is gone
+  }
 }
 
 void LightBuilder::mark_unchanged() {
   for (Light& light : lights_) light.changed = false;
   changed_.clear();
   previous_ = lights_;
+  has_previous_ = true;
+  environment_changed_ = false;
 }
 
 LightsView LightBuilder::view() const {

@@ -15,6 +15,9 @@ class LightBuilder {
   /// Environment arrays (map, sampling table).
   void set_environment(const Environment& environment);
 
+  /// Forgets the sampling tables of textured emitters, whose materials have changed.
+  void forget_textures();
+
   /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
   /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
   void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
@@ -32,6 +35,7 @@ class LightBuilder {
   int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   void add_punctual(PunctualLight light, const Mat4& to_world);
   void mark_changes();
+  bool same(const Light& a, const Light& b) const;
   void push(const DirectionalLight& light);
 
   std::vector<Light> lights_;
@@ -47,7 +51,8 @@ class LightBuilder {
   std::vector<Rgb> environment_map_;
   Distribution2DStorage environment_distribution_;
   EnvironmentView environment_;
-  bool environment_changed_ = false;
+  bool has_previous_ = false;         ///< a frame has ended
+  bool environment_changed_ = false;  ///< since the last frame ended
   bool has_sun_ = false;
   DirectionalLight sun_{};
   SceneBounds bounds_;

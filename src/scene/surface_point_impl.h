@@ -270,6 +270,7 @@ RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index,
   using namespace surface_detail;
   const MeshView& mesh = scene.meshes[scene.instances[instance_index].mesh];
   const MaterialData& material = scene.materials[mesh.material];
+  if (!material.has_alpha()) return 1.0f;
   const TriangleAt t = triangle_at(scene, mesh, primitive, u, v);
   float alpha = material.alpha;
   if (material.base_color_texture.used()) {
