@@ -63,4 +63,13 @@ inline size_t header_size(const std::string& checkpoint) {
   return 3 * sizeof(uint64_t) + settings;
 }
 
+/// What a checkpoint ends in: FNV-1a of all before.
+inline std::string checksum(const std::string& bytes) {
+  uint64_t sum = 0xcbf29ce484222325u;
+  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  std::string text(sizeof sum, 0);
+  std::memcpy(text.data(), &sum, sizeof sum);
+  return text;
+}
+
 }  // namespace relume::fuzz

@@ -1,5 +1,6 @@
-// Fuzzes checkpoints behind their header, which fits: any bytes end in an Error, or in a session that renders on. The
-// first byte chooses a plain history or reprojection, whose passes keep a state of their own.
+// Fuzzes checkpoints between their header, which fits, and their checksum, which is right: any bytes end in an Error,
+// or in a session that renders on. The first byte chooses a plain history or reprojection, whose passes keep a state of
+// their own.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -40,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string checkpoint = relume::fuzz::contents(scratch.file);
   checkpoint.resize(relume::fuzz::header_size(checkpoint));
   checkpoint.append(reinterpret_cast<const char*>(data) + 1, size - 1);
-  std::ofstream(scratch.file, std::ios::binary) << checkpoint;
+  std::ofstream(scratch.file, std::ios::binary) << checkpoint << relume::fuzz::checksum(checkpoint);
   try {
     session.load_checkpoint(scratch.file);
     session.render_frame();

@@ -86,7 +86,7 @@ TEST(GltfMaterial, TransmissionSharesWithTheDiffuseBase) {
   material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 0.3;
   Stage stage;
   stage.show(stage.square(), material, {{"translation", {0, 0, 1}}});
-  stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 1, 1}));
+  stage.show(stage.square(), glowing_json({0.5, 0.25, 1}));
   // Nothing but the card behind shines: the diffuse base sees the dark.
   expect_rgb(estimate_of(picture(stage.load(), 16, 256)).mean, 0.3f * Rgb(0.5f, 0.25f, 1), 0.005f);
 }
@@ -133,7 +133,7 @@ Scene edge_below_glass(double ior, float edge) {
                           {"material", stage.file.add("materials", glass)}};
   stage.file.add_root({{"mesh", stage.file.add("meshes", {{"primitives", json::array({primitive})}})},
                        {"rotation", rotation_json({0, 1, 0}, 0.8f)}});
-  stage.show(stage.square(), unlit_json({}, {1, 1, 1, 1}), {{"translation", {edge + 9, 0, -20}}, {"scale", {9, 9, 1}}});
+  stage.show(stage.square(), glowing_json({1, 1, 1}), {{"translation", {edge + 9, 0, -20}}, {"scale", {9, 9, 1}}});
   return stage.load();
 }
 

@@ -144,6 +144,12 @@ json matte_json(float albedo) {
           {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}};
 }
 
+json glowing_json(const json& radiance) {
+  json material = matte_json(0);
+  material["emissiveFactor"] = radiance;
+  return material;
+}
+
 std::vector<uint8_t> colorful(int width, int height) {
   std::vector<uint8_t> texels;
   for (int i = 0; i < width * height; ++i) {

@@ -63,6 +63,8 @@ json rotation_json(const Vec3& axis, float angle);
 
 /// Material that shows its base colour from everywhere.
 json unlit_json(const json& base_color_texture = {}, const json& factor = {});
+/// Black, and glows: light for scenes that must not be given any other.
+json glowing_json(const json& radiance);
 /// Lambert of this albedo and nothing else.
 json matte_json(float albedo);
 

@@ -68,17 +68,14 @@ class Outputs(ProgramTest):
             self.assertGreaterEqual(entry["seconds"], 0)
 
     def test_samples_that_are_no_numbers_are_counted_and_reported(self):
-        # A lamp of 1e30 candela 10 µm above the floor: in the middle of the picture its light overflows.
-        write_gltf(self.folder / "burst.gltf", {
-            "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1e-4, "ymag": 1e-4, "znear": 0.1, "zfar": 10}}],
-            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 1e30}]}},
-            "nodes": [
-                {"camera": 0, "translation": [0, 0, 1]},
-                {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0, 0, 1e-5]},
-                {"mesh": 0},
-            ],
+        # A sun so bright and small that its radiance overflows; it shines on a triangle in the middle of the picture.
+        write_gltf(self.folder / "card.gltf", {
+            "cameras": [{"type": "orthographic", "orthographic": {"xmag": 4, "ymag": 4, "znear": 0.1, "zfar": 10}}],
+            "nodes": [{"camera": 0, "translation": [0, 0, 1]}, {"mesh": 0}],
         })
-        done = self.succeed("render", "burst.gltf", "-o", "out.exr", *SMALL, "--spp", "4", "--stats", "s.json")
+        sun = {"type": "directional", "direction": [0, 0, -1], "intensity": 1e15, "angular_diameter_deg": 1e-12}
+        (self.folder / "burst.json").write_text(json.dumps({"scene": "card.gltf", "lights": [sun]}))
+        done = self.succeed("render", "burst.json", "-o", "out.exr", *SMALL, "--spp", "4", "--stats", "s.json")
         stats = json.loads((self.folder / "s.json").read_text())
         self.assertGreater(stats["nonfinite_samples"], 0)
         self.assertLess(stats["nonfinite_samples"], stats["samples"])
