@@ -23,6 +23,35 @@ RELUME_HD inline void atomic_add(Integer* target, Integer value) {
 #endif
 }
 
+/// Adds to a word that several threads share and returns what was there before.
+RELUME_HD inline uint64_t atomic_fetch_add(uint64_t* target, uint64_t value) {
+#if RELUME_DEVICE_CODE
+  return atomicAdd(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  return std::atomic_ref<uint64_t>(*target).fetch_add(value, std::memory_order_relaxed);
+#endif
+}
+
+/// Reads a word that others may be writing.
+RELUME_HD inline uint64_t atomic_load(const uint64_t* source) {
+#if RELUME_DEVICE_CODE
+  return *reinterpret_cast<const volatile uint64_t*>(source);
+#else
+  return std::atomic_ref<uint64_t>(*const_cast<uint64_t*>(source)).load(std::memory_order_relaxed);
+#endif
+}
+
+/// Stores `desired` if the word is `expected`; returns what was there before.
+RELUME_HD inline uint64_t atomic_compare_exchange(uint64_t* target, uint64_t expected, uint64_t desired) {
+#if RELUME_DEVICE_CODE
+  return atomicCAS(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(expected),
+                   static_cast<unsigned long long>(desired));
+#else
+  std::atomic_ref<uint64_t>(*target).compare_exchange_strong(expected, desired, std::memory_order_relaxed);
+  return expected;
+#endif
+}
+
 /// Replaces a word that several threads share by `value` if that is smaller.
 RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
 #if RELUME_DEVICE_CODE

@@ -1,0 +1,27 @@
+#include <benchmark/benchmark.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+
+namespace relume {
+namespace {
+
+/// One frame of one sample a pixel on one thread.
+void bm_bdpt(benchmark::State& state, const char* name, EstimatorChoice estimator) {
+  RenderSettings settings;
+  settings.width = settings.height = 128;
+  settings.threads = 1;
+  settings.estimator = estimator;
+  Session session(find_builtin_scene(name)->build(), settings);
+  for (auto _ : state) session.render_frame();
+  const Statistics& s = session.statistics();
+  if (s.nonfinite_samples > 0) state.SkipWithError("samples that are not finite");
+  state.SetItemsProcessed(static_cast<int64_t>(s.samples));
+  state.counters["rays/sample"] = static_cast<double>(s.rays) / static_cast<double>(s.samples);
+}
+BENCHMARK_CAPTURE(bm_bdpt, cornell, "cornell", EstimatorChoice::bdpt)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bm_bdpt, cornell_light, "cornell", EstimatorChoice::light)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(bm_bdpt, cornell_glass, "cornell-glass", EstimatorChoice::bdpt)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,61 @@
+// What all steps of bidirectional path tracing share.
+#pragma once
+
+#include "core/fixed_point.h"
+#include "techniques/bdpt/path_vertex.h"
+#include "techniques/path/path.h"
+
+namespace relume {
+
+struct BdptContext {
+  PathContext path;
+  PowerLights emission;  ///< chooses the lights that subpaths start from
+  View<FixedPointRgb> splats;
+  uint32_t width = 0;
+  uint32_t max_light_vertices = 16;  ///< at most kMaxLightVertices
+  float connection_roulette = 0;     ///< 0: every connection is tested
+  bool light_only = false;           ///< light tracing: light subpaths alone, connected to the camera
+
+  RELUME_HD const SceneView& scene() const { return path.scene; }
+
+  /// Longest path that is sampled from both sides, vertices on light and camera included.
+  RELUME_HD uint32_t max_bidirectional_vertices() const {
+    const uint32_t longest = path.max_bounces + 2;
+    return light_only ? longest : (longest < max_light_vertices + 1 ? longest : max_light_vertices + 1);
+  }
+};
+
+/// Probability of choosing `light` for a connection, as the weights take it. It may not depend on where the connection
+/// starts, since light subpaths cannot know how a selector would see that vertex from the camera's side; selectors that
+/// do depend on it are weighted as if they followed the power.
+RELUME_HD inline float weighting_pmf(const LightSelector& selector, LightId light) {
+  return selector.kind == LightSelectorKind::uniform ? selector.uniform.pmf(light) : selector.power.pmf(light);
+}
+
+/// Pairs of random numbers of light subpaths, far behind those of the longest camera path: position and direction on
+/// the light, then direction and point on the lens at each vertex.
+inline constexpr uint32_t kLightDimensions = 4096;
+inline constexpr uint32_t kLightDimensionsPerVertex = 2;
+
+/// What one sample of one pixel counts.
+struct BdptCounters {
+  uint32_t rays = 0;
+  bool nonfinite = false;  ///< a splat could not be added
+};
+
+/// Adds light to the pixel at film position `film`.
+RELUME_HD inline void splat(const BdptContext& c, const Vec2& film, const Rgb& value, BdptCounters& counters) {
+  if (!is_finite(value)) {
+    counters.nonfinite = true;
+    return;
+  }
+  c.splats[static_cast<uint32_t>(film.y) * c.width + static_cast<uint32_t>(film.x)].add(value);
+}
+
+/// A sampled path segment; true if nothing is in between. Counts the ray.
+RELUME_HD inline bool visible(const BdptContext& c, const Ray& ray, uint32_t ray_id, BdptCounters& counters) {
+  ++counters.rays;
+  return !occluded(c.scene().accel, ray, ray_id);
+}
+
+}  // namespace relume

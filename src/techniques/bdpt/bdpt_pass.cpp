@@ -1,0 +1,58 @@
+#include "techniques/bdpt/bdpt_pass.h"
+
+#include <numeric>
+
+#include "techniques/bdpt/bdpt.h"
+#include "techniques/path/path_pass.h"
+
+namespace relume {
+
+PassDeclaration BdptPass::declaration() const {
+  std::vector<BufferDescription> owns = estimator_buffers();
+  owns.push_back({.name = "splats",
+                  .type = BufferType::fixed_rgb,
+                  .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
+  return {.name = "trace", .stage = Stage::trace, .owns = std::move(owns), .reads = {"primary-hits"}};
+}
+
+void BdptPass::prepare_emission(const FrameContext& frame) {
+  if (prepared_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials)) return;
+  prepared_ = true;
+  frame.backend.run("lights",
+                    [&] { emission_ = build_power_lights(frame.scene.lights, mode_ == BdptMode::light_only); });
+}
+
+bool BdptPass::run(const FrameContext& frame) {
+  prepare_emission(frame);
+  BdptKernel kernel;
+  BdptContext& c = kernel.context;
+  c.path.scene = frame.scene;
+  c.path.selector = selector_;
+  c.path.directions = directions_;
+  c.path.max_bounces = static_cast<uint32_t>(path_.max_bounces);
+  c.path.russian_roulette = path_.russian_roulette;
+  c.emission = {{view_of(emission_)}};
+  c.splats = frame.view<FixedPointRgb>("splats");
+  c.width = frame.width();
+  c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
+  c.connection_roulette = settings_.connection_roulette;
+  c.light_only = mode_ == BdptMode::light_only;
+  kernel.index = frame.index;
+  kernel.hits = frame.view<const Hit>("primary-hits");
+  kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.radiance = frame.view<Rgb>("radiance");
+  kernel.rays = frame.view<uint32_t>("rays");
+
+  AddSplatsKernel add{c.splats, kernel.radiance, 1.0f, c.width};
+  if (!kernel.allocation.empty()) {
+    const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
+    add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
+  }
+  if (!frame.launch("trace", kernel) || !frame.launch("splats", add)) {
+    frame.buffers.find("splats")->clear();  // those of a frame that is abandoned
+    return false;
+  }
+  return true;
+}
+
+}  // namespace relume

@@ -1,0 +1,43 @@
+// The estimators "bdpt" and "light" as a pass.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/pass.h"
+#include "techniques/bdpt/bdpt_settings.h"
+#include "techniques/direction_sampler.h"
+#include "techniques/light_selector.h"
+#include "techniques/path/path_settings.h"
+
+namespace relume {
+
+enum class BdptMode : uint8_t {
+  bidirectional,
+  light_only,  ///< light tracing
+};
+
+/// Traces one light and one camera subpath for each pixel that the allocation gives a path. The settings and the
+/// choices of the other slots stay with their owners and are read each frame.
+class BdptPass final : public Pass {
+ public:
+  BdptPass(BdptMode mode, const BdptSettings& settings, const PathSettings& path, const LightSelector& selector,
+           const DirectionSampler& directions)
+      : mode_(mode), settings_(settings), path_(path), selector_(selector), directions_(directions) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override { return emission_.capacity() * sizeof(AliasEntry); }
+
+ private:
+  void prepare_emission(const FrameContext& frame);
+
+  BdptMode mode_;
+  const BdptSettings& settings_;
+  const PathSettings& path_;
+  const LightSelector& selector_;
+  const DirectionSampler& directions_;
+  std::vector<AliasEntry> emission_;  ///< by power; light tracing has no other way to find a constant environment
+  bool prepared_ = false;
+};
+
+}  // namespace relume

@@ -1,0 +1,15 @@
+// Settings of bidirectional path tracing.
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+struct BdptSettings {
+  int max_light_vertices = 16;
+  float connection_roulette = 0.25f;
+};
+
+SettingList describe(BdptSettings& settings);
+
+}  // namespace relume

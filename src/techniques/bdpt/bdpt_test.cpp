@@ -1,0 +1,139 @@
+// Bidirectional path tracing and light tracing where the answer is known.
+#include "techniques/bdpt/bdpt.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "render/build_pipeline.h"
+#include "scene/builtin.h"
+#include "techniques/bdpt/testing/bdpt_frame.h"
+#include "techniques/bdpt/testing/zoo.h"
+
+namespace relume::testing {
+namespace {
+
+static_assert(sizeof(PathVertex) <= 96);
+
+Rgb mean_of(const std::vector<Rgb>& image) {
+  glm::dvec3 sum(0);
+  for (const Rgb& p : image) sum += glm::dvec3(p);
+  return Rgb(sum / static_cast<double>(image.size()));
+}
+
+/// Number of rays of a complete bidirectional path tracer limited to D bounces that loses no path: 2D + 1 along the
+/// subpaths and D(D + 3) / 2 to connect them.
+uint32_t all_rays(uint32_t bounces) { return 2 * bounces + 1 + bounces * (bounces + 3) / 2; }
+
+TEST(Bdpt, CountsEveryRayOfAClosedSceneWithoutLoss) {
+  for (uint32_t bounces = 0; bounces <= 6; ++bounces) {
+    BdptFrame frame(make_closed_sphere(1.0f),
+                    {.width = 32, .height = 32, .max_bounces = bounces, .russian_roulette = false});
+    uint32_t complete = 0;
+    for (uint32_t sample = 0; sample < 4; ++sample) {
+      frame.run(1, sample);
+      for (const uint32_t rays : frame.rays) {
+        EXPECT_LE(rays, all_rays(bounces));
+        complete += rays == all_rays(bounces) ? 1 : 0;
+      }
+    }
+    // Two vertices on one of the sphere's flat triangles do not see each other: at most 27 connections among 1280
+    // triangles, 2 % of the samples.
+    EXPECT_GT(complete, 4 * 32 * 32 * 97 / 100) << bounces << " bounces";
+  }
+}
+
+TEST(Bdpt, TracesFewerRaysThanThePaperStates) {
+  for (const char* scene : {"cornell", "cornell-glass", "corridor"}) {
+    constexpr uint32_t kBounces = 4;
+    BdptFrame frame(find_builtin_scene(scene)->build(), {.max_bounces = kBounces, .russian_roulette = false});
+    for (uint32_t sample = 0; sample < 16; ++sample) {
+      frame.run(1, sample);
+      for (const uint32_t rays : frame.rays) EXPECT_LE(rays, all_rays(kBounces));
+    }
+    EXPECT_LT(all_rays(kBounces), kBounces * kBounces + 3 * kBounces);  // [Sun20, §5.2.1]
+  }
+}
+
+/// L = e Σ ρ^k, k = 0 … D.
+TEST(Bdpt, ClosedFurnaceAtEveryDepth) {
+  constexpr float kAlbedo = 0.6f;
+  for (const bool light_only : {false, true}) {
+    double expected = 0;
+    for (uint32_t bounces = 0; bounces <= 6; ++bounces) {
+      expected += std::pow(static_cast<double>(kAlbedo), bounces);
+      BdptOptions options{.max_bounces = bounces, .russian_roulette = bounces % 2 == 1, .light_only = light_only};
+      const Rgb mean = mean_of(render_bdpt(make_closed_sphere(kAlbedo), options, 32));
+      // 8192 samples whose spread is below the mean: five standard errors are 6 %; stratification makes them fewer.
+      EXPECT_NEAR(static_cast<double>(mean.g) / expected, 1.0, 0.02)
+          << bounces << " bounces, light only " << light_only;
+    }
+  }
+}
+
+TEST(Bdpt, LongPathsGoOnFromTheCamera) {
+  // 0.9 keeps a third of the light for paths of more than ten bounces.
+  const Rgb expected = mean_of(render_bdpt(make_closed_sphere(0.9f), {.max_bounces = 64}, 32));
+  EXPECT_NEAR(expected.g, 10.0f, 0.2f);
+  for (const uint32_t vertices : {1u, 3u, kMaxLightVertices}) {
+    const Rgb mean =
+        mean_of(render_bdpt(make_closed_sphere(0.9f), {.max_bounces = 64, .max_light_vertices = vertices}, 32));
+    EXPECT_NEAR(mean.g / expected.g, 1.0f, 0.02f) << vertices;
+  }
+}
+
+TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSparesRays) {
+  const auto measure = [](float roulette, double* rays) {
+    BdptFrame frame(find_builtin_scene("cornell")->build(),
+                    {.width = 24, .height = 24, .connection_roulette = roulette});
+    Rgb sum(0);
+    for (uint32_t sample = 0; sample < 96; ++sample) {
+      frame.run(3, sample);
+      for (size_t p = 0; p < frame.rays.size(); ++p) {
+        sum += frame.radiance[p] / static_cast<float>(frame.rays.size());
+        *rays += frame.rays[p];
+      }
+    }
+    return sum;
+  };
+  double all = 0;
+  double fewer = 0;
+  const Rgb expected = measure(0, &all);
+  const Rgb mean = measure(0.5f, &fewer);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1.0f, 0.01f);
+  EXPECT_LT(fewer, 0.9 * all);
+}
+
+TEST(Bdpt, DoesNotDependOnThreads) {
+  for (const bool light_only : {false, true}) {
+    BdptOptions options{.width = 40, .height = 40, .light_only = light_only};
+    const std::vector<Rgb> one = render_bdpt(make_zoo(ZooLight::mixed, ZooCamera::thin_lens), options, 2);
+    options.threads = 3;
+    const std::vector<Rgb> three = render_bdpt(make_zoo(ZooLight::mixed, ZooCamera::thin_lens), options, 2);
+    EXPECT_EQ(one, three);
+  }
+}
+
+TEST(Bdpt, UnallocatedPixelsTraceNothing) {
+  BdptFrame frame(find_builtin_scene("cornell")->build(), {});
+  frame.allocation.assign(frame.hits.size(), 0);
+  frame.allocation[37] = 1;
+  frame.run(1, 0);
+  for (size_t p = 0; p < frame.rays.size(); ++p) EXPECT_EQ(frame.rays[p] > 0, p == 37);
+}
+
+TEST(Bdpt, DoesNotCombineWithStoredFirstVertices) {
+  RenderSettings settings;
+  settings.history = HistoryChoice::reproject;
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
+    settings.estimator = estimator;
+    settings.reproject.method = ReprojectionMethod::forward;
+    EXPECT_THROW(check_combination(settings), Error);
+    settings.reproject.method = ReprojectionMethod::backward;
+    EXPECT_NO_THROW(build_pipeline(settings));
+  }
+}
+
+}  // namespace
+}  // namespace relume::testing

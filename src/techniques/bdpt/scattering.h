@@ -1,0 +1,86 @@
+// Scattering as both directions of transport see it. The picture is what paths from the camera make of it, so wherever
+// a surface's answer depends on which of the two directions is the viewer's, light subpaths take the camera's side.
+#pragma once
+
+#include "scene/surface_point.h"
+
+namespace relume {
+
+/// Whether the shading frame is bent towards a viewer below the horizon of the shading normal.
+RELUME_HD inline bool bent(const SurfacePoint& sp) { return glm::dot(sp.ns, sp.wo) < kMinShadingCosine; }
+
+/// Whether the shading frame is the same for a viewer along sp.wo and for one along `w`. It is not where one of them
+/// bends it; only camera subpaths scatter there.
+RELUME_HD inline bool scatters_alike(const SurfacePoint& sp, const Vec3& w) {
+  if (bent(sp)) return false;
+  const float cosine = glm::dot(sp.ns, w);
+  return (glm::dot(sp.ng, w) < 0.0f ? -cosine : cosine) >= kMinShadingCosine;
+}
+
+/// Density with which a subpath that arrives along −w goes on along sp.wo.
+RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
+  if (!scatters_alike(sp, w)) return 0.0f;
+  const Vec3 local = sp.frame.to_local(w);
+  if (is_lambert(sp.bsdf)) return local.z > 0.0f ? cosine_hemisphere_pdf(sp.wo_local.z) : 0.0f;
+  return reverse_pdf(sp.bsdf, sp.wo_local, local);
+}
+
+/// Density of delta scattering from w to sp.wo over that from sp.wo to w, where `w` came out of a delta lobe.
+RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w) {
+  if (!scatters_alike(sp, w)) return 0.0f;
+  const Vec3 local = sp.frame.to_local(w);
+  if (local.z > 0.0f) return 1.0f;  // reflection: the angles are equal, and so is everything that follows from them
+  Bsdf reversed = sp.bsdf;
+  for (int i = 0; i < reversed.lobe_count; ++i) reversed.lobes[i] = flipped(reversed.lobes[i]);
+  prepare(reversed, -local.z);
+  for (int i = 0; i < reversed.lobe_count; ++i) {
+    const Lobe& lobe = sp.bsdf.lobes[i];
+    if (lobe.kind != LobeKind::smooth_dielectric && lobe.kind != LobeKind::pass_through) continue;
+    // Solid angles change by η² cos θ from one side to the other ([Veach97], §5.2).
+    const float jacobian = sp.wo_local.z / (sqr(lobe.eta) * -local.z);
+    return reversed.lobes[i].probability / lobe.probability * jacobian;
+  }
+  return 0.0f;
+}
+
+/// The same surface with another viewer.
+RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) {
+  SurfacePoint other = sp;
+  other.wo = wo;
+  if (glm::dot(sp.ng, wo) < 0.0f) {
+    other.ng = -sp.ng;
+    other.ns = -sp.ns;
+    other.front_face = !sp.front_face;
+    for (int i = 0; i < other.bsdf.lobe_count; ++i) other.bsdf.lobes[i] = flipped(sp.bsdf.lobes[i]);
+  }
+  other.frame = make_frame(surface_detail::visible_shading_normal(other.ns, other.ng, wo));
+  other.wo_local = other.frame.to_local(wo);
+  prepare(other.bsdf, other.wo_local.z);
+  return other;
+}
+
+/// A vertex of a light subpath, connected to something on the camera's side.
+struct AdjointEval {
+  Rgb f{0};              ///< BSDF times |ns · light| / |ng · light| ([Veach97], §5.3): what the camera's side sees
+  float pdf_light = 0;   ///< pdf_w with which the light subpath would have gone there
+  float pdf_camera = 0;  ///< pdf_w with which a camera subpath from there would have gone to the light
+};
+
+/// `sp` is seen from the light, `w` points to the camera's side.
+RELUME_HD inline AdjointEval eval_adjoint(const SurfacePoint& sp, const Vec3& w) {
+  const float cos_geometric = glm::dot(sp.ng, sp.wo);
+  if (scatters_alike(sp, w)) {
+    const BsdfEval e = eval_pdf<true>(sp, w, TransportMode::importance);
+    return {e.f * (sp.wo_local.z / cos_geometric), e.pdf_forward, e.pdf_reverse};
+  }
+  const SurfacePoint viewed = seen_from(sp, w);
+  const BsdfEval e = eval_pdf(viewed, sp.wo);
+  return {e.f * (shading_cosine(viewed, sp.wo) / cos_geometric), 0.0f, e.pdf_forward};
+}
+
+/// Factor for the throughput of light that arrived along −sp.wo and is sent along `w` ([Veach97], §5.3).
+RELUME_HD inline float adjoint_correction(const SurfacePoint& sp, const Vec3& w) {
+  return sp.wo_local.z * std::fabs(glm::dot(sp.ng, w)) / (glm::dot(sp.ng, sp.wo) * shading_cosine(sp, w));
+}
+
+}  // namespace relume

@@ -1,0 +1,40 @@
+// A small scene with most kinds of surfaces, under one kind of light, seen by one kind of camera.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace relume::testing {
+
+enum class ZooLight {
+  triangles,
+  two_sided,
+  textured,
+  point,
+  spot,
+  directional,
+  sun_disk,
+  environment_map,
+  sun_sky,
+  constant,
+  mixed,
+};
+inline constexpr ZooLight kZooLights[] = {
+    ZooLight::triangles, ZooLight::two_sided,   ZooLight::textured, ZooLight::point,
+    ZooLight::spot,      ZooLight::directional, ZooLight::sun_disk, ZooLight::environment_map,
+    ZooLight::sun_sky,   ZooLight::constant,    ZooLight::mixed};
+inline constexpr const char* kZooLightNames[] = {"triangles", "two_sided",   "textured", "point",
+                                                 "spot",      "directional", "sun_disk", "environment_map",
+                                                 "sun_sky",   "constant",    "mixed"};
+
+enum class ZooCamera { pinhole, thin_lens, orthographic, panoramic };
+inline constexpr ZooCamera kZooCameras[] = {ZooCamera::pinhole, ZooCamera::thin_lens, ZooCamera::orthographic,
+                                            ZooCamera::panoramic};
+inline constexpr const char* kZooCameraNames[] = {"pinhole", "thin_lens", "orthographic", "panoramic"};
+
+/// `smooth`: with delta scattering too.
+Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth = true);
+
+/// The inside of a sphere that shines and reflects, seen by a panoramic camera: every place sees every other.
+Scene make_closed_sphere(float albedo);
+
+}  // namespace relume::testing

@@ -1,0 +1,113 @@
+// Bidirectional path tracing and light tracing show what path tracing shows.
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <string>
+
+#include "scene/builtin.h"
+#include "support/image_test.h"
+#include "techniques/bdpt/testing/zoo.h"
+
+namespace relume::support {
+namespace {
+
+using testing::ZooCamera;
+using testing::ZooLight;
+
+constexpr int kSeeds = 16;
+
+/// Paths of light from a point or out of one direction over a mirror or through smooth glass are beyond path tracing.
+bool delta_light(ZooLight light) {
+  return light == ZooLight::point || light == ZooLight::spot || light == ZooLight::directional ||
+         light == ZooLight::mixed;
+}
+
+struct ZooCase {
+  ZooLight light;
+  ZooCamera camera;
+};
+
+/// Every light with a pinhole, every camera with a triangle and an environment.
+std::vector<ZooCase> zoo_cases() {
+  std::vector<ZooCase> cases;
+  for (const ZooLight light : testing::kZooLights) cases.push_back({light, ZooCamera::pinhole});
+  for (const ZooCamera camera : {ZooCamera::thin_lens, ZooCamera::orthographic, ZooCamera::panoramic}) {
+    for (const ZooLight light : {ZooLight::two_sided, ZooLight::environment_map, ZooLight::directional})
+      cases.push_back({light, camera});
+  }
+  return cases;
+}
+
+std::string zoo_name(const ::testing::TestParamInfo<ZooCase>& info) {
+  return std::string(testing::kZooLightNames[static_cast<int>(info.param.light)]) + "_" +
+         testing::kZooCameraNames[static_cast<int>(info.param.camera)];
+}
+
+class BdptZoo : public ::testing::TestWithParam<ZooCase> {};
+
+TEST_P(BdptZoo, AgreesWithPathTracing) {
+  const Scene scene = testing::make_zoo(GetParam().light, GetParam().camera, !delta_light(GetParam().light));
+  RenderSettings path = small_settings(24, 24);
+  RenderSettings bdpt = path;
+  bdpt.estimator = EstimatorChoice::bdpt;
+  expect_same_picture("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 48, kSeeds, 1),
+                      measure(scene, bdpt, 24, kSeeds, 1001));
+}
+INSTANTIATE_TEST_SUITE_P(Zoo, BdptZoo, ::testing::ValuesIn(zoo_cases()), zoo_name);
+
+/// A built-in scene, how large, when, and how many samples each estimator takes; light 0: it cannot show the scene.
+struct BuiltinCase {
+  const char* scene;
+  int width;
+  int height;
+  float time_s;
+  int path;
+  int bdpt;
+  int light;
+};
+
+const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 0},       {"cornell-closed", 32, 32, 0, 48, 24, 0},
+                              {"corridor", 24, 24, 0, 64, 32, 32},     {"warehouse", 32, 18, 0, 32, 16, 0},
+                              {"turntable", 32, 18, 1.3f, 32, 16, 32}, {"slit", 32, 18, 0.7f, 48, 24, 48},
+                              {"furnace", 24, 24, 0, 4, 4, 32}};
+
+// Path tracing finds caustics rarely and brightly: with fewer samples its spread could not be told from 16 images.
+const BuiltinCase kSharp[] = {{"cornell", 32, 32, 0, 512, 256, 0},
+                              {"cornell-closed", 32, 32, 0, 512, 256, 0},
+                              {"cornell-spheres", 32, 32, 0, 1024, 64, 0},
+                              {"cornell-mirror", 32, 32, 0, 1024, 64, 0},
+                              {"cornell-water", 32, 32, 0, 2048, 256, 0},
+                              {"cornell-glass", 32, 32, 0, 2048, 256, 0},
+                              {"corridor", 32, 32, 0, 256, 128, 256},
+                              {"warehouse", 48, 27, 0, 128, 64, 0},
+                              {"turntable", 48, 27, 1.3f, 256, 128, 256},
+                              {"slit", 48, 27, 0.7f, 128, 64, 256},
+                              {"door", 32, 24, 0, 256, 128, 0},
+                              {"mine", 48, 27, 0, 128, 64, 0},
+                              {"lamp-room", 32, 24, 0, 1024, 64, 0}};
+
+std::string builtin_name(const ::testing::TestParamInfo<BuiltinCase>& info) {
+  std::string name = info.param.scene;
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
+}
+
+class BdptBuiltin : public ::testing::TestWithParam<BuiltinCase> {};
+
+TEST_P(BdptBuiltin, AgreesWithPathTracing) {
+  const BuiltinCase& c = GetParam();
+  const Scene scene = find_builtin_scene(c.scene)->build();
+  RenderSettings settings = small_settings(c.width, c.height);
+  settings.time_s = c.time_s;
+  const Moments path = measure(scene, settings, c.path, kSeeds, 1);
+  settings.estimator = EstimatorChoice::bdpt;
+  expect_same_picture(std::string("bdpt-") + c.scene, path, measure(scene, settings, c.bdpt, kSeeds, 1001));
+  if (c.light == 0) return;
+  settings.estimator = EstimatorChoice::light;
+  expect_same_picture(std::string("light-") + c.scene, path, measure(scene, settings, c.light, kSeeds, 2001));
+}
+INSTANTIATE_TEST_SUITE_P(Builtin, BdptBuiltin, ::testing::ValuesIn(kQuick), builtin_name);
+INSTANTIATE_TEST_SUITE_P(SlowBuiltin, BdptBuiltin, ::testing::ValuesIn(kSharp), builtin_name);
+
+}  // namespace
+}  // namespace relume::support
