@@ -1,0 +1,25 @@
+// The cache "apsf" as a pass.
+#pragma once
+
+#include "techniques/adaptive_psf/settings.h"
+#include "techniques/path/path_pass.h"
+#include "techniques/path_space_filter/cells_pass.h"
+
+namespace relume {
+
+/// Traces the paths that survive, of the pixels that the allocation gives one, and gives what they find to the cells.
+class AdaptivePsfPass final : public Pass {
+ public:
+  AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells)
+      : settings_(settings), source_(source), cells_(cells) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const AdaptivePsfSettings& settings_;
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

@@ -1,0 +1,184 @@
+// What a cell of the hash grid holds: this frame's samples as integer sums, whose value does not depend on the order in
+// which threads add, and the moments of earlier frames as floats, which one writer changes between frames.
+#pragma once
+
+#include "core/fixed_point.h"
+
+namespace relume {
+
+/// Largest component of a sample; larger ones are clamped and counted as saturated.
+inline constexpr float kCellSampleMax = 0x1p24f;
+/// One unit of a sample's weight, and the largest weight.
+inline constexpr float kCellWeightUnit = 0x1p-8f;
+inline constexpr float kCellWeightMax = 0x1p12f;
+
+/// Non-negative number of 128 bits: `high` counts units of 2^64 of `low`.
+struct WideInteger {
+  uint64_t low = 0;
+  uint64_t high = 0;
+};
+
+/// `x` ≥ 0 in units of 2^-fraction_bits, rounded down. Exact in between: x · 2^fraction_bits must be below 2^128.
+template <int fraction_bits>
+RELUME_HD inline WideInteger to_wide(double x) {
+  static_assert(fraction_bits < 64);
+  constexpr double kLowUnits = static_cast<double>(uint64_t{1} << fraction_bits);
+  const double in_high = x * (kLowUnits * 0x1p-64);
+  // By way of a signed integer, for which processors have an instruction.
+  if (in_high < 0x1p-1) return {static_cast<uint64_t>(static_cast<int64_t>(x * kLowUnits)), 0};
+  const auto high = static_cast<uint64_t>(in_high);
+  return {static_cast<uint64_t>((in_high - static_cast<double>(high)) * 0x1p64), high};
+}
+
+template <int fraction_bits>
+RELUME_HD inline double from_wide(uint64_t low, uint64_t high) {
+  constexpr double kUnit = 1.0 / static_cast<double>(uint64_t{1} << fraction_bits);
+  return (static_cast<double>(high) * 0x1p64 + static_cast<double>(low)) * kUnit;
+}
+
+/// Moments of the samples in a cell.
+struct CellMoments {
+  Rgb mean{0};
+  float mean_square = 0;  ///< of the luminance
+  float count = 0;        ///< samples behind the moments; bounded by the maximum cell size
+
+  /// Variance of the luminance of one sample, unbiased for samples of equal weight ([Schipek22 eq. 3.2]).
+  RELUME_HD float variance() const {
+    if (!(count > 1.0f)) return 0.0f;
+    return relume::max(0.0f, mean_square - sqr(luminance(mean))) * (count / (count - 1.0f));
+  }
+};
+
+/// This frame's samples. Sunlight and dusk differ by more than 64 bits when squared, so every sum has two limbs:
+/// carries out of the lower one are rare, and the upper one is touched only then.
+struct alignas(64) CellSums {
+  static constexpr int kRadianceBits = 40;  ///< binary places of the sums of radiance
+  static constexpr int kSquareBits = 56;    ///< binary places of the sum of squares
+
+  uint64_t low[3] = {};
+  uint64_t square_low = 0;
+  uint64_t square_high = 0;
+  uint64_t weight = 0;  ///< in units of kCellWeightUnit
+  uint32_t high[3] = {};
+  uint32_t count = 0;
+
+  RELUME_HD bool empty() const { return count == 0; }
+
+  /// Thread-safe. `value`: finite components in [0, kCellSampleMax]; `weight` in (0, kCellWeightMax].
+  RELUME_HD void add(const Rgb& value, float sample_weight) {
+    const auto units = static_cast<uint64_t>(sample_weight / kCellWeightUnit + 0.5f);
+    const double w = static_cast<double>(units) * static_cast<double>(kCellWeightUnit);
+    for (int c = 0; c < 3; ++c) {
+      const WideInteger x = to_wide<kRadianceBits>(static_cast<double>(value[c]) * w);
+      const uint64_t carry = add_low(&low[c], x.low);
+      if (x.high + carry != 0) atomic_add(&high[c], static_cast<uint32_t>(x.high + carry));
+    }
+    const auto y = static_cast<double>(luminance(value));
+    const WideInteger square = to_wide<kSquareBits>(y * y * w);
+    const uint64_t carry = add_low(&square_low, square.low);
+    if (square.high + carry != 0) atomic_add(&square_high, square.high + carry);
+    atomic_add(&weight, units);
+    atomic_add(&count, 1u);
+  }
+
+  RELUME_HD CellMoments moments() const {
+    if (empty() || weight == 0) return {};
+    const double scale = 1.0 / (static_cast<double>(weight) * static_cast<double>(kCellWeightUnit));
+    CellMoments m;
+    for (int c = 0; c < 3; ++c) m.mean[c] = static_cast<float>(from_wide<kRadianceBits>(low[c], high[c]) * scale);
+    m.mean_square = static_cast<float>(from_wide<kSquareBits>(square_low, square_high) * scale);
+    m.count = static_cast<float>(count);
+    return m;
+  }
+
+ private:
+  /// 1 if the addition overflowed.
+  RELUME_HD static uint64_t add_low(uint64_t* target, uint64_t value) {
+    if (value == 0) return 0;
+    const uint64_t before = atomic_fetch_add(target, value);
+    return before + value < before ? 1u : 0u;
+  }
+};
+static_assert(sizeof(CellSums) == 64);
+
+/// Moments of earlier frames.
+struct CellHistory {
+  CellMoments moments;
+  CellMoments recent;     ///< of the latest frames: a window too short yet to say anything of changes
+  uint32_t age = 0;       ///< frames since the last sample
+  int32_t departure = 0;  ///< windows in a row whose mean lay above (positive) or below what the history allows
+  uint32_t frames = 0;    ///< frames with samples since the cell began
+
+  RELUME_HD bool empty() const { return moments.count <= 0.0f; }
+};
+static_assert(sizeof(CellHistory) == 52);
+
+/// How histories take in a frame.
+struct AveragingRule {
+  float max_count = 1024;      ///< maximum cell size N ([Schipek22 §5.3]); what is above is forgotten exponentially
+  float change_threshold = 0;  ///< standard errors a window's mean may stray from the history; 0: no limit
+  float min_count = 8;         ///< samples below which neither a window nor a history says anything of changes
+};
+
+/// What to do about cells with fewer samples than `min_count`.
+enum class ThinCells : int {
+  keep,       ///< take them as they are
+  coarser,    ///< look up to three levels higher
+  neighbours  ///< pool the eight nearest cells
+};
+
+/// Windows in a row that must stray to one side before the history is given up: a single one may be an outlier.
+inline constexpr int kDeparturesOfAChange = 2;
+
+/// −1 or 1 if the luminance of the window's mean lies below or above the confidence interval of the history, else 0.
+RELUME_HD inline int departure(const CellMoments& history, const CellMoments& window, const AveragingRule& rule) {
+  if (history.count < rule.min_count) return 0;
+  const float before = luminance(history.mean);
+  const float difference = luminance(window.mean) - before;
+  // Either side's spread may be the one that is underestimated, where bright samples are rare.
+  const float variance = relume::max(history.variance(), window.variance());
+  const float error_squared = variance * (1.0f / history.count + 1.0f / window.count);
+  constexpr float kRoundingError = 1e-4f;
+  if (sqr(difference) <= sqr(rule.change_threshold) * error_squared + sqr(kRoundingError * before)) return 0;
+  return difference < 0.0f ? -1 : 1;
+}
+
+/// Exponential average by batches ([Schipek22 §5.3]): the samples of both are pooled, then their number is cut to N.
+RELUME_HD inline CellMoments pooled(const CellMoments& history, const CellMoments& frame, float max_count) {
+  const float count = history.count + frame.count;
+  if (!(count > 0.0f)) return {};
+  const float share = frame.count / count;
+  CellMoments m;
+  m.mean = history.mean + (frame.mean - history.mean) * share;
+  m.mean_square = history.mean_square + (frame.mean_square - history.mean_square) * share;
+  m.count = relume::min(count, max_count);
+  return m;
+}
+
+/// The history after a frame with the samples `frame` (at least one). Frames with few samples are gathered in a window
+/// until they are enough to be compared with the history; what has changed starts anew from the window.
+RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMoments& frame, const AveragingRule& rule) {
+  CellHistory next;
+  next.frames = history.frames + 1;
+  next.departure = history.departure;
+  if (rule.change_threshold > 0.0f) {
+    next.recent = pooled(history.recent, frame, kInfinity);
+    if (next.recent.count >= rule.min_count) {
+      const int side = departure(history.moments, next.recent, rule);
+      next.departure = side * history.departure > 0 ? history.departure + side : side;
+      if (next.departure >= kDeparturesOfAChange || next.departure <= -kDeparturesOfAChange) {
+        next.moments = next.recent;
+        next.moments.count = relume::min(next.moments.count, rule.max_count);
+        next.recent = {};
+        next.departure = 0;
+        next.frames = 1;
+        return next;
+      }
+      next.recent = {};
+    }
+  }
+  next.moments = pooled(history.moments, frame, rule.max_count);
+  return next;
+}
+
+}  // namespace relume

@@ -1,0 +1,180 @@
+#include "techniques/hash_grid/hash_grid_table.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace relume {
+namespace {
+
+/// Slots a cell: the table is at most half full, so that probing stays short.
+constexpr uint64_t kSlotsPerCell = 4;
+constexpr uint32_t kMinSlots = 1024;
+
+uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintenanceRow - 1) / kMaintenanceRow); }
+
+template <typename T>
+void put(std::span<std::byte>& bytes, const T& value) {
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  bytes = bytes.subspan(sizeof(T));
+}
+
+template <typename T>
+T take(std::span<const std::byte>& bytes) {
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof(T));
+  bytes = bytes.subspan(sizeof(T));
+  return value;
+}
+
+/// What goes into a checkpoint: the number of slots, counters, and each cell.
+constexpr size_t kSavedHeaderBytes = 2 * sizeof(uint32_t) + sizeof(HashGridCounters) + 2 * sizeof(uint64_t);
+constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
+
+}  // namespace
+
+HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells)
+    : settings_(settings), first_slots_(wanted_slots(expected_cells)) {
+  allocate(first_slots_);
+}
+
+uint32_t HashGrid::wanted_slots(uint64_t live) const {
+  const auto largest = static_cast<uint64_t>(settings_.max_cells);
+  return static_cast<uint32_t>(std::min(std::max(live * kSlotsPerCell, uint64_t{kMinSlots}), largest));
+}
+
+void HashGrid::allocate(uint32_t slots) {
+  fingerprints_.assign(slots, 0);
+  homes_.assign(slots, 0);
+  parents_.assign(slots, kNoCell);
+  sums_.assign(slots, {});
+  histories_.assign(slots, {});
+}
+
+HashGridView HashGrid::view(const CameraView& camera) {
+  HashGridView v;
+  v.fingerprints = mutable_view_of(fingerprints_);
+  v.homes = mutable_view_of(homes_);
+  v.parents = mutable_view_of(parents_);
+  v.sums = mutable_view_of(sums_);
+  v.histories = view_of(histories_);
+  v.counters = &counters_;
+  v.keys = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
+            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
+            static_cast<float>(settings_.min_count)};
+  v.thin_cells = settings_.thin_cells;
+  v.min_count = static_cast<float>(settings_.min_count);
+  v.inherited_count = static_cast<float>(settings_.inherited_count);
+  v.clamp_factor = settings_.clamp;
+  return v;
+}
+
+void HashGrid::advance(Backend& backend) {
+  if (counters_.heirs > 0) {
+    const InheritCellsKernel inherit{view({}), mutable_view_of(histories_)};
+    launch(backend, "cells", inherit, kMaintenanceRow, rows_of(fingerprints_.size()));
+    inherited_ += counters_.heirs;
+    counters_.heirs = 0;
+  }
+  census_ = {};
+  const MaintainCellsKernel kernel{view({}), mutable_view_of(histories_), &census_,
+                                   static_cast<uint32_t>(settings_.max_age)};
+  launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints_.size()));
+  evicted_ += census_.evicted;
+}
+
+void HashGrid::adjust_size(Backend& backend) {
+  // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
+  const uint64_t slots = fingerprints_.size();
+  const uint32_t wanted = wanted_slots(census_.live);
+  const bool crowded = census_.taken * 2 > slots && (wanted > slots || census_.live * 2 < census_.taken);
+  const bool spacious = uint64_t{wanted} * 8 < slots && wanted >= first_slots_;
+  if (crowded || spacious) rebuild(backend, wanted);
+}
+
+void HashGrid::clear() {
+  allocate(first_slots_);
+  census_ = {};
+}
+
+void HashGrid::rebuild(Backend& backend, uint32_t slots) {
+  std::vector<uint64_t> fingerprints(slots, 0);
+  std::vector<uint32_t> homes(slots, 0);
+  std::vector<CellHistory> histories(slots);
+  fingerprints.swap(fingerprints_);
+  homes.swap(homes_);
+  histories.swap(histories_);
+  sums_.assign(slots, {});
+  parents_.assign(slots, kNoCell);
+  const MoveCellsKernel kernel{view_of(fingerprints), view_of(homes), view_of(histories), view({}),
+                               mutable_view_of(histories_)};
+  launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints.size()));
+  census_.taken = census_.live;
+  ++rebuilds_;
+}
+
+HashGridStatistics HashGrid::statistics() const {
+  HashGridStatistics s;
+  s.slots = fingerprints_.size();
+  s.cells = census_.live;
+  s.occupancy = static_cast<float>(census_.taken) / static_cast<float>(s.slots);
+  s.mean_probes =
+      census_.taken > 0 ? 1.0f + static_cast<float>(census_.displacements) / static_cast<float>(census_.taken) : 0.0f;
+  s.samples = census_.samples;
+  s.evicted = evicted_;
+  s.inherited = inherited_;
+  s.dropped = counters_.dropped;
+  s.saturated = counters_.saturated;
+  s.nonfinite = counters_.nonfinite;
+  s.rebuilds = rebuilds_;
+  s.memory_bytes = s.slots * (sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory));
+  return s;
+}
+
+std::vector<std::byte> HashGrid::save() const {
+  const auto taken =
+      fingerprints_.size() - static_cast<size_t>(std::count(fingerprints_.begin(), fingerprints_.end(), 0u));
+  std::vector<std::byte> bytes(kSavedHeaderBytes + taken * kSavedCellBytes);
+  std::span<std::byte> rest = bytes;
+  put(rest, static_cast<uint32_t>(fingerprints_.size()));
+  put(rest, first_slots_);
+  put(rest, counters_);
+  put(rest, evicted_);
+  put(rest, inherited_);
+  for (size_t i = 0; i < fingerprints_.size(); ++i) {
+    if (fingerprints_[i] == 0) continue;
+    put(rest, fingerprints_[i]);
+    put(rest, homes_[i]);
+    put(rest, histories_[i]);
+  }
+  return bytes;
+}
+
+uint64_t HashGrid::largest_save(const HashGridSettings& settings) {
+  return kSavedHeaderBytes + static_cast<uint64_t>(settings.max_cells) * kSavedCellBytes;
+}
+
+bool HashGrid::load(std::span<const std::byte> bytes) {
+  if (bytes.size() < kSavedHeaderBytes || (bytes.size() - kSavedHeaderBytes) % kSavedCellBytes != 0) return false;
+  const size_t cells = (bytes.size() - kSavedHeaderBytes) / kSavedCellBytes;
+  const auto slots = take<uint32_t>(bytes);
+  const auto first_slots = take<uint32_t>(bytes);
+  if (slots == 0 || slots > static_cast<uint32_t>(settings_.max_cells) || cells > slots) return false;
+  first_slots_ = first_slots;
+  allocate(slots);
+  counters_ = take<HashGridCounters>(bytes);
+  evicted_ = take<uint64_t>(bytes);
+  inherited_ = take<uint64_t>(bytes);
+  const HashGridView v = view({});
+  for (size_t i = 0; i < cells; ++i) {
+    const auto fingerprint = take<uint64_t>(bytes);
+    const auto home = take<uint32_t>(bytes);
+    const auto history = take<CellHistory>(bytes);
+    bool made = false;
+    const uint32_t slot = v.find_or_insert({fingerprint, home}, made);
+    if (slot != kNoCell) histories_[slot] = history;
+  }
+  return true;
+}
+
+}  // namespace relume

@@ -1,0 +1,85 @@
+// Owner of a hash grid's memory: sizes, upkeep between frames, statistics, and a form that goes into checkpoints.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "backend/launch.h"
+#include "techniques/hash_grid/maintain.h"
+#include "techniques/hash_grid/settings.h"
+
+namespace relume {
+
+/// State of the table, for statistics. All but `mean_probes` are the same with any number of threads, and `dropped`
+/// too while it is 0.
+struct HashGridStatistics {
+  uint64_t slots = 0;
+  uint64_t cells = 0;      ///< with samples
+  float occupancy = 0;     ///< share of slots that have a key
+  float mean_probes = 0;   ///< slots looked at to find a cell
+  uint64_t samples = 0;    ///< added in the last frame
+  uint64_t evicted = 0;    ///< cells emptied so far
+  uint64_t inherited = 0;  ///< cells so far that began with what another level knew
+  uint64_t dropped = 0;    ///< samples and cells without a place so far; results may then depend on timing
+  uint64_t saturated = 0;  ///< samples clamped so far
+  uint64_t nonfinite = 0;  ///< samples left out so far
+  uint64_t rebuilds = 0;   ///< times that the table changed its size or was cleaned
+  size_t memory_bytes = 0;
+};
+
+class HashGrid {
+ public:
+  /// `expected_cells`: a guess at how many there will be; the size follows what is found.
+  HashGrid(const HashGridSettings& settings, uint64_t expected_cells);
+
+  /// An empty table of the smallest size.
+  HashGrid() : HashGrid(HashGridSettings{}, 0) {}
+
+  /// Takes new settings on. Cells whose keys they change are evicted in time.
+  void configure(const HashGridSettings& settings) { settings_ = settings; }
+
+  /// For the kernels of a frame. `camera` sets the level of detail.
+  HashGridView view(const CameraView& camera);
+
+  /// When the samples of a frame are in: averages and evicts. What is read from then on includes them.
+  void advance(Backend& backend);
+  /// When a frame is over and nobody knows slots any more: adjusts the size.
+  void adjust_size(Backend& backend);
+  /// Both.
+  void end_frame(Backend& backend) {
+    advance(backend);
+    adjust_size(backend);
+  }
+  /// Forgets everything.
+  void clear();
+
+  HashGridStatistics statistics() const;
+
+  /// Everything that later frames depend on.
+  std::vector<std::byte> save() const;
+  /// The state that save() gave. False, and nothing changes, if the bytes are no such state.
+  bool load(std::span<const std::byte> bytes);
+  /// No state that save() gives has more bytes.
+  static uint64_t largest_save(const HashGridSettings& settings);
+
+ private:
+  void allocate(uint32_t slots);
+  void rebuild(Backend& backend, uint32_t slots);
+  uint32_t wanted_slots(uint64_t live) const;
+
+  HashGridSettings settings_;
+  uint32_t first_slots_;
+  std::vector<uint64_t> fingerprints_;
+  std::vector<uint32_t> homes_;
+  std::vector<uint32_t> parents_;
+  std::vector<CellSums> sums_;
+  std::vector<CellHistory> histories_;
+  HashGridCounters counters_;
+  HashGridCensus census_;
+  uint64_t evicted_ = 0;
+  uint64_t inherited_ = 0;
+  uint64_t rebuilds_ = 0;
+};
+
+}  // namespace relume

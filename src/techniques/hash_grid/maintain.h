@@ -1,0 +1,106 @@
+// Passes over the table after the paths of a frame: histories take in what it has added, cells that nobody has used for
+// long are emptied, and what is left moves to a table of another size when that pays.
+#pragma once
+
+#include "backend/launch.h"
+#include "techniques/hash_grid/hash_grid.h"
+
+namespace relume {
+
+/// What the passes have counted.
+struct HashGridCensus {
+  uint64_t taken = 0;          ///< slots with a key
+  uint64_t live = 0;           ///< cells with samples
+  uint64_t evicted = 0;        ///< cells emptied in this pass
+  uint64_t samples = 0;        ///< added in the frame
+  uint64_t displacements = 0;  ///< slots between the cells and their homes, all together
+};
+
+/// Slots side by side in the grid over which the passes run.
+inline constexpr uint32_t kMaintenanceRow = 16;
+
+/// Gives new cells what they take over from another level; one call a slot. Reads no cell that it writes.
+struct InheritCellsKernel {
+  HashGridView grid;
+  View<CellHistory> histories;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t slot = y * kMaintenanceRow + x;
+    if (slot >= grid.parents.size || grid.parents[slot] == kNoCell) return;
+    histories[slot].moments = grid.inherited(slot);
+    grid.parents[slot] = kNoCell;
+  }
+};
+
+/// Averages and evicts; one call a slot.
+struct MaintainCellsKernel {
+  HashGridView grid;
+  View<CellHistory> histories;
+  HashGridCensus* census = nullptr;
+  uint32_t max_age = 64;  ///< frames without samples after which a cell is emptied
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    HashGridCensus part;
+    treat(y * kMaintenanceRow + x, part);
+    add(part);
+  }
+
+  void operator()(const Tile& tile) const {
+    HashGridCensus part;
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) treat(y * kMaintenanceRow + x, part);
+    }
+    add(part);
+  }
+
+ private:
+  RELUME_HD void treat(uint32_t slot, HashGridCensus& part) const {
+    if (slot >= grid.fingerprints.size || grid.fingerprints[slot] == 0) return;
+    const uint32_t home = grid.slot_of(grid.homes[slot]);
+    part.displacements += slot >= home ? slot - home : slot + grid.fingerprints.size - home;
+    ++part.taken;
+    CellSums& sums = grid.sums[slot];
+    CellHistory& history = histories[slot];
+    if (!sums.empty()) {
+      part.samples += sums.count;
+      history = advanced(history, sums.moments(), grid.rule);
+      sums = {};
+    } else if (!history.empty() && ++history.age > max_age) {
+      history = {};
+      ++part.evicted;
+    }
+    part.live += history.empty() ? 0u : 1u;
+  }
+
+  RELUME_HD void add(const HashGridCensus& part) const {
+    if (part.taken == 0) return;
+    atomic_add(&census->taken, part.taken);
+    atomic_add(&census->live, part.live);
+    atomic_add(&census->evicted, part.evicted);
+    atomic_add(&census->samples, part.samples);
+    atomic_add(&census->displacements, part.displacements);
+  }
+};
+
+/// Copies the live cells of one table into another, empty one; one call a slot of the source.
+struct MoveCellsKernel {
+  View<const uint64_t> fingerprints;
+  View<const uint32_t> homes;
+  View<const CellHistory> source;
+  HashGridView target;
+  View<CellHistory> histories;  ///< of the target
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t from = y * kMaintenanceRow + x;
+    if (from >= fingerprints.size || source[from].empty()) return;
+    bool made = false;
+    const uint32_t to = target.find_or_insert({fingerprints[from], homes[from]}, made);
+    if (to == kNoCell) {
+      atomic_add(&target.counters->dropped, uint64_t{1});
+      return;
+    }
+    histories[to] = source[from];
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,238 @@
+// Adaptive path graphs ([Schipek22 §4.2]): a path adds up the variance that its vertices bring into the pixel, as cells
+// of earlier frames estimate it, and lets a cell take over where the sum would exceed a constant. Every vertex feeds
+// its cell with its own direct light and what the cell of the next vertex reflects, so light creeps along the cells
+// from frame to frame. Cells of different depths are separate; no cell can feed itself. Departures from the thesis'
+// algorithm 2, which loses energy, are in README.md.
+#pragma once
+
+#include "techniques/adaptive_psf/adaptive_psf.h"
+
+namespace relume {
+
+/// What the vertices of all paths share.
+struct PathGraphContext {
+  FilterContext filter;
+  AdaptivePsf primary;                                  ///< survival and blend at the first vertex, if enabled
+  float variance_constant = 0.1f;                       ///< variance that a path may bring; in units of the measure
+  VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: to the square of what the first cell shows
+  float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel
+};
+
+/// What a path graph does at the vertices of one path. Between two vertices that have cells ("anchors"), the path's
+/// throughput and radiance are relative to the demodulated first of them.
+class PathGraph : public NoObserver {
+ public:
+  PathGraph() = default;
+  RELUME_HD PathGraph(const PathGraphContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
+      : context_(&context), index_(&index), x_(x), y_(y) {
+    pixel_.blend = 0.0f;
+  }
+
+  RELUME_HD const FilteredPixel& pixel() const { return pixel_; }
+
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
+    if (!d.filtered) return true;
+    const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);
+    const CellPoint point = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), d.glossy);
+    const bool first = !pixel_.filtered;
+    if (first && !begin(point, d, path)) return false;
+    if (!first) advance(path);
+    before_ = now_;
+    const CellMoments cell = grid().moments(point);
+    if (first) limit_ = variance_limit(d.albedo, cell);
+    if (!grid().thin(cell)) {
+      close_samples(d.albedo * cell.mean);
+      take_over(d.albedo, cell, path.bounce);
+      if (now_.share <= 0.0f && !goes_on(d)) return false;
+    }
+    has_own_ = now_.share > 0.0f || feeds_;
+    if (has_own_) own_ = {point, Rgb(0), Rgb(1), sample_weight()};
+    at_anchor_ = true;
+    albedo_ = d.albedo;
+    raised_ = d.raised;
+    path.throughput = d.inverse();
+    return true;
+  }
+
+  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
+    const bool through_delta = at_anchor_ && path.delta;
+    at_anchor_ = false;
+    if (!through_delta) return;
+    // The cell holds nothing of delta lobes: its sample ends here, and the path goes on as if there were no cell.
+    settle(path);
+    if (has_own_) insert(own_);
+    has_own_ = false;
+    now_ = before_;
+    albedo_ = Rgb(1);
+    path.throughput *= raised_;
+    path.first_throughput *= max_component(raised_);
+  }
+
+  /// When the path has ended: gives what is still open to its cells.
+  RELUME_HD void finish(PathState& path) {
+    if (!pixel_.filtered) {
+      pixel_.unfiltered = path.radiance;
+      return;
+    }
+    if (pixel_.culled) return;
+    settle(path);
+    for (uint32_t i = 0; i < open_count_; ++i) insert(open_[i]);
+    if (has_own_) insert(own_);
+    if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
+    pixel_.traced = is_finite(contribution_) ? contribution_ : Rgb(0);
+  }
+
+ private:
+  /// A sample for a cell. While the cell of the next anchor is unknown it waits for the rest of the path.
+  struct Sample {
+    CellPoint point;
+    Rgb value{0};
+    Rgb transport{1};  ///< from radiance that leaves the current anchor to the sample
+    float weight = 1;
+  };
+  static constexpr uint32_t kMaxOpen = 8;
+
+  struct Progress {
+    float share = 1;     ///< of what the path finds in the pixel: 1, then α, then 0
+    float variance = 0;  ///< brought into the pixel so far
+    bool terminated = false;
+  };
+
+  RELUME_HD const HashGridView& grid() const { return context_->filter.grid; }
+
+  RELUME_HD bool begin(const CellPoint& point, const Demodulation& d, PathState& path) {
+    pixel_.filtered = true;
+    pixel_.divided = d.has_delta;
+    pixel_.unfiltered = path.radiance;
+    pixel_.factor = path.throughput * d.albedo;
+    pixel_.point = point;
+    arriving_ = path.throughput;
+    path.radiance = Rgb(0);
+    path.first_throughput = 1.0f;
+    path.compression = 1.0f;
+    return context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
+  }
+
+  /// From the last anchor to the vertex that has been reached.
+  RELUME_HD void advance(PathState& path) {
+    settle(path);
+    const Rgb step = albedo_ * path.throughput;
+    arriving_ *= step;
+    for (uint32_t i = 0; i < open_count_; ++i) open_[i].transport *= step;
+    if (has_own_ && open_count_ < kMaxOpen) {
+      own_.transport = path.throughput;
+      open_[open_count_++] = own_;
+    }
+    has_own_ = false;
+    // Roulette goes on comparing the whole throughput with that behind the first anchor.
+    path.first_throughput /= max_component(step);
+  }
+
+  /// Shares out what the path has found since the last anchor.
+  RELUME_HD void settle(PathState& path) {
+    const Rgb found = path.radiance;
+    path.radiance = Rgb(0);
+    if (has_own_) own_.value += found;
+    const Rgb leaving = albedo_ * found;
+    contribution_ += now_.share * arriving_ * leaving;
+    for (uint32_t i = 0; i < open_count_; ++i) open_[i].value += open_[i].transport * leaving;
+  }
+
+  /// The cell of this vertex, which reflects `leaving`, stands for the rest of all samples behind; and, if a cell has
+  /// taken over with α > 0 at the last vertex, for the rest of that α (algorithm 2 drops it).
+  RELUME_HD void close_samples(const Rgb& leaving) {
+    for (uint32_t i = 0; i < open_count_; ++i) {
+      open_[i].value += open_[i].transport * leaving;
+      insert(open_[i]);
+    }
+    open_count_ = 0;
+    if (!now_.terminated) return;
+    contribution_ += now_.share * arriving_ * leaving;
+    now_.share = 0.0f;
+  }
+
+  /// Eq. 4.14 and 4.15.
+  RELUME_HD void take_over(const Rgb& albedo, const CellMoments& cell, uint32_t bounce) {
+    if (now_.terminated) return;
+    const Rgb throughput = arriving_ * albedo;
+    const float local = sqr(luminance(throughput)) * cell.variance();
+    if (now_.variance + local <= limit_) {
+      now_.variance += local;
+      return;
+    }
+    const float alpha = std::sqrt(relume::max(0.0f, limit_ - now_.variance) / local);
+    contribution_ += (now_.share * (1.0f - alpha)) * throughput * cell.mean;
+    now_ = {now_.share * alpha, limit_, true};
+    pixel_.termination = static_cast<uint16_t>(bounce + 1u);
+  }
+
+  RELUME_HD float variance_limit(const Rgb& albedo, const CellMoments& cell) const {
+    if (context_->measure == VarianceMeasure::absolute) return context_->variance_constant;
+    if (grid().thin(cell)) return kInfinity;
+    return context_->variance_constant * sqr(luminance(arriving_ * albedo * cell.mean));
+  }
+
+  /// Whether a path that no longer counts is followed: to feed cells, or because a delta lobe may lead past the cell.
+  RELUME_HD bool goes_on(const Demodulation& d) {
+    if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < context_->feed;
+    decided_ = true;
+    return feeds_ || d.has_delta;
+  }
+
+  /// Inverse probability with which a sample at this vertex is taken.
+  RELUME_HD float sample_weight() const { return (now_.share > 0.0f ? 1.0f : 1.0f / context_->feed) / pixel_.survival; }
+
+  RELUME_HD void insert(const Sample& sample) const {
+    grid().insert(sample.point, sample.value, sample.weight, filter_random(*index_, x_, y_, 2u + sample.point.layer));
+  }
+
+  const PathGraphContext* context_ = nullptr;
+  const SampleIndex* index_ = nullptr;
+  uint32_t x_ = 0;
+  uint32_t y_ = 0;
+  FilteredPixel pixel_;
+  Rgb contribution_{0};
+  Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
+  Rgb albedo_{1};    ///< ρ of the last anchor
+  Rgb raised_{1};    ///< ρ' of the last anchor
+  float limit_ = kInfinity;
+  Progress now_;
+  Progress before_;  ///< on arrival at the last anchor
+  bool at_anchor_ = false;
+  bool has_own_ = false;
+  bool feeds_ = false;
+  bool decided_ = false;
+  uint32_t open_count_ = 0;
+  Sample own_;
+  Sample open_[kMaxOpen];
+};
+
+/// Traces one path a pixel, lets cells take over, and feeds them.
+struct PathGraphKernel {
+  PathContext context;
+  PathGraphContext graph;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
+  View<FilteredPixel> pixels;
+  View<uint32_t> rays;  ///< of this sample
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
+  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
+
+  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    pixels[pixel] = {};
+    rays[pixel] = 0;
+  }
+  RELUME_HD PathGraph observer(uint32_t x, uint32_t y) const { return {graph, index, x, y}; }
+  RELUME_HD void finish(uint32_t pixel, PathGraph& observer, PathState& path) const {
+    observer.finish(path);
+    pixels[pixel] = observer.pixel();
+    rays[pixel] = path.rays;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,32 @@
+// The caches "apg" and "apsf+apg" as a pass.
+#pragma once
+
+#include "techniques/adaptive_psf/settings.h"
+#include "techniques/path/path_pass.h"
+#include "techniques/path_graphs/settings.h"
+#include "techniques/path_space_filter/cells_pass.h"
+
+namespace relume {
+
+/// Depths whose cells a frame fills in any number: paths rarely go deeper.
+inline constexpr uint32_t kGraphDepths = 4;
+
+/// Traces one path for each pixel that the allocation gives one, lets cells take over, and feeds them.
+class PathGraphPass final : public Pass {
+ public:
+  /// `primary`: survival and blend at the first vertex; nullptr: none.
+  PathGraphPass(const PathGraphSettings& settings, const AdaptivePsfSettings* primary, const PathSource& source,
+                const CellsPass& cells)
+      : settings_(settings), primary_(primary), source_(source), cells_(cells) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const PathGraphSettings& settings_;
+  const AdaptivePsfSettings* primary_;
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

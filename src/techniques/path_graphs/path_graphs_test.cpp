@@ -1,0 +1,192 @@
+#include "techniques/path_graphs/path_graphs.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "scene/builtin.h"
+#include "techniques/path_graphs/testing/cache_scenes.h"
+#include "techniques/path_graphs/testing/cached_frames.h"
+
+namespace relume {
+namespace {
+
+using testing::CachedFrames;
+using testing::CachedFrameSettings;
+using testing::CacheKind;
+
+Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+
+CachedFrameSettings small(CacheKind kind, int size) {
+  CachedFrameSettings s;
+  s.kind = kind;
+  s.width = s.height = size;
+  return s;
+}
+
+double mean_of(const std::vector<Rgb>& pixels) {
+  double sum = 0;
+  for (const Rgb& p : pixels) sum += static_cast<double>(luminance(p));
+  return sum / static_cast<double>(pixels.size());
+}
+
+/// Mean over `count` frames after `skip` others.
+double mean_over(CachedFrames& frames, int skip, int count) {
+  for (int i = 0; i < skip; ++i) frames.render();
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += mean_of(frames.render()) / count;
+  return sum;
+}
+
+constexpr float kVarianceConstants[] = {0.0f, 0.001f, 0.05f, 1.0f, 100.0f, 1e12f};
+
+class Furnace : public ::testing::TestWithParam<CacheKind> {};
+
+TEST_P(Furnace, ClosedWithAlbedoOneHalf) {
+  constexpr int kBounces = 5;
+  const bool graph = GetParam() == CacheKind::apg || GetParam() == CacheKind::apsf_apg;
+  for (const float constant : kVarianceConstants) {
+    for (const VarianceMeasure measure : {VarianceMeasure::relative, VarianceMeasure::absolute}) {
+      CachedFrameSettings settings = small(GetParam(), 24);
+      settings.max_bounces = kBounces;
+      settings.apg.variance_constant = constant;
+      settings.apg.variance = measure;
+      settings.apsf.min_samples = 16;
+      CachedFrames frames(testing::closed_furnace(0.5f), settings);
+      // 23,000 paths whose values spread by a quarter of their mean: five standard errors are 0.8 %. Cells of the first
+      // frames have few samples; they are part of what is tested.
+      EXPECT_NEAR(mean_over(frames, 0, 40) / testing::closed_furnace_radiance(0.5, kBounces), 1.0, 0.01)
+          << "constant " << constant;
+      if (!graph) break;
+    }
+    if (!graph) break;
+  }
+}
+
+TEST_P(Furnace, PlateIsExact) {
+  for (const float constant : kVarianceConstants) {
+    CachedFrameSettings settings = small(GetParam(), 16);
+    settings.apg.variance_constant = constant;
+    settings.russian_roulette = false;
+    CachedFrames frames(testing::plate_under_sky(testing::matte(Rgb(0.5f, 0.25f, 0.125f))), settings);
+    for (int i = 0; i < 4; ++i) frames.render();
+    for (const Rgb& p : frames.radiance()) {  // no noise, only rounding
+      ASSERT_NEAR(p.r, 0.5f, 1e-4f);
+      ASSERT_NEAR(p.g, 0.25f, 1e-4f);
+      ASSERT_NEAR(p.b, 0.125f, 1e-4f);
+    }
+  }
+}
+
+TEST_P(Furnace, DoesNotDriftOverTenThousandFrames) {
+  CachedFrameSettings settings = small(GetParam(), 6);
+  settings.max_bounces = 3;
+  settings.psf.grid.max_count = 128;
+  settings.psf.grid.cell_size = 3;
+  CachedFrames frames(testing::closed_furnace(0.5f), settings);
+  const double early = mean_over(frames, 50, 1000);
+  const double late = mean_over(frames, 7950, 1000);
+  // 36,000 paths each: as above.
+  EXPECT_NEAR(early / testing::closed_furnace_radiance(0.5, 3), 1.0, 0.01);
+  EXPECT_NEAR(late / early, 1.0, 0.01);
+}
+
+class Caches : public ::testing::TestWithParam<CacheKind> {};
+
+TEST_P(Caches, SameBitsWithAnyNumberOfThreads) {
+  const auto run = [](int threads) {
+    CachedFrameSettings settings = small(GetParam(), 45);
+    settings.threads = threads;
+    settings.apsf.min_samples = 16;
+    CachedFrames frames(build("cornell"), settings);
+    std::vector<Rgb> all;
+    for (int i = 0; i < 4; ++i) {
+      const std::vector<Rgb>& frame = frames.render();
+      all.insert(all.end(), frame.begin(), frame.end());
+    }
+    EXPECT_EQ(frames.grid().statistics().dropped, 0u);
+    return all;
+  };
+  const std::vector<Rgb> one = run(1);
+  for (const int threads : {2, 5}) {
+    const std::vector<Rgb> many = run(threads);
+    EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(Rgb)), 0) << threads;
+  }
+}
+
+TEST_P(Caches, ATableSixteenTimesTooSmallDegrades) {
+  CachedFrameSettings settings = small(GetParam(), 48);
+  CachedFrames roomy(build("cornell"), settings);
+  const double expected = mean_over(roomy, 2, 12);
+  settings.psf.grid.max_cells = static_cast<int>(roomy.grid().statistics().cells / 16);
+  CachedFrames tight(build("cornell"), settings);
+  const double mean = mean_over(tight, 2, 12);
+  EXPECT_GT(tight.grid().statistics().dropped, 0u);
+  // Pixels without a cell show their own path: more noise, the same mean.
+  EXPECT_NEAR(mean / expected, 1.0, 0.06);
+}
+
+std::string case_name(const ::testing::TestParamInfo<CacheKind>& info) { return testing::name_of(info.param); }
+INSTANTIATE_TEST_SUITE_P(AllCaches, Furnace, ::testing::ValuesIn(testing::kCacheKinds), case_name);
+INSTANTIATE_TEST_SUITE_P(AllCaches, Caches, ::testing::ValuesIn(testing::kCacheKinds), case_name);
+
+TEST(PathGraph, AnEndlessConstantIsThePathTracer) {
+  CachedFrameSettings settings = small(CacheKind::apg, 32);
+  settings.apg.variance_constant = 1e12f;
+  settings.apg.variance = VarianceMeasure::absolute;
+  settings.russian_roulette = false;
+  CachedFrames graph(build("cornell"), settings);
+  settings.kind = CacheKind::none;
+  CachedFrames path(build("cornell"), settings);
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<Rgb>& a = graph.render();
+    const std::vector<Rgb>& b = path.render();
+    for (size_t p = 0; p < a.size(); ++p) {  // the same sums in another order
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[p][c], b[p][c], 1e-4f * (1.0f + b[p][c])) << p;
+    }
+  }
+}
+
+TEST(PathGraph, AConstantOfZeroShowsTheCells) {
+  CachedFrameSettings settings = small(CacheKind::apg, 32);
+  settings.apg.variance_constant = 0;
+  CachedFrames frames(build("cornell"), settings);
+  for (int i = 0; i < 6; ++i) frames.render();
+  size_t at_first = 0;
+  size_t filtered = 0;
+  for (const FilteredPixel& p : frames.pixels()) {
+    filtered += p.filtered ? 1 : 0;
+    at_first += p.filtered && p.termination == 1 ? 1 : 0;
+  }
+  EXPECT_GT(at_first, filtered * 9 / 10);
+}
+
+TEST(PathGraph, TerminatesLaterTheLargerTheConstant) {
+  double before = 0;
+  for (const float constant : {0.01f, 0.3f, 3.0f, 30.0f}) {
+    CachedFrameSettings settings = small(CacheKind::apg, 32);
+    settings.apg.variance_constant = constant;
+    settings.apg.feed = 1;
+    CachedFrames frames(build("corridor"), settings);
+    for (int i = 0; i < 12; ++i) frames.render();
+    double depth = 0;
+    for (const FilteredPixel& p : frames.pixels()) depth += p.termination;
+    EXPECT_GE(depth, before) << constant;
+    before = depth;
+  }
+}
+
+TEST(PathGraph, TracesFewerRaysTheFewerPathsFeed) {
+  uint64_t before = 0;
+  for (const float feed : {0.0f, 0.3f, 1.0f}) {
+    CachedFrameSettings settings = small(CacheKind::apg, 32);
+    settings.apg.feed = feed;
+    CachedFrames frames(build("cornell"), settings);
+    for (int i = 0; i < 6; ++i) frames.render();
+    EXPECT_GT(frames.rays(), before) << feed;
+    before = frames.rays();
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,74 @@
+// Scenes whose picture is known in closed form, for tests of the caches.
+#pragma once
+
+#include "scene/builtin/shapes.h"
+#include "scene/scene.h"
+
+namespace relume::testing {
+
+inline Material matte(const Rgb& albedo) {
+  Material m;
+  m.base_color = albedo;
+  m.metallic = 0;
+  m.specular = 0;
+  return m;
+}
+
+inline void add_mesh(Scene& scene, Mesh mesh, const Material& material) {
+  scene.materials.push_back(material);
+  mesh.material = static_cast<Index>(scene.materials.size()) - 1;
+  scene.meshes.push_back(std::move(mesh));
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size()) - 1};
+  scene.add_node(node);
+}
+
+inline void add_camera(Scene& scene, const Camera& camera, const Vec3& position, const glm::quat& rotation) {
+  scene.cameras.push_back(camera);
+  Node eye;
+  eye.camera = static_cast<Index>(scene.cameras.size()) - 1;
+  eye.transform.translation = position;
+  eye.transform.rotation = rotation;
+  scene.add_node(eye);
+}
+
+/// A camera inside a closed box whose walls reflect `albedo` and emit radiance 1 each. With D bounces every pixel is
+/// 1 + albedo + … + albedo^D.
+inline Scene closed_furnace(float albedo) {
+  Scene scene;
+  scene.name = "closed furnace";
+  Material wall = matte(Rgb(albedo));
+  wall.emission = Rgb(1);
+  add_mesh(scene, flipped(box({-1, -1, -1}, {1, 1, 1})), wall);
+  Camera camera;
+  camera.fov_y_rad = 1.2f;
+  add_camera(scene, camera, {0.1f, 0.2f, 0.5f}, glm::quat(1, 0, 0, 0));
+  return scene;
+}
+
+inline double closed_furnace_radiance(double albedo, int bounces) {
+  double sum = 0;
+  double power = 1;
+  for (int k = 0; k <= bounces; ++k, power *= albedo) sum += power;
+  return sum;
+}
+
+/// A plate in y = 0, seen from above by an orthographic camera that it fills, under a constant sky of radiance 1: every
+/// pixel is the albedo, without noise.
+inline Scene plate_under_sky(const Material& material) {
+  Scene scene;
+  scene.name = "plate";
+  Mesh mesh;
+  mesh.positions = {{-5, 0, -5}, {-5, 0, 5}, {5, 0, 5}, {5, 0, -5}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  add_mesh(scene, mesh, material);
+  Camera camera;
+  camera.projection = Projection::orthographic;
+  camera.half_height = 1;
+  add_camera(scene, camera, {0, 0.5f, 0}, glm::angleAxis(-kPi / 2, Vec3(1, 0, 0)));
+  scene.environment.kind = EnvironmentKind::constant;
+  scene.environment.color = Rgb(1);
+  return scene;
+}
+
+}  // namespace relume::testing

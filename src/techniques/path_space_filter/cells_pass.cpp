@@ -1,0 +1,132 @@
+#include "techniques/path_space_filter/cells_pass.h"
+
+#include <istream>
+#include <ostream>
+
+#include <fmt/format.h>
+
+#include "techniques/path/path_pass.h"
+
+namespace relume {
+namespace {
+
+/// Cells a patch of cell-size² pixels has: neighbours that the jitter reaches, orientations, coarser levels.
+constexpr float kCellsPerPatch = 4;
+
+uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels, uint32_t depths) {
+  const float patches = static_cast<float>(pixels) / relume::max(1.0f, sqr(settings.grid.cell_size));
+  return static_cast<uint64_t>(patches * kCellsPerPatch) * depths;
+}
+
+}  // namespace
+
+bool CellsPass::run(const FrameContext& frame) {
+  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_));
+  ready_ = true;
+  grid_.configure(settings_.grid);
+  if (includes(frame.changes, Change::settings)) grid_.clear();
+  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
+  return true;
+}
+
+size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes; }
+
+std::vector<PassFigure> CellsPass::figures() const {
+  const HashGridStatistics s = grid_.statistics();
+  return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
+          {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
+          {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
+          {"evicted", static_cast<double>(s.evicted)},     {"dropped", static_cast<double>(s.dropped)},
+          {"saturated", static_cast<double>(s.saturated)}, {"nonfinite", static_cast<double>(s.nonfinite)}};
+}
+
+std::vector<std::string> CellsPass::warnings() const {
+  const HashGridStatistics s = grid_.statistics();
+  std::vector<std::string> list;
+  if (s.dropped > 0) {
+    list.push_back(fmt::format(
+        "{} samples found no room among the cells and were dropped, so another run may differ in its bits; if it was "
+        "not only in the first frames, raise psf.max-cells (now {})",
+        s.dropped, settings_.grid.max_cells));
+  }
+  if (s.nonfinite > 0)
+    list.push_back(fmt::format("{} samples for cells were not finite and were left out", s.nonfinite));
+  return list;
+}
+
+void CellsPass::save(std::ostream& out) const {
+  const std::vector<std::byte> bytes = grid_.save();
+  const uint64_t size = bytes.size();
+  out.write(reinterpret_cast<const char*>(&size), sizeof size);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(size));
+}
+
+void CellsPass::load(std::istream& in) {
+  uint64_t size = 0;
+  in.read(reinterpret_cast<char*>(&size), sizeof size);
+  const uint64_t largest = HashGrid::largest_save(settings_.grid);
+  if (!in || size > largest) return in.setstate(std::ios::failbit);
+  std::vector<std::byte> bytes(size);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  grid_.configure(settings_.grid);
+  if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
+  ready_ = true;
+}
+
+PassDeclaration ResolveCellsPass::declaration() const {
+  const auto layer = [](const char* name, const char* help, BufferType type = BufferType::f32) {
+    return BufferDescription{.name = name, .type = type, .help = help, .display = BufferDisplay::value};
+  };
+  return {.name = "resolve",
+          .stage = Stage::resolve,
+          .owns = {layer("cell-identity", "a number that differs from cell to cell", BufferType::u32),
+                   layer("cell-level", "log2 of the edge of the pixel's cell, metres"),
+                   layer("cell-count", "samples in the pixel's cell"),
+                   layer("cell-age", "frames with samples since the pixel's cell began"),
+                   layer("cell-variance", "variance of a sample's luminance in the pixel's cell"),
+                   layer("cell-survival", "probability with which the pixel's path was followed"),
+                   layer("cell-blend", "share of the cell in the pixel; the rest is its path's"),
+                   layer("cell-termination", "bounce, from 1, at which the pixel's path ceased to count"),
+                   layer("cell-occupancy", "share of taken slots around the pixel's cell")},
+          .reads = {"filtered-pixels"},
+          .writes = {"radiance"}};
+}
+
+std::vector<PassFigure> ResolveCellsPass::figures() const {
+  uint64_t filtered = 0;
+  uint64_t culled = 0;
+  for (const FilteredPixel& p : pixels_) {
+    filtered += p.filtered ? 1 : 0;
+    culled += p.culled ? 1 : 0;
+  }
+  return {{"culled", filtered > 0 ? static_cast<double>(culled) / static_cast<double>(filtered) : 0.0}};
+}
+
+PassDeclaration cell_paths_declaration() {
+  PassDeclaration declaration{
+      .name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+  declaration.owns.push_back({.name = "filtered-pixels",
+                              .type = BufferType::record,
+                              .help = "what each pixel leaves for the cells",
+                              .record_bytes = sizeof(FilteredPixel)});
+  return declaration;
+}
+
+bool ResolveCellsPass::run(const FrameContext& frame) {
+  cells_.advance(frame.backend);
+  ResolveCellsKernel kernel;
+  kernel.grid = cells_.filter().grid;
+  kernel.pixels = pixels_ = frame.view<const FilteredPixel>("filtered-pixels");
+  kernel.radiance = frame.view<Rgb>("radiance");
+  kernel.layers = {frame.view<uint32_t>("cell-identity"), frame.view<float>("cell-level"),
+                   frame.view<float>("cell-count"),       frame.view<float>("cell-age"),
+                   frame.view<float>("cell-variance"),    frame.view<float>("cell-survival"),
+                   frame.view<float>("cell-blend"),       frame.view<float>("cell-termination"),
+                   frame.view<float>("cell-occupancy")};
+  kernel.width = frame.width();
+  if (!frame.launch("resolve", kernel)) return false;
+  cells_.adjust_size(frame.backend);
+  return true;
+}
+
+}  // namespace relume

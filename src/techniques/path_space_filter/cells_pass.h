@@ -1,0 +1,74 @@
+// The passes around the paths of every cache that keeps its cells in a hash grid: one makes the grid ready, one turns
+// cells into pixels and keeps the grid in shape.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "pipeline/pass.h"
+#include "techniques/hash_grid/hash_grid_table.h"
+#include "techniques/path_space_filter/path_space_filter.h"
+#include "techniques/path_space_filter/settings.h"
+
+namespace relume {
+
+/// Owns the cells.
+class CellsPass final : public Pass {
+ public:
+  /// `depths`: vertices of a path that have cells of their own; for the table's first size.
+  CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths) : settings_(settings), depths_(depths) {}
+
+  PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool keeps_state() const override { return true; }
+  size_t memory_bytes() const override;
+  std::vector<PassFigure> figures() const override;
+  std::vector<std::string> warnings() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// Valid from the first run() on.
+  const FilterContext& filter() const { return filter_; }
+  /// When all samples are in: what is read from then on includes them.
+  void advance(Backend& backend) { grid_.advance(backend); }
+  /// When nobody knows slots any more.
+  void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
+
+ private:
+  const PathSpaceFilterSettings& settings_;
+  uint32_t depths_;
+  HashGrid grid_;
+  bool ready_ = false;
+  FilterContext filter_;
+};
+
+/// Shows the cells. Owns the layers that say what they are like.
+class ResolveCellsPass final : public Pass {
+ public:
+  explicit ResolveCellsPass(CellsPass& cells) : cells_(cells) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  std::vector<PassFigure> figures() const override;
+
+ private:
+  CellsPass& cells_;
+  View<const FilteredPixel> pixels_;  ///< of the last frame
+};
+
+/// Of a pass that traces paths and fills cells: owns what estimators own, and what pixels leave for the cells.
+PassDeclaration cell_paths_declaration();
+
+/// Runs a kernel that traces paths and fills cells.
+template <typename Kernel>
+bool trace_into_cells(const FrameContext& frame, Kernel& kernel) {
+  kernel.index = frame.index;
+  kernel.hits = frame.view<const Hit>("primary-hits");
+  kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.pixels = frame.view<FilteredPixel>("filtered-pixels");
+  kernel.rays = frame.view<uint32_t>("rays");
+  kernel.width = frame.width();
+  return frame.launch("trace", kernel);
+}
+
+}  // namespace relume

@@ -1,0 +1,197 @@
+// Path space filtering ([Binder19], [Schipek22 §2.4]): the radiance that a path brings to its first vertex that is not
+// nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
+#pragma once
+
+#include "techniques/hash_grid/hash_grid.h"
+#include "techniques/path/path.h"
+#include "techniques/path_space_filter/demodulate.h"
+
+namespace relume {
+
+/// What a pixel leaves to the pass that reads the cells.
+struct FilteredPixel {
+  Rgb unfiltered{0};         ///< radiance that the filter does not touch
+  Rgb factor{0};             ///< what the cell's mean is multiplied with: throughput and albedo
+  Rgb traced{0};             ///< this frame's own estimate of what the cell stands for
+  CellPoint point;           ///< where in the grid
+  uint32_t slot = kNoCell;   ///< of the cell, if a sample went there
+  float blend = 1;           ///< share of the cell; the rest is traced
+  float survival = 1;        ///< probability with which the path was followed
+  uint16_t termination = 0;  ///< bounce, from 1, at which the path ceased to count; 0: nothing to trace
+  bool filtered = false;     ///< there is a vertex to filter at
+  bool culled = false;       ///< no path was followed: the cell alone counts
+  bool divided = false;      ///< delta lobes go past the cell: without a path, their light would be missing
+};
+
+/// What the vertices of all paths share.
+struct FilterContext {
+  HashGridView grid;
+  float narrow_alpha = 0.04f;  ///< lobes below are not filtered
+};
+
+/// Random numbers of a pixel and frame for keys, apart from those of the path. `purpose` keeps them apart.
+RELUME_HD inline float filter_random(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t purpose) {
+  const uint32_t frame = hash(index.seed, index.frame, index.sample, 0x2545f491u + purpose);
+  return to_unit_float(hash(frame, x, y));
+}
+RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t purpose) {
+  return {filter_random(index, x, y, 2 * purpose + 0x10000u), filter_random(index, x, y, 2 * purpose + 0x10001u)};
+}
+
+/// Takes the first vertex that may be filtered out of a path. What a delta lobe there shows is followed like any other
+/// path, but stays outside the cell.
+class FilterVertex : public NoObserver {
+ public:
+  FilterVertex() = default;
+  RELUME_HD FilterVertex(const FilterContext& context, const Vec2& u) : context_(&context), u_(u) {}
+
+  RELUME_HD bool reached() const { return pixel_.filtered; }
+  RELUME_HD FilteredPixel& pixel() { return pixel_; }
+
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    if (reached()) return true;
+    const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
+    if (!d.filtered) return true;
+    pixel_.filtered = true;
+    pixel_.divided = d.has_delta;
+    pixel_.unfiltered = path.radiance;
+    pixel_.factor = path.throughput * d.albedo;
+    pixel_.point = context_->grid.keys.point(sp, u_, 0, d.glossy);
+    anchor_ = path.throughput * d.raised;
+    path.radiance = Rgb(0);
+    path.throughput = d.inverse();
+    // Roulette compares with what leaves this vertex: about 1.
+    path.first_throughput = 1.0f;
+    path.compression = 1.0f;
+    return true;
+  }
+
+  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
+    if (!reached() || left_) return;
+    left_ = true;
+    if (!path.delta) return;
+    apart_ = true;
+    sample_ = path.radiance;
+    path.radiance = Rgb(0);
+    path.throughput *= anchor_;
+    path.first_throughput *= max_component(anchor_);
+  }
+
+  /// When the path has ended: gives its sample to the cell. `u` in [0, 1).
+  RELUME_HD void finish(const PathState& path, float u) {
+    if (!reached()) {
+      pixel_.unfiltered = path.radiance;
+      return;
+    }
+    if (!apart_) sample_ = path.radiance;
+    if (apart_) pixel_.unfiltered += path.radiance;
+    if (pixel_.culled) return;
+    pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u);
+    if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
+  }
+
+ private:
+  const FilterContext* context_ = nullptr;
+  Vec2 u_{0};
+  FilteredPixel pixel_;
+  Rgb anchor_{0};  ///< what turns demodulated throughput behind the vertex into true one
+  Rgb sample_{0};
+  bool left_ = false;
+  bool apart_ = false;  ///< the path has left through a delta lobe
+};
+
+/// Traces one path a pixel and fills the cells.
+struct PathSpaceFilterKernel {
+  PathContext context;
+  FilterContext filter;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
+  View<FilteredPixel> pixels;
+  View<uint32_t> rays;  ///< of this sample
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
+  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
+
+  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    pixels[pixel] = {};
+    rays[pixel] = 0;
+  }
+  RELUME_HD FilterVertex observer(uint32_t x, uint32_t y) const { return {filter, filter_random_2d(index, x, y, 0)}; }
+  RELUME_HD void finish(uint32_t pixel, FilterVertex& vertex, const PathState& path) const {
+    vertex.finish(path, filter_random(index, pixel % width, pixel / width, 0));
+    pixels[pixel] = vertex.pixel();
+    rays[pixel] = path.rays;
+  }
+};
+
+/// What the cells look like, pixel by pixel; empty views are left out. 0 where nothing is filtered.
+struct CellLayers {
+  View<uint32_t> identity;  ///< a hash that differs from cell to cell
+  View<float> level;        ///< log2 of the edge in metres
+  View<float> count;        ///< samples
+  View<float> age;          ///< frames with samples since the cell began
+  View<float> variance;     ///< of a sample's luminance
+  View<float> survival;     ///< probability with which the path was followed
+  View<float> blend;        ///< share of the cell in the pixel
+  View<float> termination;  ///< bounce at which cells took over; 0: nowhere
+  View<float> occupancy;    ///< share of taken slots around the cell's
+};
+
+/// Puts together what paths and cells say, after the cells have taken in all samples of the frame.
+struct ResolveCellsKernel {
+  HashGridView grid;
+  View<const FilteredPixel> pixels;
+  View<Rgb> radiance;
+  CellLayers layers;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = y * width + x;
+    const FilteredPixel& p = pixels[i];
+    CellMoments cell;
+    Rgb value = p.unfiltered;
+    if (p.filtered) {
+      const CellAddress address = grid.keys.address(p.point);
+      const uint32_t slot = p.slot != kNoCell ? p.slot : grid.find(address);
+      if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
+      const Rgb shown = cell.count > 0.0f ? p.factor * cell.mean : p.traced;
+      value += p.blend * shown;
+      if (p.blend < 1.0f) value += (1.0f - p.blend) * p.traced;
+      write_cell(i, p, address, slot);
+    } else {
+      leave_out(i);
+    }
+    radiance[i] = value;
+    write(layers.count, i, cell.count);
+    write(layers.variance, i, cell.variance());
+    write(layers.survival, i, p.filtered ? p.survival : 0.0f);
+    write(layers.blend, i, p.filtered ? p.blend : 0.0f);
+    write(layers.termination, i, static_cast<float>(p.termination));
+  }
+
+ private:
+  template <typename T>
+  RELUME_HD static void write(const View<T>& view, uint32_t i, T value) {
+    if (!view.empty()) view[i] = value;
+  }
+
+  RELUME_HD void write_cell(uint32_t i, const FilteredPixel& p, const CellAddress& address, uint32_t slot) const {
+    write(layers.identity, i,
+          hash(static_cast<uint32_t>(address.fingerprint), static_cast<uint32_t>(address.fingerprint >> 32)));
+    write(layers.level, i, static_cast<float>(grid.keys.level_of_detail(p.point.position)));
+    write(layers.age, i, slot == kNoCell ? 0.0f : static_cast<float>(grid.histories[slot].frames));
+    if (!layers.occupancy.empty()) layers.occupancy[i] = grid.occupancy(address);
+  }
+
+  RELUME_HD void leave_out(uint32_t i) const {
+    write(layers.identity, i, 0u);
+    write(layers.level, i, 0.0f);
+    write(layers.age, i, 0.0f);
+    write(layers.occupancy, i, 0.0f);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,22 @@
+// The cache "psf" as a pass.
+#pragma once
+
+#include "techniques/path/path_pass.h"
+#include "techniques/path_space_filter/cells_pass.h"
+
+namespace relume {
+
+/// Traces one path for each pixel that the allocation gives one, and gives what it finds to the cells.
+class PathSpaceFilterPass final : public Pass {
+ public:
+  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells) : source_(source), cells_(cells) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

@@ -1,0 +1,16 @@
+// Settings of path space filtering; its relatives share them.
+#pragma once
+
+#include "techniques/hash_grid/settings.h"
+
+namespace relume {
+
+struct PathSpaceFilterSettings {
+  HashGridSettings grid;
+  float min_roughness = 0.2f;  ///< below, lobes count as specular
+};
+
+/// Names without the prefix "psf.".
+SettingList describe(PathSpaceFilterSettings& settings);
+
+}  // namespace relume
