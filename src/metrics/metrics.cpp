@@ -112,8 +112,10 @@ Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& opt
   m.pixels = sums.pixels;
   m.nonfinite_a = sums.nonfinite_a;
   m.nonfinite_b = sums.nonfinite_b;
-  m.flip = mean(flip_map(tone_map(a, options.tone_map, options.exposure),
-                         tone_map(b, options.tone_map, options.exposure), options.pixels_per_degree));
+  if (options.flip) {
+    m.flip = mean(flip_map(tone_map(a, options.tone_map, options.exposure),
+                           tone_map(b, options.tone_map, options.exposure), options.pixels_per_degree));
+  }
   if (options.hdr_flip) m.hdr_flip = mean(hdr_flip_map(a, b, flip_exposures(b), options.pixels_per_degree));
   return m;
 }

@@ -25,7 +25,7 @@ struct Metrics {
   double rel_mse = 0;   ///< (a - b)² / (b² + 0.01)
   double mae = 0;       ///< |a - b|
   double mape = 0;      ///< |a - b| / (|b| + 0.01)
-  double flip = 0;      ///< mean of flip_map() after exposure and tone mapping, [0, 1]
+  double flip = 0;      ///< mean of flip_map() after exposure and tone mapping, [0, 1]; 0 unless asked for
   double hdr_flip = 0;  ///< mean of hdr_flip_map(), [0, 1]; 0 unless asked for
   std::array<double, 3> mean_a{};
   std::array<double, 3> mean_b{};
@@ -38,6 +38,7 @@ struct MetricOptions {
   ToneMap tone_map = ToneMap::none;  ///< how FLIP's viewer sees the images
   float exposure = 0;                ///< stops
   float pixels_per_degree = kDefaultPixelsPerDegree;
+  bool flip = true;
   bool hdr_flip = false;  ///< costs about ten times as much as the rest
 };
 

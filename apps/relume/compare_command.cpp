@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "compare/comparison.h"
+#include "compare/comparison_page.h"
+#include "console.h"
+#include "frame_sequence.h"
+#include "io/atomic_file.h"
+#include "machine.h"
+#include "picture.h"
+#include "platform.h"
+#include "progress.h"
+#include "scene_source.h"
+
+namespace relume::cli {
+namespace {
+
+struct CompareOptions {
+  std::string scene;
+  std::string output;
+  std::string techniques;
+  std::string images;
+  float budget_s = 0;
+  std::string frames;
+  float fps = 24;
+  int repetitions = 5;
+  std::string reference;
+  int reference_spp = 1024;
+  std::string cache_folder;
+  std::vector<std::pair<std::string, std::string>> flags;
+};
+
+/// The three files that a comparison writes.
+struct OutputFiles {
+  std::filesystem::path page;
+  std::filesystem::path json;
+  std::filesystem::path csv;
+};
+
+OutputFiles output_files(const std::string& output) {
+  if (output.empty()) throw UsageError("compare needs -o FOLDER; see relume compare --help");
+  std::filesystem::path page = output;
+  if (page.extension() != ".html") {
+    std::error_code failure;
+    std::filesystem::create_directories(page, failure);
+    if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
+    page /= "compare.html";
+  }
+  check_folder_of(page);
+  OutputFiles files{page, page, page};
+  files.json.replace_extension(".json");
+  files.csv.replace_extension(".csv");
+  return files;
+}
+
+/// What the options say, before the scene is there.
+ComparisonOptions comparison_options(const CompareOptions& o) {
+  ComparisonOptions options;
+  options.scene_name = std::filesystem::path(o.scene).stem().string();
+  if (!o.techniques.empty()) options.contenders = parse_contenders(o.techniques, "--techniques");
+  options.pictures = parse_picture_contenders(o.images, "--image");
+  if (options.contenders.empty() && options.pictures.empty())
+    throw UsageError("compare needs --techniques or --image; see relume compare --help");
+  for (const PictureContender& picture : options.pictures) {
+    for (const Contender& contender : options.contenders) {
+      if (picture.name == contender.name)
+        throw UsageError(fmt::format("there are two contenders called '{}'; use --image NAME=FILE", picture.name));
+    }
+    if (!std::filesystem::exists(picture.file))
+      throw Error(fmt::format("{}: there is no such file", picture.file.string()));
+  }
+  options.common.flags = o.flags;
+  const Settings common = resolve(options.common);
+  for (const Contender& contender : options.contenders) resolve_contender(contender, options.common);
+  if (o.budget_s > 0 && common.stop.spp > 0)
+    throw UsageError("--spp compares at equal samples and --budget at equal time; choose one");
+  options.spp = common.stop.spp > 0 ? common.stop.spp : o.frames.empty() ? kDefaultSpp : 1;
+  options.budget_s = static_cast<double>(o.budget_s);
+  options.repetitions = o.repetitions;
+  options.reference_file = o.reference;
+  options.reference_spp = o.reference_spp;
+  options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
+  options.cache_folder /= "references";
+  return options;
+}
+
+std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
+  if (o.frames.empty()) return {};
+  const FrameRange range = parse_frame_range(o.frames, "--frames");
+  std::vector<float> times;
+  for (int frame = range.first; frame <= range.last; ++frame)
+    times.push_back(scene_time_s + static_cast<float>(frame) / o.fps);
+  return times;
+}
+
+int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
+  const OutputFiles files = output_files(o.output);
+  ComparisonOptions options = comparison_options(o);
+  Scene scene = open_scene(o.scene);
+  warn_all(verbosity, scene.warnings);
+  options.common.scene_json = scene.settings_json;
+  options.common.scene_place = o.scene;
+  const Settings common = resolve(options.common);
+  apply(common.scene, scene);
+  options.times_s = frame_times(o, common.render.time_s);
+
+  const InterruptGuard interrupts;
+  const std::stop_token stop = interrupts.token();
+  ProgressPrinter printer(!verbosity.quiet);
+  const double start_s = now_s();
+  const std::optional<Comparison> comparison =
+      compare(scene, options, stop, [&](const std::string& stage, double fraction) {
+        printer.show({.label = stage, .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
+      });
+  printer.clear();
+  if (!comparison) {
+    tell(verbosity, "interrupted; what there is of references is kept and goes on next time");
+    return kExitInterrupted;
+  }
+  const auto machine = machine_description();
+  write_file(files.json, to_json(*comparison, machine));
+  write_file(files.csv, to_csv(*comparison));
+  write_file(files.page, to_html(comparison_page(*comparison, machine)));
+  for (const std::string& note : comparison->notes) warn(note);
+  std::fputs(to_csv(*comparison).c_str(), stdout);
+  tell(verbosity, fmt::format("wrote {} in {}", files.page.string(), format_duration(now_s() - start_s)));
+  return kExitDone;
+}
+
+std::vector<Option> declare(CompareOptions& o) {
+  return {
+      {{"output", &o.output, "Folder for compare.html, compare.json and compare.csv; or FILE.html"},
+       "FOLDER",
+       'o',
+       Completion::file},
+      {{"techniques", &o.techniques,
+        "What is compared, with commas between: presets, settings files, NAME=KEY:VALUE,KEY:VALUE, or "
+        "NAME=PRESET,KEY:VALUE; 'default' is all defaults"},
+       "LIST",
+       0,
+       Completion::preset,
+       true},
+      {{"image", &o.images, "A picture made elsewhere as another column; may be given several times"},
+       "NAME=FILE",
+       0,
+       Completion::file,
+       true},
+      {{"budget",
+        &o.budget_s,
+        "Compare at equal time: 50ms, 2s; without it at equal samples (--spp, or 64, or 1 a frame of --frames)",
+        {.min = 0, .max = 1e6, .unit = "s"}}},
+      {{"frames", &o.frames, "Compare along these frames of the animation; techniques keep what they know"}, "A-B"},
+      {{"fps", &o.fps, "Frames a second of --frames", {.min = 0.001, .max = 100000}}},
+      {{"repeat",
+        &o.repetitions,
+        "Repetitions with seeds of their own; medians, bias and variance come from them",
+        {.min = 1, .max = 1000}}},
+      {{"reference", &o.reference, "Take this picture as the reference instead of rendering one"},
+       "FILE",
+       0,
+       Completion::file},
+      {{"reference-spp", &o.reference_spp, "Samples a pixel of the reference", {.min = 2, .max = 1 << 24}}},
+      {{"cache-dir", &o.cache_folder, "Where references are kept; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+       "FOLDER",
+       0,
+       Completion::file},
+  };
+}
+
+}  // namespace
+
+Command compare_command(Verbosity& verbosity) {
+  const auto options = std::make_shared<CompareOptions>();
+  const auto defaults = std::make_shared<Settings>();
+  Command command{
+      .name = "compare",
+      .summary = "Compare techniques on a scene, against a reference and each other.",
+      .examples =
+          {
+              {"relume compare cornell --techniques uniform=lights:uniform,power=lights:power -o out",
+               "64 samples each"},
+              {"relume compare scene.glb --techniques default,mine.json --budget 2s -o out", "two seconds each"},
+              {"relume compare turntable --techniques a=history:none,b=history:accumulate --frames 0-47 -o out",
+               "an animation, with its flicker"},
+              {"relume compare scene.glb --techniques default --image cycles=cycles.exr -o out",
+               "with a picture made elsewhere"},
+          },
+      .arguments = {{"SCENE", &options->scene, "Scene file or built-in scene", true, Completion::scene}},
+      .options = declare(*options),
+      .setting_groups = setting_groups(*defaults),
+      .setting_flags = &options->flags,
+      .run = [options, defaults, &verbosity] { return run_compare(*options, verbosity); },
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli

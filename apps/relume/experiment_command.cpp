@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "compare/reference.h"
+#include "console.h"
+#include "experiments/results.h"
+#include "io/atomic_file.h"
+#include "machine.h"
+#include "picture.h"
+#include "platform.h"
+#include "progress.h"
+
+namespace relume::cli {
+namespace {
+
+struct ExperimentOptions {
+  std::string action;
+  std::string names;  ///< with commas between
+  std::string output;
+  std::string scenes;
+  std::string cache_folder;
+  bool all = false;
+  bool quick = false;
+  bool goes_on = false;
+};
+
+int list_experiments() {
+  for (const Experiment& e : experiments())
+    std::fputs(fmt::format("{:<20} {:<18} {}\n", e.name, e.paper, e.summary).c_str(), stdout);
+  return kExitDone;
+}
+
+std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
+  std::vector<const Experiment*> list;
+  if (o.all) {
+    if (!o.names.empty()) throw UsageError("experiment run takes names or --all, not both");
+    for (const Experiment& e : experiments()) list.push_back(&e);
+    return list;
+  }
+  std::string_view rest = o.names;
+  while (!rest.empty()) {
+    const size_t comma = std::min(rest.find(','), rest.size());
+    const Experiment* experiment = &require_experiment(rest.substr(0, comma));
+    if (std::find(list.begin(), list.end(), experiment) == list.end()) list.push_back(experiment);
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  if (list.empty()) throw UsageError("experiment run needs names or --all; `relume experiment list` shows them");
+  return list;
+}
+
+std::filesystem::path make_output_folder(const std::string& output) {
+  if (output.empty()) throw UsageError("experiment run needs -o FOLDER; see relume experiment --help");
+  std::error_code failure;
+  std::filesystem::create_directories(output, failure);
+  if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
+  const std::filesystem::path folder = output;
+  check_folder_of(folder / "index.html");
+  return folder;
+}
+
+ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token& stop, ProgressPrinter& printer) {
+  ExperimentContext context;
+  context.quick = o.quick;
+  context.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
+  context.cache_folder /= "references";
+  context.scene_folder = o.scenes;
+  context.program = program_stamp();
+  context.stop = stop;
+  context.progress = [&printer](const std::string& stage, double fraction) {
+    printer.show({.label = stage, .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
+  };
+  return context;
+}
+
+void print_claims(const Experiment& experiment, const ExperimentResult& result) {
+  std::fputs(fmt::format("{} {}\n", experiment.name, experiment.paper).c_str(), stdout);
+  for (const Claim& claim : result.claims)
+    std::fputs(fmt::format("  {:<14} {:<22} {}\n", claim.verdict, claim.id, claim.measured).c_str(), stdout);
+  std::fflush(stdout);
+}
+
+/// What there is of an experiment in the folder; std::nullopt if it was not run.
+std::optional<ExperimentSummary> summary_in(const std::filesystem::path& folder, const Experiment& experiment) {
+  const std::filesystem::path file = folder / (std::string(experiment.name) + ".json");
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  const std::vector<std::byte> bytes = read_file(file);
+  return read_summary({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file.string());
+}
+
+/// Everything in the folder, whichever run wrote it.
+std::vector<ExperimentSummary> summaries_in(const std::filesystem::path& folder) {
+  std::vector<ExperimentSummary> summaries;
+  for (const Experiment& experiment : experiments()) {
+    if (auto summary = summary_in(folder, experiment)) summaries.push_back(std::move(*summary));
+  }
+  return summaries;
+}
+
+bool is_done(const ExperimentOptions& o, const std::filesystem::path& folder, const Experiment& experiment) {
+  if (!o.goes_on) return false;
+  const std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
+  return summary && summary->run.quick == o.quick;
+}
+
+int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
+  const std::vector<const Experiment*> list = chosen(o);
+  const std::filesystem::path folder = make_output_folder(o.output);
+  summaries_in(folder);  // a file that is something else is better found before hours of work than after
+  const InterruptGuard interrupts;
+  ProgressPrinter printer(!verbosity.quiet);
+  ExperimentContext context = make_context(o, interrupts.token(), printer);
+  for (const Experiment* experiment : list) {
+    const std::string name(experiment->name);
+    context.parts_folder = folder / (name + ".parts");
+    if (is_done(o, folder, *experiment)) {
+      tell(verbosity, fmt::format("{} is in {} already", name, folder.string()));
+      continue;
+    }
+    const double start_s = now_s();
+    try {
+      const ExperimentResult result = experiment->run(context);
+      const ExperimentRun run{machine_description(), o.quick, now_s() - start_s};
+      printer.clear();
+      write_file(folder / (name + ".html"), to_html(experiment_page(*experiment, result, run)));
+      write_file(folder / (name + ".json"), to_json(*experiment, result, run));
+      std::error_code stays;
+      std::filesystem::remove_all(context.parts_folder, stays);
+      write_file(folder / "index.html", to_html(index_page(summaries_in(folder))));
+      print_claims(*experiment, result);
+      tell(verbosity,
+           fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
+    } catch (const ExperimentStopped&) {
+      printer.clear();
+      tell(verbosity, fmt::format("interrupted {}; the same command goes on", experiment->name));
+      return kExitInterrupted;
+    }
+  }
+  return kExitDone;
+}
+
+int run(const ExperimentOptions& o, const Verbosity& verbosity) {
+  if (o.action == "run") return run_experiments(o, verbosity);
+  if (o.action != "list") throw UsageError(fmt::format("experiment can list and run, but not '{}'", o.action));
+  return list_experiments();
+}
+
+}  // namespace
+
+Command experiment_command(Verbosity& verbosity) {
+  const auto options = std::make_shared<ExperimentOptions>();
+  Command command{
+      .name = "experiment",
+      .summary = "Measure again what papers claim.",
+      .examples = {{"relume experiment list", "which there are"},
+                   {"relume experiment run reprojection -o out",
+                    "claims and curves as out/reprojection.html and .json"},
+                   {"relume experiment run --all -o out --quick", "all of them, small: shows that everything works"},
+                   {"relume experiment run --all -o out --scenes shared/scenes",
+                    "with Sponza in shared/scenes/sponza"}},
+      .arguments = {{"ACTION", &options->action, "list or run", true, Completion::experiment},
+                    {"NAME", &options->names, "Experiments", false, Completion::experiment, true}},
+      .options = {{{"output", &options->output,
+                    "Folder for NAME.json and NAME.html, and index.html that leads to all of them"},
+                   "FOLDER",
+                   'o',
+                   Completion::file},
+                  {{"all", &options->all, "Run all of them"}},
+                  {{"quick", &options->quick, "Small pictures and few settings"}},
+                  {{"continue", &options->goes_on, "Leave out what is in the folder already"}},
+                  {{"scenes", &options->scenes, "Folder with scenes that are not built in: sponza/sponza.gltf"},
+                   "FOLDER",
+                   0,
+                   Completion::file},
+                  {{"cache-dir", &options->cache_folder,
+                    "Where references are kept; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+                   "FOLDER",
+                   0,
+                   Completion::file}},
+      .setting_groups = {},
+      .setting_flags = nullptr,
+      .run = [options, &verbosity] { return run(*options, verbosity); },
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli

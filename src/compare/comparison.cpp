@@ -1,0 +1,212 @@
+#include "compare/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "compare/rounds.h"
+#include "core/error.h"
+#include "metrics/metrics.h"
+#include "metrics/statistics.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+std::vector<std::pair<std::string, std::string>> differences_from_defaults(Settings settings, Settings defaults) {
+  std::vector<std::pair<std::string, std::string>> result;
+  const SettingList list = describe(settings);
+  for (const Setting* setting : differing_settings(list, describe(defaults)))
+    result.emplace_back(setting->name, to_string(*setting));
+  return result;
+}
+
+class Comparing {
+ public:
+  Comparing(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
+            const ComparisonProgress& progress)
+      : scene_(scene), stop_(stop), progress_(progress) {
+    result_.options = options;
+  }
+
+  std::optional<Comparison> run() {
+    prepare();
+    if (!make_references() || !measure_contenders()) return std::nullopt;
+    measure_pictures();
+    note_limits();
+    return std::move(result_);
+  }
+
+ private:
+  const ComparisonOptions& options() const { return result_.options; }
+  std::function<void(double)> stage(std::string name) const {
+    return [this, name = std::move(name)](double fraction) {
+      if (progress_) progress_(name, fraction);
+    };
+  }
+
+  void prepare();
+  bool make_references();
+  bool measure_contenders();
+  void measure_pictures();
+  void note_limits();
+  void note_times();
+
+  const Scene& scene_;
+  const std::stop_token& stop_;
+  const ComparisonProgress& progress_;
+  std::vector<Settings> settings_;  ///< of the contenders
+  std::vector<Reference> references_;
+  Comparison result_;
+};
+
+void Comparing::prepare() {
+  const ComparisonOptions& o = options();
+  Settings common = resolve(o.common);
+  int max_bounces = 0;
+  for (const Contender& contender : o.contenders) {
+    Settings settings = resolve_contender(contender, o.common);
+    if (!o.times_s.empty()) settings.render.time_s = o.times_s.front();
+    max_bounces = std::max(max_bounces, settings.render.path.max_bounces);
+    result_.contenders.push_back({.name = contender.name,
+                                  .settings = settings_to_json(describe(settings)),
+                                  .differences = differences_from_defaults(settings, common)});
+    settings_.push_back(std::move(settings));
+  }
+  SettingSources sources = o.common;
+  sources.preset = "reference";
+  result_.reference_settings = resolve(sources);
+  // What contenders converge to: light from longer paths than theirs is nobody's error.
+  if (!o.contenders.empty()) result_.reference_settings.render.path.max_bounces = max_bounces;
+}
+
+bool Comparing::make_references() {
+  const ComparisonOptions& o = options();
+  if (!o.reference_file.empty()) {
+    if (o.times_s.size() > 1) throw Error("a reference from a file is one picture; leave --frames or --reference out");
+    references_.push_back(read_reference(o.reference_file));
+    const RenderSettings& size = result_.reference_settings.render;
+    if (references_.back().image.width != size.width || references_.back().image.height != size.height) {
+      throw Error(fmt::format("{} has {}x{} pixels, but {}x{} are compared; give --width and --height",
+                              o.reference_file.string(), references_.back().image.width,
+                              references_.back().image.height, size.width, size.height));
+    }
+    return true;
+  }
+  ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder);
+  const std::vector<float> times =
+      o.times_s.empty() ? std::vector<float>{result_.reference_settings.render.time_s} : o.times_s;
+  const auto progress = stage("reference");
+  for (size_t i = 0; i < times.size(); ++i) {
+    const float previous = times[i > 0 ? i - 1 : 0];
+    std::optional<Reference> reference = renderer.render(times[i], previous, std::nullopt, stop_, [&](double fraction) {
+      progress((static_cast<double>(i) + fraction) / static_cast<double>(times.size()));
+    });
+    if (!reference) return false;
+    references_.push_back(std::move(*reference));
+  }
+  return true;
+}
+
+bool Comparing::measure_contenders() {
+  const ComparisonOptions& o = options();
+  Sessions sessions;
+  for (const Settings& settings : settings_)
+    sessions.push_back(std::make_unique<TimedSession>(scene_, settings.render, o.clock));
+  if (!sessions.empty()) {
+    result_.scene_hash = sessions.front()->session().scene_hash();
+    result_.triangles = sessions.front()->session().scene().triangle_count();
+    result_.threads = sessions.front()->session().statistics().threads;
+  }
+  FramePlan plan{.frames = {}, .samples = static_cast<double>(o.spp)};
+  if (o.budget_s > 0 && !sessions.empty()) {
+    const std::optional<EqualTime> equal = plan_equal_time(sessions, o.times_s, o.budget_s, stop_, stage("timing"));
+    if (!equal) return false;
+    plan.frames = equal->frames;
+    result_.budget_spread = equal->spread();
+  }
+  std::vector<Ensemble> ensembles(sessions.size());
+  const auto progress = stage("contenders");
+  for (int repetition = 0; repetition < o.repetitions && !sessions.empty(); ++repetition) {
+    std::vector<Repetition> results;
+    std::vector<Image> pictures;
+    const bool done = run_repetition(
+        sessions, o, plan, references_, repetition, stop_, results, pictures,
+        [&](double fraction) { progress((repetition + fraction) / static_cast<double>(o.repetitions)); });
+    if (!done) return false;
+    for (size_t i = 0; i < sessions.size(); ++i) {
+      ensembles[i].add(pictures[i]);
+      result_.contenders[i].repetitions.push_back(std::move(results[i]));
+      if (repetition == 0) result_.contenders[i].image = std::move(pictures[i]);
+    }
+  }
+  for (size_t i = 0; i < sessions.size() && o.repetitions > 1; ++i)
+    result_.contenders[i].split = ensembles[i].split(references_.back().image, references_.back().mse);
+  return true;
+}
+
+void Comparing::measure_pictures() {
+  const OutputSettings display = resolve(options().common).output;
+  const Image& reference = references_.back().image;
+  for (const PictureContender& picture : options().pictures) {
+    ContenderResult contender{.name = picture.name, .is_picture = true, .settings = picture.file.string()};
+    contender.image = read_image(picture.file);
+    if (contender.image.width != reference.width || contender.image.height != reference.height) {
+      throw Error(fmt::format("{} has {}x{} pixels, but {}x{} are compared; give --width and --height",
+                              picture.file.string(), contender.image.width, contender.image.height, reference.width,
+                              reference.height));
+    }
+    const Metrics m =
+        compute_metrics(contender.image, reference, {.tone_map = display.tone_map, .exposure = display.exposure});
+    contender.repetitions.push_back({.mse = m.mse, .rel_mse = m.rel_mse, .mape = m.mape, .flip = m.flip});
+    result_.contenders.push_back(std::move(contender));
+  }
+  result_.reference = std::move(references_.back());
+}
+
+void Comparing::note_times() {
+  std::vector<double> times;
+  for (const ContenderResult& contender : result_.contenders) {
+    if (!contender.is_picture) times.push_back(median_of(contender, [](const Repetition& r) { return r.time_s; }));
+  }
+  if (times.size() < 2) return;
+  const auto [low, high] = std::minmax_element(times.begin(), times.end());
+  if (*high > 1.05 * *low) {
+    result_.notes.push_back(fmt::format("The contenders' times differ by {:.0f} %{}.", 100 * (*high / *low - 1),
+                                        result_.budget_spread > 0.03
+                                            ? ", because the budget holds too few whole frames; a larger one is fairer"
+                                            : "; other programs may have been busy"));
+  }
+}
+
+void Comparing::note_limits() {
+  const Reference& reference = result_.reference;
+  if (options().budget_s > 0) note_times();
+  if (reference.spp == 0) {
+    result_.notes.push_back("The reference is a file; its own error is not known and part of every figure.");
+    return;
+  }
+  for (const ContenderResult& contender : result_.contenders) {
+    const double mse = median_of(contender, [](const Repetition& r) { return r.mse; });
+    if (options().times_s.size() > 1 || mse > 10 * reference.mse) continue;
+    result_.notes.push_back(
+        fmt::format("The reference's own noise is {:.0f} % of the MSE of {}; a larger --reference-spp gives more room.",
+                    100 * reference.mse / mse, contender.name));
+  }
+}
+
+}  // namespace
+
+std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
+                                  const ComparisonProgress& progress) {
+  return Comparing(scene, options, stop, progress).run();
+}
+
+double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
+  std::vector<double> values;
+  for (const Repetition& repetition : contender.repetitions) values.push_back(value(repetition));
+  return median(std::move(values));
+}
+
+}  // namespace relume

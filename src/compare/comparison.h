@@ -1,0 +1,99 @@
+// Contenders against a reference and against each other: at equal samples or equal time, on a still scene or along an
+// animation.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/contender.h"
+#include "compare/reference.h"
+#include "compare/timed_session.h"
+#include "metrics/ensemble.h"
+
+namespace relume {
+
+struct ComparisonOptions {
+  std::string scene_name;
+  std::vector<Contender> contenders;
+  std::vector<PictureContender> pictures;  ///< of the last frame
+  SettingSources common;                   ///< for everybody, the reference too
+  int spp = 64;                            ///< samples a pixel; of each frame of an animation
+  double budget_s = 0;                     ///< instead of spp: time of each contender, in each frame of an animation
+  int repetitions = 5;                     ///< with seeds of their own
+  std::vector<float> times_s;              ///< frames of an animation; empty: the still scene
+  std::filesystem::path reference_file;    ///< of the last frame; empty: rendered
+  int reference_spp = 1024;
+  std::filesystem::path cache_folder;
+  FrameClock clock = {};  ///< by which contenders are timed; empty: wall_clock()
+};
+
+/// How far a picture is from the reference after some frames.
+struct ErrorPoint {
+  uint32_t frames = 0;
+  double samples = 0;  ///< a pixel
+  double time_s = 0;
+  double mse = 0;
+  double rel_mse = 0;
+  double mape = 0;
+};
+
+/// What one repetition measured.
+struct Repetition {
+  int seed = 0;
+  uint32_t frames = 0;
+  double samples = 0;  ///< a pixel, all frames of an animation together
+  double time_s = 0;
+  uint64_t rays = 0;
+  double mse = 0;  ///< of the picture; of an animation, the mean over its frames
+  double rel_mse = 0;
+  double mape = 0;
+  double flip = 0;
+  double temporal_error = 0;  ///< relative; of an animation only
+  /// Still scene: while samples arrive. Animation: each of its frames, `frames` counting them from 1.
+  std::vector<ErrorPoint> curve = {};
+  std::vector<std::pair<std::string, double>> passes = {};  ///< seconds
+};
+
+struct ContenderResult {
+  std::string name;
+  bool is_picture = false;  ///< made elsewhere: has neither times nor repetitions beyond the one
+  std::string settings;     ///< JSON
+  std::vector<std::pair<std::string, std::string>> differences = {};  ///< from the defaults
+  std::vector<Repetition> repetitions = {};
+  std::optional<ErrorSplit> split = {};  ///< of the last frame, from two repetitions on
+  Image image = {};                      ///< of the first repetition, last frame
+};
+
+struct Comparison {
+  ComparisonOptions options;
+  Settings reference_settings;
+  Reference reference;  ///< of the last frame
+  uint64_t scene_hash = 0;
+  size_t triangles = 0;
+  int threads = 0;
+  double budget_spread = 0;  ///< expected, of the times that whole frames add up to
+  std::vector<ContenderResult> contenders;
+  std::vector<std::string> notes;  ///< what limits the comparison, one sentence each
+};
+
+/// "reference", "timing", "contenders" and the share that is done.
+using ComparisonProgress = std::function<void(const std::string& stage, double fraction)>;
+
+/// std::nullopt if `stop` was requested first; references that were begun go on next time. Throws Error.
+std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
+                                  const ComparisonProgress& progress);
+
+/// Median over the repetitions of what `value` takes from each.
+double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
+
+/// One object with everything but the pictures. `machine`: name and value of what the program knows about where it ran.
+std::string to_json(const Comparison& comparison, const std::vector<std::pair<std::string, std::string>>& machine);
+/// A line for each contender.
+std::string to_csv(const Comparison& comparison);
+
+}  // namespace relume

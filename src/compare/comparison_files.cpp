@@ -1,0 +1,157 @@
+// The numbers of a comparison as JSON and CSV.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compare/comparison.h"
+#include "metrics/statistics.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Quantity {
+  const char* name;
+  double (*value)(const Repetition&);
+};
+
+double frames_of(const Repetition& r) { return r.frames; }
+double ms_per_frame(const Repetition& r) { return r.frames > 0 ? 1000 * r.time_s / r.frames : 0; }
+
+constexpr Quantity kErrors[] = {
+    {"mse", [](const Repetition& r) { return r.mse; }},
+    {"rel_mse", [](const Repetition& r) { return r.rel_mse; }},
+    {"mape", [](const Repetition& r) { return r.mape; }},
+    {"flip", [](const Repetition& r) { return r.flip; }},
+};
+constexpr Quantity kCosts[] = {
+    {"frames", frames_of},
+    {"samples_per_pixel", [](const Repetition& r) { return r.samples; }},
+    {"time_s", [](const Repetition& r) { return r.time_s; }},
+    {"ms_per_frame", ms_per_frame},
+    {"rays", [](const Repetition& r) { return static_cast<double>(r.rays); }},
+};
+constexpr Quantity kTemporal{"temporal_error", [](const Repetition& r) { return r.temporal_error; }};
+
+/// Median over the repetitions with its interval.
+Json quantity(const ContenderResult& contender, const Quantity& q) {
+  std::vector<double> values;
+  for (const Repetition& repetition : contender.repetitions) values.push_back(q.value(repetition));
+  const Interval interval = median_interval(values);
+  return {
+      {"median", median(values)}, {"low", interval.low}, {"high", interval.high}, {"confidence", interval.confidence}};
+}
+
+Json passes_per_frame(const ContenderResult& contender) {
+  Json passes = Json::array();
+  for (const auto& [name, unused] : contender.repetitions.front().passes) {
+    std::vector<double> ms;
+    for (const Repetition& repetition : contender.repetitions) {
+      for (const auto& [other, seconds] : repetition.passes) {
+        if (other == name) ms.push_back(1000 * seconds / repetition.frames);
+      }
+    }
+    passes.push_back({{"name", name}, {"ms_per_frame", median(ms)}});
+  }
+  return passes;
+}
+
+Json curve(const Repetition& repetition) {
+  Json json = Json::array();
+  for (const ErrorPoint& p : repetition.curve) {
+    json.push_back({{"frames", p.frames},
+                    {"samples_per_pixel", p.samples},
+                    {"time_s", p.time_s},
+                    {"mse", p.mse},
+                    {"rel_mse", p.rel_mse},
+                    {"mape", p.mape}});
+  }
+  return json;
+}
+
+Json to_json(const ContenderResult& contender, bool has_motion) {
+  Json json = {{"name", contender.name}, {"kind", contender.is_picture ? "picture" : "technique"}};
+  for (const Quantity& q : kErrors) json[q.name] = quantity(contender, q);
+  if (contender.is_picture) {
+    json["file"] = contender.settings;
+    return json;
+  }
+  if (has_motion) json[kTemporal.name] = quantity(contender, kTemporal);
+  for (const Quantity& q : kCosts) json[q.name] = quantity(contender, q);
+  json["bias2"] = contender.split ? Json(contender.split->bias2) : Json();
+  json["bias2_error"] = contender.split ? Json(contender.split->bias2_error) : Json();
+  json["variance"] = contender.split ? Json(contender.split->variance) : Json();
+  json["passes"] = passes_per_frame(contender);
+  Json curves = Json::array();
+  for (const Repetition& repetition : contender.repetitions)
+    curves.push_back({{"seed", repetition.seed}, {"points", curve(repetition)}});
+  json["repetitions"] = std::move(curves);
+  json["settings"] = Json::parse(contender.settings);
+  return json;
+}
+
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g}", x) : ","; }
+
+}  // namespace
+
+std::string to_json(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
+  Settings reference_settings = c.reference_settings;
+  const bool has_motion = c.options.times_s.size() > 1;
+  Json json = {{"scene", c.options.scene_name},
+               {"scene_hash", fmt::format("{:016x}", c.scene_hash)},
+               {"triangles", c.triangles},
+               {"width", c.reference.image.width},
+               {"height", c.reference.image.height},
+               {"mode", c.options.budget_s > 0 ? "equal-time" : "equal-samples"},
+               {"spp", c.options.budget_s > 0 ? Json() : Json(c.options.spp)},
+               {"budget_s", c.options.budget_s > 0 ? Json(c.options.budget_s) : Json()},
+               {"animation_times_s", c.options.times_s},
+               {"repetitions", c.options.repetitions}};
+  json["machine"] = Json::object();
+  for (const auto& [name, value] : machine) json["machine"][name] = value;
+  json["machine"]["threads"] = c.threads;
+  const bool known = c.reference.spp > 0;
+  json["reference"] = {{"samples_per_pixel", known ? Json(c.reference.spp) : Json()},
+                       {"mse", known ? Json(c.reference.mse) : Json()},
+                       {"rel_mse", known ? Json(c.reference.rel_mse) : Json()},
+                       {"cached", c.reference.cached},
+                       {"file", c.options.reference_file.string()},
+                       {"settings", Json::parse(settings_to_json(describe(reference_settings)))}};
+  json["contenders"] = Json::array();
+  for (const ContenderResult& contender : c.contenders) json["contenders"].push_back(to_json(contender, has_motion));
+  json["notes"] = c.notes;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_csv(const Comparison& c) {
+  std::string text = "name";
+  for (const Quantity& q : kErrors) text += fmt::format(",{}", q.name);
+  text += ",temporal_error,bias2,bias2_error,variance";
+  for (const Quantity& q : kCosts) text += fmt::format(",{}", q.name);
+  text += "\n";
+  for (const ContenderResult& contender : c.contenders) {
+    text += csv_text(contender.name);
+    const auto add = [&](const Quantity& q) { text += csv_number(median_of(contender, q.value)); };
+    for (const Quantity& q : kErrors) add(q);
+    c.options.times_s.size() > 1 && !contender.is_picture ? add(kTemporal) : void(text += ",");
+    const double none = std::nan("");
+    text += csv_number(contender.split ? contender.split->bias2 : none);
+    text += csv_number(contender.split ? contender.split->bias2_error : none);
+    text += csv_number(contender.split ? contender.split->variance : none);
+    for (const Quantity& q : kCosts) contender.is_picture ? void(text += ",") : add(q);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace relume

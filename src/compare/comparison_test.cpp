@@ -1,0 +1,170 @@
+#include "compare/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "compare/comparison_page.h"
+#include "core/error.h"
+#include "scene/builtin.h"
+
+namespace relume {
+namespace {
+
+/// A microsecond a ray, on every machine and however busy it is.
+double ray_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
+
+class ComparisonTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = std::filesystem::temp_directory_path() / ("relume_comparison_" + name);
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  ComparisonOptions options(const char* techniques) {
+    ComparisonOptions o;
+    o.scene_name = "test";
+    o.contenders = parse_contenders(techniques, "test");
+    o.common.flags = {{"width", "40"}, {"height", "30"}, {"max-bounces", "3"}};
+    o.cache_folder = folder_;
+    o.reference_spp = 256;
+    o.repetitions = 3;
+    return o;
+  }
+
+  Comparison run(const Scene& scene, const ComparisonOptions& o) {
+    std::optional<Comparison> comparison = compare(scene, o, {}, {});
+    EXPECT_TRUE(comparison);
+    return std::move(*comparison);
+  }
+  Comparison run(const char* scene, const ComparisonOptions& o) { return run(find_builtin_scene(scene)->build(), o); }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ComparisonTest, EqualSamples) {
+  ComparisonOptions o = options("few=max-bounces:1,all=seed:7");
+  o.spp = 16;
+  // The lamp is out of sight: a few pixels on its edges would outweigh all others.
+  Scene scene = find_builtin_scene("cornell")->build();
+  scene.cameras.front().fov_y_rad *= 0.5f;
+  const Comparison c = run(scene, o);
+  ASSERT_EQ(c.contenders.size(), 2u);
+  EXPECT_EQ(c.reference_settings.render.path.max_bounces, 3);
+  for (const ContenderResult& contender : c.contenders) {
+    ASSERT_EQ(contender.repetitions.size(), 3u);
+    for (const Repetition& r : contender.repetitions) {
+      EXPECT_EQ(r.frames, 16u);
+      EXPECT_DOUBLE_EQ(r.samples, 16);
+      EXPECT_GT(r.rays, 40u * 30u * 16u);
+      ASSERT_GE(r.curve.size(), 5u);
+      EXPECT_EQ(r.curve.front().frames, 1u);
+      EXPECT_EQ(r.curve.back().frames, 16u);
+      EXPECT_EQ(r.curve.back().mse, r.mse);
+    }
+  }
+  EXPECT_EQ(c.contenders[1].repetitions[2].seed, 9);
+  // What the first leaves out is bias; the second has none.
+  ASSERT_TRUE(c.contenders[0].split && c.contenders[1].split);
+  EXPECT_GT(c.contenders[0].split->bias2, 5 * c.contenders[0].split->bias2_error);
+  EXPECT_LT(std::fabs(c.contenders[1].split->bias2), 5 * c.contenders[1].split->bias2_error);
+  const double mse = median_of(c.contenders[1], [](const Repetition& r) { return r.mse; });
+  EXPECT_NEAR(c.contenders[1].split->variance / mse, 1, 0.25);  // unbiased: all of it; the reference's noise is 1/16
+}
+
+TEST_F(ComparisonTest, EqualTimeIsEqualWithin5Percent) {
+  ComparisonOptions o = options("cheap=max-bounces:1,dear=max-bounces:3");
+  o.budget_s = 0.4;
+  o.repetitions = 5;
+  o.reference_spp = 16;
+  o.clock = ray_clock;
+  const Comparison c = run("cornell", o);
+  EXPECT_LT(c.budget_spread, 0.02);
+  const auto time_s = [](const Repetition& r) { return r.time_s; };
+  EXPECT_NEAR(median_of(c.contenders[0], time_s), o.budget_s, 0.2 * o.budget_s);
+  EXPECT_NEAR(median_of(c.contenders[0], time_s) / median_of(c.contenders[1], time_s), 1, 0.05);
+  EXPECT_GT(c.contenders[0].repetitions[0].frames, c.contenders[1].repetitions[0].frames);
+  EXPECT_TRUE(c.notes.empty() || c.notes.front().find("times differ") == std::string::npos);
+}
+
+TEST_F(ComparisonTest, SaysWhenTimesAreNotEqual) {
+  // A frame of the second costs more than the whole budget.
+  ComparisonOptions o = options("cheap=max-bounces:1,dear=max-bounces:3");
+  o.budget_s = 0.006;
+  o.repetitions = 1;
+  o.reference_spp = 16;
+  o.clock = ray_clock;
+  const Comparison c = run("cornell", o);
+  ASSERT_FALSE(c.notes.empty());
+  EXPECT_NE(c.notes.front().find("times differ"), std::string::npos);
+}
+
+TEST_F(ComparisonTest, AnimationsReportFlicker) {
+  ComparisonOptions o = options("anew=history:none,kept=history:reproject");
+  o.spp = 2;
+  o.times_s = {0, 0.1f, 0.2f, 0.3f};
+  const Comparison c = run("cornell-closed", o);
+  const auto temporal = [](const Repetition& r) { return r.temporal_error; };
+  const double anew = median_of(c.contenders[0], temporal);
+  const double kept = median_of(c.contenders[1], temporal);
+  EXPECT_GT(anew, 0);
+  EXPECT_LT(kept, 0.8 * anew);
+  EXPECT_EQ(c.contenders[0].repetitions[0].curve.size(), 4u);
+  EXPECT_EQ(c.contenders[0].repetitions[0].frames, 8u);
+}
+
+TEST_F(ComparisonTest, APictureFromElsewhereIsAColumn) {
+  ComparisonOptions o = options("all=seed:1");
+  o.spp = 4;
+  o.repetitions = 1;
+  Image grey(40, 30);
+  for (Rgb& pixel : grey.pixels) pixel = Rgb(0.3f);
+  write_image(folder_ / "grey.exr", grey);
+  o.pictures = {{"grey", folder_ / "grey.exr"}};
+  const Comparison c = run("cornell", o);
+  ASSERT_EQ(c.contenders.size(), 2u);
+  EXPECT_TRUE(c.contenders[1].is_picture);
+  EXPECT_GT(c.contenders[1].repetitions[0].mse, 0);
+  write_image(folder_ / "small.exr", Image(3, 3));
+  o.pictures = {{"small", folder_ / "small.exr"}};
+  EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
+}
+
+TEST_F(ComparisonTest, StopsWhenAsked) {
+  ComparisonOptions o = options("all=seed:1");
+  std::stop_source stop;
+  const auto stopped =
+      compare(find_builtin_scene("cornell")->build(), o, stop.get_token(), [&](const std::string& stage, double) {
+        if (stage == "contenders") stop.request_stop();
+      });
+  EXPECT_FALSE(stopped);
+}
+
+TEST_F(ComparisonTest, NumbersPictureAndPageAgree) {
+  ComparisonOptions o = options("few=max-bounces:1,\"all\"=seed:7");
+  o.spp = 4;
+  const Comparison c = run("cornell", o);
+  const auto json = nlohmann::json::parse(to_json(c, {{"Processor", "test"}}));
+  EXPECT_EQ(json["machine"]["Processor"], "test");
+  EXPECT_EQ(json["contenders"].size(), 2u);
+  EXPECT_DOUBLE_EQ(json["contenders"][0]["mse"]["median"].get<double>(),
+                   median_of(c.contenders[0], [](const Repetition& r) { return r.mse; }));
+  EXPECT_EQ(json["contenders"][0]["settings"]["max-bounces"], 1);
+  EXPECT_GT(json["contenders"][0]["passes"].size(), 0u);
+  const std::string csv = to_csv(c);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
+  EXPECT_NE(csv.find("\"\"\"all\"\"\","), std::string::npos);  // quoted as CSV wants it
+  const Page page = comparison_page(c, {{"Processor", "test"}});
+  const std::string html = to_html(page);
+  EXPECT_NE(html.find("data-theme-choice"), std::string::npos);
+  EXPECT_EQ(html.find("http://"), html.find("http://www.w3.org/2000/svg"));  // the only address: a name space
+  EXPECT_EQ(html.find("https://"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace relume

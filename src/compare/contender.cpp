@@ -1,0 +1,137 @@
+#include "compare/contender.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "render/presets.h"
+#include "settings/nearest_name.h"
+
+namespace relume {
+namespace {
+
+/// Settings that belong to the comparison.
+constexpr std::array<std::string_view, 11> kShared = {"width", "height", "camera",   "scene-time", "threads", "env",
+                                                      "spp",   "time",   "exposure", "tone-map",   "error"};
+
+bool is_shared(std::string_view name) { return std::find(kShared.begin(), kShared.end(), name) != kShared.end(); }
+
+bool ends_with(std::string_view text, std::string_view ending) {
+  return text.size() > ending.size() && text.ends_with(ending);
+}
+bool is_settings_file(std::string_view text) { return ends_with(text, ".json") || ends_with(text, ".exr"); }
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> split_at_commas(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const size_t comma = std::min(text.find(','), text.size());
+    if (const std::string_view part = trimmed(text.substr(0, comma)); !part.empty()) parts.push_back(part);
+    text.remove_prefix(std::min(comma + 1, text.size()));
+  }
+  return parts;
+}
+
+/// A setting, preset or file joins the contender.
+void add_part(Contender& contender, std::string_view part, std::string_view place) {
+  const size_t colon = part.find(':');
+  if (is_settings_file(part)) {
+    contender.file = part;
+  } else if (colon == std::string_view::npos) {
+    if (part != "default") contender.preset = require_preset(part).name;
+  } else {
+    const std::string name(trimmed(part.substr(0, colon)));
+    const std::string_view value = trimmed(part.substr(colon + 1));
+    if (name.empty() || value.empty()) throw Error(fmt::format("{}: '{}' is not KEY:VALUE", place, part));
+    contender.settings.emplace_back(name, value);
+  }
+}
+
+std::string own_name(std::string_view part) {
+  return is_settings_file(part) ? std::filesystem::path(part).stem().string() : std::string(part);
+}
+
+template <typename T>
+void check_names(const std::vector<T>& list, std::string_view place) {
+  for (size_t i = 0; i < list.size(); ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      if (list[i].name == list[k].name)
+        throw Error(
+            fmt::format("{}: there are two called '{}'; give one another name with NAME=…", place, list[i].name));
+    }
+  }
+}
+
+/// Where a part begins a contender of its own, NAME and what follows.
+std::pair<std::string, std::string_view> split_name(std::string_view part, std::string_view place) {
+  const size_t equals = part.find('=');
+  if (equals == std::string_view::npos) return {own_name(part), part};
+  const std::string_view name = trimmed(part.substr(0, equals));
+  const std::string_view rest = trimmed(part.substr(equals + 1));
+  if (name.empty() || rest.empty()) throw Error(fmt::format("{}: '{}' is not NAME=…", place, part));
+  return {std::string(name), rest};
+}
+
+}  // namespace
+
+std::vector<Contender> parse_contenders(std::string_view text, std::string_view place) {
+  std::vector<Contender> contenders;
+  for (std::string_view part : split_at_commas(text)) {
+    const bool continues =
+        part.find('=') == std::string_view::npos && part.find(':') != std::string_view::npos && !is_settings_file(part);
+    if (continues) {
+      if (contenders.empty()) {
+        throw Error(fmt::format("{}: '{}' needs a name before it, such as mine={}", place, part, part));
+      }
+      add_part(contenders.back(), part, place);
+      continue;
+    }
+    const auto [name, rest] = split_name(part, place);
+    contenders.push_back({.name = name});
+    add_part(contenders.back(), rest, place);
+  }
+  if (contenders.empty())
+    throw Error(fmt::format("{}: there is nothing to compare; name presets, files or settings", place));
+  check_names(contenders, place);
+  return contenders;
+}
+
+std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place) {
+  std::vector<PictureContender> pictures;
+  for (std::string_view part : split_at_commas(text)) {
+    const auto [name, file] = split_name(part, place);
+    pictures.push_back({part.find('=') == std::string_view::npos ? std::filesystem::path(file).stem().string() : name,
+                        std::filesystem::path(file)});
+  }
+  check_names(pictures, place);
+  return pictures;
+}
+
+Settings resolve_contender(const Contender& contender, const SettingSources& common) {
+  SettingSources sources = common;
+  sources.preset = contender.preset;
+  sources.file = contender.file;
+  Settings settings = resolve(sources);
+  const SettingList list = describe(settings);
+  Settings shared = resolve(common);
+  for (const Setting& setting : describe(shared)) {
+    if (is_shared(setting.name)) store(*find_setting(list, setting.name), load(setting));
+  }
+  for (const auto& [name, text] : contender.settings) {
+    if (is_shared(name)) {
+      throw Error(
+          fmt::format("{}: {} is the same for all that are compared; give it as --{}", contender.name, name, name));
+    }
+    assign(require_setting(list, name, contender.name), text, contender.name);
+  }
+  return settings;
+}
+
+}  // namespace relume

@@ -1,0 +1,46 @@
+// What is compared: presets, settings files, settings written inline, and pictures made elsewhere.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "render/settings.h"
+
+namespace relume {
+
+struct Contender {
+  std::string name;
+  std::string preset = {};                                         ///< empty: none
+  std::string file = {};                                           ///< JSON, or an EXR that relume wrote; empty: none
+  std::vector<std::pair<std::string, std::string>> settings = {};  ///< on top: name and text
+};
+
+/// A picture made elsewhere.
+struct PictureContender {
+  std::string name;
+  std::filesystem::path file;
+};
+
+/// Contenders with commas between them:
+///
+///     path                                   the preset of that name; "default": no preset
+///     file.json                              settings from a file, or from an EXR that relume wrote
+///     uniform=lights:uniform                 settings inline, under a name of one's own
+///     mine=preview,max-bounces:2,seed:3      a preset or a file with settings on top
+///
+/// KEY:VALUE continues the contender before it. Throws Error that begins with `place` for what cannot be read, for two
+/// of one name, and if there is none.
+std::vector<Contender> parse_contenders(std::string_view text, std::string_view place);
+
+/// "cycles=a.exr,mitsuba=b.exr"; a file without a name goes by its own. Throws Error.
+std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place);
+
+/// The contender's settings. `common` holds what the scene and the command line say; what belongs to the comparison
+/// rather than to a technique (size, camera, time, environment, number of samples, threads) is as `common` has it. The
+/// order is defaults, scene, preset, file, `common.flags`, inline. Throws Error for what does not fit.
+Settings resolve_contender(const Contender& contender, const SettingSources& common);
+
+}  // namespace relume

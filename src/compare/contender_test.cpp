@@ -1,0 +1,94 @@
+#include "compare/contender.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace relume {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+std::string error_of(const char* text) {
+  try {
+    parse_contenders(text, "--techniques");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Contender, PresetsFilesAndSettings) {
+  const auto list = parse_contenders(
+      "preview, folder/mine.json,uniform=lights:uniform,few=preview,max-bounces:2,seed:3,default", "-t");
+  ASSERT_EQ(list.size(), 5u);
+  EXPECT_EQ(list[0].name, "preview");
+  EXPECT_EQ(list[0].preset, "preview");
+  EXPECT_EQ(list[1].name, "mine");
+  EXPECT_EQ(list[1].file, "folder/mine.json");
+  EXPECT_EQ(list[2].name, "uniform");
+  EXPECT_EQ(list[2].preset, "");
+  EXPECT_EQ(list[2].settings, (Pairs{{"lights", "uniform"}}));
+  EXPECT_EQ(list[3].name, "few");
+  EXPECT_EQ(list[3].preset, "preview");
+  EXPECT_EQ(list[3].settings, (Pairs{{"max-bounces", "2"}, {"seed", "3"}}));
+  EXPECT_EQ(list[4].name, "default");
+  EXPECT_EQ(list[4].preset, "");
+}
+
+TEST(Contender, RefusesInOneSentence) {
+  EXPECT_NE(error_of("").find("--techniques: there is nothing to compare"), std::string::npos);
+  EXPECT_NE(error_of("prewiev").find("did you mean 'preview'"), std::string::npos);
+  EXPECT_NE(error_of("lights:uniform").find("needs a name before it"), std::string::npos);
+  EXPECT_NE(error_of("preview,preview").find("two called 'preview'"), std::string::npos);
+  EXPECT_NE(error_of("a=").find("is not NAME="), std::string::npos);
+  EXPECT_NE(error_of("a=lights:").find("is not KEY:VALUE"), std::string::npos);
+}
+
+TEST(Contender, InlineSettingsWinOverFlagsAndFlagsOverPresets) {
+  SettingSources common;
+  common.flags = {{"max-bounces", "5"}, {"width", "64"}};
+  const auto list = parse_contenders("preview,mine=preview,max-bounces:2", "-t");
+  EXPECT_EQ(resolve_contender(list[0], common).render.path.max_bounces, 5);
+  EXPECT_EQ(resolve_contender(list[1], common).render.path.max_bounces, 2);
+  EXPECT_EQ(resolve_contender(list[1], common).render.width, 64);
+}
+
+TEST(Contender, WhatTheComparisonDecidesIsNotTakenFromFiles) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "relume_contender_test.json";
+  std::ofstream(file) << R"({"width": 17, "spp": 3, "lights": "uniform"})";
+  SettingSources common;
+  common.flags = {{"width", "64"}};
+  const Settings settings = resolve_contender(parse_contenders(file.string(), "-t")[0], common);
+  EXPECT_EQ(settings.render.width, 64);
+  EXPECT_EQ(settings.stop.spp, 0);
+  EXPECT_EQ(settings.render.lights, LightSelectionChoice::uniform);
+  std::filesystem::remove(file);
+}
+
+TEST(Contender, UnknownAndSharedSettingsAreRefused) {
+  const auto unknown = parse_contenders("a=lihgts:uniform", "-t");
+  EXPECT_THROW(resolve_contender(unknown[0], {}), Error);
+  const auto shared = parse_contenders("a=width:4", "-t");
+  try {
+    resolve_contender(shared[0], {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "a: width is the same for all that are compared; give it as --width");
+  }
+}
+
+TEST(Contender, Pictures) {
+  const auto list = parse_picture_contenders("cycles=out/a.exr,b.exr", "--image");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[0].name, "cycles");
+  EXPECT_EQ(list[0].file, "out/a.exr");
+  EXPECT_EQ(list[1].name, "b");
+  EXPECT_THROW(parse_picture_contenders("a=x.exr,a=y.exr", "--image"), Error);
+  EXPECT_TRUE(parse_picture_contenders("", "--image").empty());
+}
+
+}  // namespace
+}  // namespace relume

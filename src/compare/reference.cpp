@@ -1,0 +1,213 @@
+#include "compare/reference.h"
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "metrics/metrics.h"
+#include "scene/scene_hash.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+/// Part of the name of cached files; another one whenever references would come out differently.
+constexpr uint64_t kFormat = 1;
+/// Seeds that nobody chooses by hand, so that references are independent of what they judge.
+constexpr std::array<int, 2> kSeeds{1'000'000'007, 1'000'000'021};
+constexpr double kCheckpointInterval_s = 30;
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// FNV-1a, 64 bits.
+uint64_t hash_bytes(const void* data, size_t size, uint64_t hash) {
+  const auto* bytes = static_cast<const unsigned char*>(data);
+  for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
+  return hash;
+}
+
+void estimate_error(const Image& a, const Image& b, Reference& reference) {
+  // Var(a - b) is twice that of a half, whose variance is twice that of the mean.
+  double squared = 0;
+  double relative = 0;
+  uint64_t count = 0;
+  reference.image = Image(a.width, a.height);
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    const Rgb mean = 0.5f * (a.pixels[i] + b.pixels[i]);
+    reference.image.pixels[i] = mean;
+    const Rgb difference = a.pixels[i] - b.pixels[i];
+    if (!is_finite(difference)) continue;
+    ++count;
+    for (int c = 0; c < 3; ++c) {
+      const double square = double(difference[c]) * difference[c] / 4;
+      squared += square;
+      relative += square / (double(mean[c]) * mean[c] + kRelativeEpsilon);
+    }
+  }
+  reference.mse = squared / (3.0 * static_cast<double>(count));
+  reference.rel_mse = relative / (3.0 * static_cast<double>(count));
+}
+
+const std::vector<float>& plane(const std::vector<ExrChannel>& channels, std::string_view name,
+                                const std::string& place) {
+  for (const ExrChannel& channel : channels) {
+    if (channel.name == name) return channel.values;
+  }
+  throw Error(fmt::format("{}: there is no channel {}; delete the file, so that it is made again", place, name));
+}
+
+SurfaceMotion surface_from(const std::vector<ExrChannel>& channels, const std::string& place) {
+  const auto& mx = plane(channels, "motion.X", place);
+  const auto& my = plane(channels, "motion.Y", place);
+  const auto& nx = plane(channels, "normal.X", place);
+  const auto& ny = plane(channels, "normal.Y", place);
+  const auto& nz = plane(channels, "normal.Z", place);
+  SurfaceMotion surface;
+  surface.depth = plane(channels, "depth.Z", place);
+  for (size_t i = 0; i < mx.size(); ++i) {
+    surface.motion.emplace_back(mx[i], my[i]);
+    surface.normal.emplace_back(nx[i], ny[i], nz[i]);
+  }
+  return surface;
+}
+
+void save(const std::filesystem::path& file, const Image& a, const Image& b, const Reference& reference,
+          std::vector<ExrChannel> surface, const RenderSettings& settings) {
+  ExrFile exr{a.width, a.height, exr_channels(reference.image), {}};
+  for (ExrChannel& channel : exr_channels(a, "a")) exr.channels.push_back(std::move(channel));
+  for (ExrChannel& channel : exr_channels(b, "b")) exr.channels.push_back(std::move(channel));
+  for (ExrChannel& channel : surface) exr.channels.push_back(std::move(channel));
+  RenderSettings copy = settings;
+  exr.attributes = {{"relume.settings", settings_to_json(describe(copy))},
+                    {"relume.samples_per_pixel", std::to_string(reference.spp)}};
+  write_exr(file, exr);
+}
+
+}  // namespace
+
+std::filesystem::path default_cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache && *cache) return std::filesystem::path(cache) / "relume";
+  const char* home = std::getenv("HOME");
+  if (home && *home) return std::filesystem::path(home) / ".cache" / "relume";
+  throw Error("neither XDG_CACHE_HOME nor HOME is set; say with --cache-dir where references are kept");
+}
+
+Reference read_reference(const std::filesystem::path& file) {
+  Reference reference;
+  reference.image = read_image(file);
+  return reference;
+}
+
+ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& settings, int spp,
+                                     std::filesystem::path folder)
+    : scene_(scene),
+      settings_(settings),
+      half_spp_(std::max(1, (spp + 1) / 2)),
+      folder_(std::move(folder)),
+      scene_hash_(relume::scene_hash(scene)) {
+  settings_.auxiliary = true;
+  settings_.seed = 0;
+  std::error_code failure;
+  std::filesystem::create_directories(folder_, failure);
+  if (failure) {
+    throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another with --cache-dir",
+                            folder_.string(), failure.message()));
+  }
+}
+
+std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_s,
+                                              const std::optional<PlacedCamera>& camera) const {
+  RenderSettings copy = settings_;
+  copy.threads = 0;
+  copy.time_s = time_s;
+  const std::string text = settings_to_json(describe(copy));
+  uint64_t key = hash_bytes(text.data(), text.size(), 0xcbf29ce484222325u ^ kFormat);
+  key = hash_bytes(&scene_hash_, sizeof scene_hash_, key);
+  key = hash_bytes(&half_spp_, sizeof half_spp_, key);
+  key = hash_bytes(&previous_time_s, sizeof previous_time_s, key);
+  if (camera) {
+    key = hash_bytes(&camera->to_world, sizeof camera->to_world, key);
+    const Camera& c = camera->camera;
+    const std::array<float, 5> lens{static_cast<float>(c.projection), c.fov_y_rad, c.half_height, c.lens_radius,
+                                    c.focus_distance};
+    key = hash_bytes(lens.data(), sizeof lens, key);
+  }
+  return folder_ / fmt::format("reference-{:016x}.exr", key);
+}
+
+Session& ReferenceRenderer::session() {
+  if (!session_) session_ = std::make_unique<Session>(scene_, settings_);
+  return *session_;
+}
+
+bool ReferenceRenderer::render_half(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,
+                                    const ReferenceProgress& progress) {
+  Session& s = session();
+  if (std::filesystem::exists(checkpoint)) s.load_checkpoint(checkpoint);
+  double saved_s = now_s();
+  const auto wanted = static_cast<uint32_t>(half_spp_);
+  bool changed = false;
+  while (s.sample_count() < wanted) {
+    if (!s.render_frame(stop)) break;
+    changed = true;
+    if (progress) progress(0.5 * half + 0.5 * s.sample_count() / wanted);
+    if (now_s() - saved_s > kCheckpointInterval_s) {
+      s.save_checkpoint(checkpoint);
+      saved_s = now_s();
+      changed = false;
+    }
+  }
+  if (changed && (s.sample_count() > 0) && (half == 0 || s.sample_count() < wanted)) s.save_checkpoint(checkpoint);
+  return s.sample_count() >= wanted;
+}
+
+std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,
+                                                   const std::optional<PlacedCamera>& camera,
+                                                   const std::stop_token& stop, const ReferenceProgress& progress) {
+  const std::filesystem::path target = file(time_s, previous_time_s, camera);
+  Reference reference;
+  reference.spp = 2 * half_spp_;
+  if (std::filesystem::exists(target)) {
+    const ExrFile exr = read_exr(target);
+    estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);
+    reference.surface = surface_from(exr.channels, target.string());
+    reference.cached = true;
+    return reference;
+  }
+  const double start_s = now_s();
+  Session& s = session();
+  std::array<Image, 2> halves;
+  std::array<std::filesystem::path, 2> checkpoints;
+  std::vector<ExrChannel> surface;
+  for (size_t half = 0; half < 2; ++half) {
+    checkpoints[half] = target;
+    checkpoints[half].replace_extension(half == 0 ? ".a.ckpt" : ".b.ckpt");
+    s.set_camera(camera);
+    s.set_time(previous_time_s);
+    s.restart(kSeeds[half]);
+    if (time_s != previous_time_s) s.set_time(time_s);
+    if (!render_half(static_cast<int>(half), checkpoints[half], stop, progress)) return std::nullopt;
+    halves[half] = s.image();
+    if (half > 0) continue;
+    for (const char* name : {"motion", "depth", "normal"}) {
+      for (ExrChannel& channel : s.aov(name)) surface.push_back(std::move(channel));
+    }
+  }
+  estimate_error(halves[0], halves[1], reference);
+  save(target, halves[0], halves[1], reference, surface, settings_);
+  for (const std::filesystem::path& checkpoint : checkpoints) {
+    std::error_code ignored;
+    std::filesystem::remove(checkpoint, ignored);
+  }
+  reference.surface = surface_from(surface, target.string());
+  reference.render_s = now_s() - start_s;
+  return reference;
+}
+
+}  // namespace relume

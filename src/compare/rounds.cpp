@@ -1,0 +1,209 @@
+#include "compare/rounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "metrics/metrics.h"
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+constexpr double kTimedShare = 1.35;  // of the budget that is measured beforehand
+constexpr size_t kTimedFrames = 6;    // of an animation
+/// An allocation that gives hardly any pixel a sample must end too.
+constexpr uint32_t kMostFramesPerSample = 64;
+
+/// Whether the error is measured after so many frames: powers of two, and halfway between them.
+bool is_measured(uint32_t frames) {
+  while (frames > 3 && frames % 2 == 0) frames /= 2;
+  return frames <= 3;
+}
+
+ErrorPoint measure(const TimedSession& session, const Image& image, const Image& reference) {
+  const Metrics m = compute_metrics(image, reference, {.flip = false});
+  return {session.frames(), session.samples_per_pixel(), session.time_s(), m.mse, m.rel_mse, m.mape};
+}
+
+/// Contenders take turns; each renders its share of every round, so that all end together.
+class Turns {
+ public:
+  Turns(const Sessions& sessions, const FramePlan& plan) : sessions_(sessions), plan_(plan) {
+    for (const auto& session : sessions) first_sample_.push_back(session->samples_per_pixel());
+  }
+
+  /// Calls `rendered(contender)` after each frame. False if `stop` was requested.
+  bool run(const std::stop_token& stop, const std::function<void(size_t)>& rendered) {
+    const uint32_t rounds = plan_.frames.empty()
+                                ? kMostFramesPerSample * static_cast<uint32_t>(std::ceil(plan_.samples))
+                                : *std::max_element(plan_.frames.begin(), plan_.frames.end());
+    for (uint32_t round = 0; round < rounds; ++round) {
+      bool any = false;
+      for (size_t i = 0; i < sessions_.size(); ++i) {
+        if (!is_due(i, round, rounds)) continue;
+        if (stop.stop_requested()) return false;
+        sessions_[i]->render_frame();
+        rendered(i);
+        any = true;
+      }
+      if (!any && plan_.frames.empty()) break;
+    }
+    return true;
+  }
+
+ private:
+  bool is_due(size_t i, uint32_t round, uint32_t rounds) const {
+    if (plan_.frames.empty()) return sessions_[i]->samples_per_pixel() - first_sample_[i] < plan_.samples - 1e-9;
+    const uint64_t wanted = plan_.frames[i];
+    return (round + 1) * wanted / rounds > round * wanted / rounds;
+  }
+
+  const Sessions& sessions_;
+  const FramePlan& plan_;
+  std::vector<double> first_sample_;
+};
+
+/// Collects what a repetition of an animation or of a still scene measures.
+class Recorder {
+ public:
+  Recorder(const Sessions& sessions, const ComparisonOptions& options, const std::vector<Reference>& references,
+           std::vector<Repetition>& results)
+      : sessions_(sessions), options_(options), references_(references), results_(results), images_(sessions.size()) {}
+
+  void frame_rendered(size_t i) {
+    if (is_animation() || !is_measured(sessions_[i]->frames())) return;
+    results_[i].curve.push_back(measure(*sessions_[i], sessions_[i]->session().image(), references_.front().image));
+  }
+
+  /// After all contenders have rendered frame `frame` of the animation, or the still scene.
+  void picture_done(size_t frame) {
+    const Reference& reference = references_[frame];
+    for (size_t i = 0; i < sessions_.size(); ++i) {
+      const TimedSession& session = *sessions_[i];
+      Repetition& result = results_[i];
+      Image image = session.session().image();
+      ErrorPoint point = measure(session, image, reference.image);
+      if (is_animation()) point.frames = static_cast<uint32_t>(frame + 1);
+      if (result.curve.empty() || result.curve.back().frames != point.frames) result.curve.push_back(point);
+      result.mse += point.mse;
+      result.rel_mse += point.rel_mse;
+      result.mape += point.mape;
+      if (frame > 0) {
+        result.temporal_error += temporal_error(image, reference.image, reference.surface, images_[i],
+                                                references_[frame - 1].image, references_[frame - 1].surface)
+                                     .rel_mse;
+      }
+      images_[i] = std::move(image);
+    }
+  }
+
+  void finish(const OutputSettings& display) {
+    const double count = static_cast<double>(references_.size());
+    for (size_t i = 0; i < sessions_.size(); ++i) {
+      const TimedSession& session = *sessions_[i];
+      Repetition& result = results_[i];
+      result.seed = session.session().settings().seed;
+      result.frames = session.frames();
+      result.samples = session.samples_per_pixel();
+      result.time_s = session.time_s();
+      result.rays = session.rays();
+      result.passes = session.passes();
+      result.mse /= count;
+      result.rel_mse /= count;
+      result.mape /= count;
+      if (count > 1) result.temporal_error /= count - 1;
+      result.flip = compute_metrics(images_[i], references_.back().image,
+                                    {.tone_map = display.tone_map, .exposure = display.exposure})
+                        .flip;
+    }
+  }
+
+  std::vector<Image> take_images() { return std::move(images_); }
+
+ private:
+  bool is_animation() const { return options_.times_s.size() > 1; }
+
+  const Sessions& sessions_;
+  const ComparisonOptions& options_;
+  const std::vector<Reference>& references_;
+  std::vector<Repetition>& results_;
+  std::vector<Image> images_;
+};
+
+}  // namespace
+
+std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::vector<float>& times_s, double budget_s,
+                                         const std::stop_token& stop, const std::function<void(double)>& progress) {
+  const size_t pictures = std::clamp(times_s.size(), size_t{1}, kTimedFrames);
+  std::vector<std::vector<std::vector<double>>> frame_s(sessions.size());  // by contender and picture
+  // The first frames of a process pay for memory that later ones find there.
+  for (const auto& session : sessions) session->render_frame();
+  for (const auto& session : sessions) {
+    if (!times_s.empty()) session->session().set_time(times_s.front());
+    session->restart(session->session().settings().seed);
+  }
+  for (size_t picture = 0; picture < pictures; ++picture) {
+    std::vector<double> used(sessions.size());
+    std::vector<size_t> before(sessions.size());
+    for (size_t i = 0; i < sessions.size(); ++i) {
+      if (picture > 0) sessions[i]->session().set_time(times_s[picture]);
+      before[i] = sessions[i]->frames();
+    }
+    for (bool any = true; any;) {
+      any = false;
+      for (size_t i = 0; i < sessions.size(); ++i) {
+        if (used[i] >= kTimedShare * budget_s) continue;
+        if (stop.stop_requested()) return std::nullopt;
+        sessions[i]->render_frame();
+        used[i] += sessions[i]->frame_s().back();
+        any = true;
+      }
+      const double least = *std::min_element(used.begin(), used.end());
+      progress((static_cast<double>(picture) + std::min(least / (kTimedShare * budget_s), 1.0)) / double(pictures));
+    }
+    for (size_t i = 0; i < sessions.size(); ++i) {
+      const auto& all = sessions[i]->frame_s();
+      frame_s[i].emplace_back(all.begin() + static_cast<std::ptrdiff_t>(before[i]), all.end());
+    }
+  }
+  std::vector<std::vector<double>> cumulative;
+  for (const auto& by_picture : frame_s) {
+    size_t shortest = by_picture.front().size();
+    for (const auto& times : by_picture) shortest = std::min(shortest, times.size());
+    std::vector<double> usual;
+    for (size_t k = 0; k < shortest; ++k) {
+      std::vector<double> times;
+      for (const auto& picture : by_picture) times.push_back(picture[k]);
+      usual.push_back(median(std::move(times)));
+    }
+    cumulative.push_back(cumulative_time(usual));
+  }
+  return equal_time(cumulative, budget_s);
+}
+
+bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, const FramePlan& plan,
+                    const std::vector<Reference>& references, int repetition, const std::stop_token& stop,
+                    std::vector<Repetition>& results, std::vector<Image>& pictures,
+                    const std::function<void(double)>& progress) {
+  for (const auto& session : sessions) {
+    if (!options.times_s.empty()) session->session().set_time(options.times_s.front());
+    const int last_seed = session->session().settings().seed;
+    session->restart(repetition == 0 ? last_seed : last_seed + 1);
+  }
+  results.assign(sessions.size(), {});
+  Recorder recorder(sessions, options, references, results);
+  for (size_t picture = 0; picture < references.size(); ++picture) {
+    if (picture > 0) {
+      for (const auto& session : sessions) session->session().set_time(options.times_s[picture]);
+    }
+    Turns turns(sessions, plan);
+    if (!turns.run(stop, [&](size_t i) { recorder.frame_rendered(i); })) return false;
+    recorder.picture_done(picture);
+    progress(static_cast<double>(picture + 1) / static_cast<double>(references.size()));
+  }
+  recorder.finish(resolve(options.common).output);
+  pictures = recorder.take_images();
+  return true;
+}
+
+}  // namespace relume

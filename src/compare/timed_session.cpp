@@ -1,0 +1,113 @@
+#include "compare/timed_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+constexpr double kBudgetTolerance = 0.2;
+constexpr double kGoodSpread = 0.01;
+
+/// Number of frames whose time is nearest to `time_s`; at least one.
+size_t nearest_count(const std::vector<double>& cumulative, double time_s) {
+  const auto above = std::lower_bound(cumulative.begin(), cumulative.end(), time_s);
+  if (above == cumulative.begin()) return 1;
+  if (above == cumulative.end()) return cumulative.size();
+  const bool below_is_nearer = time_s - *(above - 1) < *above - time_s;
+  return static_cast<size_t>(above - cumulative.begin()) + (below_is_nearer ? 0 : 1);
+}
+
+}  // namespace
+
+double wall_clock(const Session&) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+TimedSession::TimedSession(const Scene& scene, const RenderSettings& settings, FrameClock clock)
+    : session_(scene, settings), clock_(clock ? std::move(clock) : FrameClock(wall_clock)) {}
+
+void TimedSession::restart(int seed) {
+  session_.restart(seed);
+  frame_s_.clear();
+  time_s_ = 0;
+  passes_before_ = session_.statistics().passes;
+}
+
+void TimedSession::render_frame() {
+  const double start_s = clock_(session_);
+  session_.render_frame();
+  frame_s_.push_back(clock_(session_) - start_s);
+  time_s_ += frame_s_.back();
+}
+
+double TimedSession::samples_per_pixel() const {
+  const RenderSettings& settings = session_.settings();
+  return static_cast<double>(session_.statistics().paths) / (double(settings.width) * settings.height);
+}
+
+uint64_t TimedSession::rays() const { return session_.statistics().rays; }
+
+std::vector<std::pair<std::string, double>> TimedSession::passes() const {
+  std::vector<std::pair<std::string, double>> result;
+  for (const PassTime& pass : session_.statistics().passes) {
+    double seconds = pass.seconds;
+    for (const PassTime& before : passes_before_) {
+      if (before.name == pass.name) seconds -= before.seconds;
+    }
+    if (pass.name != "build") result.emplace_back(pass.name, seconds);
+  }
+  return result;
+}
+
+std::vector<double> cumulative_time(const std::vector<double>& frame_s) {
+  constexpr size_t kReach = 4;
+  constexpr double kOutlier = 1.5;
+  std::vector<double> sums;
+  double sum = 0;
+  for (size_t i = 0; i < frame_s.size(); ++i) {
+    const size_t begin = i > kReach ? i - kReach : 0;
+    const size_t end = std::min(i + kReach + 1, frame_s.size());
+    const double usual = median(
+        {frame_s.begin() + static_cast<std::ptrdiff_t>(begin), frame_s.begin() + static_cast<std::ptrdiff_t>(end)});
+    sum += frame_s[i] > kOutlier * usual ? usual : frame_s[i];
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+double EqualTime::spread() const {
+  if (time_s.empty()) return 0;
+  const auto [low, high] = std::minmax_element(time_s.begin(), time_s.end());
+  return *high / *low - 1;
+}
+
+EqualTime equal_time(const std::vector<std::vector<double>>& cumulative, double budget_s) {
+  std::vector<double> candidates{budget_s};
+  for (const std::vector<double>& times : cumulative) {
+    for (double time : times) {
+      if (std::fabs(time / budget_s - 1) <= kBudgetTolerance) candidates.push_back(time);
+    }
+  }
+  EqualTime best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (double candidate : candidates) {
+    EqualTime choice;
+    for (const std::vector<double>& times : cumulative) {
+      const size_t count = nearest_count(times, candidate);
+      choice.frames.push_back(static_cast<uint32_t>(count));
+      choice.time_s.push_back(times[count - 1]);
+    }
+    const double cost = 20 * std::max(choice.spread() - kGoodSpread, 0.0) + std::fabs(std::log(candidate / budget_s));
+    if (cost >= best_cost) continue;
+    best_cost = cost;
+    best = std::move(choice);
+  }
+  return best;
+}
+
+}  // namespace relume

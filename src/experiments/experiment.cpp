@@ -1,0 +1,39 @@
+#include "experiments/experiment.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "experiments/all.h"
+#include "settings/nearest_name.h"
+
+namespace relume {
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> list = {
+      adaptive_sampling_experiment(),
+      reprojection_experiment(),
+      combination_experiment(),
+  };
+  return list;
+}
+
+const Experiment& require_experiment(std::string_view name) {
+  std::vector<std::string> names;
+  for (const Experiment& experiment : experiments()) {
+    if (experiment.name == name) return experiment;
+    names.emplace_back(experiment.name);
+  }
+  throw Error(fmt::format("there is no experiment '{}'{}", name, suggestion(name, names)));
+}
+
+Claim judged(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
+             bool holds) {
+  return {std::move(id),       std::move(paper),     std::move(claim),
+          std::move(measured), std::move(threshold), holds ? kVerdictHolds : kVerdictFails};
+}
+
+Claim unmeasured(std::string id, std::string paper, std::string claim, std::string threshold, std::string reason) {
+  return {std::move(id), std::move(paper), std::move(claim), std::move(reason), std::move(threshold), kVerdictOpen};
+}
+
+}  // namespace relume

@@ -1,0 +1,97 @@
+#include "experiments/experiment.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "experiments/results.h"
+#include "experiments/scenes.h"
+
+namespace relume {
+namespace {
+
+TEST(Experiments, AreFoundByName) {
+  EXPECT_EQ(require_experiment("reprojection").name, "reprojection");
+  try {
+    require_experiment("reprojektion");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean 'reprojection'"), std::string::npos);
+  }
+}
+
+TEST(Experiments, ResultsAsJsonAndPage) {
+  ExperimentResult result;
+  result.claims = {judged("a", "[X §1]", "holds here", "1", "below 2", true),
+                   judged("b", "[X §1]", "fails", "3", "below 2", false),
+                   unmeasured("c", "[X §1]", "unknown", "below 2", "no scene")};
+  result.blocks = {ChartBlock{"t", "", {{"l", "x", "y", true, true, {{"curve", 0, false, {{1, 2}}}}}}}};
+  const Experiment& experiment = experiments().front();
+  const auto json = nlohmann::json::parse(to_json(experiment, result, {{{"Processor", "p"}}, true, 3}));
+  ASSERT_EQ(json["claims"].size(), 3u);
+  for (const char* key : {"id", "paper", "claim", "measured", "threshold", "verdict"})
+    EXPECT_TRUE(json["claims"][0].contains(key)) << key;
+  EXPECT_EQ(json["claims"][0]["verdict"], "holds");
+  EXPECT_EQ(json["claims"][1]["verdict"], "does not hold");
+  EXPECT_EQ(json["claims"][2]["verdict"], "not measured");
+  EXPECT_EQ(json["curves"][0]["points"][0], nlohmann::json({1.0, 2.0}));
+  const Page page = experiment_page(experiment, result, {{}, false, 3});
+  EXPECT_TRUE(std::holds_alternative<TextBlock>(page.blocks[0]));
+  EXPECT_EQ(std::get<TextBlock>(page.blocks[0]).text, "1 of 3 claims hold, 1 not measured.");
+  EXPECT_TRUE(std::holds_alternative<ClaimBlock>(page.blocks[1]));
+}
+
+TEST(Experiments, TheIndexIsMadeFromFiles) {
+  const Experiment& experiment = experiments().front();
+  const std::string json = to_json(experiment, {{judged("a", "[X §1]", "holds here", "1", "below 2", true)}, {}, {}},
+                                   {{{"Processor", "p"}}, true, 3});
+  const ExperimentSummary summary = read_summary(json, "a.json");
+  EXPECT_EQ(summary.name, experiment.name);
+  EXPECT_TRUE(summary.run.quick);
+  EXPECT_EQ(summary.run.seconds, 3);
+  ASSERT_EQ(summary.claims.size(), 1u);
+  EXPECT_EQ(summary.claims[0].verdict, kVerdictHolds);
+  const std::string index = to_html(index_page({summary}));
+  EXPECT_NE(index.find(std::string(experiment.name) + ".html"), std::string::npos);
+  EXPECT_NE(index.find("1 of 1 claims hold"), std::string::npos);
+  EXPECT_THROW(read_summary("{}", "a.json"), Error);
+  EXPECT_THROW(read_summary("", "a.json"), Error);
+}
+
+TEST(Experiments, NamesAreDifferentAndTellWhatIsTested) {
+  std::set<std::string_view> names;
+  for (const Experiment& experiment : experiments()) {
+    EXPECT_TRUE(names.insert(experiment.name).second) << experiment.name;
+    EXPECT_EQ(experiment.paper.front(), '[') << experiment.name;
+    EXPECT_FALSE(experiment.summary.empty()) << experiment.name;
+    EXPECT_TRUE(experiment.run);
+  }
+}
+
+TEST(Experiments, EveryVariationOfTheBoxCompiles) {
+  using enum BoxVariation;
+  const size_t walls = CompiledScene(closed_box().scene, {}).triangle_count();
+  for (BoxVariation variation : {point_light, directional_light, triangles_80k, reflective, glass}) {
+    ExperimentScene box = closed_box(variation);
+    validate(box.scene, box.name);
+    const CompiledScene compiled(std::move(box.scene), {});
+    EXPECT_GT(compiled.view().lights.lights.size, 0u) << box.name;
+    EXPECT_GT(compiled.triangle_count(), variation == triangles_80k ? walls + 80000 : 0) << box.name;
+  }
+}
+
+TEST(Experiments, AStopEndsThem) {
+  std::stop_source stop;
+  stop.request_stop();
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_experiment_test";
+  context.stop = stop.get_token();
+  EXPECT_THROW(require_experiment("combination").run(context), ExperimentStopped);
+  std::filesystem::remove_all(context.cache_folder);
+}
+
+}  // namespace
+}  // namespace relume

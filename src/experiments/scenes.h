@@ -1,0 +1,46 @@
+// Scenes of experiments: a box that the camera stands in, real rooms and a city, and variations of the box.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/experiment.h"
+#include "render/render_settings.h"
+#include "scene/compiled_scene.h"
+#include "scene/scene.h"
+
+namespace relume {
+
+struct ExperimentScene {
+  std::string name;
+  std::string property = {};  ///< what a variation varies: "light", "triangles", "material"
+  Scene scene;
+  std::optional<PlacedCamera> camera = {};  ///< at which a turn ends; empty: the scene's own
+  RenderSettings settings = {};             ///< bounces
+};
+
+/// A built-in scene as it is, with its camera path. Throws Error if there is none of that name.
+ExperimentScene built_in(std::string_view name, int max_bounces);
+
+/// Which of the properties of [Schalk18 §4.2.4, §4.3.4] the box has.
+enum class BoxVariation { plain, point_light, directional_light, triangles_80k, triangles_1m, reflective, glass };
+
+/// The closed Cornell box with slightly glossy walls, as in the paper, seen from inside. Light from a direction comes
+/// in where the ceiling is taken off.
+ExperimentScene closed_box(BoxVariation variation = BoxVariation::plain);
+
+/// Sponza from the context's folder; std::nullopt if it is not there. Throws Error if it cannot be read.
+std::optional<ExperimentScene> sponza(const ExperimentContext& context);
+
+/// A street of the built-in city: sun and sky, nineteen million triangles.
+ExperimentScene city_street();
+
+/// The scene's camera turned to the left by an angle about +Y. Throws Error for an angle if the scene has none of the
+/// experiment's own.
+std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees);
+
+inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where sponza/sponza.gltf is";
+
+}  // namespace relume

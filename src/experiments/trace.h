@@ -1,0 +1,90 @@
+// Error against time of several techniques, measured in turns.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/reference.h"
+#include "compare/timed_session.h"
+#include "experiments/experiment.h"
+#include "experiments/scenes.h"
+#include "report/page.h"
+
+namespace relume {
+
+/// After a frame. Values are medians over the repetitions.
+struct TracePoint {
+  double frames = 0;
+  double samples = 0;  ///< a pixel
+  double time_s = 0;
+  double mse = 0;
+  double spread = 0;  ///< distance_spread()
+};
+
+struct Trace {
+  std::string name;
+  std::vector<TracePoint> points;
+  Image picture = {};             ///< of the first repetition; empty: none was asked for
+  TracePoint picture_point = {};  ///< after which it was taken
+  std::vector<float> map = {};    ///< the contender's map at the end of the first repetition
+};
+
+/// Variance over the pixels of the Euclidean distance to the reference's colour, both cut off at 1 as a display does:
+/// what [Schalk18 §4.2] measures.
+double distance_spread(const Image& image, const Image& reference);
+
+/// A technique in an experiment.
+struct TraceContender {
+  std::string name;
+  RenderSettings settings;
+  int samples_per_step = 0;  ///< frames at each view before the last; 0: does not see them
+  std::string map = {};      ///< buffer with values from 0 to 1 that is worth seeing; empty: none
+};
+
+/// How the camera gets to its last view. A step of 0: it was there all along.
+struct Turn {
+  float total_deg = 100;
+  float step_deg = 0;
+};
+
+struct TraceOptions {
+  Turn turn = {};
+  uint32_t frames = 32;  ///< of the first contender at the last view; the others have as much time
+  int repetitions = 3;
+  const Image* reference = nullptr;
+  uint32_t picture_frame = 0;  ///< of the first contender, at which pictures are taken; 0: never
+  FrameClock clock = {};       ///< empty: wall_clock()
+};
+
+/// Contenders take turns frame by frame at the last view; points are measured after 1, 2, 3, 4, 6, 8, … frames. What an
+/// interrupted run of the experiment has measured is taken from the context's parts folder.
+std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
+                         const std::vector<TraceContender>& contenders, const TraceOptions& options);
+
+using TraceValue = double TracePoint::*;
+
+/// Value at a time, between points of a curve that is straight in logarithms; the nearest end outside of it.
+double value_at(const Trace& trace, TraceValue value, double time_s);
+
+/// Geometric mean of a's value over b's at equal times, over 16 times from `begin_s` to `end_s` evenly in logarithms.
+/// Below 1: a is better.
+double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin_s, double end_s);
+
+/// Curves of traces against time in milliseconds and against frames.
+ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,
+                        const std::string& label);
+
+/// The traces' pictures after the reference, and their maps. Requires that pictures were taken.
+PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference);
+/// Sets of trace_pictures() to choose from.
+ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
+
+/// A reference for the last view. Throws ExperimentStopped.
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp);
+
+/// 64×36 pixels in a quick run, else 320×180.
+void set_size(const ExperimentContext& context, RenderSettings& settings);
+
+}  // namespace relume

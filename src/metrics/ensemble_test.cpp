@@ -1,0 +1,77 @@
+#include "metrics/ensemble.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/hash.h"
+
+namespace relume {
+namespace {
+
+/// 0.5 plus noise of variance `variance`, plus `bias`.
+Image make_noisy(uint32_t seed, float variance, float bias) {
+  Image image(96, 80);
+  const float half_width = std::sqrt(3.0f * variance);  // of the uniform distribution
+  uint32_t i = 0;
+  for (Rgb& pixel : image.pixels) {
+    for (int c = 0; c < 3; ++c) pixel[c] = 0.5f + bias + half_width * (2.0f * to_unit_float(hash(seed, ++i)) - 1.0f);
+  }
+  return image;
+}
+
+Image make_constant(float value) {
+  Image image(96, 80);
+  for (Rgb& pixel : image.pixels) pixel = Rgb(value);
+  return image;
+}
+
+TEST(Ensemble, SplitsNoiseFromBias) {
+  Ensemble ensemble;
+  for (uint32_t seed = 1; seed <= 5; ++seed) ensemble.add(make_noisy(seed, 0.01f, 0.03f));
+  const ErrorSplit split = ensemble.split(make_constant(0.5f));
+  // 23 040 values of five draws each: the variance's relative error is about 0.5 %.
+  EXPECT_NEAR(split.variance, 0.01, 0.01 * 0.02);
+  EXPECT_NEAR(split.bias2, 0.0009, 5 * split.bias2_error);
+  EXPECT_LT(split.bias2_error, 1e-4);
+  EXPECT_EQ(split.pixels, 96u * 80u);
+}
+
+TEST(Ensemble, WithoutBiasTheEstimateScattersAroundZero) {
+  int negative = 0;
+  for (uint32_t trial = 0; trial < 20; ++trial) {
+    Ensemble ensemble;
+    for (uint32_t seed = 1; seed <= 4; ++seed) ensemble.add(make_noisy(100 * trial + seed, 0.04f, 0.0f));
+    const ErrorSplit split = ensemble.split(make_constant(0.5f));
+    EXPECT_LT(std::fabs(split.bias2), 4.5 * split.bias2_error);
+    negative += split.bias2 < 0;
+  }
+  EXPECT_GT(negative, 2);  // of 20; 1 or 0 has probability 2e-5 if both signs are equally likely
+  EXPECT_LT(negative, 18);
+}
+
+TEST(Ensemble, TheReferencesOwnNoiseIsNoBias) {
+  Ensemble ensemble;
+  for (uint32_t seed = 1; seed <= 5; ++seed) ensemble.add(make_noisy(seed, 0.01f, 0.0f));
+  const Image reference = make_noisy(99, 0.002f, 0.0f);
+  EXPECT_GT(ensemble.split(reference).bias2, 0.0015);
+  const ErrorSplit split = ensemble.split(reference, 0.002);
+  EXPECT_LT(std::fabs(split.bias2), 4.5 * split.bias2_error);
+}
+
+TEST(Ensemble, LeavesOutWhatIsNotFiniteAndRefusesASingleImage) {
+  Ensemble ensemble;
+  Image broken = make_constant(0.5f);
+  broken.at(3, 4).g = std::nanf("");
+  ensemble.add(broken);
+  EXPECT_THROW(ensemble.split(make_constant(0.5f)), Error);
+  ensemble.add(make_constant(0.5f));
+  const ErrorSplit split = ensemble.split(make_constant(0.25f));
+  EXPECT_EQ(split.pixels, 96u * 80u - 1);
+  EXPECT_NEAR(split.bias2, 0.0625, 1e-13);  // a sum of 23 037 thirds, each rounded
+  EXPECT_THROW(ensemble.add(Image(3, 3)), Error);
+}
+
+}  // namespace
+}  // namespace relume

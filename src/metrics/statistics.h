@@ -1,0 +1,29 @@
+// Statistics of few repeated measurements.
+#pragma once
+
+#include <vector>
+
+namespace relume {
+
+/// Bounds between which the true value lies with probability `confidence`.
+struct Interval {
+  double low = 0;
+  double high = 0;
+  double confidence = 0;
+};
+
+/// Middle value; mean of the two middle ones for an even count. 0 without values.
+double median(std::vector<double> values);
+
+/// Interval of the median between order statistics, whatever the distribution: the narrowest symmetric pair whose
+/// confidence reaches `confidence`, or else the whole range, which has 1 - 2^(1 - n).
+Interval median_interval(std::vector<double> values, double confidence = 0.95);
+
+/// Interval of the mean of normally distributed values, by Student's t at 95 %. A single value has confidence 0.
+Interval mean_interval(const std::vector<double>& values);
+
+double mean(const std::vector<double>& values);
+/// Root of the unbiased variance; 0 below two values.
+double standard_deviation(const std::vector<double>& values);
+
+}  // namespace relume

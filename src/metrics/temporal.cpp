@@ -1,0 +1,75 @@
+#include "metrics/temporal.h"
+
+#include <cmath>
+#include <optional>
+
+#include <glm/geometric.hpp>
+
+#include "core/error.h"
+#include "metrics/metrics.h"
+
+namespace relume {
+namespace {
+
+constexpr float kDepthTolerance = 0.1f;
+constexpr float kNormalCosine = 0.906f;  // 25°
+
+void check_planes(const Image& image, const SurfaceMotion& surface) {
+  const size_t count = image.pixels.size();
+  if (surface.motion.size() == count && surface.depth.size() == count && surface.normal.size() == count) return;
+  throw Error("the planes of motion, depth and normal must have the size of the image");
+}
+
+/// Index of the pixel in which the surface at pixel (x, y) was one frame ago.
+std::optional<size_t> pixel_before(const Image& image, const SurfaceMotion& surface, const SurfaceMotion& previous,
+                                   int x, int y) {
+  const size_t i = static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x);
+  const Vec2 position = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - surface.motion[i];
+  const float column = std::floor(position.x);
+  const float row = std::floor(position.y);
+  // In this form, so that NaN is refused.
+  if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width) && row < static_cast<float>(image.height)))
+    return std::nullopt;
+  const size_t q = static_cast<size_t>(row) * static_cast<size_t>(image.width) + static_cast<size_t>(column);
+  const bool is_background = !(surface.depth[i] > 0);
+  if (is_background != !(previous.depth[q] > 0)) return std::nullopt;
+  if (is_background) return q;
+  if (std::fabs(surface.depth[i] - previous.depth[q]) > kDepthTolerance * surface.depth[i]) return std::nullopt;
+  const float cosine = glm::dot(surface.normal[i], previous.normal[q]);
+  if (cosine < kNormalCosine * glm::length(surface.normal[i]) * glm::length(previous.normal[q])) return std::nullopt;
+  return q;
+}
+
+}  // namespace
+
+TemporalError temporal_error(const Image& image, const Image& reference, const SurfaceMotion& surface,
+                             const Image& previous_image, const Image& previous_reference,
+                             const SurfaceMotion& previous_surface) {
+  check_same_size(image, reference);
+  check_same_size(image, previous_image);
+  check_same_size(image, previous_reference);
+  check_planes(image, surface);
+  check_planes(image, previous_surface);
+  TemporalError result;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::optional<size_t> q = pixel_before(image, surface, previous_surface, x, y);
+      if (!q) continue;
+      const Rgb& now = reference.at(x, y);
+      const Rgb change = (image.at(x, y) - now) - (previous_image.pixels[*q] - previous_reference.pixels[*q]);
+      if (!is_finite(change)) continue;
+      ++result.pixels;
+      for (int c = 0; c < 3; ++c) {
+        const double square = double(change[c]) * change[c];
+        result.mse += square;
+        result.rel_mse += square / (double(now[c]) * now[c] + kRelativeEpsilon);
+      }
+    }
+  }
+  if (result.pixels == 0) return result;
+  result.mse /= 3.0 * static_cast<double>(result.pixels);
+  result.rel_mse /= 3.0 * static_cast<double>(result.pixels);
+  return result;
+}
+
+}  // namespace relume

@@ -1,0 +1,22 @@
+# Writes OUTPUT, a C++ file with the page's files of FOLDER as string constants. Compilers limit the length of one
+# literal; neighbouring ones are joined.
+function(append_constant name)
+  set(literals "")
+  foreach(file ${ARGN})
+    file(READ ${FOLDER}/${file} text)
+    string(LENGTH "${text}" length)
+    set(at 0)
+    while(at LESS length)
+      string(SUBSTRING "${text}" ${at} 12000 part)
+      string(APPEND literals "\nR\"relume(${part})relume\"")
+      math(EXPR at "${at} + 12000")
+    endwhile()
+  endforeach()
+  set(content "${content}const std::string_view ${name} =${literals};\n\n" PARENT_SCOPE)
+endfunction()
+
+set(content "#include \"report/assets.h\"\n\nnamespace relume::page_assets {\n\n")
+append_constant(kPage page.html)
+append_constant(kStyle page.css)
+append_constant(kScript common.js charts.js picture.js viewer.js tables.js)
+file(WRITE ${OUTPUT} "${content}}  // namespace relume::page_assets\n")

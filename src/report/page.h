@@ -1,0 +1,193 @@
+// A page of results as data, and its one self-contained HTML file: pictures, curves, tables, claims. It needs no
+// network and no other file.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace relume {
+
+/// Index of a colour of the page's palette of nine; the same contender has the same one everywhere.
+inline constexpr int kNeutralColor = -1;
+
+/// A paragraph and a list of points.
+struct TextBlock {
+  std::string title;
+  std::string text;
+  std::vector<std::string> points = {};
+};
+
+enum class Better { none, lower, higher };
+
+struct TableColumn {
+  std::string title;
+  std::string help = {};
+  Better better = Better::none;  ///< the best value of the column is marked
+};
+
+struct TableCell {
+  std::string text;
+  std::optional<double> value = {};  ///< to sort and to find the best by
+  std::string note = {};             ///< in small letters below
+};
+
+struct TableRow {
+  std::string name;
+  int color = kNeutralColor;
+  std::vector<TableCell> cells;
+  bool competes = true;  ///< may be the best
+};
+
+struct TableBlock {
+  std::string title;
+  std::string text;
+  std::string row_title;
+  std::vector<TableColumn> columns;  ///< without the rows' names
+  std::vector<TableRow> rows;
+};
+
+/// Low and high bound a band around the curve; not finite: none.
+struct CurvePoint {
+  double x = 0;
+  double y = 0;
+  double low = std::numeric_limits<double>::quiet_NaN();
+  double high = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct Curve {
+  std::string name;
+  int color = kNeutralColor;
+  bool dashed = false;
+  std::vector<CurvePoint> points;
+};
+
+struct Chart {
+  std::string label;  ///< by which it is chosen
+  std::string x_label;
+  std::string y_label;
+  bool log_x = false;
+  bool log_y = false;
+  std::vector<Curve> curves;
+};
+
+/// One chart is shown at a time.
+struct ChartBlock {
+  std::string title;
+  std::string text;
+  std::vector<Chart> charts;
+};
+
+/// A bar stacked from named parts.
+struct Bar {
+  std::string name;
+  std::vector<std::pair<std::string, double>> parts;
+};
+
+struct BarBlock {
+  std::string title;
+  std::string text;
+  std::string unit;
+  std::vector<Bar> bars;
+};
+
+/// What a paper says beside what was measured.
+struct Claim {
+  std::string id;     ///< kebab-case
+  std::string paper;  ///< key and place: "[Schalk18 §4.3]"
+  std::string claim;
+  std::string measured;
+  std::string threshold;  ///< what counts as holding
+  std::string verdict;    ///< one of the kVerdict constants
+};
+inline constexpr const char* kVerdictHolds = "holds";
+inline constexpr const char* kVerdictFails = "does not hold";
+inline constexpr const char* kVerdictOpen = "not measured";
+
+struct ClaimBlock {
+  std::string title;
+  std::string text;
+  std::vector<Claim> claims;
+};
+
+/// What a map's colours mean.
+struct LayerKind {
+  std::string label;
+  std::string ramp = {};  ///< "magma", "diverging"; empty: none
+  std::string low = {};
+  std::string high = {};
+};
+
+/// PNG bytes in base64.
+struct PictureLayer {
+  std::string label;
+  std::string png;
+};
+
+struct Picture {
+  std::string name;
+  int color = kNeutralColor;
+  std::string note;  ///< beside the name
+  std::vector<PictureLayer> layers;
+  std::vector<std::string> values;  ///< two PNGs with the high and low bytes of binary16; empty: left out
+};
+
+/// A square, pixels.
+struct Crop {
+  int x = 0;
+  int y = 0;
+  int size = 0;
+};
+
+/// Pictures of one size that are looked at together.
+struct PictureSet {
+  std::string label;
+  int width = 0;
+  int height = 0;
+  int reference = 0;  ///< index of the picture that others are measured against
+  std::vector<Picture> pictures;
+  std::vector<Crop> crops;
+};
+
+struct ViewerBlock {
+  std::string title;
+  std::string text;
+  std::vector<LayerKind> layers;  ///< the first is what a picture without the others shows
+  std::vector<PictureSet> sets;
+};
+
+struct DetailsBlock {
+  std::string title;
+  std::string text;
+  std::vector<std::pair<std::string, std::string>> pairs;
+  std::vector<std::pair<std::string, std::string>> parts;  ///< title and preformatted text, folded
+};
+
+struct Link {
+  std::string href;
+  std::string text;
+  std::string note = {};
+};
+
+struct LinkBlock {
+  std::string title;
+  std::string text;
+  std::vector<Link> links;
+};
+
+using Block =
+    std::variant<TextBlock, TableBlock, ChartBlock, BarBlock, ClaimBlock, ViewerBlock, DetailsBlock, LinkBlock>;
+
+struct Page {
+  std::string title;
+  std::string subtitle;
+  std::vector<Block> blocks;
+};
+
+/// The file's text. The same page gives the same bytes.
+std::string to_html(const Page& page);
+
+}  // namespace relume

@@ -1,0 +1,43 @@
+// Pictures and maps of errors for pages.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "film/tone_map.h"
+#include "io/image.h"
+#include "report/page.h"
+
+namespace relume {
+
+/// How pictures are shown and what is put into the page.
+struct PictureOptions {
+  ToneMap tone_map = ToneMap::agx;
+  float exposure = 0;  ///< stops
+  bool values = true;  ///< radiance of each pixel for the inspector, 6 bytes a pixel before compression
+};
+
+/// What the layers of measured_picture() mean, in their order.
+std::vector<LayerKind> picture_layer_kinds();
+
+/// The picture as it is shown.
+Picture plain_picture(std::string name, int color, const Image& image, const PictureOptions& options);
+
+/// Values from 0 to 1 of each pixel in the colours of color_map().
+Picture map_picture(std::string name, int color, const std::vector<float>& values, int width, int height);
+
+/// The same with maps against `reference`: the relative difference of the luminance with its sign, the relative squared
+/// error (logarithmic), and FLIP. Throws Error if the sizes differ.
+Picture measured_picture(std::string name, int color, const Image& image, const Image& reference,
+                         const PictureOptions& options);
+
+/// The `count` squares in which the images differ most from the reference relative to its brightness, apart from each
+/// other.
+std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, const Image& reference, int count);
+
+/// IEEE 754 binary16, rounded to nearest; what is too large becomes infinite.
+uint16_t half_from_float(float x);
+
+std::string base64(const std::vector<uint8_t>& bytes);
+
+}  // namespace relume
