@@ -1,0 +1,64 @@
+#include <memory>
+
+#include "command.h"
+#include "render/settings.h"
+#include "viewer/view_job.h"
+
+namespace relume::cli {
+namespace {
+
+std::vector<Option> declare(ViewOptions& o) {
+  return {
+      {{"preset", &o.preset, "Named settings; flags override them"}, "NAME", 0, Completion::preset},
+      {{"settings", &o.settings_file, "Settings as JSON, or those that an EXR was rendered with"},
+       "FILE",
+       0,
+       Completion::file},
+      {{"target", &o.target_hz, "Rendered frames a second to hold by scaling the resolution", {.min = 1, .max = 240}}},
+      {{"smoke", &o.smoke, "Show no window, render this many frames, print a report as JSON and end", {.min = 0}}},
+      {{"screenshot", &o.screenshot, "Write a picture of the window before ending"}, "FILE", 0, Completion::file},
+      {{"script", &o.script, "Steps to go through: keys, mouse, settings (docs/viewer.md)"},
+       "FILE",
+       0,
+       Completion::file},
+  };
+}
+
+int run([[maybe_unused]] const ViewOptions& options, [[maybe_unused]] const Verbosity& verbosity) {
+#if defined(RELUME_HAS_VIEWER)
+  return run_view(options, verbosity);
+#else
+  throw Error(
+      "this relume was built without its viewer; install libglfw3-dev, libimgui-dev and libgl-dev and build again");
+#endif
+}
+
+}  // namespace
+
+Command view_command(Verbosity& verbosity) {
+  // Both live as long as the command that refers to them.
+  const auto options = std::make_shared<ViewOptions>();
+  const auto defaults = std::make_shared<Settings>();
+  Command command{
+      .name = "view",
+      .summary = "Walk through a scene in a window; change everything while it renders.",
+      .examples =
+          {
+              {"relume view scene.glb", "WASD and the mouse fly; F1 lists the keys"},
+              {"relume view city --target 15", "scale the resolution so that 15 frames a second are rendered"},
+              {"relume view cornell --width 640 --height 480", "a picture of fixed size"},
+              {"relume view cornell --smoke 10 --screenshot window.png", "no window; for tests"},
+          },
+      .arguments = {{"SCENE", &options->scene,
+                     "glTF, OBJ, FBX, PLY, DAE or relume JSON file, or a built-in scene (default: cornell)", false,
+                     Completion::scene}},
+      .options = declare(*options),
+      .setting_groups = setting_groups(*defaults),
+      .setting_flags = &options->flags,
+      .run = [options, defaults, &verbosity] { return run(*options, verbosity); },
+  };
+  for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
+  return command;
+}
+
+}  // namespace relume::cli

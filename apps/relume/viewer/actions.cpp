@@ -1,0 +1,197 @@
+#include "viewer/actions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "picture.h"
+#include "settings/settings_json.h"
+#include "version.h"
+#include "viewer/panels.h"
+#include "viewer/save_view.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr double kRecordInterval_s = 0.1;
+
+/// Metadata as `relume render` writes it.
+cli::Metadata metadata_of(const Session& session, const std::string& scene, Settings settings) {
+  settings.render = session.settings();
+  return {{"relume.version", cli::kVersion},
+          {"relume.scene", scene},
+          {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
+          {"relume.settings", settings_to_json(describe(settings))},
+          {"relume.samples_per_pixel", std::to_string(session.sample_count())}};
+}
+
+/// Depth along the viewing direction of what is selected; 0 without anything that has a place.
+float selection_depth(const State& state, const PlacedCamera& camera) {
+  const Index node = selected_node(state);
+  if (node == kNone) return 0;
+  const Document& document = *state.document;
+  const Box box = document.bounds(node);
+  const Vec3 point = box.empty() ? Vec3(document.world()[static_cast<size_t>(node)][3]) : box.center();
+  return glm::dot(point - Vec3(camera.to_world[3]), -glm::normalize(Vec3(camera.to_world[2])));
+}
+
+}  // namespace
+
+void add_bookmark(State& state) { store_bookmark(state, state.bookmarks.size()); }
+
+void store_bookmark(State& state, size_t slot) {
+  slot = std::min(slot, state.bookmarks.size());
+  const Bookmark bookmark{fmt::format("View {}", slot + 1), current_view(state)};
+  if (slot == state.bookmarks.size()) {
+    state.bookmarks.push_back(bookmark);
+  } else {
+    state.bookmarks[slot] = bookmark;
+  }
+  save_bookmarks(state);
+  state.tell(fmt::format("remembered as view {}", slot + 1));
+}
+
+void go_to_bookmark(State& state, size_t slot) {
+  if (slot >= state.bookmarks.size())
+    return state.tell(fmt::format("there is no view {}; Ctrl+{} stores one", slot + 1, slot + 1));
+  set_view(state, state.bookmarks[slot].view);
+}
+
+void toggle_recording(State& state) {
+  PathTools& tools = state.path;
+  if (tools.recording) {
+    tools.recording = false;
+    return state.tell(fmt::format("recorded {:.1f} s; Ctrl+S saves the path", tools.path.duration_s()));
+  }
+  tools.path.clear();
+  tools.playing = false;
+  tools.recording = true;
+  tools.since_s = state.now_s;
+  state.tell("recording the camera");
+}
+
+void toggle_path(State& state) {
+  state.path.playing = !state.path.playing && state.path.path.keys().size() > 1;
+  state.path.recording = false;
+  state.path.since_s = state.now_s;
+}
+
+void add_path_key(State& state) {
+  PathTools& tools = state.path;
+  const Viewpoint view = current_view(state);
+  const float time = tools.path.keys().empty() ? 0 : tools.path.duration_s() + tools.spacing_s;
+  tools.path.add({time, view.eye, view.rotation});
+  state.tell(fmt::format("key {} at {:.1f} s", tools.path.keys().size(), time));
+}
+
+void update_path(State& state) {
+  PathTools& tools = state.path;
+  const auto time = static_cast<float>(state.now_s - tools.since_s);
+  if (tools.recording) {
+    const bool due =
+        tools.path.keys().empty() || time - tools.path.duration_s() >= static_cast<float>(kRecordInterval_s);
+    const Viewpoint view = current_view(state);
+    if (due) tools.path.add({tools.path.keys().empty() ? 0 : time, view.eye, view.rotation});
+  }
+  if (!tools.playing) return;
+  const PathKey key = tools.path.at(time);
+  set_view(state, {key.eye, key.rotation, current_view(state).fov_y_rad});
+  if (time >= tools.path.duration_s()) tools.playing = false;
+}
+
+void update_animation(State& state, double seconds) {
+  if (!state.animating || !state.document) return;
+  const float end = state.document->duration_s();
+  if (!(end > 0)) {
+    state.animating = false;
+    return state.tell("nothing in this scene is animated");
+  }
+  state.document->set_time(std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
+  state.touch();
+}
+
+std::filesystem::path free_name(const State& state, const std::string& extension) {
+  const std::string scene = std::filesystem::path(state.document->name()).stem().string();
+  std::error_code failure;
+  for (int number = 1;; ++number) {
+    std::filesystem::path file = fmt::format("relume-{}-{:04d}{}", scene, number, extension);
+    if (!std::filesystem::exists(file, failure)) return file;
+  }
+}
+
+void save_picture(State& state, const std::filesystem::path& file) {
+  const OutputSettings output = state.settings[0].output;
+  const std::string scene = state.document->name();
+  state.renderer->post_task(
+      [file, output, scene, settings = state.settings[0], renderer = state.renderer](const Session& session) {
+        std::vector<std::string> aovs;
+        if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
+        cli::write_picture(file, session, output, aovs, metadata_of(session, scene, settings));
+        renderer->add_notice(
+            {false, fmt::format("wrote {} with {} samples a pixel", file.string(), session.sample_count())});
+      });
+}
+
+void save_view_file(State& state, const std::filesystem::path& file) {
+  try {
+    const CameraPath* path = state.path.path.keys().empty() ? nullptr : &state.path.path;
+    const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), path});
+    state.tell("wrote " + file.string());
+    for (const std::string& omission : omissions) state.tell(omission, true);
+  } catch (const std::exception& error) {
+    state.tell(error.what(), true);
+  }
+}
+
+void pick_at(State& state, const Vec2& point, bool focus) {
+  auto promise = std::make_shared<std::promise<PickResult>>();
+  state.picked = promise->get_future();
+  state.pick_focuses = focus;
+  state.renderer->post_task([promise, point](const Session& session) { promise->set_value(pick(session, point)); });
+}
+
+void finish_pick(State& state) {
+  if (!state.picked.valid() || state.picked.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  PickResult result;
+  try {
+    result = state.picked.get();
+  } catch (const std::future_error&) {
+    return;  // the renderer ended first
+  }
+  if (!result.hit) {
+    if (!state.pick_focuses) state.selection = {};
+  } else if (state.pick_focuses) {
+    PlacedCamera placed = current_camera(state);
+    const Vec3 to_point = result.position - Vec3(placed.to_world[3]);
+    placed.camera.focus_distance = glm::dot(to_point, -glm::normalize(Vec3(placed.to_world[2])));
+    state.document->set_camera(placed);
+    state.touch();
+  } else if (static_cast<size_t>(result.node) < state.document->outline().nodes.size()) {
+    select(state, {Selected::node, result.node});
+    state.panel = Panel::scene;
+    state.panel_wanted = true;
+  }
+}
+
+Index selected_node(const State& state) {
+  const Selection& selection = state.selection;
+  if (selection.kind == Selected::node) return selection.index;
+  return selection.kind == Selected::light ? state.document->node_of_light(selection.index) : kNone;
+}
+
+void drag_selection(State& state, const Vec2& delta) {
+  const PlacedCamera camera = current_camera(state);
+  const float depth = selection_depth(state, camera);
+  if (!(depth > 0)) return;
+  const float height = camera.camera.projection == Projection::orthographic
+                           ? 2 * camera.camera.half_height
+                           : 2 * depth * std::tan(0.5f * camera.camera.fov_y_rad);
+  const Vec3 right = glm::normalize(Vec3(camera.to_world[0]));
+  const Vec3 up = glm::normalize(Vec3(camera.to_world[1]));
+  state.document->move(selected_node(state), (right * delta.x - up * delta.y) * height);
+  state.touch();
+}
+
+}  // namespace relume::viewer

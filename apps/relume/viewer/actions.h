@@ -1,0 +1,45 @@
+// What keys, buttons and scripts have in common.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "viewer/state.h"
+
+namespace relume::viewer {
+
+/// Remembers the view as the last bookmark, or as the one at `slot`.
+void add_bookmark(State& state);
+void store_bookmark(State& state, size_t slot);
+void go_to_bookmark(State& state, size_t slot);
+
+void toggle_recording(State& state);
+void toggle_path(State& state);
+void add_path_key(State& state);
+/// Records or plays, if one of the two is going on.
+void update_path(State& state);
+
+/// Moves the animation on by `seconds`, round and round.
+void update_animation(State& state, double seconds);
+
+/// A name in the working folder that no file has: "relume-cornell-0001.png".
+std::filesystem::path free_name(const State& state, const std::string& extension);
+
+/// Has the rendering thread write the picture of side A between two frames; a message tells how it went.
+void save_picture(State& state, const std::filesystem::path& file);
+
+/// Writes camera, path, changes and settings of side A as relume JSON.
+void save_view_file(State& state, const std::filesystem::path& file);
+
+/// Has the rendering thread find out what lies at a point of the picture; it is then selected.
+void pick_at(State& state, const Vec2& point, bool focus);
+/// Takes the answer.
+void finish_pick(State& state);
+
+/// The node that places what is selected; kNone for what has no place.
+Index selected_node(const State& state);
+
+/// Moves what is selected parallel to the picture by `delta`, in heights of the picture.
+void drag_selection(State& state, const Vec2& delta);
+
+}  // namespace relume::viewer

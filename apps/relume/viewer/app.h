@@ -1,0 +1,60 @@
+// The viewer: state, rendering thread, window and panels, and the loop that keeps them together.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "viewer/monitor.h"
+#include "viewer/script.h"
+#include "viewer/state.h"
+#include "viewer/view_job.h"
+#include "viewer/viewport.h"
+#include "viewer/window.h"
+
+namespace relume::viewer {
+
+class App {
+ public:
+  App(const cli::ViewOptions& options, const Settings& settings, bool fixed_size,
+      std::shared_ptr<const LoadedScene> scene);
+
+  /// Runs until the window is closed, or the script and the wanted frames are through. Throws Error if the first scene
+  /// cannot be shown, or a step of the script fails.
+  void run();
+
+ private:
+  void frame();
+  void take_input();
+  void take_frames();
+  void take_notices();
+  void post();
+  void draw();
+  void draw_tabs();
+  void act(const ScriptStep& step);
+  void act_on_scene(const ScriptStep& step);
+  bool finished() const;
+  std::string report() const;
+  void finish();
+
+  const cli::ViewOptions& options_;
+  bool smoke_;
+  Window window_;
+  State state_;
+  Monitor monitor_;
+  ScriptPlayer script_;
+  Viewport viewport_;
+  double last_s_ = 0;
+  double numbers_s_ = 0;  ///< when the shown rates last changed
+  uint64_t version_ = 0;
+  uint64_t picture_version_ = 0;
+  uint64_t camera_version_ = 0;
+  std::deque<std::pair<uint64_t, uint64_t>> camera_moves_;  ///< request, and the newest frame when it was posted
+  std::string first_problem_;
+  std::string screenshot_;  ///< to be taken after this frame
+  RenderThread renderer_;   ///< last: it ends first
+};
+
+}  // namespace relume::viewer

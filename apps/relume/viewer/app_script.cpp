@@ -1,0 +1,186 @@
+// What scripts do, and what is reported at the end of a smoke test.
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "viewer/actions.h"
+#include "viewer/app.h"
+#include "viewer/panels.h"
+#include "viewer/sun_path.h"
+
+namespace relume::viewer {
+namespace {
+
+/// Index of the thing of that name in one of the scene's lists.
+template <typename Items>
+Index index_of(const Items& items, const std::string& name) {
+  const auto found = std::find_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+  if (found == items.end()) throw Error("there is no '" + name + "'");
+  return static_cast<Index>(found - items.begin());
+}
+
+void choose_panel(State& state, const std::string& name) {
+  constexpr const char* kNames[] = {"settings", "scene", "camera", "buffers"};
+  for (int i = 0; i < 4; ++i) {
+    if (name != kNames[i]) continue;
+    state.panel = static_cast<Panel>(i);
+    state.panel_wanted = true;
+    return;
+  }
+  throw Error("there is no panel '" + name + "'");
+}
+
+void set_sun(State& state, float hour) {
+  Environment e = state.document->outline().environment;
+  if (e.kind != EnvironmentKind::sun_sky) throw Error("the environment has no sun");
+  state.sun_hour = hour;
+  const SunPosition sun = sun_position(hour, state.sun_day, glm::radians(state.latitude_deg));
+  e.sun_sky.sun_elevation_rad = sun.elevation_rad;
+  e.sun_sky.sun_azimuth_rad = sun.azimuth_rad;
+  state.document->set_environment(e);
+  state.touch();
+}
+
+/// Multiplies what the selected light or material emits.
+void emit(State& state, float factor) {
+  const Selection& s = state.selection;
+  if (s.kind == Selected::light) {
+    PunctualLight light = state.document->outline().lights[static_cast<size_t>(s.index)];
+    light.intensity *= factor;
+    state.document->set_light(s.index, light);
+  } else if (s.kind == Selected::material) {
+    Material material = state.document->outline().materials[static_cast<size_t>(s.index)];
+    material.emission *= factor;
+    state.document->set_material(s.index, material);
+  } else {
+    throw Error("no light or material is selected");
+  }
+  state.touch();
+}
+
+double mean_luminance(const ViewerFrame& frame) {
+  double sum = 0;
+  for (const Rgb& c : frame.radiance) sum += static_cast<double>(luminance(c));
+  return sum / static_cast<double>(std::max<size_t>(frame.radiance.size(), 1));
+}
+
+nlohmann::json frame_report(const ViewerFrame& frame) {
+  nlohmann::json result = {{"frames", frame.serial},           {"width", frame.width},
+                           {"height", frame.height},           {"samples", frame.samples},
+                           {"buffer", frame.buffer},           {"time_s", frame.time_s},
+                           {"frame_ms", frame.seconds * 1000}, {"mean_luminance", mean_luminance(frame)}};
+  for (const PassTime& pass : frame.passes) result["pass_ms"][pass.name] = pass.seconds * 1000;
+  for (const BufferInfo& buffer : frame.buffers) result["buffers"].push_back(buffer.name);
+  return result;
+}
+
+/// At once: whoever reads along wants to see how far it got.
+void print(const std::string& line) {
+  std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void App::act_on_scene(const ScriptStep& step) {
+  const std::string& word = step.words[0];
+  const Scene& scene = state_.document->outline();
+  if (step.verb == "select") {
+    if (word == "node")
+      select(state_, {Selected::node, index_of(scene.nodes, step.words[1])});
+    else if (word == "light")
+      select(state_, {Selected::light, index_of(scene.lights, step.words[1])});
+    else if (word == "material")
+      select(state_, {Selected::material, index_of(scene.materials, step.words[1])});
+    else
+      throw Error("what is to be selected is a node, a light or a material");
+  }
+  if (step.verb == "sun") set_sun(state_, std::stof(word));
+  if (step.verb == "emit") emit(state_, std::stof(word));
+}
+
+void App::act(const ScriptStep& step) {
+  const std::vector<std::string>& w = step.words;
+  if (step.verb == "set") change_setting(state_, 0, w[0], w[1]);
+  if (step.verb == "try") {
+    try {
+      change_setting(state_, 0, w[0], w[1]);
+    } catch (const Error& error) {
+      state_.tell(error.what(), true);
+    }
+  }
+  if (step.verb == "set-b") change_setting(state_, 1, w[0], w[1]);
+  if (step.verb == "preset") apply_preset(state_, 0, w[0]);
+  if (step.verb == "preset-b") apply_preset(state_, 1, w[0]);
+  if (step.verb == "panel") choose_panel(state_, w[0]);
+  if (step.verb == "drop") open_scene(state_, w[0]);
+  if (step.verb == "save") save_picture(state_, w[0]);
+  if (step.verb == "save-view") save_view_file(state_, w[0]);
+  if (step.verb == "screenshot") screenshot_ = w[0];
+  if (step.verb == "play") toggle_path(state_);
+  if (step.verb == "report") print(report());
+  if (step.verb == "buffer") {
+    state_.buffer = w[0] == "picture" ? "" : w[0];
+    state_.request_changed = true;
+  }
+  if (step.verb == "split") {
+    state_.split = w[0] != "off";
+    state_.touch();
+  }
+  if (step.verb == "pace") {
+    state_.pace.hold_rate = w[0] != "off";
+    state_.pace.full_at_rest = w[0] != "moving";
+    state_.request_changed = true;
+    monitor_.reset();
+  }
+  if (step.verb == "select" || step.verb == "sun" || step.verb == "emit") act_on_scene(step);
+}
+
+std::string App::report() const {
+  using nlohmann::json;
+  const Viewpoint view = current_view(state_);
+  const Vec3 forward = view.rotation * Vec3(0, 0, -1);
+  json result = {{"scene", state_.document->name()},
+                 {"interface_hz", monitor_.interface_hz()},
+                 {"longest_gap_ms", monitor_.longest_gap_s() * 1000},
+                 {"frames_per_s", monitor_.frames_per_s()},
+                 {"camera_latency_frames", monitor_.camera_latency_frames()},
+                 {"eye", {view.eye.x, view.eye.y, view.eye.z}},
+                 {"forward", {forward.x, forward.y, forward.z}},
+                 {"bookmarks", state_.bookmarks.size()},
+                 {"path_keys", state_.path.path.keys().size()},
+                 {"selected", static_cast<int>(state_.selection.kind)},
+                 {"selected_index", state_.selection.index},
+                 {"paused", state_.paused},
+                 {"split", state_.split},
+                 {"split_at", state_.split_at},
+                 {"recording", state_.path.recording},
+                 {"playing", state_.path.playing},
+                 {"path_s", state_.path.path.duration_s()},
+                 {"focus_m", current_camera(state_).camera.focus_distance},
+                 {"under_mouse", viewport_.values_under_mouse()},
+                 {"exposure", state_.settings[0].output.exposure}};
+  if (const Index node = selected_node(state_); node != kNone) {
+    const Mat4& world = state_.document->world()[static_cast<size_t>(node)];
+    result["selected_at"] = {world[3].x, world[3].y, world[3].z};
+  }
+  if (const auto worst = monitor_.worst_interface_hz()) result["worst_interface_hz"] = *worst;
+  for (const Toast& toast : state_.toasts) result["messages"].push_back(toast.text);
+  Settings settings = state_.settings[0];
+  for (const Setting& slot : describe_slots(settings.render)) result["slots"][slot.name] = to_string(slot);
+  result["graph_frames"] = state_.times[0].entries.size();
+  if (state_.frame()) result.update(frame_report(*state_.frame()));
+  if (state_.split && state_.frames[1]) result["mean_luminance_b"] = mean_luminance(*state_.frames[1]);
+  return result.dump();
+}
+
+void App::finish() {
+  if (!options_.screenshot.empty()) window_.save(options_.screenshot);
+  if (smoke_) print(report());
+}
+
+}  // namespace relume::viewer

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <imgui/imgui.h>
+#include <glm/trigonometric.hpp>
+
+#include "core/error.h"
+#include "viewer/actions.h"
+#include "viewer/panels.h"
+#include "viewer/theme.h"
+#include "viewer/widgets.h"
+
+namespace relume::viewer {
+namespace {
+
+void draw_lens(State& state) {
+  PlacedCamera placed = current_camera(state);
+  Vec3 eye(placed.to_world[3]);
+  bool changed = false;
+  if (ImGui::DragFloat3("eye", &eye.x, 0.01f, 0, 0, "%.3f")) {
+    placed.to_world[3] = Vec4(eye, 1);
+    changed = true;
+  }
+  if (placed.camera.projection == Projection::perspective) {
+    changed |= angle_widget("field of view", placed.camera.fov_y_rad, 5, 150);
+    changed |= ImGui::DragFloat("lens radius", &placed.camera.lens_radius, 0.001f, 0, 10, "%.4f m");
+    tooltip("0: a pinhole, everything is sharp");
+    changed |= ImGui::DragFloat("focus", &placed.camera.focus_distance, 0.02f, 0.001f, 1e6f, "%.3f m");
+    tooltip("Ctrl+Shift+click in the picture focuses there");
+  }
+  ImGui::SliderFloat("speed", &state.fly.speed, 0.01f, 100, "%.2f m/s", ImGuiSliderFlags_Logarithmic);
+  tooltip("Of flying; the mouse wheel changes it, Shift makes it five times as fast");
+  if (changed) {
+    state.fly.place(placed.to_world);
+    state.flying = true;
+    state.document->set_camera(placed);
+    state.touch();
+  }
+  ImGui::BeginDisabled(!state.flying);
+  if (ImGui::Button("Scene's camera")) release_camera(state);
+  ImGui::EndDisabled();
+  tooltip("Back to where the scene's camera stands [Home]");
+}
+
+void draw_bookmarks(State& state) {
+  heading("Bookmarks");
+  for (size_t i = 0; i < state.bookmarks.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::Button(state.bookmarks[i].name.c_str())) go_to_bookmark(state, i);
+    if (i < 9) tooltip(fmt::format("Key {}", i + 1));
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - 2 * ImGui::GetFontSize());
+    if (ImGui::SmallButton("x")) {
+      state.bookmarks.erase(state.bookmarks.begin() + static_cast<std::ptrdiff_t>(i));
+      save_bookmarks(state);
+    }
+    tooltip("Forget it");
+    ImGui::PopID();
+  }
+  if (ImGui::Button("Remember this view")) add_bookmark(state);
+  tooltip("Ctrl and a digit store a view under it; the digit alone goes there");
+}
+
+void draw_path(State& state) {
+  heading("Camera path");
+  PathTools& tools = state.path;
+  ImGui::Text("%zu key frames, %.1f s", tools.path.keys().size(), static_cast<double>(tools.path.duration_s()));
+  if (ImGui::Button(tools.recording ? "Stop recording" : "Record")) toggle_recording(state);
+  tooltip("Ten key frames a second of how you fly [R]");
+  ImGui::SameLine();
+  if (ImGui::Button("Add key")) add_path_key(state);
+  tooltip("This view, at an even distance in time after the last key [K]");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(tools.path.keys().size() < 2);
+  if (ImGui::Button(tools.playing ? "Stop" : "Play")) toggle_path(state);
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (ImGui::Button("Clear")) tools = {};
+  ImGui::SliderFloat("between keys", &tools.spacing_s, 0.1f, 10, "%.1f s");
+}
+
+void draw_files(State& state) {
+  heading("Files");
+  if (ImGui::Button("Picture as PNG")) save_picture(state, free_name(state, ".png"));
+  tooltip("As it is displayed [F12]");
+  ImGui::SameLine();
+  if (ImGui::Button("as EXR")) save_picture(state, free_name(state, ".exr"));
+  tooltip("Linear radiance with every buffer as a layer [Shift+F12]");
+  if (ImGui::Button("View as relume JSON")) save_view_file(state, free_name(state, ".json"));
+  tooltip("Camera or path, changes to the scene, and settings; `relume render` takes it like any scene [Ctrl+S]");
+}
+
+}  // namespace
+
+void draw_camera_panel(State& state) {
+  if (!state.document) return;
+  ImGui::BeginChild("camera");
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+  draw_lens(state);
+  draw_bookmarks(state);
+  draw_path(state);
+  draw_files(state);
+  ImGui::PopItemWidth();
+  ImGui::EndChild();
+}
+
+}  // namespace relume::viewer

@@ -1,0 +1,177 @@
+#include "viewer/document.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/matrix.hpp>
+
+#include "io/decompose.h"
+
+namespace relume::viewer {
+namespace {
+
+/// What panels show and edit: everything but the arrays.
+Scene outline_of(const Scene& scene) {
+  Scene outline;
+  outline.name = scene.name;
+  outline.materials = scene.materials;
+  outline.lights = scene.lights;
+  outline.cameras = scene.cameras;
+  outline.nodes = scene.nodes;
+  outline.animation = scene.animation;
+  outline.environment = scene.environment;
+  outline.environment.map.clear();
+  for (const Mesh& mesh : scene.meshes) {
+    Mesh& copy = outline.meshes.emplace_back();
+    copy.name = mesh.name;
+    copy.material = mesh.material;
+  }
+  return outline;
+}
+
+void add_box(const Box& box, const Mat4& to_world, Box& sum) {
+  if (box.empty()) return;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p((corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
+                 (corner & 4) != 0 ? box.high.z : box.low.z);
+    sum.add(transform_point(to_world, p));
+  }
+}
+
+}  // namespace
+
+void Box::add(const Vec3& p) {
+  low = glm::min(low, p);
+  high = glm::max(high, p);
+}
+
+Document::Document(std::shared_ptr<const LoadedScene> loaded)
+    : loaded_(std::move(loaded)),
+      outline_(outline_of(loaded_->scene)),
+      environment_(loaded_->scene.environment),
+      duration_s_(animation_end(loaded_->scene)) {
+  for (const Mesh& mesh : loaded_->scene.meshes) {
+    Box& box = mesh_boxes_.emplace_back();
+    for (const Vec3& p : mesh.positions) box.add(p);
+  }
+}
+
+void Document::set_camera(const std::optional<PlacedCamera>& camera) { edits_.camera = {camera, next_version()}; }
+
+void Document::set_time(float time_s) {
+  edits_.time_s = {time_s, next_version()};
+  world_known_ = false;
+}
+
+void Document::set_transform(Index node, const Transform& transform) {
+  Node& target = outline_.nodes[static_cast<size_t>(node)];
+  target.transform = transform;
+  target.matrix.reset();
+  std::erase_if(outline_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
+  edits_.nodes[node] = {transform, next_version()};
+  world_known_ = false;
+}
+
+void Document::set_light(Index light, const PunctualLight& value) {
+  outline_.lights[static_cast<size_t>(light)] = value;
+  edits_.lights[light] = {value, next_version()};
+}
+
+void Document::set_material(Index material, const Material& value) {
+  outline_.materials[static_cast<size_t>(material)] = value;
+  edits_.materials[material] = {value, next_version()};
+}
+
+void Document::set_environment(const Environment& environment) {
+  Environment complete = environment;
+  complete.width = environment_.width;
+  complete.height = environment_.height;
+  complete.map = environment_.map;
+  replace_environment(std::move(complete));
+}
+
+void Document::replace_environment(Environment environment) {
+  environment_ = std::move(environment);
+  outline_.environment = environment_;
+  outline_.environment.map.clear();
+  edits_.environment = {std::make_shared<const Environment>(environment_), next_version()};
+}
+
+bool Document::below(Index node, Index ancestor) const {
+  for (Index n = node; n != kNone; n = outline_.nodes[static_cast<size_t>(n)].parent) {
+    if (n == ancestor) return true;
+  }
+  return false;
+}
+
+bool Document::make_movable(Index node) {
+  if (std::find(edits_.movable.begin(), edits_.movable.end(), node) != edits_.movable.end()) return false;
+  if (moving_nodes(loaded_->scene, edits_.movable)[static_cast<size_t>(node)]) return false;
+  if (bounds(node).empty()) return false;  // nothing that the acceleration structure holds
+  edits_.movable.push_back(node);
+  next_version();
+  return true;
+}
+
+const std::vector<Mat4>& Document::world() const {
+  if (!world_known_) world_ = world_matrices(outline_, edits_.time_s.value);
+  world_known_ = true;
+  return world_;
+}
+
+Transform Document::transform(Index node) const {
+  const Node& n = outline_.nodes[static_cast<size_t>(node)];
+  const Mat4& own = world()[static_cast<size_t>(node)];
+  const Mat4 local = n.parent == kNone ? own : glm::inverse(world()[static_cast<size_t>(n.parent)]) * own;
+  return decompose(local);
+}
+
+void Document::move(Index node, const Vec3& by) {
+  const Index parent = outline_.nodes[static_cast<size_t>(node)].parent;
+  const Mat4 to_parent = parent == kNone ? Mat4(1) : glm::inverse(world()[static_cast<size_t>(parent)]);
+  Transform t = transform(node);
+  t.translation += transform_vector(to_parent, by);
+  set_transform(node, t);
+}
+
+std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const {
+  std::vector<std::pair<Box, Mat4>> result;
+  for (size_t i = 0; i < outline_.nodes.size(); ++i) {
+    const Node& n = outline_.nodes[i];
+    if (n.meshes.empty() || !below(static_cast<Index>(i), node)) continue;
+    for (const Index mesh : n.meshes) {
+      const Box& box = mesh_boxes_[static_cast<size_t>(mesh)];
+      if (n.instances.empty()) result.emplace_back(box, world()[i]);
+      for (const Mat4& instance : n.instances) result.emplace_back(box, world()[i] * instance);
+      if (result.size() >= most) return result;
+    }
+  }
+  return result;
+}
+
+Box Document::bounds(Index node) const {
+  Box sum;
+  for (const auto& [box, to_world] : boxes(node, std::numeric_limits<size_t>::max())) add_box(box, to_world, sum);
+  return sum;
+}
+
+Box Document::bounds() const {
+  Box sum;
+  for (size_t i = 0; i < outline_.nodes.size(); ++i) {
+    if (outline_.nodes[i].parent != kNone) continue;
+    const Box box = bounds(static_cast<Index>(i));
+    if (box.empty()) continue;
+    sum.add(box.low);
+    sum.add(box.high);
+  }
+  return sum;
+}
+
+Index Document::node_of_light(Index light) const {
+  for (size_t i = 0; i < outline_.nodes.size(); ++i) {
+    if (outline_.nodes[i].light == light) return static_cast<Index>(i);
+  }
+  return kNone;
+}
+
+}  // namespace relume::viewer

@@ -1,0 +1,81 @@
+// The scene that is shown, with everything that the user has changed in it. Belongs to the interface's thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer/request.h"
+
+namespace relume::viewer {
+
+/// Axis-aligned, world space.
+struct Box {
+  Vec3 low{kInfinity};
+  Vec3 high{-kInfinity};
+
+  bool empty() const { return !(low.x <= high.x); }
+  void add(const Vec3& p);
+  Vec3 center() const { return 0.5f * (low + high); }
+  float diagonal() const { return empty() ? 0.0f : glm::length(high - low); }
+};
+
+class Document {
+ public:
+  explicit Document(std::shared_ptr<const LoadedScene> loaded);
+
+  const std::shared_ptr<const LoadedScene>& loaded() const { return loaded_; }
+  const std::string& name() const { return loaded_->name; }
+  const SceneEdits& edits() const { return edits_; }
+  /// The scene as edited, without the bulk: no vertices, texels or environment map.
+  const Scene& outline() const { return outline_; }
+
+  void set_camera(const std::optional<PlacedCamera>& camera);
+  void set_time(float time_s);
+  /// Places a node below its parent; its own animation ends with that.
+  void set_transform(Index node, const Transform& transform);
+  void set_light(Index light, const PunctualLight& value);
+  void set_material(Index material, const Material& value);
+  /// The map, if the kind is one, stays that of the scene.
+  void set_environment(const Environment& environment);
+  /// Replaces the environment, map included.
+  void replace_environment(Environment environment);
+
+  /// Has the scene compiled so that the node can move. Returns whether that is news.
+  bool make_movable(Index node);
+
+  /// Where the node is now, below its parent.
+  Transform transform(Index node) const;
+  /// Moves a node by a vector in world space.
+  void move(Index node, const Vec3& by);
+
+  float time_s() const { return edits_.time_s.value; }
+  float duration_s() const { return duration_s_; }
+  const std::vector<Mat4>& world() const;  ///< one a node, now
+  /// Boxes of the meshes of the node and those below it, each in its own coordinates, with where they stand; at most
+  /// `most`.
+  std::vector<std::pair<Box, Mat4>> boxes(Index node, size_t most) const;
+  /// Of the meshes of the node and those below it; empty without any.
+  Box bounds(Index node) const;
+  Box bounds() const;
+  /// The first node that carries the light; kNone if there is none.
+  Index node_of_light(Index light) const;
+  bool has_environment_map() const { return !environment_.map.empty(); }
+
+ private:
+  bool below(Index node, Index ancestor) const;
+  uint64_t next_version() { return ++edits_.version; }
+
+  std::shared_ptr<const LoadedScene> loaded_;
+  Scene outline_;
+  Environment environment_;      ///< with its map
+  std::vector<Box> mesh_boxes_;  ///< in the mesh's own coordinates
+  SceneEdits edits_;
+  float duration_s_ = 0;
+  mutable std::vector<Mat4> world_;
+  mutable bool world_known_ = false;
+};
+
+}  // namespace relume::viewer

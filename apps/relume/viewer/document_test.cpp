@@ -1,0 +1,188 @@
+#include "viewer/document.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "io/scene_io.h"
+#include "io/temp_folder.h"
+#include "scene/builtin.h"
+#include "viewer/save_view.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr float kTolerance = 1e-4f;  // metres; matrices are inverted on the way
+
+void expect_near(const Vec3& a, const Vec3& b, float tolerance = kTolerance) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << i;
+}
+
+Mesh quad() {
+  Mesh mesh;
+  mesh.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = 0;
+  return mesh;
+}
+
+/// A parent that turns and scales, and below it a quad and a lamp.
+std::shared_ptr<const LoadedScene> small_scene() {
+  Scene scene;
+  scene.materials.emplace_back().name = "paint";
+  scene.meshes.push_back(quad());
+  scene.lights.emplace_back().name = "lamp";
+  Node parent;
+  parent.name = "parent";
+  parent.transform = {{10, 0, 0}, glm::quat(std::cos(kPi / 4), 0, std::sin(kPi / 4), 0), Vec3(2)};
+  Node table;
+  table.name = "table";
+  table.parent = 0;
+  table.meshes = {0};
+  Node lamp;
+  lamp.name = "lamp";
+  lamp.parent = 0;
+  lamp.light = 0;
+  lamp.transform.translation = {0, 3, 0};
+  scene.nodes = {parent, table, lamp};
+  return std::make_shared<const LoadedScene>(LoadedScene{"small", scene});
+}
+
+TEST(Document, MovesInWorldSpaceBelowATurnedParent) {
+  Document document(small_scene());
+  const Vec3 before(document.world()[2][3]);
+  expect_near(before, {10, 6, 0});
+  document.move(2, {1, 2, 3});
+  expect_near(Vec3(document.world()[2][3]), before + Vec3(1, 2, 3));
+  EXPECT_EQ(document.edits().nodes.count(2), 1u);
+}
+
+TEST(Document, BoundsFollowWhatMoves) {
+  Document document(small_scene());
+  expect_near(document.bounds(1).low, {8, 0, -2});
+  expect_near(document.bounds(1).high, {12, 0, 2});
+  document.move(1, {0, 5, 0});
+  expect_near(document.bounds().center(), {10, 5, 0});
+  EXPECT_TRUE(document.bounds(2).empty()) << "a lamp has no meshes";
+}
+
+TEST(Document, OnlyMeshesNeedToBeMadeMovable) {
+  Document document(small_scene());
+  EXPECT_FALSE(document.make_movable(2));
+  EXPECT_TRUE(document.make_movable(1));
+  EXPECT_FALSE(document.make_movable(1)) << "it is by now";
+  EXPECT_EQ(document.edits().movable, (std::vector<Index>{1}));
+}
+
+TEST(Document, EditsCarryRisingVersions) {
+  Document document(small_scene());
+  document.set_light(0, {});
+  const uint64_t first = document.edits().lights.at(0).version;
+  document.set_material(0, {});
+  EXPECT_GT(document.edits().materials.at(0).version, first);
+  EXPECT_EQ(document.edits().version, document.edits().materials.at(0).version);
+}
+
+TEST(Document, KeepsTheMapOfTheEnvironment) {
+  auto loaded = std::make_shared<LoadedScene>(*small_scene());
+  Environment& e = loaded->scene.environment;
+  e.kind = EnvironmentKind::map;
+  e.width = 2;
+  e.height = 1;
+  e.map = {Rgb(1), Rgb(2)};
+  Document document(loaded);
+  EXPECT_TRUE(document.outline().environment.map.empty());
+  Environment changed = document.outline().environment;
+  changed.rotation_rad = 1;
+  document.set_environment(changed);
+  EXPECT_EQ(document.edits().environment.value->map.size(), 2u);
+  EXPECT_EQ(document.edits().environment.value->rotation_rad, 1);
+}
+
+// --- Saving -------------------------------------------------------------------------------------------------------
+
+struct Saved {
+  Scene scene;
+  std::vector<std::string> omissions;
+};
+
+/// Writes the view and loads it again.
+Saved round_trip(const Document& document, const Settings& settings, const PlacedCamera& camera,
+                 const CameraPath* path) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "view.json";
+  Saved saved;
+  saved.omissions = save_view(file, {document, settings, camera, path});
+  saved.scene = load_scene(file);
+  return saved;
+}
+
+Document cornell() {
+  return Document(std::make_shared<const LoadedScene>(LoadedScene{"cornell", find_builtin_scene("cornell")->build()}));
+}
+
+PlacedCamera some_camera() {
+  PlacedCamera camera;
+  const Transform t = look_at({1, 2, 5}, {0, 1, 0});
+  camera.to_world = glm::mat4_cast(t.rotation);
+  camera.to_world[3] = Vec4(t.translation, 1);
+  camera.camera.fov_y_rad = 0.5f;
+  return camera;
+}
+
+TEST(SaveView, CameraAndSettingsComeBack) {
+  Settings settings;
+  settings.render.path.max_bounces = 3;
+  const PlacedCamera camera = some_camera();
+  const Saved saved = round_trip(cornell(), settings, camera, nullptr);
+  EXPECT_TRUE(saved.omissions.empty());
+  const Mat4 loaded = world_matrices(saved.scene, 0).back();
+  for (int c = 0; c < 4; ++c) expect_near(Vec3(loaded[c]), Vec3(camera.to_world[c]));
+  EXPECT_NEAR(saved.scene.cameras.front().fov_y_rad, 0.5f, 1e-5f);
+  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json), (nlohmann::json{{"max-bounces", 3}}));
+}
+
+TEST(SaveView, ARecordedPathMovesTheCamera) {
+  CameraPath path;
+  const Transform from = look_at({0, 1, 5}, {0, 1, 0});
+  const Transform to = look_at({2, 1, 5}, {2, 1, 0});
+  path.add({0, from.translation, from.rotation});
+  path.add({4, to.translation, to.rotation});
+  const Saved saved = round_trip(cornell(), {}, some_camera(), &path);
+  EXPECT_EQ(animation_end(saved.scene), 4);
+  expect_near(Vec3(world_matrices(saved.scene, 1).back()[3]), path.at(1).eye);
+}
+
+TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {
+  Document document = cornell();
+  Material material = document.outline().materials[0];
+  material.roughness = 0.125f;
+  document.set_material(0, material);
+  Index named = kNone;
+  for (size_t i = 0; i < document.outline().nodes.size(); ++i) {
+    const Node& node = document.outline().nodes[i];
+    if (!node.meshes.empty() && !node.name.empty()) named = static_cast<Index>(i);
+  }
+  ASSERT_NE(named, kNone);
+  document.move(named, {0.5f, 0.25f, 0});
+  Environment sky;
+  sky.kind = EnvironmentKind::sun_sky;
+  sky.sun_sky.sun_elevation_rad = 0.3f;
+  document.set_environment(sky);
+  const Saved saved = round_trip(document, {}, some_camera(), nullptr);
+  EXPECT_TRUE(saved.omissions.empty());
+  EXPECT_FLOAT_EQ(saved.scene.materials[0].roughness, 0.125f);
+  const auto at = static_cast<size_t>(named);
+  for (int c = 0; c < 4; ++c) expect_near(Vec3(world_matrices(saved.scene, 0)[at][c]), Vec3(document.world()[at][c]));
+  EXPECT_NEAR(saved.scene.environment.sun_sky.sun_elevation_rad, 0.3f, 1e-5f);
+
+  Document lamp(small_scene());
+  lamp.set_light(0, {});
+  std::vector<std::string> omissions;
+  view_as_json({lamp, {}, some_camera(), nullptr}, ".", omissions);
+  EXPECT_EQ(omissions.size(), 1u) << "relume JSON cannot change lights";
+}
+
+}  // namespace
+}  // namespace relume::viewer

@@ -1,0 +1,40 @@
+// Flying through a scene: keys move the camera, the mouse turns it.
+#pragma once
+
+#include <glm/gtc/quaternion.hpp>
+
+#include "core/vec.h"
+
+namespace relume::viewer {
+
+/// What the user does during one frame of the interface.
+struct FlyInput {
+  Vec3 move{0};     ///< in the camera's axes, each in [-1, 1]: x right, y up, -z forward
+  Vec2 turn_px{0};  ///< mouse movement, y downwards
+  bool fast = false;
+  bool idle() const { return move == Vec3(0) && turn_px == Vec2(0); }
+};
+
+class FlyCamera {
+ public:
+  /// Takes the position and direction of a camera matrix; its scale is ignored.
+  void place(const Mat4& to_world);
+  void place(const Vec3& eye, const glm::quat& rotation);
+
+  /// Moves and turns. Turning keeps the horizon as it is and never goes over the zenith. Returns whether anything
+  /// changed.
+  bool update(const FlyInput& input, float seconds, float fov_y_rad, float picture_height_px);
+
+  Mat4 to_world() const;
+  const Vec3& eye() const { return eye_; }
+  const glm::quat& rotation() const { return rotation_; }
+  Vec3 forward() const { return rotation_ * Vec3(0, 0, -1); }
+
+  float speed = 1;  ///< metres a second; fast: five times as much
+
+ private:
+  Vec3 eye_{0};
+  glm::quat rotation_{1, 0, 0, 0};
+};
+
+}  // namespace relume::viewer

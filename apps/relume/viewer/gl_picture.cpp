@@ -1,0 +1,212 @@
+#include "viewer/gl_picture.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "core/error.h"
+#include "core/srgb.h"
+
+namespace relume::viewer {
+namespace {
+
+// The tone curves exist once, in film/tone_map.h. The shader reads them from a table over the logarithm of radiance,
+// fine enough that an error stays below one of 255 steps (see gl_picture.h's test of the display in docs/viewer.md).
+constexpr int kCurveSize = 48;
+constexpr float kCurveMinEv = -12;
+constexpr float kCurveMaxEv = 8;
+constexpr int kPaletteSize = 256;
+
+constexpr const char* kVertexShader = R"(#version 330 core
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+constexpr const char* kFragmentShader = R"(#version 330 core
+uniform sampler2D values;
+uniform sampler3D curve;
+uniform sampler2D palette;
+uniform int mode;
+uniform int channel;
+uniform float scale;
+uniform vec2 range;
+uniform vec3 curve_ev;  // minimum, maximum, size
+out vec4 color;
+
+vec3 encode(vec3 c) {
+  return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
+}
+
+vec3 develop(vec3 radiance) {
+  vec3 ev = log2(max(radiance * scale, vec3(1e-9)));
+  vec3 t = clamp((ev - curve_ev.x) / (curve_ev.y - curve_ev.x), 0.0, 1.0);
+  return texture(curve, (t * (curve_ev.z - 1.0) + 0.5) / curve_ev.z).rgb;
+}
+
+void main() {
+  vec3 v = texelFetch(values, ivec2(gl_FragCoord.xy), 0).rgb;
+  vec3 in_range = (v - range.x) / max(range.y - range.x, 1e-30);
+  float chosen = channel < 0 ? (length(v) - range.x) / max(range.y - range.x, 1e-30) : in_range[max(channel, 0)];
+  vec3 c = develop(v);
+  if (mode == 1) c = encode(clamp(in_range, 0.0, 1.0));
+  if (mode == 2) c = texture(palette, vec2(clamp(chosen, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+  if (mode == 3) c = clamp(v * 0.5 + 0.5, 0.0, 1.0);
+  // What is not a number must catch the eye.
+  if (any(isnan(v)) || any(isinf(v))) c = vec3(1.0, 0.0, 1.0);
+  color = vec4(c, 1.0);
+}
+)";
+
+GLuint compile(GLenum kind, const char* source) {
+  const GLuint shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &source, nullptr);
+  glCompileShader(shader);
+  GLint done = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &done);
+  if (done != 0) return shader;
+  std::array<char, 1024> log{};
+  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  throw Error(std::string("the graphics driver refuses the viewer's shader; update it (") + log.data() + ")");
+}
+
+GLuint link() {
+  const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexShader);
+  const GLuint fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
+  const GLuint program = glCreateProgram();
+  glAttachShader(program, vertex);
+  glAttachShader(program, fragment);
+  glLinkProgram(program);
+  glDeleteShader(vertex);
+  glDeleteShader(fragment);
+  GLint done = 0;
+  glGetProgramiv(program, GL_LINK_STATUS, &done);
+  if (done == 0) throw Error("the graphics driver cannot link the viewer's shader; update it");
+  return program;
+}
+
+GLuint make_texture(GLenum target, GLint filter) {
+  GLuint texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(target, texture);
+  glTexParameteri(target, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(target, GL_TEXTURE_MAG_FILTER, filter);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTexParameteri(target, axis, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+Rgb encode(const Rgb& c) { return {srgb_from_linear(c.r), srgb_from_linear(c.g), srgb_from_linear(c.b)}; }
+
+}  // namespace
+
+Rgb palette_color(float t) {
+  const float angle = 2 * kPi * (0.5f / 3 + 1 - 1.5f * t);
+  const float amplitude = 0.5f * t * (1 - t);
+  const float c = std::cos(angle);
+  const float s = std::sin(angle);
+  return {saturate(t + amplitude * (-0.14861f * c + 1.78277f * s)),
+          saturate(t + amplitude * (-0.29227f * c - 0.90649f * s)), saturate(t + amplitude * (1.97294f * c))};
+}
+
+Developer::Developer() : program_(link()) {
+  glGenVertexArrays(1, &vertex_array_);
+  curve_ = make_texture(GL_TEXTURE_3D, GL_LINEAR);
+  palette_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
+  std::vector<Rgb> colors;
+  for (int i = 0; i < kPaletteSize; ++i)
+    colors.push_back(palette_color(static_cast<float>(i) / static_cast<float>(kPaletteSize - 1)));
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, kPaletteSize, 1, 0, GL_RGB, GL_FLOAT, colors.data());
+  glGenSamplers(1, &nearest_);
+  glSamplerParameteri(nearest_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glSamplerParameteri(nearest_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+Developer::~Developer() {
+  glDeleteSamplers(1, &nearest_);
+  glDeleteTextures(1, &palette_);
+  glDeleteTextures(1, &curve_);
+  glDeleteVertexArrays(1, &vertex_array_);
+  glDeleteProgram(program_);
+}
+
+void Developer::use_tone_map(ToneMap curve) {
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_3D, curve_);
+  if (curve_of_ == static_cast<int>(curve)) return;
+  curve_of_ = static_cast<int>(curve);
+  std::array<float, kCurveSize> radiance;
+  for (int i = 0; i < kCurveSize; ++i) {
+    const float t = static_cast<float>(i) / (kCurveSize - 1);
+    radiance[static_cast<size_t>(i)] = i == 0 ? 0.0f : std::exp2(lerp(kCurveMinEv, kCurveMaxEv, t));
+  }
+  std::vector<Rgb> table;
+  table.reserve(kCurveSize * kCurveSize * kCurveSize);
+  for (const float b : radiance) {
+    for (const float g : radiance) {
+      for (const float r : radiance) table.push_back(encode(tone_map(curve, 0, Rgb(r, g, b))));
+    }
+  }
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, kCurveSize, kCurveSize, kCurveSize, 0, GL_RGB, GL_FLOAT, table.data());
+}
+
+Picture::Picture() {
+  values_ = make_texture(GL_TEXTURE_2D, GL_NEAREST);
+  developed_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
+  glGenFramebuffers(1, &frame_);
+}
+
+Picture::~Picture() {
+  glDeleteFramebuffers(1, &frame_);
+  glDeleteTextures(1, &developed_);
+  glDeleteTextures(1, &values_);
+}
+
+void Picture::upload(const std::vector<Rgb>& values, int width, int height) {
+  glBindTexture(GL_TEXTURE_2D, values_);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  if (width != width_ || height != height_) {
+    width_ = width;
+    height_ = height;
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, width, height, 0, GL_RGB, GL_FLOAT, values.data());
+    glBindTexture(GL_TEXTURE_2D, developed_);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  } else {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGB, GL_FLOAT, values.data());
+  }
+  fresh_ = true;
+}
+
+bool Picture::develop(Developer& developer, const Development& wish) {
+  if (width_ == 0 || (!fresh_ && wish == done_)) return false;
+  fresh_ = false;
+  done_ = wish;
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, developed_, 0);
+  glViewport(0, 0, width_, height_);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glUseProgram(developer.program_);
+  const auto uniform = [&](const char* name) { return glGetUniformLocation(developer.program_, name); };
+  glUniform1i(uniform("values"), 0);
+  glUniform1i(uniform("curve"), 1);
+  glUniform1i(uniform("palette"), 2);
+  glUniform1i(uniform("mode"), static_cast<int>(wish.mode));
+  glUniform1i(uniform("channel"), wish.channel);
+  glUniform1f(uniform("scale"), std::exp2(wish.exposure));
+  glUniform2f(uniform("range"), wish.range.x, wish.range.y);
+  glUniform3f(uniform("curve_ev"), kCurveMinEv, kCurveMaxEv, static_cast<float>(kCurveSize));
+  developer.use_tone_map(wish.tone_map);
+  glActiveTexture(GL_TEXTURE2);
+  glBindTexture(GL_TEXTURE_2D, developer.palette_);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, values_);
+  glBindVertexArray(developer.vertex_array_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  return true;
+}
+
+}  // namespace relume::viewer

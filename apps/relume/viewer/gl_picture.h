@@ -1,0 +1,81 @@
+// A frame on the graphics card: values go up once a frame, a shader turns them into what the display shows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/vec.h"
+#include "film/tone_map.h"
+#include "viewer/gl.h"
+
+namespace relume::viewer {
+
+/// How values become colours.
+enum class DisplayMode : int {
+  radiance,     ///< exposure and tone map
+  color,        ///< values in the range become 0 … 1, gamma-encoded
+  false_color,  ///< one channel or the magnitude through a palette
+  direction,    ///< components in [-1, 1] become 0 … 1
+};
+
+struct Development {
+  DisplayMode mode = DisplayMode::radiance;
+  ToneMap tone_map = ToneMap::agx;
+  float exposure = 0;  ///< stops
+  Vec2 range{0, 1};
+  int channel = 0;  ///< of false_color; -1: length of the vector
+  bool operator==(const Development&) const = default;
+};
+
+/// Palette of false_color at t in [0, 1]: dark to bright with rising luminance ([Green11], start 0.5, -1.5 rotations,
+/// saturation 1). Display-encoded.
+Rgb palette_color(float t);
+
+/// Shader, tone curves and palette, shared by all pictures. Needs a current context for as long as it lives.
+class Developer {
+ public:
+  Developer();
+  ~Developer();
+  Developer(const Developer&) = delete;
+  Developer& operator=(const Developer&) = delete;
+
+ private:
+  friend class Picture;
+  void use_tone_map(ToneMap tone_map);
+
+  GLuint program_ = 0;
+  GLuint vertex_array_ = 0;
+  GLuint curve_ = 0;    ///< 3D: encoded radiance to display colour
+  GLuint palette_ = 0;  ///< 2D, one row
+  GLuint nearest_ = 0;  ///< sampler
+  int curve_of_ = -1;
+
+ public:
+  GLuint nearest_sampler() const { return nearest_; }
+};
+
+class Picture {
+ public:
+  Picture();
+  ~Picture();
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  void upload(const std::vector<Rgb>& values, int width, int height);
+  /// Makes texture() show the values. False if they and the wish are as before.
+  bool develop(Developer& developer, const Development& wish);
+
+  GLuint texture() const { return developed_; }
+  bool empty() const { return width_ == 0; }
+
+ private:
+  GLuint values_ = 0;
+  GLuint developed_ = 0;
+  GLuint frame_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+  bool fresh_ = false;
+  Development done_;
+};
+
+}  // namespace relume::viewer

@@ -1,0 +1,219 @@
+#include "viewer/render_thread.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "platform.h"
+#include "viewer/inspect.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr size_t kMostFollowed = 256;
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// Time of each pass since `before`, and under "other" what no pass accounts for.
+std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::vector<PassTime>& before,
+                                  double seconds) {
+  std::vector<PassTime> result;
+  double sum = 0;
+  for (const PassTime& pass : now) {
+    const auto old = std::find_if(before.begin(), before.end(), [&](const PassTime& b) { return b.name == pass.name; });
+    const double spent = pass.seconds - (old != before.end() ? old->seconds : 0);
+    if (spent <= 0 || pass.name == "build") continue;
+    result.push_back({pass.name, spent});
+    sum += spent;
+  }
+  result.push_back({"other", std::max(0.0, seconds - sum)});
+  return result;
+}
+
+}  // namespace
+
+RenderThread::RenderThread() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+RenderThread::~RenderThread() {
+  thread_.request_stop();
+  const std::lock_guard lock(mutex_);
+  refinement_.request_stop();
+}
+
+void RenderThread::post(RenderRequest request) {
+  const std::lock_guard lock(mutex_);
+  wanted_ = std::move(request);
+  refinement_.request_stop();
+  wake_.notify_one();
+}
+
+void RenderThread::post_task(std::function<void(const Session&)> task) {
+  const std::lock_guard lock(mutex_);
+  tasks_.push_back(std::move(task));
+  wake_.notify_one();
+}
+
+std::shared_ptr<const ViewerFrame> RenderThread::frame(int side) const {
+  const std::lock_guard lock(mutex_);
+  return frames_[static_cast<size_t>(side)];
+}
+
+uint64_t RenderThread::first_frame_following(uint64_t version) const {
+  const std::lock_guard lock(mutex_);
+  const auto first =
+      std::find_if(followed_.begin(), followed_.end(), [&](const auto& entry) { return entry.first >= version; });
+  return first == followed_.end() ? 0 : first->second;
+}
+
+std::vector<Notice> RenderThread::take_notices() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(notices_, {});
+}
+
+void RenderThread::add_notice(Notice notice) {
+  const std::lock_guard lock(mutex_);
+  notices_.push_back(std::move(notice));
+}
+
+void RenderThread::run(const std::stop_token& stop) {
+  cli::lower_thread_priority();
+  while (wait_for_work(stop)) {
+    try {
+      run_tasks();
+      render_round(stop);
+    } catch (const std::bad_alloc&) {
+      refused_version_ = request_.version;
+      add_notice({true, "out of memory; try a smaller size or scene", request_.scene});
+    } catch (const std::exception& error) {
+      refused_version_ = request_.version;
+      add_notice({true, error.what(), request_.scene != slots_[0].scene() ? request_.scene : nullptr});
+    }
+  }
+}
+
+bool RenderThread::wait_for_work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto due = [&] {
+    if (wanted_.version != request_.version) return true;
+    if (!tasks_.empty() && slots_[0].session()) return true;  // without a session they wait for one
+    const bool refused = refused_version_ == wanted_.version;
+    return wanted_.scene && !wanted_.paused && !goal_reached_ && !refused;
+  };
+  wake_.wait(lock, stop, due);
+  if (stop.stop_requested()) return false;
+  if (wanted_.version != request_.version) {
+    if (wanted_.picture_version != request_.picture_version) changed_s_ = now_s();
+    request_ = wanted_;
+    goal_reached_ = false;
+  }
+  return true;
+}
+
+void RenderThread::run_tasks() {
+  if (!slots_[0].session()) return;
+  std::unique_lock lock(mutex_);
+  const auto tasks = std::exchange(tasks_, {});
+  lock.unlock();
+  for (const auto& task : tasks) {
+    try {
+      task(*slots_[0].session());
+    } catch (const std::exception& error) {
+      add_notice({true, error.what()});
+    }
+  }
+}
+
+bool RenderThread::at_rest() const {
+  return request_.pace.full_at_rest && now_s() - changed_s_ > static_cast<double>(request_.pace.rest_after_s);
+}
+
+IVec2 RenderThread::choose_size() const {
+  const RenderSettings& render = request_.settings[0].render;
+  const IVec2 full(render.width, render.height);
+  return request_.pace.hold_rate && !at_rest() ? resolution_.size(full) : full;
+}
+
+void RenderThread::render_round(const std::stop_token& stop) {
+  if (!request_.scene || goal_reached_ || refused_version_ == request_.version) return;
+  if (request_.paused && frame(0) && frame(0)->request_version == request_.version) return;
+  const IVec2 size = choose_size();
+  const bool scaled = !at_rest();
+  const double start_s = now_s();
+  const int sides = request_.split ? 2 : 1;
+  if (sides == 1) slots_[1].close();
+  for (int side = 0; side < sides; ++side) {
+    if (stop.stop_requested() || !render_side(side, size)) return;
+  }
+  const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
+  if (request_.pace.hold_rate && scaled) {
+    resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.pace.target_hz), full);
+  }
+  goal_reached_ = goal_reached(0) && (sides == 1 || goal_reached(1));
+}
+
+bool RenderThread::render_side(int side, const IVec2& size) {
+  SessionSlot& slot = slots_[static_cast<size_t>(side)];
+  slot.update(request_, side, size);
+  Session& session = *slot.session();
+  std::stop_token token;
+  {
+    const std::lock_guard lock(mutex_);
+    refinement_ = std::stop_source();
+    // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
+    if (session.sample_count() > 0 || (request_.pace.hold_rate && at_rest())) {
+      // A newer request may have come while the scene was compiled or the settings taken on.
+      if (wanted_.version != request_.version) return false;
+      token = refinement_.get_token();
+    }
+  }
+  const uint64_t rays_before = session.statistics().rays;
+  const std::vector<PassTime> passes_before = session.statistics().passes;
+  const double start_s = now_s();
+  if (!session.render_frame(token)) return false;
+  publish(side, now_s() - start_s, rays_before, passes_before);
+  return true;
+}
+
+void RenderThread::publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before) {
+  SessionSlot& slot = slots_[static_cast<size_t>(side)];
+  const Session& session = *slot.session();
+  auto frame = std::make_shared<ViewerFrame>();
+  Image image = session.image();
+  frame->serial = ++serials_[static_cast<size_t>(side)];
+  frame->request_version = request_.version;
+  frame->scene = slot.scene();
+  frame->width = image.width;
+  frame->height = image.height;
+  frame->full_width = request_.settings[0].render.width;
+  frame->full_height = request_.settings[0].render.height;
+  frame->radiance = std::move(image.pixels);
+  frame->statistics = session.statistics();
+  frame->samples = session.sample_count();
+  frame->seconds = seconds;
+  frame->rays_per_s = static_cast<double>(frame->statistics.rays - rays_before) / std::max(seconds, 1e-9);
+  frame->passes = differences(frame->statistics.passes, passes_before, seconds);
+  frame->camera = session.scene().camera();
+  frame->time_s = session.settings().time_s;
+  frame->notes = session.notes();
+  frame->buffers = inspectable_buffers(session.settings());
+  read_buffer(session, request_.buffer, *frame);
+  frame->reached_goal = goal_reached(side);
+  const std::lock_guard lock(mutex_);
+  if (side == 0) followed_.emplace_back(frame->request_version, frame->serial);
+  if (followed_.size() > kMostFollowed) followed_.pop_front();
+  frames_[static_cast<size_t>(side)] = std::move(frame);
+}
+
+bool RenderThread::goal_reached(int side) const {
+  const StopSettings& goal = request_.settings[static_cast<size_t>(side)].stop;
+  const Session& session = *slots_[static_cast<size_t>(side)].session();
+  if (goal.spp > 0 && session.sample_count() >= static_cast<uint32_t>(goal.spp)) return true;
+  if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
+  return goal.error > 0 && session.sample_count() >= 16 && session.estimated_error() <= static_cast<double>(goal.error);
+}
+
+}  // namespace relume::viewer

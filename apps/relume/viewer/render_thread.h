@@ -1,0 +1,79 @@
+// Renders on a thread of its own, at a lower priority than the interface. Requests never wait for it: the newest one
+// counts, and what the interface shows is the newest complete frame.
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "viewer/request.h"
+#include "viewer/resolution.h"
+#include "viewer/session_slot.h"
+
+namespace relume::viewer {
+
+class RenderThread {
+ public:
+  RenderThread();
+  ~RenderThread();
+  RenderThread(const RenderThread&) = delete;
+  RenderThread& operator=(const RenderThread&) = delete;
+
+  /// Replaces the request. A frame that only refines a picture that is no longer wanted is abandoned; the first frame
+  /// after a change never is, so that a picture follows every stream of changes.
+  void post(RenderRequest request);
+
+  /// Asks for something to be done with side A's session between two frames: it may take as long as it likes.
+  void post_task(std::function<void(const Session&)> task);
+
+  /// The newest frame of a side; nullptr before the first.
+  std::shared_ptr<const ViewerFrame> frame(int side) const;
+
+  /// Serial of side A's first frame that follows the request of this version or a later one; 0 before there is one.
+  /// Goes back some hundred frames.
+  uint64_t first_frame_following(uint64_t version) const;
+
+  /// What happened since the last call.
+  std::vector<Notice> take_notices();
+  void add_notice(Notice notice);
+
+ private:
+  void run(const std::stop_token& stop);
+  bool wait_for_work(const std::stop_token& stop);
+  void run_tasks();
+  void render_round(const std::stop_token& stop);
+  bool render_side(int side, const IVec2& size);
+  void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
+  IVec2 choose_size() const;
+  bool at_rest() const;
+  bool goal_reached(int side) const;
+
+  mutable std::mutex mutex_;  ///< guards what follows; held for moments only
+  std::condition_variable_any wake_;
+  RenderRequest wanted_;
+  std::deque<std::function<void(const Session&)>> tasks_;
+  std::array<std::shared_ptr<const ViewerFrame>, kSides> frames_;
+  std::deque<std::pair<uint64_t, uint64_t>> followed_;  ///< request and serial of side A's latest frames
+  std::vector<Notice> notices_;
+  std::stop_source refinement_;  ///< of the frame in progress, if it may be abandoned
+
+  // Of the rendering thread alone.
+  RenderRequest request_;
+  std::array<SessionSlot, kSides> slots_;
+  std::array<uint64_t, kSides> serials_{};
+  ResolutionControl resolution_;
+  uint64_t refused_version_ = 0;  ///< a request that ended in an error; not tried again
+  double changed_s_ = 0;          ///< when the request last changed
+  bool goal_reached_ = false;
+  std::jthread thread_;  ///< last: it ends before anything that it uses
+};
+
+}  // namespace relume::viewer

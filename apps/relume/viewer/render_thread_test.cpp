@@ -1,0 +1,302 @@
+#include "viewer/render_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <ctime>
+#include <future>
+#include <thread>
+
+#include "scene/builtin.h"
+#include "viewer/document.h"
+#include "viewer/inspect.h"
+#include "viewer/settings_panel.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr int kPatience_ms = 60000;  // of a busy machine
+
+/// A request for a small picture of a built-in scene.
+struct Stage {
+  explicit Stage(const char* scene = "cornell")
+      : document(std::make_shared<const LoadedScene>(LoadedScene{scene, find_builtin_scene(scene)->build()})) {
+    for (Settings& s : settings) {
+      s.render.width = 32;
+      s.render.height = 24;
+      s.render.threads = 1;
+      s.render.path.max_bounces = 2;
+    }
+  }
+
+  void post() {
+    RenderRequest request;
+    request.version = request.picture_version = ++version;
+    request.scene = document.loaded();
+    request.edits = document.edits();
+    request.settings = settings;
+    request.split = split;
+    request.buffer = buffer;
+    request.pace.hold_rate = false;
+    thread.post(request);
+  }
+
+  /// The first frame that follows the newest request; nullptr if none comes.
+  std::shared_ptr<const ViewerFrame> next(int side = 0) {
+    for (int i = 0; i < kPatience_ms; ++i) {
+      auto frame = thread.frame(side);
+      if (frame && frame->request_version >= version) return frame;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return nullptr;
+  }
+
+  std::string problem() {
+    for (int i = 0; i < kPatience_ms; ++i) {
+      for (const Notice& notice : thread.take_notices()) {
+        if (notice.problem) return notice.text;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return "no problem";
+  }
+
+  Document document;
+  std::array<Settings, kSides> settings;
+  bool split = false;
+  std::string buffer;
+  uint64_t version = 0;
+  RenderThread thread;
+};
+
+double mean_luminance(const ViewerFrame& frame) {
+  double sum = 0;
+  for (const Rgb& c : frame.radiance) sum += static_cast<double>(luminance(c));
+  return sum / static_cast<double>(frame.radiance.size());
+}
+
+TEST(RenderThread, RendersAndRefines) {
+  Stage stage;
+  stage.post();
+  auto frame = stage.next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->width, 32);
+  EXPECT_GT(mean_luminance(*frame), 0);
+  const uint32_t samples = frame->samples;
+  for (int i = 0; i < kPatience_ms && stage.thread.frame(0)->samples <= samples; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_GT(stage.thread.frame(0)->samples, samples);
+  EXPECT_FALSE(frame->passes.empty());
+}
+
+TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByPictures) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  PlacedCamera camera = stage.next()->camera;
+  const uint64_t before = stage.thread.frame(0)->serial;
+  for (int i = 0; i < 300; ++i) {  // faster than frames
+    camera.to_world[3].x += 0.001f;
+    stage.document.set_camera(camera);
+    stage.post();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const auto frame = stage.next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->camera.to_world, camera.to_world);
+  EXPECT_GT(frame->serial, before + 5) << "frames came while the camera moved";
+}
+
+TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
+  Stage stage;
+  stage.settings[0].stop.spp = 3;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  for (int i = 0; i < kPatience_ms && !stage.thread.frame(0)->reached_goal; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(stage.thread.frame(0)->samples, 3u);
+  stage.settings[0].render.seed = 1;
+  stage.post();
+  EXPECT_TRUE(stage.next());
+}
+
+TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  RenderSettings defaults = stage.settings[0].render;
+  const SettingList slots = describe_slots(defaults);
+  for (const Setting& slot : slots) {
+    for (const std::string_view name : std::get<ChoiceRef>(slot.value).names) {
+      if (!refusal(stage.settings[0], slot.name, name).empty()) continue;
+      Settings wanted = stage.settings[0];
+      store(require_setting(describe(wanted), slot.name, ""), std::string(name));
+      std::swap(stage.settings[0], wanted);
+      stage.post();
+      const auto frame = stage.next();
+      ASSERT_TRUE(frame) << slot.name << " " << name;
+      EXPECT_GT(mean_luminance(*frame), 0) << slot.name << " " << name;
+      std::swap(stage.settings[0], wanted);
+    }
+  }
+  stage.settings[0].render.texture_filter = TextureFilter::encoded;  // compiles the scene again
+  stage.post();
+  EXPECT_TRUE(stage.next());
+}
+
+TEST(RenderThread, ShowsBothSidesAndTheSameEditsOnEach) {
+  Stage stage;
+  stage.split = true;
+  stage.settings[1].render.path.max_bounces = 0;
+  stage.post();
+  auto a = stage.next(0);
+  auto b = stage.next(1);
+  ASSERT_TRUE(a && b);
+  EXPECT_GT(mean_luminance(*a), 1.1 * mean_luminance(*b)) << "B has no indirect light, nor any but emission";
+  PlacedCamera camera = a->camera;
+  camera.to_world[3].z += 0.1f;
+  stage.document.set_camera(camera);
+  stage.post();
+  a = stage.next(0);
+  b = stage.next(1);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->camera.to_world, b->camera.to_world);
+}
+
+TEST(RenderThread, LightsMaterialsAndObjectsChangeWhileItRenders) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  const double before = mean_luminance(*stage.next());
+  const Scene& scene = stage.document.outline();
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (is_black(scene.materials[i].emission)) continue;
+    Material brighter = scene.materials[i];
+    brighter.emission *= 4.0f;
+    stage.document.set_material(static_cast<Index>(i), brighter);
+  }
+  stage.post();
+  const auto bright = stage.next();
+  ASSERT_TRUE(bright);
+  EXPECT_GT(mean_luminance(*bright), 2 * before);
+
+  Index node = kNone;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!scene.nodes[i].meshes.empty()) node = static_cast<Index>(i);
+  }
+  ASSERT_TRUE(stage.document.make_movable(node));
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  stage.document.move(node, {0, 100, 0});
+  stage.post();
+  const auto moved = stage.next();
+  ASSERT_TRUE(moved);
+  EXPECT_NE(moved->radiance, bright->radiance);
+}
+
+TEST(RenderThread, ASceneThatCannotBeShownLeavesTheOldOne) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  const auto before = stage.thread.frame(0);
+  stage.settings[0].render.camera = "no such camera";
+  stage.post();
+  EXPECT_NE(stage.problem().find("no such camera"), std::string::npos);
+  EXPECT_EQ(stage.thread.frame(0)->scene, before->scene);
+  stage.settings[0].render.camera.clear();
+  stage.post();
+  EXPECT_TRUE(stage.next());
+}
+
+TEST(RenderThread, BuffersAreRead) {
+  Stage stage;
+  stage.buffer = "normal";
+  stage.post();
+  const auto frame = stage.next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->channels, "XYZ");
+  ASSERT_EQ(frame->values.size(), frame->radiance.size());
+  EXPECT_NEAR(glm::length(frame->values[12 * 32 + 16]), 1, 0.2f) << "the back wall, and an edge perhaps";
+  stage.buffer = "no such buffer";
+  stage.post();
+  const auto without = stage.next();
+  ASSERT_TRUE(without);
+  EXPECT_TRUE(without->values.empty());
+}
+
+TEST(RenderThread, PicksWhatIsUnderAPoint) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  std::promise<PickResult> promise;
+  stage.thread.post_task([&](const Session& session) { promise.set_value(pick(session, {0.5f, 0.5f})); });
+  const PickResult result = promise.get_future().get();
+  EXPECT_TRUE(result.hit);
+  EXPECT_GE(result.node, 0);
+  EXPECT_GT(result.distance, 0);
+}
+
+TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {
+  Stage stage;
+  std::promise<bool> promise;
+  stage.thread.post_task([&](const Session&) { promise.set_value(true); });
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10) << "processor time, half of what a spinning thread takes";
+  stage.post();
+  EXPECT_TRUE(promise.get_future().get());
+}
+
+TEST(RenderThread, EndsAtAnyMoment) {
+  for (int i = 0; i < 20; ++i) {
+    Stage stage;
+    stage.post();
+    if (i % 2 == 1) {
+      ASSERT_TRUE(stage.next());
+    }
+    stage.thread.post_task([](const Session&) {});
+    std::this_thread::sleep_for(std::chrono::microseconds(300 * i));
+  }
+}
+
+TEST(Inspect, DescribesPixels) {
+  ViewerFrame frame;
+  frame.width = 4;
+  frame.height = 2;
+  frame.radiance.assign(8, Rgb(0));
+  frame.radiance[6] = {0.25f, 1, 2.5f};
+  EXPECT_EQ(describe_pixel(frame, {0.6f, 0.9f}), "(2, 1)  RGB 0.25 1 2.5");
+  EXPECT_EQ(describe_pixel(frame, {1, -3}), "(3, 0)  RGB 0 0 0") << "the nearest pixel";
+  frame.buffer = "normal";
+  frame.channels = "XYZ";
+  frame.values.assign(8, {0, kInfinity, -1});
+  EXPECT_EQ(describe_pixel(frame, {0, 0}), "(0, 0)  RGB 0 0 0  \xc2\xb7  normal X 0 Y inf Z -1");
+  frame.buffer = "depth";
+  frame.channels = "Z";
+  EXPECT_EQ(describe_pixel(frame, {0, 0}), "(0, 0)  RGB 0 0 0  \xc2\xb7  depth 0") << "one channel needs no name";
+}
+
+TEST(Inspect, RangeLeavesOutliersAside) {
+  std::vector<Rgb> values;
+  for (int i = 0; i < 1000; ++i) values.emplace_back(static_cast<float>(i), 0, 0);
+  values.emplace_back(1e9f, 0, 0);
+  values.emplace_back(kInfinity, 0, 0);
+  const Vec2 range = value_range(values, 1);
+  EXPECT_NEAR(range.x, 10, 2);
+  EXPECT_NEAR(range.y, 990, 2);
+  EXPECT_EQ(value_range(std::vector<Rgb>(4, Rgb(3)), 1), Vec2(0, 3));
+  EXPECT_EQ(value_range({}, 1), Vec2(0, 1));
+}
+
+TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
+  Settings settings;
+  EXPECT_EQ(takes_effect_with(settings, "max-bounces"), "");
+  EXPECT_EQ(takes_effect_with(settings, "path.russian-roulette"), "");
+  settings.render.history = HistoryChoice::none;
+  EXPECT_EQ(takes_effect_with(settings, "accumulate.anything"), "history = accumulate");
+  EXPECT_EQ(takes_effect_with(settings, "unknown.anything"), "");
+}
+
+}  // namespace
+}  // namespace relume::viewer

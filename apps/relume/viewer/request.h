@@ -1,0 +1,115 @@
+// What passes between the interface's thread and the rendering thread: requests one way, frames and notices the other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/session.h"
+#include "render/settings.h"
+#include "scene/scene.h"
+
+namespace relume::viewer {
+
+/// A scene as it was loaded. Shared by both threads, so nobody changes it.
+struct LoadedScene {
+  std::string name;  ///< file or built-in scene, as the user gave it
+  Scene scene;
+};
+
+/// A value that replaces what the scene says, and when it was last set: versions count up over all edits of a scene.
+template <typename T>
+struct Edit {
+  T value{};
+  uint64_t version = 0;  ///< 0: never set
+};
+
+/// Everything that differs from the scene as it was loaded. A session takes on what is newer than what it has seen, and
+/// a new session all of it.
+struct SceneEdits {
+  Edit<std::optional<PlacedCamera>> camera;  ///< std::nullopt: that of the scene
+  Edit<float> time_s;
+  Edit<std::shared_ptr<const Environment>> environment;
+  std::map<Index, Edit<Transform>> nodes;
+  std::map<Index, Edit<PunctualLight>> lights;
+  std::map<Index, Edit<Material>> materials;
+  std::vector<Index> movable;  ///< nodes that `nodes` moves and that carry meshes
+  uint64_t version = 0;        ///< the newest of all
+};
+
+/// How resolution gives way to speed.
+struct Pace {
+  bool hold_rate = true;      ///< scale the resolution until `target_hz` is met
+  float target_hz = 10;       ///< rendered frames a second
+  bool full_at_rest = true;   ///< full resolution when nothing has changed for a moment
+  float rest_after_s = 0.4f;  ///< that moment
+};
+
+inline constexpr int kSides = 2;  ///< A and B
+
+/// What the user wants to see. The newest one counts.
+struct RenderRequest {
+  uint64_t version = 0;
+  uint64_t picture_version = 0;  ///< changes only where the picture does; what else changes disturbs no rest
+  std::shared_ptr<const LoadedScene> scene;
+  SceneEdits edits;
+  std::array<Settings, kSides> settings;
+  bool split = false;  ///< render B too
+  bool paused = false;
+  Pace pace;
+  std::string buffer;  ///< to inspect; empty: the picture
+};
+
+/// A buffer that can be inspected.
+struct BufferInfo {
+  std::string name;
+  std::string help;
+};
+
+/// A complete frame, with all that the interface shows of it.
+struct ViewerFrame {
+  uint64_t serial = 0;           ///< counts the frames of this side
+  uint64_t request_version = 0;  ///< of the request that it follows
+  std::shared_ptr<const LoadedScene> scene;
+  int width = 0;
+  int height = 0;
+  int full_width = 0;  ///< without scaling
+  int full_height = 0;
+  std::vector<Rgb> radiance;
+  std::string buffer;         ///< name of the inspected one; empty: the picture
+  std::string channels;       ///< its channels, one letter each, at most three
+  std::vector<Rgb> values;    ///< its values; missing channels are 0
+  Vec2 value_range{0, 1};     ///< 1st and 99th percentile of its finite values
+  uint32_t samples = 0;       ///< since the last change
+  double seconds = 0;         ///< that the frame took
+  double rays_per_s = 0;      ///< of this frame
+  bool reached_goal = false;  ///< --spp, --time or --error asks for no more
+  std::vector<PassTime> passes;
+  PlacedCamera camera;
+  float time_s = 0;
+  Statistics statistics;
+  std::vector<BufferInfo> buffers;
+  std::vector<std::string> notes;
+};
+
+/// What lies under a point of the picture.
+struct PickResult {
+  bool hit = false;
+  Index node = kNone;
+  Index material = kNone;
+  Vec3 position{0};
+  float distance = 0;
+};
+
+/// Something to tell the user.
+struct Notice {
+  bool problem = false;
+  std::string text;
+  std::shared_ptr<const LoadedScene> refused_scene = nullptr;  ///< this scene could not be compiled
+};
+
+}  // namespace relume::viewer

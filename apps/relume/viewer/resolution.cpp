@@ -1,0 +1,67 @@
+#include "viewer/resolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relume::viewer {
+namespace {
+
+constexpr double kPixelsPerStep = 1.4142135623730951;
+constexpr double kTooSlow = 1.05;     // share of the budget above which the picture shrinks
+constexpr double kAimedAt = 0.9;      // share of the budget that a new size is chosen for
+constexpr double kAffordable = 0.85;  // share that the next larger size must be expected to stay below
+constexpr int kSlowFrames = 2;        // one slow frame may be the system's fault
+constexpr int kFastFrames = 12;
+constexpr int kFastFramesAtFirst = 3;  // nothing is lost yet that a change of size would cost
+
+float scale_of(int step) { return static_cast<float>(std::pow(kPixelsPerStep, -0.5 * step)); }
+
+/// The scale at which one side is as short as it may be.
+float smallest_scale(const IVec2& full) {
+  return min(1.0f, max(static_cast<float>(kMinWidth) / static_cast<float>(full.x),
+                       static_cast<float>(kMinHeight) / static_cast<float>(full.y)));
+}
+
+}  // namespace
+
+int ResolutionControl::smallest_step(const IVec2& full) const {
+  int step = 0;
+  while (scale_of(step) > smallest_scale(full)) ++step;
+  return step;
+}
+
+IVec2 ResolutionControl::size(const IVec2& full) const {
+  const float scale = max(scale_of(step_), smallest_scale(full));
+  const auto side = [&](int length) { return static_cast<int>(std::lround(static_cast<float>(length) * scale)); };
+  return {side(full.x), side(full.y)};
+}
+
+void ResolutionControl::go_to(int step) {
+  if (step == step_) return;
+  step_ = step;
+  slow_ = fast_ = 0;
+  fresh_ = true;
+}
+
+void ResolutionControl::frame_done(double seconds, double budget_s, const IVec2& full) {
+  const int smallest = smallest_step(full);
+  if (step_ > smallest) go_to(smallest);
+  if (fresh_) {
+    fresh_ = false;
+    return;
+  }
+  slow_ = seconds > kTooSlow * budget_s ? slow_ + 1 : 0;
+  const bool fast = step_ > 0 && seconds * kPixelsPerStep < kAffordable * budget_s;
+  slowest_s_ = fast_ > 0 ? std::max(slowest_s_, seconds) : seconds;
+  fast_ = fast ? fast_ + 1 : 0;
+  if (slow_ >= kSlowFrames) {
+    const double steps = std::log(seconds / (kAimedAt * budget_s)) / std::log(kPixelsPerStep);
+    searching_ = false;
+    go_to(std::min(smallest, step_ + std::max(1, static_cast<int>(std::ceil(steps)))));
+  } else if (fast_ >= (searching_ ? kFastFramesAtFirst : kFastFrames)) {
+    const double steps = std::log(kAffordable * budget_s / std::max(slowest_s_, 1e-9)) / std::log(kPixelsPerStep);
+    go_to(std::max(0, step_ - static_cast<int>(std::min(steps, static_cast<double>(smallest)))));
+  }
+}
+
+}  // namespace relume::viewer

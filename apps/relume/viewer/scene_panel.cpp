@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <imgui/imgui.h>
+#include <imgui/imgui_stdlib.h>
+
+#include "scene/builtin.h"
+#include "viewer/actions.h"
+#include "viewer/panels.h"
+#include "viewer/theme.h"
+#include "viewer/widgets.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr int kRows = 7;  // that a list shows at once
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::string label_of(const std::string& name, const char* kind, size_t index) {
+  return name.empty() ? fmt::format("{} {}", kind, index) : name;
+}
+
+/// A list with a filter above it if it is long. `label(i)` is empty for what does not belong in it.
+template <typename Label>
+void draw_list(State& state, const char* title, size_t count, Selected kind, std::string& filter, const Label& label) {
+  const std::string wanted = lower(filter);
+  std::vector<std::pair<size_t, std::string>> rows;
+  for (size_t i = 0; i < count; ++i) {
+    std::string text = label(i);
+    if (!text.empty() && lower(text).find(wanted) != std::string::npos) rows.emplace_back(i, std::move(text));
+  }
+  if (rows.empty() && filter.empty()) return;
+  const std::string header = fmt::format("{} ({})###{}", title, rows.size(), title);
+  if (!ImGui::CollapsingHeader(header.c_str(), ImGuiTreeNodeFlags_DefaultOpen)) return;
+  ImGui::PushID(title);
+  if (rows.size() > kRows || !filter.empty()) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::InputTextWithHint("##filter", "filter", &filter);
+  }
+  const float height = ImGui::GetTextLineHeightWithSpacing();
+  ImGui::BeginChild("rows", {0, height * static_cast<float>(std::clamp<size_t>(rows.size(), 1, kRows)) + 4});
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()));
+  while (clipper.Step()) {
+    for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row) {
+      const auto& [index, text] = rows[static_cast<size_t>(row)];
+      ImGui::PushID(row);
+      const bool chosen = state.selection.kind == kind && state.selection.index == static_cast<Index>(index);
+      if (ImGui::Selectable(text.c_str(), chosen)) select(state, {kind, static_cast<Index>(index)});
+      ImGui::PopID();
+    }
+  }
+  ImGui::EndChild();
+  ImGui::PopID();
+}
+
+void draw_open(State& state) {
+  ImGui::SetNextItemWidth(-1);
+  const std::string shown = state.loading.valid() ? "loading " + state.loading_name + " ..." : state.document->name();
+  if (ImGui::BeginCombo("##open", shown.c_str())) {
+    for (const BuiltinScene& scene : builtin_scenes()) {
+      if (ImGui::Selectable(std::string(scene.name).c_str())) open_scene(state, std::string(scene.name));
+      tooltip(std::string(scene.summary));
+    }
+    ImGui::EndCombo();
+  }
+  tooltip("Built-in scenes. For others, drop a file on the window.");
+}
+
+void draw_time(State& state) {
+  const float end = state.document->duration_s();
+  if (!(end > 0)) return;
+  heading("Time");
+  if (ImGui::Button(state.animating ? "Pause" : "Play")) state.animating = !state.animating;
+  tooltip("Plays the animation in real time, round and round [P]");
+  ImGui::SameLine();
+  float time = state.document->time_s();
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##time", &time, 0, end, "%.2f s")) {
+    state.document->set_time(time);
+    state.touch();
+  }
+}
+
+}  // namespace
+
+void select(State& state, const Selection& selection) {
+  state.selection = selection;
+  const Index node = selected_node(state);
+  if (node == kNone || !state.document->make_movable(node)) return;
+  state.tell("compiling the scene so that this can move");
+  state.touch();
+}
+
+void draw_scene_panel(State& state) {
+  if (!state.document) return;
+  draw_open(state);
+  ImGui::BeginChild("scene");
+  draw_selection(state);
+  draw_time(state);
+  draw_environment(state);
+  heading("Contents");
+  static std::string light_filter;  // of the widgets, not of the scene
+  static std::string node_filter;
+  static std::string material_filter;
+  const Scene& scene = state.document->outline();
+  draw_list(state, "Lights", scene.lights.size(), Selected::light, light_filter,
+            [&](size_t i) { return label_of(scene.lights[i].name, "light", i); });
+  draw_list(state, "Objects", scene.nodes.size(), Selected::node, node_filter, [&](size_t i) {
+    return scene.nodes[i].meshes.empty() ? std::string() : label_of(scene.nodes[i].name, "object", i);
+  });
+  draw_list(state, "Materials", scene.materials.size(), Selected::material, material_filter, [&](size_t i) {
+    const std::string name = label_of(scene.materials[i].name, "material", i);
+    return is_black(scene.materials[i].emission) ? name : name + " (emits)";
+  });
+  if (state.frame() && !state.frame()->notes.empty()) {
+    heading("Notes");
+    for (const std::string& note : state.frame()->notes) ImGui::TextWrapped("%s", note.c_str());
+  }
+  ImGui::EndChild();
+}
+
+}  // namespace relume::viewer

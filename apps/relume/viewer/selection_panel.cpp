@@ -1,0 +1,146 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <imgui/imgui.h>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "viewer/panels.h"
+#include "viewer/sun_path.h"
+#include "viewer/theme.h"
+#include "viewer/widgets.h"
+
+namespace relume::viewer {
+namespace {
+
+void draw_transform(State& state, Index node) {
+  Document& document = *state.document;
+  Transform t = document.transform(node);
+  const float step = max(0.001f, 0.0005f * document.bounds(kNone == node ? 0 : node).diagonal());
+  Vec3 rotation_deg = glm::degrees(glm::eulerAngles(t.rotation));
+  bool changed = ImGui::DragFloat3("position", &t.translation.x, max(step, 0.005f), 0, 0, "%.3f");
+  tooltip("Metres, below the parent. Ctrl and the mouse move it in the picture.");
+  if (ImGui::DragFloat3("rotation", &rotation_deg.x, 0.5f, 0, 0, "%.1f")) {
+    t.rotation = glm::quat(glm::radians(rotation_deg));
+    changed = true;
+  }
+  changed |= ImGui::DragFloat3("scale", &t.scale.x, 0.005f, 0.001f, 1000, "%.3f");
+  if (!changed) return;
+  document.set_transform(node, t);
+  state.touch();
+}
+
+void draw_light(State& state, Index index) {
+  PunctualLight light = state.document->outline().lights[static_cast<size_t>(index)];
+  const bool directional = light.type == PunctualType::directional;
+  bool changed = radiant_widget("intensity", light.intensity, directional ? "W/m\xc2\xb2" : "W/sr");
+  if (light.type == PunctualType::spot) {
+    changed |= angle_widget("outer cone", light.outer_cone_rad, 1, 90);
+    changed |= angle_widget("inner cone", light.inner_cone_rad, 0, glm::degrees(light.outer_cone_rad));
+    light.inner_cone_rad = min(light.inner_cone_rad, light.outer_cone_rad);
+  }
+  if (directional) changed |= angle_widget("diameter", light.angular_diameter_rad, 0, 10);
+  if (changed) {
+    state.document->set_light(index, light);
+    state.touch();
+  }
+  const Index node = state.document->node_of_light(index);
+  if (node != kNone) draw_transform(state, node);
+}
+
+void draw_material(State& state, Index index) {
+  Material m = state.document->outline().materials[static_cast<size_t>(index)];
+  bool changed = ImGui::ColorEdit3("base color", &m.base_color.x, ImGuiColorEditFlags_Float);
+  changed |= share_widget("metallic", m.metallic, "0: a dielectric, 1: a metal");
+  changed |=
+      share_widget("roughness", m.roughness, "Perceptual; the square is the width of the microfacet distribution");
+  changed |= radiant_widget("emission", m.emission, "W/(sr m\xc2\xb2)");
+  changed |= share_widget("transmission", m.transmission, "How much goes through instead of being scattered back");
+  changed |= ImGui::SliderFloat("ior", &m.ior, 1, 3, "%.3f", ImGuiSliderFlags_AlwaysClamp);
+  changed |= share_widget("specular", m.specular, "Strength of the dielectric reflection");
+  changed |= share_widget("clearcoat", m.clearcoat, "A second, clear layer on top");
+  changed |= share_widget("coat roughness", m.clearcoat_roughness, "Of that layer");
+  if (!changed) return;
+  state.document->set_material(index, m);
+  state.touch();
+}
+
+void draw_sun(State& state, SunSky& sky, bool& changed) {
+  bool moved = ImGui::SliderFloat("time of day", &state.sun_hour, 0, 24, "%.2f h", ImGuiSliderFlags_AlwaysClamp);
+  tooltip("Solar time: the sun goes along its path for the latitude and day below; +Z is south, +X is east");
+  moved |= ImGui::SliderInt("day of year", &state.sun_day, 1, 365, "%d", ImGuiSliderFlags_AlwaysClamp);
+  moved |= ImGui::SliderFloat("latitude", &state.latitude_deg, -66, 66, "%.0f\xc2\xb0", ImGuiSliderFlags_AlwaysClamp);
+  if (moved) {
+    const SunPosition sun = sun_position(state.sun_hour, state.sun_day, glm::radians(state.latitude_deg));
+    sky.sun_elevation_rad = sun.elevation_rad;
+    sky.sun_azimuth_rad = sun.azimuth_rad;
+    changed = true;
+  }
+  changed |= angle_widget("elevation", sky.sun_elevation_rad, -10, 90);
+  changed |= angle_widget("azimuth", sky.sun_azimuth_rad, -180, 180);
+  changed |= ImGui::SliderFloat("turbidity", &sky.turbidity, 1.7f, 10, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+  tooltip("1.7: clear, 10: hazy");
+  changed |= ImGui::SliderFloat("sky", &sky.sky_scale, 0, 4, "%.2f");
+  changed |= ImGui::SliderFloat("sun", &sky.sun_scale, 0, 4, "%.2f");
+}
+
+}  // namespace
+
+void draw_environment(State& state) {
+  heading("Environment");
+  Environment e = state.document->outline().environment;
+  constexpr const char* kKinds[] = {"none", "constant", "map", "sun and sky"};
+  bool changed = false;
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##kind", kKinds[static_cast<int>(e.kind)])) {
+    for (int kind = 0; kind < 4; ++kind) {
+      const bool possible = kind != static_cast<int>(EnvironmentKind::map) || state.document->has_environment_map();
+      ImGui::BeginDisabled(!possible);
+      if (ImGui::Selectable(kKinds[kind])) {
+        e.kind = static_cast<EnvironmentKind>(kind);
+        changed = true;
+      }
+      ImGui::EndDisabled();
+      if (!possible) tooltip("The scene has no map; give one with --env FILE or the setting 'env'.");
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+  if (e.kind == EnvironmentKind::constant || e.kind == EnvironmentKind::map)
+    changed |= radiant_widget(e.kind == EnvironmentKind::map ? "factor" : "radiance", e.color, "");
+  if (e.kind == EnvironmentKind::map) changed |= angle_widget("rotation", e.rotation_rad, -180, 180);
+  if (e.kind == EnvironmentKind::sun_sky) draw_sun(state, e.sun_sky, changed);
+  ImGui::PopItemWidth();
+  if (!changed) return;
+  state.document->set_environment(e);
+  state.touch();
+}
+
+void draw_selection(State& state) {
+  const Selection selection = state.selection;
+  if (selection.kind == Selected::nothing) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kTextDim);
+    ImGui::TextWrapped("Click something in the picture, or choose from the lists below, to change it.");
+    ImGui::PopStyleColor();
+    return;
+  }
+  const Scene& scene = state.document->outline();
+  const auto at = static_cast<size_t>(selection.index);
+  const std::string name = selection.kind == Selected::node    ? scene.nodes[at].name
+                           : selection.kind == Selected::light ? scene.lights[at].name
+                                                               : scene.materials[at].name;
+  constexpr const char* kKinds[] = {"", "Object", "Light", "Material"};
+  heading(
+      fmt::format("{} {}", kKinds[static_cast<int>(selection.kind)], name.empty() ? std::to_string(at) : name).c_str());
+  ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+  if (selection.kind == Selected::node) draw_transform(state, selection.index);
+  if (selection.kind == Selected::light) draw_light(state, selection.index);
+  if (selection.kind == Selected::material) draw_material(state, selection.index);
+  ImGui::PopItemWidth();
+  if (selection.kind == Selected::node && !scene.nodes[at].meshes.empty()) {
+    const Index material = scene.meshes[static_cast<size_t>(scene.nodes[at].meshes.front())].material;
+    if (material != kNone && ImGui::Button("Its material")) state.selection = {Selected::material, material};
+  }
+}
+
+}  // namespace relume::viewer

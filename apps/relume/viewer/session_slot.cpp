@@ -1,0 +1,69 @@
+#include "viewer/session_slot.h"
+
+#include <algorithm>
+
+#include "viewer/inspect.h"
+
+namespace relume::viewer {
+
+void SessionSlot::compile(const RenderRequest& request, const RenderSettings& settings) {
+  // The old session stays until the new one stands: a scene that cannot be compiled leaves everything as it was.
+  Session fresh(request.scene->scene, settings, request.edits.movable);
+  session_ = std::move(fresh);
+  scene_ = request.scene;
+  movable_ = request.edits.movable;
+  applied_ = 0;
+}
+
+void SessionSlot::apply(const SceneEdits& edits) {
+  const auto newer = [&](const auto& edit) { return edit.version > applied_; };
+  if (newer(edits.time_s)) session_->set_time(edits.time_s.value);
+  if (newer(edits.camera)) session_->set_camera(edits.camera.value);
+  if (newer(edits.environment)) session_->set_environment(*edits.environment.value);
+  for (const auto& [node, edit] : edits.nodes) {
+    if (newer(edit)) session_->set_transform(node, edit.value);
+  }
+  for (const auto& [light, edit] : edits.lights) {
+    if (newer(edit)) session_->set_light(light, edit.value);
+  }
+  for (const auto& [material, edit] : edits.materials) {
+    if (newer(edit)) session_->set_material(material, edit.value);
+  }
+  applied_ = std::max(applied_, edits.version);
+}
+
+void SessionSlot::update(const RenderRequest& request, int side, const IVec2& size) {
+  RenderSettings settings = request.settings[static_cast<size_t>(side)].render;
+  settings.width = size.x;
+  settings.height = size.y;
+  settings.auxiliary = needs_auxiliary(settings, request.buffer);
+  // Time passes through set_time(), so that an animation does not count as another setting.
+  if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;
+  const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable;
+  if (compiled) {
+    apply(request.edits);
+    if (session_->set_settings(settings)) return;
+  }
+  compile(request, settings);
+  apply(request.edits);
+}
+
+PickResult pick(const Session& session, const Vec2& point) {
+  const CompiledScene& scene = session.scene();
+  const SceneView& view = scene.view();
+  CameraView camera = view.camera;
+  camera.lens_radius = 0;
+  const Ray ray = generate(camera, point * camera.resolution, Vec2(0));
+  const Hit hit = intersect(view.accel, ray, 0);
+  PickResult result;
+  if (!hit.valid()) return result;
+  result.hit = true;
+  result.node = scene.node_of(hit.instance);
+  const auto material = static_cast<size_t>(view.meshes[view.instances[hit.instance].mesh].material);
+  if (material < scene.source().materials.size()) result.material = static_cast<Index>(material);
+  result.position = ray.origin + ray.direction * hit.t;
+  result.distance = hit.t;
+  return result;
+}
+
+}  // namespace relume::viewer

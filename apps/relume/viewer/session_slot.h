@@ -1,0 +1,36 @@
+// One side of the viewer: a session that follows requests.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "viewer/request.h"
+
+namespace relume::viewer {
+
+class SessionSlot {
+ public:
+  /// Makes the session what `request` asks of this side, at `size` pixels: takes on settings and edits, and compiles
+  /// the scene anew only where the session cannot. Throws Error; the session then is as it was, if there was one.
+  void update(const RenderRequest& request, int side, const IVec2& size);
+
+  void close() { session_.reset(); }
+  Session* session() { return session_ ? &*session_ : nullptr; }
+  const Session* session() const { return session_ ? &*session_ : nullptr; }
+  const std::shared_ptr<const LoadedScene>& scene() const { return scene_; }
+
+ private:
+  void compile(const RenderRequest& request, const RenderSettings& settings);
+  void apply(const SceneEdits& edits);
+
+  std::optional<Session> session_;
+  std::shared_ptr<const LoadedScene> scene_;
+  std::vector<Index> movable_;
+  uint64_t applied_ = 0;  ///< newest edit that the session has taken on
+};
+
+/// What lies under a point of the picture, (0, 0) its top left corner and (1, 1) the opposite one.
+PickResult pick(const Session& session, const Vec2& point);
+
+}  // namespace relume::viewer

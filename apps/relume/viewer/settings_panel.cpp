@@ -1,0 +1,198 @@
+#include "viewer/settings_panel.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <imgui/imgui.h>
+#include <imgui/imgui_stdlib.h>
+
+#include "core/error.h"
+#include "render/presets.h"
+#include "viewer/theme.h"
+#include "viewer/widgets.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr double kUnbounded = 1e29;  // beyond it, SettingTraits has no bound
+
+bool bounded(const SettingTraits& t) { return t.min > -kUnbounded && t.max < kUnbounded; }
+
+bool int_widget(int* value, const SettingTraits& t) {
+  const auto low = static_cast<int>(std::max(t.min, -2147483648.0));
+  const auto high = static_cast<int>(std::min(t.max, 2147483647.0));
+  if (bounded(t) && t.max - t.min <= 64)
+    return ImGui::SliderInt("##v", value, low, high, "%d", ImGuiSliderFlags_AlwaysClamp);
+  const float speed = std::max(0.2f, static_cast<float>(std::abs(*value)) * 0.01f);
+  return ImGui::DragInt("##v", value, speed, low, high, "%d", ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool float_widget(float* value, const SettingTraits& t) {
+  const auto low = static_cast<float>(std::max(t.min, -3e38));
+  const auto high = static_cast<float>(std::min(t.max, 3e38));
+  std::string format = std::fabs(*value) > 0 && std::fabs(*value) < 0.01f ? "%.5f" : "%.3f";
+  if (!t.unit.empty()) format += " " + std::string(t.unit == "%" ? "%%" : t.unit);
+  if (bounded(t) && t.max - t.min <= 20)
+    return ImGui::SliderFloat("##v", value, low, high, format.c_str(), ImGuiSliderFlags_AlwaysClamp);
+  const float speed = std::max(0.002f, std::fabs(*value) * 0.01f);
+  return ImGui::DragFloat("##v", value, speed, low, high, format.c_str(), ImGuiSliderFlags_AlwaysClamp);
+}
+
+bool choice_widget(const Settings& settings, const Setting& setting, const ChoiceRef& choice) {
+  bool changed = false;
+  const std::string current(choice.names.at(static_cast<size_t>(*choice.value)));
+  if (!ImGui::BeginCombo("##v", current.c_str())) return false;
+  for (size_t i = 0; i < choice.names.size(); ++i) {
+    const std::string name(choice.names[i]);
+    const std::string reason = refusal(settings, setting.name, name);
+    ImGui::BeginDisabled(!reason.empty());
+    if (ImGui::Selectable(name.c_str(), *choice.value == static_cast<int>(i))) {
+      *choice.value = static_cast<int>(i);
+      changed = true;
+    }
+    ImGui::EndDisabled();
+    if (!reason.empty()) tooltip(reason);
+  }
+  ImGui::EndCombo();
+  return changed;
+}
+
+bool text_widget(std::string* value) {
+  // Names of files and cameras mean something only when they are complete.
+  ImGui::InputText("##v", value);
+  return ImGui::IsItemDeactivatedAfterEdit();
+}
+
+/// The widget for the setting's type. Returns whether the value changed.
+bool value_widget(const Settings& settings, const Setting& setting) {
+  if (const auto* flag = std::get_if<bool*>(&setting.value)) return ImGui::Checkbox("##v", *flag);
+  if (const auto* number = std::get_if<int*>(&setting.value)) return int_widget(*number, setting.traits);
+  if (const auto* number = std::get_if<float*>(&setting.value)) return float_widget(*number, setting.traits);
+  if (const auto* text = std::get_if<std::string*>(&setting.value)) return text_widget(*text);
+  return choice_widget(settings, setting, std::get<ChoiceRef>(setting.value));
+}
+
+std::string help_of(const Setting& setting, const Setting& standard, const std::string& inactive) {
+  std::string text = fmt::format("{}\n\n--{}: {}; default {}", setting.help, setting.name, describe_type(setting),
+                                 to_string(standard).empty() ? "empty" : to_string(standard));
+  if (setting.traits.resets_history) text += "\nA change drops what earlier frames have accumulated.";
+  if (setting.traits.biases) text += "\nSome values change the expected picture.";
+  if (!inactive.empty()) text += "\nTakes effect with " + inactive + ".";
+  return text;
+}
+
+/// One line: name, widget, and on a right click the default.
+bool setting_row(const Settings& settings, const Setting& setting, const Setting& standard) {
+  const std::string inactive = takes_effect_with(settings, setting.name);
+  const bool differs = load(setting) != load(standard);
+  ImGui::PushID(setting.name.c_str());
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  const ImU32 color = !inactive.empty() ? kTextDim : differs ? kAccent : ImGui::GetColorU32(ImGuiCol_Text);
+  ImGui::PushStyleColor(ImGuiCol_Text, color);
+  ImGui::TextUnformatted(setting.name.c_str());
+  ImGui::PopStyleColor();
+  const auto explain = [&] {
+    if (ImGui::IsItemHovered()) tooltip(help_of(setting, standard, inactive));
+  };
+  explain();
+  bool changed = false;
+  if (ImGui::BeginPopupContextItem("reset")) {
+    const std::string value = to_string(standard);
+    if (ImGui::MenuItem(("Reset to " + (value.empty() ? "empty" : value)).c_str(), nullptr, false, differs)) {
+      store(setting, load(standard));
+      changed = true;
+    }
+    ImGui::EndPopup();
+  }
+  ImGui::TableNextColumn();
+  ImGui::SetNextItemWidth(-1);
+  changed |= value_widget(settings, setting);
+  if (!ImGui::IsItemActive()) explain();
+  ImGui::PopID();
+  return changed;
+}
+
+void draw_presets(State& state) {
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##preset", "Apply a preset...")) return;
+  for (const Preset& preset : presets()) {
+    if (ImGui::Selectable(std::string(preset.name).c_str())) {
+      try {
+        apply_preset(state, state.edited_side, std::string(preset.name));
+        state.tell(fmt::format("{} uses the preset {}", state.edited_side == 0 ? "A" : "B", preset.name));
+      } catch (const Error& error) {
+        state.tell(error.what(), true);
+      }
+    }
+    tooltip(std::string(preset.summary));
+  }
+  ImGui::EndCombo();
+}
+
+void draw_sides(State& state) {
+  if (ImGui::Checkbox("Compare A and B", &state.split)) {
+    state.touch();
+    if (!state.split) state.edited_side = 0;
+  }
+  tooltip("Renders two settings in alternation; drag the line in the picture [B]");
+  if (!state.split) return;
+  ImGui::SameLine();
+  ImGui::RadioButton("edit A", &state.edited_side, 0);
+  ImGui::SameLine();
+  ImGui::RadioButton("edit B", &state.edited_side, 1);
+  if (ImGui::Button("Copy A to B")) {
+    state.settings[1] = state.settings[0];
+    state.touch();
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Swap")) {
+    std::swap(state.settings[0], state.settings[1]);
+    state.touch();
+  }
+}
+
+void draw_group(State& state, const SettingGroup& group, Settings& wanted, const SettingList& standard, bool& changed) {
+  const std::string title(group.title);
+  const bool rarely_used = title == "When to stop";
+  if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return;
+  tooltip(std::string(group.summary));
+  if (title == "Picture") {
+    ImGui::Checkbox("Size follows the window", &state.follow_window);
+  }
+  if (!ImGui::BeginTable(title.c_str(), 2)) return;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 0.5f);
+  ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 0.5f);
+  for (const Setting& setting : group.settings) {
+    const Setting* original = find_setting(standard, setting.name);
+    if (!setting_row(wanted, setting, *original)) continue;
+    changed = true;
+    if (setting.name == "width" || setting.name == "height") state.follow_window = false;
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void draw_settings_panel(State& state) {
+  draw_sides(state);
+  draw_presets(state);
+  Settings wanted = state.settings[static_cast<size_t>(state.edited_side)];
+  const SettingList standard = describe(state.defaults);
+  bool changed = false;
+  ImGui::BeginChild("settings");
+  std::vector<SettingGroup> groups = setting_groups(wanted);
+  std::stable_partition(groups.begin(), groups.end(), [](const SettingGroup& group) { return group.title == "Slots"; });
+  for (const SettingGroup& group : groups) draw_group(state, group, wanted, standard, changed);
+  ImGui::EndChild();
+  if (!changed) return;
+  try {
+    take_settings(state, state.edited_side, wanted);
+  } catch (const Error& error) {
+    state.tell(error.what(), true);
+  }
+}
+
+}  // namespace relume::viewer

@@ -1,0 +1,210 @@
+#include "viewer/state.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "platform.h"
+#include "render/build_pipeline.h"
+#include "render/presets.h"
+#include "scene_source.h"
+#include "settings/settings_json.h"
+
+namespace relume::viewer {
+namespace {
+
+constexpr double kToast_s = 5;
+constexpr double kProblemToast_s = 12;
+constexpr size_t kMostToasts = 5;
+
+/// FNV-1a: bookmarks of scenes of the same name in other folders stay apart.
+uint64_t hash_of(const std::string& text) {
+  uint64_t value = 14695981039346656037ull;
+  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  return value;
+}
+
+std::filesystem::path bookmarks_file_of(const std::string& scene) {
+  const std::string folder = cli::state_folder();
+  if (folder.empty()) return {};
+  std::error_code failure;
+  const std::filesystem::path file = std::filesystem::absolute(scene, failure);
+  const bool is_file = std::filesystem::exists(file, failure);
+  return std::filesystem::path(folder) / "bookmarks" /
+         fmt::format("{:016x}.json", hash_of(is_file ? file.string() : scene));
+}
+
+/// Those that belong to the scene that is shown.
+void load_bookmarks(State& state) {
+  state.bookmarks_file = bookmarks_file_of(state.document->name());
+  state.bookmarks.clear();
+  try {
+    if (!state.bookmarks_file.empty()) state.bookmarks = read_bookmarks(state.bookmarks_file);
+  } catch (const Error& error) {
+    state.tell(error.what(), true);
+  }
+}
+
+}  // namespace
+
+void FrameTimes::add(const ViewerFrame& frame) {
+  entries.push_back({frame.seconds, frame.passes});
+  if (entries.size() > kMost) entries.pop_front();
+  for (const PassTime& pass : frame.passes) {
+    if (std::find(names.begin(), names.end(), pass.name) == names.end()) names.push_back(pass.name);
+  }
+}
+
+void State::tell(const std::string& text, bool problem) {
+  std::erase_if(toasts, [&](const Toast& toast) { return toast.text == text; });
+  toasts.push_back({text, problem, now_s + (problem ? kProblemToast_s : kToast_s)});
+  if (toasts.size() > kMostToasts) toasts.pop_front();
+}
+
+void open_scene(State& state, const std::string& name) {
+  if (state.loading.valid()) return state.tell("a scene is being loaded already; wait for it");
+  state.loading_name = name;
+  state.loading = std::async(std::launch::async, [name] {
+    cli::lower_thread_priority();
+    return std::make_shared<const LoadedScene>(LoadedScene{name, cli::open_scene(name)});
+  });
+}
+
+void finish_loading(State& state) {
+  if (!state.loading.valid() || state.loading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    show_document(state, state.loading.get(), false);
+    state.tell("opened " + state.document->name());
+    const size_t warnings = state.document->loaded()->scene.warnings.size();
+    if (warnings > 0) state.tell(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
+  } catch (const std::exception& error) {
+    state.tell(error.what(), true);
+  }
+}
+
+void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first) {
+  if (!first) state.previous_document = std::move(state.document);
+  if (!first) {
+    for (Settings& settings : state.settings) {
+      settings.render.camera.clear();  // names belong to the scene before
+      settings.render.time_s = 0;
+      settings.scene.env.clear();
+      if (!loaded->scene.settings_json.empty())
+        settings_from_json(describe(settings), loaded->scene.settings_json, loaded->name);
+    }
+  }
+  state.document.emplace(std::move(loaded));
+  state.selection = {};
+  state.flying = state.animating = false;
+  state.path = {};
+  const float size = state.document->bounds().diagonal();
+  state.fly.speed = clamp(0.15f * size, 0.01f, 100.0f);
+  load_bookmarks(state);
+  state.document->set_time(state.settings[0].render.time_s);
+  state.touch();
+}
+
+void revert_document(State& state) {
+  if (!state.previous_document) return;
+  state.document = std::move(state.previous_document);
+  state.previous_document.reset();
+  load_bookmarks(state);
+  state.selection = {};
+  state.flying = state.document->edits().camera.value.has_value();
+  state.touch();
+}
+
+void take_settings(State& state, int side, const Settings& wanted) {
+  Settings& current = state.settings[static_cast<size_t>(side)];
+  check_combination(wanted.render);
+  if (wanted.scene.env != current.scene.env && state.document) {
+    Scene scene;
+    scene.environment = state.document->loaded()->scene.environment;
+    apply(wanted.scene, scene);
+    state.document->replace_environment(std::move(scene.environment));
+  }
+  if (wanted.render.time_s != current.render.time_s && state.document) state.document->set_time(wanted.render.time_s);
+  if (wanted.render.camera != current.render.camera) release_camera(state);
+  current = wanted;
+  // One picture, one scene: what is not a matter of technique is the same on both sides.
+  Settings& other = state.settings[static_cast<size_t>(1 - side)];
+  other.scene = current.scene;
+  other.render.camera = current.render.camera;
+  other.render.time_s = current.render.time_s;
+  other.render.width = current.render.width;
+  other.render.height = current.render.height;
+  state.touch();
+}
+
+void change_setting(State& state, int side, const std::string& name, const std::string& text) {
+  Settings wanted = state.settings[static_cast<size_t>(side)];
+  const SettingList list = describe(wanted);
+  assign(require_setting(list, name, "set"), text, "");
+  if (name == "width" || name == "height") state.follow_window = false;
+  take_settings(state, side, wanted);
+}
+
+void apply_preset(State& state, int side, const std::string& name) {
+  Settings wanted = state.settings[static_cast<size_t>(side)];
+  const StopSettings stop = wanted.stop;
+  settings_from_json(describe(wanted), require_preset(name).json, "preset " + name);
+  wanted.stop = stop;  // a preset's number of samples is for pictures that end
+  take_settings(state, side, wanted);
+}
+
+PlacedCamera current_camera(const State& state) {
+  if (state.document && state.document->edits().camera.value) return *state.document->edits().camera.value;
+  return state.frame() ? state.frame()->camera : PlacedCamera{};
+}
+
+Viewpoint current_view(const State& state) {
+  const PlacedCamera placed = current_camera(state);
+  FlyCamera fly;
+  fly.place(placed.to_world);
+  return {fly.eye(), fly.rotation(), placed.camera.fov_y_rad};
+}
+
+void set_view(State& state, const Viewpoint& view) {
+  PlacedCamera placed = current_camera(state);
+  state.fly.place(view.eye, view.rotation);
+  state.flying = true;
+  placed.to_world = state.fly.to_world();
+  placed.camera.fov_y_rad = view.fov_y_rad;
+  state.document->set_camera(placed);
+  state.touch();
+}
+
+void release_camera(State& state) {
+  state.flying = false;
+  if (state.document && state.document->edits().camera.value) state.document->set_camera(std::nullopt);
+  state.touch();
+}
+
+void save_bookmarks(State& state) {
+  if (state.bookmarks_file.empty()) return;
+  try {
+    write_bookmarks(state.bookmarks_file, state.bookmarks);
+  } catch (const Error& error) {
+    state.tell(error.what(), true);
+  }
+}
+
+RenderRequest make_request(const State& state, uint64_t version, uint64_t picture_version) {
+  RenderRequest request;
+  request.version = version;
+  request.picture_version = picture_version;
+  request.settings = state.settings;
+  request.split = state.split;
+  request.paused = state.paused;
+  request.pace = state.pace;
+  request.buffer = state.buffer;
+  if (!state.document) return request;
+  request.scene = state.document->loaded();
+  request.edits = state.document->edits();
+  return request;
+}
+
+}  // namespace relume::viewer

@@ -1,0 +1,158 @@
+// What the interface knows and decides. Panels show it and change it; once a frame of the interface it becomes a
+// request.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/camera_path.h"
+#include "viewer/document.h"
+#include "viewer/fly_camera.h"
+#include "viewer/gl_picture.h"
+#include "viewer/render_thread.h"
+#include "viewer/request.h"
+
+namespace relume::viewer {
+
+enum class Panel : int { settings, scene, camera, buffers };
+
+/// How the inspected buffer is shown.
+struct Inspector {
+  bool automatic = true;  ///< range and mode follow the buffer
+  Development development;
+  bool loupe = false;
+  int loupe_zoom = 8;
+};
+
+enum class Selected : int { nothing, node, light, material };
+
+struct Selection {
+  Selected kind = Selected::nothing;
+  Index index = kNone;
+};
+
+struct Toast {
+  std::string text;
+  bool problem = false;
+  double until_s = 0;
+};
+
+/// Passes of the latest frames of one side, for the graph.
+struct FrameTimes {
+  static constexpr size_t kMost = 240;
+  struct Entry {
+    double seconds = 0;
+    std::vector<PassTime> passes;
+  };
+  std::deque<Entry> entries;
+  std::vector<std::string> names;  ///< of passes, in the order in which they first appeared
+  void add(const ViewerFrame& frame);
+};
+
+/// Recording and playing camera paths.
+struct PathTools {
+  CameraPath path;
+  bool recording = false;
+  bool playing = false;
+  double since_s = 0;   ///< when recording or playing began
+  float spacing_s = 2;  ///< between key frames that are added one by one
+};
+
+struct State {
+  std::optional<Document> document;
+  std::optional<Document> previous_document;  ///< shown again if the new one cannot be compiled
+  std::future<std::shared_ptr<const LoadedScene>> loading;
+  std::string loading_name;
+
+  std::array<Settings, kSides> settings;
+  Settings defaults;  ///< what "reset" goes back to
+  int edited_side = 0;
+  bool split = false;
+  float split_at = 0.5f;
+  bool follow_window = true;  ///< the picture's size is that of its place in the window
+  bool paused = false;
+  Pace pace;
+
+  std::string buffer;
+  Inspector inspector;
+  FlyCamera fly;
+  Vec2 look_px{0};      ///< mouse movement that turns the camera, for the next update
+  bool flying = false;  ///< the user's camera, not the scene's
+  std::vector<Bookmark> bookmarks;
+  std::filesystem::path bookmarks_file;  ///< empty: not kept
+  PathTools path;
+  Selection selection;
+  std::future<PickResult> picked;  ///< under way
+  bool pick_focuses = false;       ///< it is for the lens, not for selecting
+  bool animating = false;
+  float sun_hour = 12;
+  int sun_day = 172;
+  float latitude_deg = 48;
+
+  Panel panel = Panel::settings;
+  bool panel_wanted = false;  ///< `panel` was chosen elsewhere than on its tab
+  bool show_panels = true;
+  bool show_help = false;
+  bool sharp_pixels = false;
+  std::deque<Toast> toasts;
+
+  std::array<std::shared_ptr<const ViewerFrame>, kSides> frames;
+  std::array<FrameTimes, kSides> times;
+  double frames_per_s = 0;  ///< rendered, both sides together counting as one
+  double interface_hz = 0;
+
+  RenderThread* renderer = nullptr;
+  bool request_changed = true;
+  bool picture_changed = true;
+
+  /// The picture will differ.
+  void touch() { request_changed = picture_changed = true; }
+  void tell(const std::string& text, bool problem = false);
+  double now_s = 0;
+
+  const ViewerFrame* frame() const { return frames[0].get(); }
+  int sides() const { return split ? 2 : 1; }
+};
+
+/// Starts to load a scene; the one that is shown stays until it is there.
+void open_scene(State& state, const std::string& name);
+
+/// Takes the loaded scene if it has arrived.
+void finish_loading(State& state);
+
+/// Shows a scene. The first comes with its settings resolved; later ones bring the settings that their file asks for.
+void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first);
+
+/// Goes back to the scene before, if there is one: the present one cannot be shown.
+void revert_document(State& state);
+
+/// Sets a setting of a side as its flag would. Throws Error; nothing is changed then.
+void change_setting(State& state, int side, const std::string& name, const std::string& text);
+
+/// Replaces settings of a side: checks that they combine, and takes an environment on that they name. Throws Error.
+void take_settings(State& state, int side, const Settings& settings);
+
+/// Applies a preset to a side. Throws Error.
+void apply_preset(State& state, int side, const std::string& name);
+
+/// The camera that is shown: the user's, or the scene's.
+PlacedCamera current_camera(const State& state);
+
+/// Puts the camera somewhere; it is the user's from now on.
+void set_view(State& state, const Viewpoint& view);
+Viewpoint current_view(const State& state);
+
+/// Goes back to the scene's camera.
+void release_camera(State& state);
+
+void save_bookmarks(State& state);
+
+RenderRequest make_request(const State& state, uint64_t version, uint64_t picture_version);
+
+}  // namespace relume::viewer

@@ -1,0 +1,26 @@
+// What `relume view` was asked to do, and the doing.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+
+namespace relume::cli {
+
+struct ViewOptions {
+  std::string scene = "cornell";
+  std::string preset;
+  std::string settings_file;
+  std::string script;      ///< file of steps; empty: none
+  std::string screenshot;  ///< of the window, at the end; empty: none
+  int smoke = 0;           ///< frames to render without showing a window; 0: an ordinary window
+  float target_hz = 10;
+  std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
+};
+
+/// Returns the exit code. Throws Error.
+int run_view(const ViewOptions& options, const Verbosity& verbosity);
+
+}  // namespace relume::cli

@@ -1,0 +1,88 @@
+// The picture: drawn, split, magnified, and worked in with mouse and keys.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+
+#include <imgui/imgui.h>
+
+#include "viewer/gl_picture.h"
+#include "viewer/state.h"
+
+namespace relume::viewer {
+
+/// A rectangle of the window, in pixels of the interface.
+struct Rect {
+  ImVec2 at{0, 0};
+  ImVec2 size{0, 0};
+
+  bool contains(const ImVec2& p) const {
+    return p.x >= at.x && p.y >= at.y && p.x < at.x + size.x && p.y < at.y + size.y;
+  }
+  ImVec2 end() const { return {at.x + size.x, at.y + size.y}; }
+};
+
+/// Binds an OpenGL sampler from within a draw list; the callback's data is its name.
+void bind_sampler(const ImDrawList*, const ImDrawCmd* command);
+
+/// A texture as ImGui names it.
+inline ImTextureID as_texture(GLuint name) { return std::bit_cast<ImTextureID>(uintptr_t{name}); }
+inline void* as_callback_data(GLuint name) { return std::bit_cast<void*>(uintptr_t{name}); }
+
+class Viewport {
+ public:
+  /// Takes new frames to the graphics card and develops them.
+  void update(State& state);
+
+  /// Draws into `room` and handles the mouse there.
+  void draw(State& state, const Rect& room);
+
+  /// Where the picture was drawn last.
+  const Rect& picture() const { return picture_; }
+
+  /// Counts changes of what the pictures' textures hold.
+  uint64_t version() const { return version_; }
+
+  /// Point of the picture under the mouse, (0, 0) its top left corner.
+  Vec2 point_under_mouse() const;
+
+  /// What describe_pixel() said of the pixel under the mouse, of the side that is shown there, when this was drawn
+  /// last; empty outside.
+  const std::string& values_under_mouse() const { return under_mouse_; }
+
+ private:
+  Development development(const State& state, int side) const;
+  void draw_picture(State& state);
+  void draw_split(State& state);
+  void draw_selection_box(const State& state) const;
+  void draw_lights(State& state);
+  void draw_overlay(const State& state) const;
+  void draw_loupe(const State& state) const;
+  std::string describe_under_mouse(const State& state) const;
+  void draw_values() const;
+  void handle_mouse(State& state);
+  bool project(const State& state, const Vec3& p, ImVec2& at) const;
+
+  enum class Drag { none, look, move, split };
+
+  Developer developer_;
+  std::array<Picture, kSides> pictures_;
+  std::array<uint64_t, kSides> uploaded_{};
+  std::array<bool, kSides> shows_buffer_{};
+  uint64_t version_ = 0;
+  Rect picture_;
+  Drag drag_ = Drag::none;
+  float dragged_px_ = 0;
+  std::string under_mouse_;
+  double size_wanted_s_ = 0;
+};
+
+/// Flies, and does what keys ask for.
+void handle_keys(State& state, float seconds, float picture_height_px);
+
+/// The list of keys, as an overlay.
+void draw_help(State& state);
+
+}  // namespace relume::viewer

@@ -1,0 +1,140 @@
+// What the viewport writes over the picture.
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "viewer/inspect.h"
+#include "viewer/theme.h"
+#include "viewer/viewport.h"
+
+namespace relume::viewer {
+namespace {
+
+/// Text on a dark ground.
+void label(ImDrawList& list, const ImVec2& at, const std::string& text, ImU32 color = IM_COL32(230, 232, 238, 255)) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list.AddRectFilled({at.x - 8, at.y - 5}, {at.x + size.x + 8, at.y + size.y + 5}, kOverlay, 5);
+  list.AddText(at, color, text.c_str());
+}
+
+/// The frame that is under the mouse: that of B right of the line.
+const ViewerFrame* frame_at(const State& state, const Vec2& point) {
+  const bool second = state.split && point.x > state.split_at && state.frames[1];
+  return state.frames[second ? 1 : 0].get();
+}
+
+std::string status_of(const State& state, const ViewerFrame& frame) {
+  const int percent = static_cast<int>(std::lround(100.0 * frame.width / std::max(frame.full_width, 1)));
+  std::string text = fmt::format("{}x{}", frame.width, frame.height);
+  if (percent < 100) text += fmt::format(" ({} %)", percent);
+  text += fmt::format("  \xc2\xb7  {} sample{}  \xc2\xb7  {:.1f} frames/s", frame.samples,
+                      frame.samples == 1 ? "" : "s", state.frames_per_s);
+  if (state.paused) text += "  \xc2\xb7  paused";
+  if (frame.reached_goal) text += "  \xc2\xb7  done";
+  if (!frame.buffer.empty()) text += "  \xc2\xb7  " + frame.buffer;
+  return text;
+}
+
+}  // namespace
+
+void Viewport::draw_overlay(const State& state) const {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float line = ImGui::GetFontSize() + 14;
+  ImVec2 at(picture_.at.x + 18, picture_.at.y + 16);
+  if (const ViewerFrame* frame = state.frame()) {
+    label(list, at, status_of(state, *frame));
+  } else {
+    label(list, at, "compiling " + state.document->name() + " ...");
+  }
+  at.y += line;
+  if (state.loading.valid()) {
+    label(list, at, "loading " + state.loading_name + " ...", kAccent);
+    at.y += line;
+  }
+  if (state.path.recording) {
+    label(list, at, fmt::format("recording {:.1f} s", state.now_s - state.path.since_s), kProblem);
+  }
+  float y = picture_.end().y - 20 - line;
+  for (const Toast& toast : std::views::reverse(state.toasts)) {
+    label(list, {picture_.at.x + 18, y}, toast.text, toast.problem ? kProblem : IM_COL32(230, 232, 238, 255));
+    y -= line;
+  }
+}
+
+std::string Viewport::describe_under_mouse(const State& state) const {
+  const ViewerFrame* frame = frame_at(state, point_under_mouse());
+  if (!frame || !picture_.contains(ImGui::GetIO().MousePos)) return {};
+  return describe_pixel(*frame, point_under_mouse());
+}
+
+void Viewport::draw_values() const {
+  ImGui::PushFont(monospace_font());
+  const float width = ImGui::CalcTextSize(under_mouse_.c_str()).x;
+  label(*ImGui::GetWindowDrawList(), {picture_.end().x - width - 18, picture_.at.y + 16}, under_mouse_);
+  ImGui::PopFont();
+}
+
+void Viewport::draw_loupe(const State& state) const {
+  const Vec2 point = point_under_mouse();
+  const ViewerFrame* frame = frame_at(state, point);
+  if (!frame) return;
+  const Picture& picture = pictures_[frame == state.frames[0].get() ? 0 : 1];
+  constexpr float kSide_px = 220;
+  const float pixels = kSide_px / static_cast<float>(state.inspector.loupe_zoom);
+  const Vec2 half = 0.5f * pixels / Vec2(frame->width, frame->height);
+  // Whole pixels stay where they are while the mouse moves within one.
+  const Vec2 center =
+      (glm::floor(point * Vec2(frame->width, frame->height)) + 0.5f) / Vec2(frame->width, frame->height);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  ImVec2 at(mouse.x + 24, mouse.y + 24);
+  if (at.x + kSide_px > picture_.end().x) at.x = mouse.x - 24 - kSide_px;
+  if (at.y + kSide_px > picture_.end().y) at.y = mouse.y - 24 - kSide_px;
+  const ImVec2 end(at.x + kSide_px, at.y + kSide_px);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled({at.x - 3, at.y - 3}, {end.x + 3, end.y + 3}, kOverlay, 4);
+  list.AddCallback(bind_sampler, as_callback_data(developer_.nearest_sampler()));
+  list.AddImage(as_texture(picture.texture()), at, end, {center.x - half.x, center.y - half.y},
+                {center.x + half.x, center.y + half.y});
+  list.AddCallback(ImDrawCallback_ResetRenderState, nullptr);
+  const float side = static_cast<float>(state.inspector.loupe_zoom);
+  const ImVec2 middle(0.5f * (at.x + end.x), 0.5f * (at.y + end.y));
+  list.AddRect({middle.x - 0.5f * side - 1, middle.y - 0.5f * side - 1},
+               {middle.x + 0.5f * side + 1, middle.y + 0.5f * side + 1}, kAccent);
+}
+
+void draw_help(State& state) {
+  if (!state.show_help) return;
+  constexpr std::pair<const char*, const char*> kKeys[] = {
+      {"W A S D, Q E", "fly; Shift: faster"},
+      {"drag", "look around"},
+      {"wheel", "speed of flying"},
+      {"click", "select what is there"},
+      {"Ctrl + drag", "move what is selected"},
+      {"Ctrl + Shift + click", "focus there"},
+      {"Home", "the scene's camera"},
+      {"1 ... 9", "go to a bookmark; with Ctrl: store it"},
+      {"R, K", "record a camera path; add one key to it"},
+      {"Space, P", "pause rendering; play the animation"},
+      {"B", "compare A and B"},
+      {"L", "loupe"},
+      {"[ ]", "exposure"},
+      {"F12", "picture as PNG; with Shift: as EXR"},
+      {"Ctrl + S", "view as relume JSON"},
+      {"Tab, F1", "panels; this list"},
+  };
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x * 0.5f, ImGui::GetIO().DisplaySize.y * 0.45f}, ImGuiCond_Always,
+                          {0.5f, 0.5f});
+  ImGui::Begin("Keys", &state.show_help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+  for (const auto& [key, meaning] : kKeys) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kAccent);
+    ImGui::TextUnformatted(key);
+    ImGui::PopStyleColor();
+    ImGui::SameLine(ImGui::GetFontSize() * 11);
+    ImGui::TextUnformatted(meaning);
+  }
+  ImGui::End();
+}
+
+}  // namespace relume::viewer

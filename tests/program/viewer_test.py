@@ -1,0 +1,296 @@
+#!/usr/bin/env python3
+"""`relume view` in a hidden window: scripted keys and mouse, every built-in scene, every slot, rates."""
+
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import unittest
+import zlib
+
+from program import PROGRAM, ProgramTest, run
+
+SKIPPED = 77  # to ctest
+SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
+# Set on machines that do nothing else: rates are then required, not only reported.
+QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
+
+
+def display():
+    """What puts a display before a command; None if there is none to be had."""
+    if os.environ.get("DISPLAY"):
+        return []
+    return ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24"] if shutil.which("xvfb-run") else None
+
+
+def png_pixels(file):
+    """Width, height and rows of RGB bytes of an 8-bit PNG without interlace."""
+    data = pathlib.Path(file).read_bytes()
+    width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
+    assert depth == 8 and kind in (2, 6), "not 8-bit RGB"
+    channels = 3 if kind == 2 else 4
+    packed, at = b"", 8
+    while at < len(data):
+        size, name = struct.unpack(">I4s", data[at:at + 8])
+        packed += data[at + 8:at + 8 + size] if name == b"IDAT" else b""
+        at += size + 12
+    raw, rows, previous = zlib.decompress(packed), [], bytearray(width * channels)
+    for y in range(height):
+        start = y * (width * channels + 1)
+        row = bytearray(raw[start + 1:start + 1 + width * channels])
+        unfilter(raw[start], row, previous, channels)
+        rows.append(row)
+        previous = row
+    return width, height, channels, rows
+
+
+def unfilter(kind, row, previous, step):
+    """Undoes a PNG filter in place (PNG specification, section 9)."""
+    for i in range(len(row) if kind else 0):
+        left = row[i - step] if i >= step else 0
+        up = previous[i]
+        corner = previous[i - step] if i >= step else 0
+        guess = left + up - corner
+        paeth = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+        row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
+
+
+class Viewer(ProgramTest):
+    def view(self, scene, script="", *arguments, frames=2, timeout=280):
+        """Reports that the viewer printed, in order; the last is the one at the end."""
+        (self.folder / "steps.txt").write_text(script)
+        # A small window, for it is drawn by the processor too.
+        arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
+        command = [*display(), PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", *map(str, arguments)]
+        environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
+        done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def assert_shows_something(self, file):
+        width, height, channels, rows = png_pixels(file)
+        self.assertGreater(width * height, 100000)
+        # The picture is in the upper left part of the window.
+        values = [row[x * channels + 1] for row in rows[height // 8:height // 2:8] for x in range(width // 8, width // 2, 8)]
+        self.assertGreater(sum(values) / len(values), 12, "black")
+        self.assertGreater(max(values) - min(values), 20, "all the same")
+
+
+class Scenes(Viewer):
+    def test_every_built_in_scene_opens(self):
+        names = [line.split()[0] for line in run("scenes").stdout.splitlines() if line.strip()]
+        self.assertGreater(len(names), 10)
+        script = "pace moving\n" + "".join(f"drop {name}\nloaded\nframes 2\nreport\n" for name in names)
+        reports = self.view("furnace", script, "--width", 320, "--height", 180)
+        for name, report in zip(names, reports):
+            self.assertEqual(report["scene"], name)
+            self.assertGreater(report["mean_luminance"], 0, name)
+
+    def test_screenshot_is_not_black(self):
+        self.view("cornell", "frames 4\nscreenshot window.png\n", "--max-bounces", 2)
+        self.assert_shows_something(self.folder / "window.png")
+
+    def test_a_bad_file_leaves_the_scene(self):
+        (self.folder / "bad.gltf").write_text("{")
+        report = self.view("cornell", "frames 1\ndrop bad.gltf\nloaded\nframes 1\ndrop missing.glb\nloaded\nframes 2\n")[-1]
+        self.assertEqual(report["scene"], "cornell")
+        self.assertTrue(any("bad.gltf" in message for message in report["messages"]))
+        self.assertTrue(any("missing.glb" in message for message in report["messages"]))
+
+    def test_a_first_scene_that_is_missing_is_an_error(self):
+        done = subprocess.run([*display(), PROGRAM, "view", "missing.glb", "--smoke", "1"], capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("missing.glb", done.stderr)
+
+
+class Input(Viewer):
+    def test_keys_fly_and_the_mouse_turns(self):
+        script = "frames 1\nreport\nkey w 20\nframes 2\nreport\nkey shift+d 10\nframes 2\nreport\ndrag 0.5 0.5 0.7 0.4\nframes 2\nreport\nkey home\nframes 2\nreport\n"
+        start, forward, side, turned, home, _ = self.view("cornell", script)
+        ahead = sum((b - a) * f for a, b, f in zip(start["eye"], forward["eye"], start["forward"]))
+        self.assertGreater(ahead, 0.05)
+        self.assertGreater(max(abs(a - b) for a, b in zip(forward["eye"], side["eye"])), 0.05)
+        self.assertGreater(max(abs(a - b) for a, b in zip(side["forward"], turned["forward"])), 0.05)
+        self.assertEqual(side["forward"], forward["forward"])
+        for a, b in zip(start["eye"], home["eye"]):
+            self.assertAlmostEqual(a, b, places=4)
+
+    def test_a_click_selects_and_ctrl_drags(self):
+        script = "frames 1\nclick 0.5 0.85\nframes 3\nreport\npace off\nframes 2\ndrag 0.5 0.85 0.6 0.8 ctrl\nframes 3\nreport\n"
+        picked, moved, _ = self.view("cornell", script)
+        self.assertEqual(picked["selected"], 1)
+        self.assertEqual(moved["selected_index"], picked["selected_index"])
+        self.assertEqual(moved["eye"], picked["eye"], "the camera stays")
+
+    def test_lights_materials_and_sun_change(self):
+        script = "pace moving\nframes 8\nreport\nselect material lamp\nemit 4\nframes 8\nreport\n"
+        before, after, _ = self.view("cornell", script)
+        self.assertGreater(after["mean_luminance"], 2 * before["mean_luminance"])
+        script = "pace moving\nframes 2\nsun 12\nframes 4\nreport\nsun 20\nframes 4\nreport\n"
+        noon, evening, _ = self.view("city", script)
+        self.assertGreater(noon["mean_luminance"], 1.5 * evening["mean_luminance"])
+
+    def test_a_light_and_a_glowing_object_are_dragged(self):
+        scene = {"scene": "builtin:cornell", "lights": [{"type": "point", "name": "bulb", "position": [0, 1, 0], "intensity": 3}]}
+        (self.folder / "bulb.json").write_text(json.dumps(scene))
+        for thing in ("light bulb", "node lamp"):
+            script = f"pace off\nselect {thing}\nframes 4\nreport\ndrag 0.3 0.3 0.6 0.5 ctrl\nframes 8\nreport\n"
+            before, after, _ = self.view("bulb.json" if "light" in thing else "cornell", script)
+            moved = [b - a for a, b in zip(before["selected_at"], after["selected_at"])]
+            self.assertGreater(moved[0], 0.1, thing)
+            self.assertLess(moved[1], -0.05, thing)
+            self.assertEqual(after["eye"], before["eye"])
+            self.assertGreater(abs(after["mean_luminance"] / before["mean_luminance"] - 1), 0.02, thing)
+
+    def test_values_are_those_under_the_mouse(self):
+        script = "pace off\nframes 1\nmouse 0.5 0.5\nseconds 0.2\nreport\nbuffer depth\nframes 2\nmouse 0.1 0.25\nseconds 0.2\nreport\nmouse 3 3\nseconds 0.2\nreport\n"
+        middle, depth, outside, _ = self.view("cornell", script)
+        self.assertRegex(middle["under_mouse"], r"^\(1[12]\d, [89]\d\)  RGB [\d.e-]+ [\d.e-]+ [\d.e-]+$")
+        self.assertRegex(depth["under_mouse"], r"^\(2[345], 4[456]\)  RGB .* depth [\d.]+$")
+        self.assertEqual(outside["under_mouse"], "")
+
+    def test_ctrl_shift_click_focuses(self):
+        before, after, _ = self.view("cornell", "frames 1\nreport\nclick 0.5 0.85 ctrl+shift\nframes 3\nreport\n")
+        self.assertNotEqual(after["focus_m"], before["focus_m"])
+        self.assertEqual(after["selected"], 0, "nothing is selected by it")
+
+    def test_a_flight_is_recorded_and_played(self):
+        script = "frames 1\nkey r\nkey w 30\nkey d 30\nkey r\nreport\nkey home\nframes 1\nplay\nseconds 0.2\nreport\nseconds 3\nframes 1\nreport\n"
+        recorded, playing, played, _ = self.view("cornell", script)
+        self.assertFalse(recorded["recording"])
+        self.assertGreater(recorded["path_s"], 0.5)
+        self.assertGreater(recorded["path_keys"], 4)
+        self.assertTrue(playing["playing"])
+        self.assertFalse(played["playing"])
+        for a, b in zip(recorded["eye"], played["eye"]):  # the last key is at most a tenth of a second old
+            self.assertAlmostEqual(a, b, delta=0.3)
+
+    def test_bookmarks_come_back_and_belong_to_their_scene(self):
+        stored = self.view("cornell", "frames 1\nkey w 20\nkey ctrl+1\nframes 1\nreport\n")[0]
+        other, found, _ = self.view("cornell-spheres", "frames 1\nreport\ndrop cornell\nloaded\nframes 1\nkey 1\nframes 2\nreport\n")
+        self.assertEqual((stored["bookmarks"], other["bookmarks"], found["bookmarks"]), (1, 0, 1))
+        for a, b in zip(stored["eye"], found["eye"]):
+            self.assertAlmostEqual(a, b, places=4)
+
+    def test_bookmarks_paths_and_toggles(self):
+        script = "frames 1\nreport\nkey ctrl+1\nkey k\nkey w 20\nkey k\nkey space\nreport\nkey space\nkey 1\nframes 2\nreport\nkey b\nkey ]\nframes 2\nreport\n"
+        start, paused, back, split, _ = self.view("cornell", script)
+        self.assertTrue(paused["paused"])
+        self.assertEqual((paused["bookmarks"], paused["path_keys"]), (1, 2))
+        self.assertFalse(back["paused"])
+        for a, b in zip(start["eye"], back["eye"]):
+            self.assertAlmostEqual(a, b, places=4)
+        self.assertTrue(split["split"])
+        self.assertEqual(split["exposure"], start["exposure"] + 0.5)
+
+
+class Settings(Viewer):
+    def test_every_choice_of_every_slot_is_taken_live(self):
+        choices = self.slots()
+        script = "pace moving\nframes 1\n"
+        expected = []
+        for slot, values in choices.items():
+            for value in values:
+                script += f"try {slot} {value}\nframes 2\nreport\n"
+                expected.append((slot, value))
+            script += f"set {slot} {values[0]}\nframes 1\n"
+        reports = self.view("cornell", script, "--width", 160, "--height", 120)
+        for (slot, value), report in zip(expected, reports):
+            if report["slots"][slot] != value:  # refused: with a sentence, and only because it does not combine
+                self.assertTrue(report.get("messages"), (slot, value))
+            self.assertGreater(report["mean_luminance"], 0, (slot, value))
+
+    def test_every_setting_is_known(self):
+        values = json.loads(self.succeed("settings", "--json").stdout)
+        self.assertGreater(len(values), 30)
+        steps = ""
+        for name, value in values.items():
+            text = str(value).lower() if isinstance(value, bool) else value
+            if text != "" and name not in ("width", "height"):
+                steps += f"set {name} {text}\n"
+        report = self.view("cornell", "frames 1\n" + steps + "panel settings\nframes 2\n")[-1]
+        self.assertGreater(report["mean_luminance"], 0)
+        self.assertFalse(report.get("messages"))
+
+    def test_two_presets_side_by_side(self):
+        script = "pace off\nframes 1\npreset reference\npreset-b preview\nset-b max-bounces 0\nsplit on\nframes 4\nreport\n"
+        script += "drag 0.5 0.5 0.25 0.5\nframes 1\nreport\nmouse 0.6 0.5\nseconds 0.2\nsplit off\nframes 1\nreport\n"
+        both, dragged, single, _ = self.view("cornell", script)
+        self.assertGreater(both["mean_luminance"], 1.1 * both["mean_luminance_b"], "B shows no light but the lamp itself")
+        self.assertAlmostEqual(dragged["split_at"], 0.25, delta=0.02)
+        self.assertEqual(dragged["eye"], both["eye"])
+        self.assertNotIn("mean_luminance_b", single)
+
+    def test_times_of_passes_add_up_to_the_frame(self):
+        report = self.view("cornell", "pace off\nframes 6\n")[-1]
+        self.assertGreater(len(report["pass_ms"]), 3)
+        self.assertAlmostEqual(sum(report["pass_ms"].values()) / report["frame_ms"], 1, delta=0.02)
+        self.assertGreaterEqual(report["graph_frames"], 4)
+
+    def slots(self):
+        """Slots and their choices as the help has them; the default first, so that each is tried against the defaults."""
+        settings = self.succeed("settings", "--markdown").stdout
+        section = settings.split("## Slots")[1].split("\n## ")[0]
+        result = {}
+        for line in section.splitlines():
+            cells = [cell.strip() for cell in line.split("|")]
+            if len(cells) > 4 and cells[1].startswith("`--"):
+                values = cells[2].replace("one of ", "").replace("`", "").split(", ")
+                default = cells[3].strip("`")
+                result[cells[1].strip("`-")] = sorted(values, key=lambda v: v != default)
+        self.assertIn("lights", result)
+        return result
+
+    def test_buffers_sides_and_files(self):
+        script = ("pace off\nframes 2\nreport\nbuffer depth\nframes 2\nreport\nbuffer picture\nsplit on\nset-b lights uniform\nframes 3\n"
+                  "save a.png\nsave a.exr\nkey w 10\nkey k\nkey w 10\nkey k\nsave-view v.json\nframes 3\nreport\n")
+        first, depth, last, _ = self.view("cornell", script, "--width", 160, "--height", 120)
+        self.assertIn("heatmap", first["buffers"])
+        self.assertEqual((first["buffer"], depth["buffer"]), ("", "depth"))
+        self.assertEqual((first["width"], first["height"]), (160, 120))
+        self.assertLessEqual({"a.png", "a.exr", "v.json"}, set(self.files()))
+        # What was recorded renders from the command line.
+        self.succeed("render", "v.json", "-o", "f.png", "--frames", "0-1", "--fps", 1, "--spp", 1)
+        self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))
+
+    def test_a_bad_step_ends_with_its_line(self):
+        (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")
+        done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("steps.txt:2: set:", done.stderr)
+
+
+class Rates(Viewer):
+    def check(self, scene):
+        # The first seconds find the size; then the camera moves for a while.
+        script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * 3 + "report\n"
+        report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720)[0]
+        print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
+              f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} frames/s at {report['width']}x{report['height']}, "
+              f"camera seen after {report['camera_latency_frames']} frames", file=sys.stderr)
+        self.assertLessEqual(report["camera_latency_frames"], 2)
+        self.assertGreaterEqual(report["width"], 320)
+        self.assertGreaterEqual(report["height"], 180)
+        if QUIET:
+            self.assertGreaterEqual(report["worst_interface_hz"], 30)
+            self.assertGreaterEqual(report["frames_per_s"], 9.5)
+
+    def test_cornell(self):
+        self.check("cornell")
+
+    @unittest.skipUnless((SCENES / "sponza" / "sponza.gltf").exists(), "RELUME_SCENES names no folder with Sponza")
+    def test_sponza(self):
+        scene = {"scene": str(SCENES / "sponza" / "sponza.gltf"), "environment": {"constant": [0.25, 0.3, 0.4]},
+                 "camera": {"eye": [-11.2, 2.2, -0.35], "target": [8, 3.4, -0.35], "fov_y_deg": 50}}
+        (self.folder / "sponza.json").write_text(json.dumps(scene))
+        self.check("sponza.json")
+
+
+if __name__ == "__main__":
+    if display() is None:
+        print("neither a display nor xvfb-run")
+        sys.exit(SKIPPED)
+    unittest.main()
