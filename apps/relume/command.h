@@ -25,7 +25,7 @@ class UsageError : public Error {
 };
 
 /// What the shell offers for a value; choices and booleans need none of it.
-enum class Completion { none, file, scene, preset };
+enum class Completion { none, file, scene, preset, experiment };
 
 struct Argument {
   std::string_view name;  ///< as help shows it: "SCENE"
@@ -33,6 +33,7 @@ struct Argument {
   std::string_view help;
   bool required = true;
   Completion completion = Completion::file;
+  bool repeats = false;  ///< takes all that is left; the values are joined by commas
 };
 
 struct Option {
@@ -40,6 +41,7 @@ struct Option {
   std::string_view value_name = "";  ///< as help shows it: "FILE"; empty: from the setting's type
   char letter = 0;                   ///< "-o"; 0: none
   Completion completion = Completion::none;
+  bool repeats = false;  ///< may be given several times; the values are joined by commas
 };
 
 struct Example {
@@ -70,10 +72,13 @@ std::vector<Option> verbosity_options(Verbosity& verbosity);
 
 // One function a file; `verbosity` outlives the command.
 Command render_command(Verbosity& verbosity);
+Command view_command(Verbosity& verbosity);
 Command scenes_command();
 Command export_command(Verbosity& verbosity);
 Command info_command(Verbosity& verbosity);
 Command metrics_command();
+Command compare_command(Verbosity& verbosity);
+Command experiment_command(Verbosity& verbosity);
 Command settings_command();
 Command devices_command();
 /// `commands`: all of the program, itself included once it is complete.

@@ -26,9 +26,10 @@ std::string names_of(const Setting& setting, char letter) {
   return names;
 }
 
-CLI::Option* declare(CLI::App& app, const Setting& setting, char letter) {
+CLI::Option* declare(CLI::App& app, const Setting& setting, char letter, bool repeats = false) {
   const std::string names = names_of(setting, letter);
   CLI::Option* option = is_flag(setting) ? app.add_flag(names) : app.add_option(names)->expected(1);
+  if (repeats) return option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
@@ -62,20 +63,23 @@ Setting as_flag(Setting setting) {
 /// Parsed options of CLI11 and what they belong to.
 struct Declared {
   std::vector<std::pair<CLI::Option*, const Argument*>> arguments;
-  std::vector<std::pair<CLI::Option*, const Setting*>> options;
+  std::vector<std::pair<CLI::Option*, const Option*>> options;
   std::vector<std::pair<CLI::Option*, const Setting*>> settings;
 };
 
 void take_values(const Command& command, const Declared& declared) {
   for (const auto& [option, argument] : declared.arguments) {
-    if (option->count() > 0) *argument->value = option->results().back();
+    if (option->count() > 0) *argument->value = fmt::format("{}", fmt::join(option->results(), ","));
     if (argument->required && argument->value->empty()) {
       throw UsageError(fmt::format("{} needs {}; see relume {} --help", command.name, argument->name, command.name));
     }
   }
   try {
-    for (const auto& [option, setting] : declared.options) {
-      if (option->count() > 0) assign(as_flag(*setting), option->results().back(), "");
+    for (const auto& [option, declaration] : declared.options) {
+      if (option->count() == 0) continue;
+      const std::vector<std::string> texts = option->results();
+      assign(as_flag(declaration->setting),
+             declaration->repeats ? fmt::format("{}", fmt::join(texts, ",")) : texts.back(), "");
     }
     for (const auto& [option, setting] : declared.settings) {
       if (option->count() == 0) continue;
@@ -133,10 +137,14 @@ bool parse_arguments(const Command& command, const std::vector<std::string>& arg
   CLI::App app;
   Declared declared;
   for (const Argument& argument : command.arguments) {
-    declared.arguments.emplace_back(app.add_option(std::string(argument.name))->expected(1), &argument);
+    CLI::Option* option = app.add_option(std::string(argument.name));
+    // Without extra arguments CLI11 2.1 gives a positional that may be absent nothing at all.
+    argument.repeats ? option->expected(0, CLI::detail::expected_max_vector_size)->allow_extra_args()
+                     : option->expected(1);
+    declared.arguments.emplace_back(option, &argument);
   }
   for (const Option& option : command.options) {
-    declared.options.emplace_back(declare(app, option.setting, option.letter), &option.setting);
+    declared.options.emplace_back(declare(app, option.setting, option.letter, option.repeats), &option);
   }
   for (const SettingGroup& group : command.setting_groups) {
     for (const Setting& setting : group.settings) declared.settings.emplace_back(declare(app, setting, 0), &setting);

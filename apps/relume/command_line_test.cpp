@@ -51,6 +51,26 @@ TEST(CommandLine, AssignsWhatIsGiven) {
   EXPECT_TRUE(f.loud);
 }
 
+TEST(CommandLine, JoinsWhatRepeats) {
+  std::string how;
+  std::string names;
+  std::string flags;
+  int runs = 0;
+  const Command command{.name = "sing",
+                        .summary = "Sing.",
+                        .examples = {},
+                        .arguments = {{"HOW", &how, "How", true, Completion::none},
+                                      {"NAME", &names, "What", false, Completion::none, true}},
+                        .options = {{{"voice", &flags, "Who"}, "LIST", 0, Completion::none, true}},
+                        .setting_groups = {},
+                        .setting_flags = nullptr,
+                        .run = [&] { return ++runs, kExitDone; }};
+  EXPECT_TRUE(parse_arguments(command, {"softly", "a", "--voice", "x=1,y:2", "b", "--voice", "z", "c"}));
+  EXPECT_EQ(how, "softly");
+  EXPECT_EQ(names, "a,b,c");
+  EXPECT_EQ(flags, "x=1,y:2,z");
+}
+
 TEST(CommandLine, CollectsSettings) {
   Fixture f;
   parse_arguments(f.command(), {"in", "--exposure", "-1", "--time", "10s", "--no-path.russian-roulette", "--env",
@@ -81,7 +101,7 @@ TEST(CommandLine, RefusesWithOneSentence) {
   EXPECT_EQ(f.error_of({"in", "more"}), "paint does not know what to do with 'more'; see relume paint --help");
   EXPECT_EQ(f.error_of({"in", "--count", "10"}), "--count is '10', but must be from 1 to 9");
   EXPECT_EQ(f.error_of({"in", "--max-bounces", "-1"}), "--max-bounces is '-1', but must be from 0 to 1024");
-  EXPECT_EQ(f.error_of({"in", "--estimator", "bdpt"}), "--estimator is 'bdpt', but this version has only path");
+  EXPECT_EQ(f.error_of({"in", "--guide", "cdq"}), "--guide is 'cdq', but this version has only bsdf");
   EXPECT_NE(f.error_of({"in", "--count"}), "no error");
   EXPECT_NE(f.error_of({"in", "-o"}), "no error");
 }

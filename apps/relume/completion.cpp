@@ -14,6 +14,7 @@ std::string completion_script(Completion completion, const CompletionNames& name
     case Completion::scene:
       return fmt::format("compopt -o filenames; COMPREPLY=($(compgen -W '{}' -- \"$cur\") $(compgen -f -- \"$cur\"))",
                          fmt::join(names.scenes, " "));
+    case Completion::experiment: return words(fmt::format("list run {}", fmt::join(names.experiments, " ")));
     case Completion::preset: return words(fmt::format("{}", fmt::join(names.presets, " ")));
     case Completion::none: break;
   }

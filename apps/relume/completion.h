@@ -12,6 +12,7 @@ namespace relume::cli {
 struct CompletionNames {
   std::vector<std::string> scenes;
   std::vector<std::string> presets;
+  std::vector<std::string> experiments;
 };
 
 /// A script for bash; with the package bash-completion it belongs into share/bash-completion/completions/relume.

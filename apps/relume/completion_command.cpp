@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "completion.h"
+#include "experiments/experiment.h"
 #include "render/presets.h"
 #include "scene/builtin.h"
 
@@ -16,6 +17,7 @@ int run_completion(const std::vector<Command>& commands, const std::string& shel
   CompletionNames names;
   for (const BuiltinScene& scene : builtin_scenes()) names.scenes.emplace_back(scene.name);
   for (const Preset& preset : presets()) names.presets.emplace_back(preset.name);
+  for (const Experiment& experiment : experiments()) names.experiments.emplace_back(experiment.name);
   std::fputs(bash_completion(commands, names).c_str(), stdout);
   return kExitDone;
 }

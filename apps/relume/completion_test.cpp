@@ -26,7 +26,7 @@ std::string script() {
                      .setting_groups = {},
                      .setting_flags = nullptr,
                      .run = {}};
-  return bash_completion({cook}, {.scenes = {"cornell", "city"}, .presets = {"quick", "slow"}});
+  return bash_completion({cook}, {.scenes = {"cornell", "city"}, .presets = {"quick", "slow"}, .experiments = {}});
 }
 
 /// What bash offers at the end of `words` (shell syntax); sorted, with spaces between.

@@ -66,7 +66,8 @@ std::string option_row(const Setting& setting, std::string_view given_value_name
 std::string usage_line(const Command& command) {
   std::string text = fmt::format("relume {}", command.name);
   for (const Argument& argument : command.arguments) {
-    text += argument.required ? fmt::format(" {}", argument.name) : fmt::format(" [{}]", argument.name);
+    const char* more = argument.repeats ? "…" : "";
+    text += argument.required ? fmt::format(" {}{}", argument.name, more) : fmt::format(" [{}{}]", argument.name, more);
   }
   if (!command.options.empty()) text += " [OPTIONS]";
   return text;

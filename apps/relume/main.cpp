@@ -7,8 +7,9 @@ int main(int argc, char** argv) {
   using namespace relume::cli;
   Verbosity verbosity;
   std::vector<Command> commands = {
-      render_command(verbosity), scenes_command(),   export_command(verbosity), info_command(verbosity),
-      metrics_command(),         settings_command(), devices_command(),
+      render_command(verbosity), view_command(verbosity), scenes_command(),           export_command(verbosity),
+      info_command(verbosity),   metrics_command(),       compare_command(verbosity), experiment_command(verbosity),
+      settings_command(),        devices_command(),
   };
   commands.push_back(completion_command(commands));
   return run_program(commands, {argv + 1, argv + argc});

@@ -3,10 +3,13 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 
 #include "command.h"
@@ -45,6 +48,13 @@ uint64_t peak_memory_bytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts kibibytes
 }
 
+std::string program_stamp() {
+  struct stat info {};
+  if (stat("/proc/self/exe", &info) != 0) return {};
+  return std::to_string(info.st_size) + "-" + std::to_string(info.st_mtim.tv_sec) + "-" +
+         std::to_string(info.st_mtim.tv_nsec);
+}
+
 std::string processor_name() {
   std::ifstream stream("/proc/cpuinfo");
   for (std::string line; std::getline(stream, line);) {
@@ -52,6 +62,22 @@ std::string processor_name() {
     if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
   }
   return "unknown";
+}
+
+void lower_thread_priority() {
+  constexpr int kNice = 10;
+  // Linux keeps the priority for each thread, and threads inherit it. Failure costs smoothness only.
+  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
+}
+
+std::string state_folder() {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (const std::string state = variable("XDG_STATE_HOME"); !state.empty()) return state + "/relume";
+  const std::string home = variable("HOME");
+  return home.empty() ? "" : home + "/.local/state/relume";
 }
 
 bool folder_is_writable(const std::string& folder) {

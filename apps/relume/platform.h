@@ -20,8 +20,18 @@ uint64_t peak_memory_bytes();
 /// "AMD EPYC 7B13"; "unknown" where the system does not tell.
 std::string processor_name();
 
+/// Differs from one build of the program to the next; empty where the system does not tell.
+std::string program_stamp();
+
 /// Whether a file could be created in the folder (empty: the current one).
 bool folder_is_writable(const std::string& folder);
+
+/// Lets other threads go first: this one, and those that it starts from now on.
+void lower_thread_priority();
+
+/// Folder in which the program may keep what it remembers between runs ($XDG_STATE_HOME/relume, ~/.local/state/relume);
+/// empty if there is no home. It need not exist.
+std::string state_folder();
 
 /// While it lives, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
 /// kExitInterrupted. At most one at a time.

@@ -1,6 +1,7 @@
 #include "progress.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -17,6 +18,8 @@ constexpr double kLineInterval_s = 10;
 
 }  // namespace
 
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
 std::string format_duration(double seconds) {
   const auto total = static_cast<int64_t>(std::llround(std::clamp(seconds, 0.0, 1e12)));
   const int64_t hours = total / 3600;
@@ -26,6 +29,7 @@ std::string format_duration(double seconds) {
 
 std::string format_progress(const Progress& progress) {
   std::string text = progress.label.empty() ? "" : progress.label + ", ";
+  if (!progress.shows_samples) return text + fmt::format("{:.0f} %", 100 * progress.fraction);
   text += progress.samples_wanted > 0 ? fmt::format("{}/{} samples", progress.samples, progress.samples_wanted)
                                       : fmt::format("{} samples", progress.samples);
   if (progress.rays_per_s > 0) text += fmt::format(", {:.1f} Mrays/s", progress.rays_per_s * 1e-6);

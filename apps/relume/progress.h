@@ -12,9 +12,13 @@ struct Progress {
   uint32_t samples_wanted = 0;  ///< 0: not known
   double fraction = 0;          ///< done, in [0, 1]
   double rays_per_s = 0;
-  double error = 0;        ///< estimated relative error; 0 or infinite: not shown
-  double remaining_s = 0;  ///< infinite: not shown
+  double error = 0;           ///< estimated relative error; 0 or infinite: not shown
+  double remaining_s = 0;     ///< infinite: not shown
+  bool shows_samples = true;  ///< or the share that is done
 };
+
+/// Seconds on a clock that only moves forward.
+double now_s();
 
 /// "0:07", "12:34", "1:02:03".
 std::string format_duration(double seconds);

@@ -28,8 +28,6 @@ namespace {
 
 constexpr double kDisplayInterval_s = 0.5;
 
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 /// What is known before the scene is loaded; making it finds most of the mistakes that a user can make.
 struct Plan {
   std::vector<std::string> aovs;
@@ -273,6 +271,7 @@ void RenderJob::report(StopReason reason) const {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
   }
+  for (const std::string& warning : session_->warnings()) warn(warning);
   tell_more(
       verbosity_,
       fmt::format("stopped by {} after {:.2f} s; {} samples, {} rays, {:.1f} Mrays/s, at most {} of memory",
@@ -300,8 +299,10 @@ void RenderJob::report(StopReason reason) const {
       .peak_memory_bytes = peak_memory_bytes(),
       .files = written_,
       .passes = {},
+      .figures = {},
   };
   for (const PassTime& pass : statistics.passes) run.passes.emplace_back(pass.name, pass.seconds);
+  for (const PassFigure& figure : statistics.figures) run.figures.emplace_back(figure.name, figure.value);
   write_file(options_.stats, to_json(run));
 }
 

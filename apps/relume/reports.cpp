@@ -17,6 +17,8 @@ std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::er
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
   for (const auto& [name, seconds] : report.passes) passes.push_back({{"name", name}, {"seconds", seconds}});
+  Json figures = Json::object();
+  for (const auto& [name, value] : report.figures) figures[name] = value;
   const Json json = {
       {"version", report.version},
       {"scene", report.scene},
@@ -37,6 +39,7 @@ std::string to_json(const RunReport& report) {
       {"peak_memory_bytes", report.peak_memory_bytes},
       {"files", report.files},
       {"passes", passes},
+      {"figures", figures},
   };
   return text_of(json);
 }

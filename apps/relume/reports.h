@@ -33,8 +33,9 @@ struct RunReport {
   uint64_t nonfinite_samples = 0;
   int threads = 0;
   uint64_t peak_memory_bytes = 0;
-  std::vector<std::string> files;                      ///< pictures written
-  std::vector<std::pair<std::string, double>> passes;  ///< name and seconds
+  std::vector<std::string> files;                       ///< pictures written
+  std::vector<std::pair<std::string, double>> passes;   ///< name and seconds
+  std::vector<std::pair<std::string, double>> figures;  ///< what techniques report of themselves
 };
 
 /// What `info` says about a picture.

@@ -22,6 +22,7 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   report.rays = uint64_t{1} << 60;
   report.estimated_error = std::numeric_limits<double>::infinity();
   report.passes = {{"trace", 1.5}, {"accumulate", 0.25}};
+  report.figures = {{"cells.occupancy", 0.25}};
   const std::string text = to_json(report);
   for (const char* name :
        {"load_s", "build_s", "render_s", "samples", "paths", "nonfinite_samples", "threads", "peak_memory_bytes"}) {
@@ -30,6 +31,7 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   expect_in("\"rays\": 1152921504606846976", text);
   expect_in("\"estimated_error\": null", text);
   expect_in("\"scene\": \"a \\\"quoted\\\" \xef\xbf\xbd name\"", text);  // U+FFFD for what is not UTF-8
+  expect_in("\"cells.occupancy\": 0.25", text);
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5", text);
 }
 

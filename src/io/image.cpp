@@ -47,6 +47,11 @@ void write_chunk(void* target, void* data, int size) {
   static_cast<AtomicFile*>(target)->write({static_cast<const std::byte*>(data), static_cast<size_t>(size)});
 }
 
+void append_chunk(void* target, void* data, int size) {
+  auto& bytes = *static_cast<std::vector<uint8_t>*>(target);
+  bytes.insert(bytes.end(), static_cast<const uint8_t*>(data), static_cast<const uint8_t*>(data) + size);
+}
+
 void check_side(const std::string& name, const Image& image, int max_side) {
   if (std::max(image.width, image.height) > max_side)
     throw Error(
@@ -140,6 +145,20 @@ void write_image(const std::filesystem::path& file, const Image& image) {
   exr.height = image.height;
   exr.channels = exr_channels(image);
   write_exr(file, exr);
+}
+
+std::vector<uint8_t> encode_png(const Image& image) {
+  return encode_png(encode_srgb8(image), image.width, image.height);
+}
+
+std::vector<uint8_t> encode_png(std::span<const uint8_t> rgb, int width, int height) {
+  const uint64_t size = uint64_t{3} * static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+  const bool fits = width > 0 && height > 0 && rgb.size() == size && size < (uint64_t{1} << 30);
+  std::vector<uint8_t> bytes;
+  if (!fits || stbi_write_png_to_func(append_chunk, &bytes, width, height, 3, rgb.data(), width * 3) == 0) {
+    throw Error(fmt::format("an image of {}x{} pixels cannot be encoded as PNG; make it smaller", width, height));
+  }
+  return bytes;
 }
 
 }  // namespace relume

@@ -64,6 +64,11 @@ Image parse_image(std::span<const std::byte> bytes, const std::string& name);
 /// that are still linear, and apply the sRGB transfer function.
 void write_image(const std::filesystem::path& file, const Image& image);
 
+/// A PNG of display-ready values as write_image() stores them.
+std::vector<uint8_t> encode_png(const Image& image);
+/// A PNG of `rgb`, 3 · width · height bytes as they are.
+std::vector<uint8_t> encode_png(std::span<const uint8_t> rgb, int width, int height);
+
 /// Every channel of the first part, whatever its stored type (half, float, unsigned integer), compression and
 /// tiling, over the *display* window: pixels outside the data window are 0, pixels beyond the display window are cut
 /// off. Subsampled channels are replicated. Of the attributes, the strings. Deep files are refused.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +31,12 @@ struct PassDeclaration {
   std::vector<std::string_view> writes = {};  ///< buffers of others that it changes
 };
 
+/// A number that a pass reports: how full its structures are, what it had to leave out.
+struct PassFigure {
+  std::string name;
+  double value = 0;
+};
+
 class Pass {
  public:
   virtual ~Pass() = default;
@@ -43,8 +50,17 @@ class Pass {
   /// draw independent random numbers and are never abandoned half way.
   virtual bool adapts() const { return false; }
 
+  /// Whether frames leave something outside of buffers, which one that is abandoned half way would spoil: then none is.
+  virtual bool keeps_state() const { return false; }
+
   /// Bytes beyond its buffers.
   virtual size_t memory_bytes() const { return 0; }
+
+  /// Numbers for reports, as of the last frame.
+  virtual std::vector<PassFigure> figures() const { return {}; }
+
+  /// What a user should know of the frames so far, because results suffered: one sentence each.
+  virtual std::vector<std::string> warnings() const { return {}; }
 
   /// State beyond its buffers, for checkpoints. load() reads what save() wrote; a short stream sets its failbit.
   virtual void save(std::ostream&) const {}

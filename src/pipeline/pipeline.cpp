@@ -61,6 +61,10 @@ bool Pipeline::adapts() const {
   return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->adapts(); });
 }
 
+bool Pipeline::keeps_state() const {
+  return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_state(); });
+}
+
 size_t Pipeline::memory_bytes() const {
   size_t sum = 0;
   for (const auto& pass : passes_) sum += pass->memory_bytes();
@@ -71,6 +75,23 @@ std::vector<PassDeclaration> Pipeline::declarations() const {
   std::vector<PassDeclaration> list;
   for (const auto& pass : passes_) list.push_back(pass->declaration());
   return list;
+}
+
+std::vector<PassFigure> Pipeline::figures() const {
+  std::vector<PassFigure> all;
+  for (const auto& pass : passes_) {
+    const std::string prefix = std::string(pass->declaration().name) + ".";
+    for (const PassFigure& figure : pass->figures()) all.push_back({prefix + figure.name, figure.value});
+  }
+  return all;
+}
+
+std::vector<std::string> Pipeline::warnings() const {
+  std::vector<std::string> all;
+  for (const auto& pass : passes_) {
+    for (std::string& warning : pass->warnings()) all.push_back(std::move(warning));
+  }
+  return all;
 }
 
 void Pipeline::save(std::ostream& out) const {

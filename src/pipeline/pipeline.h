@@ -25,8 +25,12 @@ class Pipeline {
   bool run(const FrameContext& frame);
 
   bool adapts() const;
+  bool keeps_state() const;
   size_t memory_bytes() const;
   std::vector<PassDeclaration> declarations() const;
+  /// Of all passes; names begin with the pass's: "cells.occupancy".
+  std::vector<PassFigure> figures() const;
+  std::vector<std::string> warnings() const;
 
   void save(std::ostream& out) const;
   void load(std::istream& in);

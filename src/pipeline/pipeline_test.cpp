@@ -21,6 +21,7 @@ class Probe final : public Pass {
     return goes_on_;
   }
   bool adapts() const override { return declaration_.name == "adapts"; }
+  bool keeps_state() const override { return declaration_.name == "keeps"; }
   size_t memory_bytes() const override { return 10; }
   void save(std::ostream& out) const override { out << declaration_.name.size() << ' '; }
   void load(std::istream& in) override { in >> loaded; }
@@ -101,6 +102,9 @@ TEST_F(PipelineTest, AdaptsIfOnePassDoes) {
   EXPECT_FALSE(pipeline_.adapts());
   add({.name = "adapts"});
   EXPECT_TRUE(pipeline_.adapts());
+  EXPECT_FALSE(pipeline_.keeps_state());
+  add({.name = "keeps"});
+  EXPECT_TRUE(pipeline_.keeps_state());
 }
 
 TEST_F(PipelineTest, SavesAndLoadsPassByPass) {

@@ -30,11 +30,18 @@ SettingList describe_picture(RenderSettings& s) {
 
 SettingList describe_slots(RenderSettings& s) {
   return {
-      {"estimator", choice(s.estimator, {"path"}), "How light is transported: path tracing with next event estimation"},
+      {"estimator",
+       choice(s.estimator, {"path", "bdpt", "light"}),
+       "How light is transported: paths from the camera that sample lights on their way, paths from camera and light "
+       "joined in every way, or paths from the light alone, which lack what is seen in mirrors and through glass",
+       {.biases = true}},
       {"lights", choice(s.lights, {"uniform", "power"}),
        "Which light a vertex samples: each alike, or in proportion to its power"},
       {"guide", choice(s.guide, {"bsdf"}), "Which direction a path takes: in proportion to the material's reflection"},
-      {"cache", choice(s.cache, {"none"}), "Radiance cache that stands in for long paths"},
+      {"cache",
+       choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
+       "Radiance cache: none, path space filtering, the same where the variance is low, path graphs, or both",
+       {.biases = true}},
       {"allocation", choice(s.allocation, {"uniform", "adaptive"}),
        "Paths a pixel gets in a frame: one each, or more where there is noise"},
       {"history", choice(s.history, {"none", "accumulate", "reproject"}),
@@ -49,6 +56,14 @@ SettingList describe_transport(RenderSettings& s) {
   for (Setting& setting : list) {
     if (setting.name == "path.max-bounces") setting.name = "max-bounces";
   }
+  append(list, with_prefix("bdpt", describe(s.bdpt)));
+  return list;
+}
+
+SettingList describe_caches(RenderSettings& s) {
+  SettingList list = with_prefix("psf", describe(s.psf));
+  append(list, with_prefix("apsf", describe(s.apsf)));
+  append(list, with_prefix("apg", describe(s.apg)));
   return list;
 }
 
@@ -62,6 +77,7 @@ SettingList describe(RenderSettings& settings) {
   SettingList list = describe_picture(settings);
   append(list, describe_slots(settings));
   append(list, describe_transport(settings));
+  append(list, describe_caches(settings));
   append(list, describe_frames(settings));
   return list;
 }

@@ -5,17 +5,21 @@
 
 #include "materials/texture.h"
 #include "settings/setting.h"
+#include "techniques/adaptive_psf/settings.h"
 #include "techniques/adaptive_sampling/settings.h"
+#include "techniques/bdpt/bdpt_settings.h"
 #include "techniques/path/path_settings.h"
+#include "techniques/path_graphs/settings.h"
+#include "techniques/path_space_filter/settings.h"
 #include "techniques/reprojection/settings.h"
 
 namespace relume {
 
 // The slots (docs/concepts): each enum lists the choices that exist; more join with their techniques.
-enum class EstimatorChoice : int { path };
+enum class EstimatorChoice : int { path, bdpt, light };
 enum class LightSelectionChoice : int { uniform, power };
 enum class GuideChoice : int { bsdf };
-enum class CacheChoice : int { none };
+enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
 enum class DenoiseChoice : int { none };
@@ -39,8 +43,12 @@ struct RenderSettings {
   /// name of its own.
   bool auxiliary = false;
   PathSettings path;
+  PathSpaceFilterSettings psf;
+  AdaptivePsfSettings apsf;
+  PathGraphSettings apg;
   AdaptiveSamplingSettings adaptive;
   ReprojectionSettings reproject;
+  BdptSettings bdpt;
 };
 
 /// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
@@ -50,6 +58,7 @@ SettingList describe(RenderSettings& settings);
 SettingList describe_picture(RenderSettings& settings);
 SettingList describe_slots(RenderSettings& settings);
 SettingList describe_transport(RenderSettings& settings);
+SettingList describe_caches(RenderSettings& settings);
 SettingList describe_frames(RenderSettings& settings);
 
 }  // namespace relume

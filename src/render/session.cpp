@@ -106,7 +106,7 @@ struct Session::State {
     return {scene->view(),   *buffers,
             *backend,        index,
             counters.frames, counters.since_change,
-            changes,         adapts ? std::stop_token{} : stop};
+            changes,         adapts || pipeline.keeps_state() ? std::stop_token{} : stop};
   }
 
   void count_frame() {
@@ -211,11 +211,13 @@ const Statistics& Session::statistics() const {
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
   for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds});
+  s.statistics.figures = s.pipeline.figures();
   return s.statistics;
 }
 
 const RenderSettings& Session::settings() const { return state_->settings; }
 const std::vector<std::string>& Session::notes() const { return state_->scene->notes(); }
+std::vector<std::string> Session::warnings() const { return state_->pipeline.warnings(); }
 uint64_t Session::scene_hash() const { return state_->hash; }
 const CompiledScene& Session::scene() const { return *state_->scene; }
 const BufferTable& Session::buffers() const { return *state_->buffers; }
@@ -240,8 +242,8 @@ bool Session::set_settings(const RenderSettings& wanted) {
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
   const bool resized = settings.width != current.width || settings.height != current.height;
-  SettingList all = describe(settings);
-  for (const Setting* setting : differing_settings(describe(current), all)) {
+  const SettingList before = describe(current);  // the result points into it
+  for (const Setting* setting : differing_settings(before, describe(settings))) {
     if (setting->traits.resets_history) s.edit(Change::settings);
   }
   if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
@@ -250,6 +252,16 @@ bool Session::set_settings(const RenderSettings& wanted) {
   if (resized) s.scene->set_resolution(settings.width, settings.height);
   if (resized || !same_slots || !same_passes) s.rebuild_pipeline();
   return true;
+}
+
+void Session::restart(int seed) {
+  State& s = *state_;
+  s.settings.seed = seed;
+  s.rebuild_pipeline();
+  s.scene->end_frame();
+  s.counters = {};
+  s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
+  s.changes = Change::none;
 }
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {

@@ -38,6 +38,7 @@ struct Statistics {
   uint64_t technique_bytes = 0;  ///< of what the passes hold besides
   int threads = 0;
   std::vector<PassTime> passes;
+  std::vector<PassFigure> figures;  ///< what techniques report of themselves, as of the last frame
 };
 
 class Session {
@@ -52,6 +53,10 @@ class Session {
   /// Renders one frame: a sample for every pixel that the allocation gives one. Returns false if `stop` was requested
   /// first; the image then holds the samples of complete frames only. Techniques that adapt finish their frame.
   bool render_frame(std::stop_token stop = {});
+
+  /// Forgets everything that frames have found out, histories and caches included, and goes on with other random
+  /// numbers from the present state of the scene, as a new session would; only the times of passes go on.
+  void restart(int seed);
 
   /// Frames since the last change: with uniform allocation, samples a pixel.
   uint32_t sample_count() const;
@@ -84,6 +89,8 @@ class Session {
   const RenderSettings& settings() const;
   /// What the session did on its own account ("no light in the file: a constant environment stands in").
   const std::vector<std::string>& notes() const;
+  /// What a user should know of the frames so far: results suffered.
+  std::vector<std::string> warnings() const;
   /// Hash of everything in the scene that the picture depends on, as it was loaded.
   uint64_t scene_hash() const;
   const CompiledScene& scene() const;

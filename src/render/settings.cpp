@@ -74,8 +74,11 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
   return {
       {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)})},
       {"When to stop", "Whichever comes first.", describe(s.stop)},
-      {"Light transport", "Of the path estimator; `--max-bounces` holds for every estimator.",
+      {"Light transport", "`--max-bounces` and `--path.russian-roulette` hold for every estimator.",
        describe_transport(s.render)},
+      {"Radiance caches",
+       "`psf` is what all caches have in common: the cells and what they take in; `apsf` and `apg` are theirs alone.",
+       describe_caches(s.render)},
       {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
       {"Slots", "One technique each; any combination that has a meaning runs.", describe_slots(s.render)},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
@@ -103,7 +106,8 @@ std::string settings_reference() {
     Settings changed;
     settings_from_json(describe(changed), preset.json, preset.name);
     std::string values;
-    for (const Setting* setting : differing_settings(describe(changed), describe(defaults))) {
+    const SettingList list = describe(changed);  // the result points into it
+    for (const Setting* setting : differing_settings(list, describe(defaults))) {
       values += fmt::format("{}`--{} {}`", values.empty() ? "" : " ", setting->name, to_string(*setting));
     }
     text += fmt::format("| `{}` | {} | {} |\n", preset.name, preset.summary, values);

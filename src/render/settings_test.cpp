@@ -109,9 +109,9 @@ TEST(Settings, ErrorsSayWhereFrom) {
   EXPECT_EQ(message_of([] { resolve({.preset = "xyz"}); }),
             "there is no preset 'xyz'; there are preview and reference");
   EXPECT_EQ(message_of([] {
-              resolve({.flags = {{"estimator", "bdpt"}}});
+              resolve({.flags = {{"guide", "cdq"}}});
             }),
-            "--estimator is 'bdpt', but this version has only path");
+            "--guide is 'cdq', but this version has only bsdf");
   EXPECT_EQ(message_of([] {
               resolve({.flags = {{"lights", "vlc"}}});
             }),

@@ -116,7 +116,8 @@ RELUME_HD inline float we(const CameraView& c, const Ray& ray) {
     }
     case Projection::orthographic: return 1.0f / c.image_area();
     case Projection::panoramic: {
-      const float sin_theta = safe_sqrt(1.0f - sqr(c.axes.to_local(ray.direction).y));
+      const Vec3 local = c.axes.to_local(ray.direction);
+      const float sin_theta = std::sqrt(sqr(local.x) + sqr(local.z));  // near the poles 1 − y² would cancel
       return sin_theta > 0.0f ? 1.0f / (2.0f * kPi * kPi * sin_theta) : 0.0f;
     }
   }
@@ -128,10 +129,8 @@ struct CameraPdf {
   float pdf_w = 0;  ///< of its direction; 1 for orthographic cameras (delta)
 };
 
-/// Densities with which generate() makes this ray when the film position is uniform over the image.
-RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
-  Vec2 film;
-  if (!film_position(c, ray, &film)) return {};
+/// pdf_we of a ray that generate() has made: does not ask whether it lies in the image, where rounding could deny it.
+RELUME_HD inline CameraPdf pdf_of_generated(const CameraView& c, const Ray& ray) {
   switch (c.projection) {
     case Projection::perspective: {
       const float cos_theta = -glm::dot(ray.direction, c.axes.n);
@@ -141,6 +140,13 @@ RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
     case Projection::panoramic: return {1.0f, we(c, ray)};
   }
   return {};
+}
+
+/// Densities with which generate() makes this ray when the film position is uniform over the image.
+RELUME_HD inline CameraPdf pdf_we(const CameraView& c, const Ray& ray) {
+  Vec2 film;
+  if (!film_position(c, ray, &film)) return {};
+  return pdf_of_generated(c, ray);
 }
 
 /// Importance that reaches a point from the camera.

@@ -58,6 +58,8 @@ class CompiledScene {
 
   bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
   PlacedCamera camera() const;
+  /// The node that an instance belongs to.
+  Index node_of(uint32_t instance) const { return static_cast<Index>(appearances_[instance].node); }
 
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }

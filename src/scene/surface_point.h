@@ -6,13 +6,17 @@
 
 namespace relume {
 
+/// Where the viewer is below this cosine to the interpolated and mapped normal, the shading frame is bent towards it.
+inline constexpr float kMinShadingCosine = 1e-3f;
+
 /// Filled by make_surface_point; has no defaults for the reason that Lobe has none.
 struct SurfacePoint {
   Vec3 position;           ///< metres, world space
   float position_error;    ///< bound on the rounding error of each component, metres
   Vec3 previous_position;  ///< of the same material point one frame ago
   Vec3 ng;                 ///< geometric normal, unit, on the side of wo
-  Frame frame;             ///< frame.n is the shading normal, on the side of wo
+  Vec3 ns;                 ///< interpolated and mapped normal, unit, on the side of ng; depends on no direction
+  Frame frame;             ///< frame.n is the shading normal, on the side of wo: ns, bent where wo is below it
   Vec3 wo;                 ///< unit, towards the viewer
   Vec3 wo_local;           ///< the same in the frame
   Bsdf bsdf;

@@ -188,10 +188,9 @@ RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mes
 
 /// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
 RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, const Vec3& wo) {
-  constexpr float kMinCosine = 1e-3f;
   const float cos_o = glm::dot(ns, wo);
-  if (cos_o >= kMinCosine) return ns;
-  const Vec3 bent = glm::normalize(ns + (2.0f * kMinCosine - cos_o) * wo);
+  if (cos_o >= kMinShadingCosine) return ns;
+  const Vec3 bent = glm::normalize(ns + (2.0f * kMinShadingCosine - cos_o) * wo);
   return glm::dot(bent, ng) > 0.0f && glm::dot(bent, wo) > 0.0f ? bent : ng;
 }
 
@@ -228,8 +227,8 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   Uv uv;
   if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
 
-  const Vec3 ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front);
-  sp.frame = make_frame(visible_shading_normal(ns * side, sp.ng, sp.wo));
+  sp.ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front) * side;
+  sp.frame = make_frame(visible_shading_normal(sp.ns, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 
   MaterialSample parameters = sample_material(scene, material, uv, footprint_area);

@@ -12,10 +12,11 @@ enum class DirectionSamplerKind : int { bsdf };
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
 
-  RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler) const {
+  RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
+                              TransportMode mode = TransportMode::radiance) const {
     const float u_lobe =
         sp.bsdf.lobe_count > 1 || sp.bsdf.lobes[0].kind >= LobeKind::dielectric ? sampler.next_1d() : 0.0f;
-    return relume::sample(sp, u_lobe, sampler.next_2d());
+    return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
   }
 
   /// Density of sample() in direction `wi`, given the BSDF's value there.

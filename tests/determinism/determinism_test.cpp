@@ -70,6 +70,16 @@ TEST_P(Determinism, AnyNumberOfThreads) {
     EXPECT_EQ(rendered(GetParam(), settings_of(GetParam(), threads), 3), one) << threads << " threads";
 }
 
+TEST_P(Determinism, LightSubpathsToo) {
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
+    RenderSettings settings = settings_of(GetParam(), 1);
+    settings.estimator = estimator;
+    const std::vector<uint32_t> one = rendered(GetParam(), settings, 2);
+    settings.threads = 4;
+    EXPECT_EQ(rendered(GetParam(), settings, 2), one);
+  }
+}
+
 TEST_P(Determinism, SequencesToo) {
   const auto frames = [&](int threads) {
     Session session(build(GetParam().scene), settings_of(GetParam(), threads));

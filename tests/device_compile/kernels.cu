@@ -10,8 +10,13 @@
 #include "core/view.h"
 #include "film/tone_map.h"
 #include "techniques/accumulate/accumulate.h"
+#include "techniques/adaptive_psf/adaptive_psf.h"
 #include "techniques/adaptive_sampling/adaptive_sampling.h"
+#include "techniques/bdpt/bdpt.h"
+#include "techniques/hash_grid/maintain.h"
 #include "techniques/path/path.h"
+#include "techniques/path_graphs/path_graphs.h"
+#include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/primary_hits/primary_hits.h"
 #include "techniques/reprojection/backward.h"
 #include "techniques/reprojection/reprojection.h"
@@ -52,7 +57,15 @@ template __global__ void run(CoreKernel, uint32_t, uint32_t);
 template __global__ void run(PrimaryHitsKernel, uint32_t, uint32_t);
 template __global__ void run(SurfaceKernel, uint32_t, uint32_t);
 template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
+template __global__ void run(BdptKernel, uint32_t, uint32_t);
+template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
+template __global__ void run(PathSpaceFilterKernel, uint32_t, uint32_t);
+template __global__ void run(AdaptivePsfKernel, uint32_t, uint32_t);
+template __global__ void run(PathGraphKernel, uint32_t, uint32_t);
+template __global__ void run(ResolveCellsKernel, uint32_t, uint32_t);
+template __global__ void run(MaintainCellsKernel, uint32_t, uint32_t);
+template __global__ void run(MoveCellsKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateKernel, uint32_t, uint32_t);
 template __global__ void run(FirstVertexPathKernel, uint32_t, uint32_t);
 template __global__ void run(StoreKernel, uint32_t, uint32_t);

@@ -22,14 +22,23 @@ MAY_INCLUDE = {
     "io": "core settings materials scene",
     "film": "core settings backend io",
     "metrics": "core film io",
+    "report": "core film io metrics",
     "pipeline": "core sampling scene backend film",
     "techniques": "core settings sampling materials lights scene backend accel film pipeline",
     "render": "core settings sampling materials lights scene backend accel io film pipeline techniques",
-    "experiments": "core settings sampling materials lights scene backend accel io film metrics techniques render",
+    "compare": "core settings scene film io metrics report pipeline render",
+    "experiments": "core settings sampling materials lights scene backend accel io film metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
-TECHNIQUE_MAY_INCLUDE = {"path": "primary_hits", "reprojection": "path"}
+TECHNIQUE_MAY_INCLUDE = {
+    "path": "primary_hits",
+    "bdpt": "path",
+    "reprojection": "path",
+    "path_space_filter": "hash_grid path",
+    "adaptive_psf": "hash_grid path path_space_filter",
+    "path_graphs": "adaptive_psf hash_grid path path_space_filter",
+}
 
 # Start of an include -> the folders that may use that library.
 LIBRARY_USERS = {

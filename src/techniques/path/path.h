@@ -95,19 +95,32 @@ RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
   return is_black(medium) || distance == kInfinity ? Rgb(1) : exp(-medium * distance);
 }
 
-/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
-RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
-                                              Sampler& sampler) {
+/// A light and a point on it, as seen from a surface.
+struct LightPick {
+  LightId id = kNoLight;
+  float pmf = 0;  ///< of the selector
+  LightSample light;
+  Vec2 u{0};  ///< what placed the sample on the light
+};
+
+RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& sp, Sampler& sampler) {
   Vec2 u = sampler.next_2d();
   const LightSelection selection = c.selector.sample(sp, u.x);
   if (!(selection.pmf > 0.0f)) return {};
   u.x = selection.u;
-  LightSample light = sample_li(c.scene.lights, selection.light, sp.position, u);
+  return {selection.light, selection.pmf, sample_li(c.scene.lights, selection.light, sp.position, u), u};
+}
+
+/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
+RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                              Sampler& sampler) {
+  const LightPick pick = pick_light(c, sp, sampler);
+  LightSample light = pick.light;
   if (!light.valid()) return {};
   light.radiance *= transmittance(medium_along(c.scene, sp, light.wi, path.medium), light.distance);
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
   if (is_black(bsdf.f)) return {};
-  const float pdf_light = selection.pmf * light.pdf_w;
+  const float pdf_light = pick.pmf * light.pdf_w;
   const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
   Connection connection;
   connection.ray = sp.spawn_ray(light.wi);
@@ -115,10 +128,10 @@ RELUME_HD inline Connection sample_connection(const PathContext& c, const Surfac
   connection.contribution =
       path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
   connection.ray_id = sampler.ray_id();
-  connection.light = selection.light;
-  connection.u = u;
+  connection.light = pick.id;
+  connection.u = pick.u;
   connection.irradiance = light.radiance * (shading_cosine(sp, light.wi) / light.pdf_w);
-  connection.scale = weight / selection.pmf;
+  connection.scale = weight / pick.pmf;
   return connection;
 }
 
@@ -174,7 +187,8 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
 
 /// Watches a path: what caches and histories learn from. This one looks away, and costs nothing.
 struct NoObserver {
-  /// The path has reached a surface whose own emission is already added. False ends it there.
+  /// The path has reached a surface whose own emission is already added. False ends it there. Caches may change the
+  /// surface's lobes, and take radiance and throughput out of the path, here and in scattered().
   RELUME_HD bool arrived(const SurfacePoint&, PathState&) { return true; }
   /// Next event estimation at the surface; `visible`: nothing was in between.
   RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
@@ -224,6 +238,7 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
                                       Observer&& observer = Observer{}) {
   PathState path = start_path(c, x, y, sampler);
   SurfacePoint points[2];  // this vertex and the previous one, in turn
+  points[1].position = path.ray.origin;
   for (;;) {
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
@@ -243,6 +258,21 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
   }
   observer.finished(path);
   return path;
+}
+
+/// How kernels that trace one path a pixel do so, on a device and in the one-element form. Such a kernel has the
+/// members `context`, `index`, `hits`, `width` and
+///   wanted(pixel), leave_out(pixel)     whether the pixel gets a path, and what is written if not
+///   observer(x, y)                      watches the pixel's path
+///   finish(pixel, observer, path)       writes what came out
+template <typename Kernel>
+RELUME_HD inline void trace_pixel(const Kernel& kernel, uint32_t x, uint32_t y) {
+  const uint32_t pixel = y * kernel.width + x;
+  if (!kernel.wanted(pixel)) return kernel.leave_out(pixel);
+  Sampler sampler = kernel.index.sampler(x, y);
+  auto observer = kernel.observer(x, y);
+  PathState path = trace_path(kernel.context, x, y, sampler, kernel.hits[pixel], observer);
+  kernel.finish(pixel, observer, path);
 }
 
 /// Traces one path a pixel from the primary hits.
@@ -271,11 +301,15 @@ struct PathKernel {
   /// Host: some paths of the tile side by side.
   void operator()(const Tile& tile) const;
 
- private:
   RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
   RELUME_HD void leave_out(uint32_t pixel) const {
     radiance[pixel] = Rgb(0);
     rays[pixel] = 0;
+  }
+  RELUME_HD NoObserver observer(uint32_t, uint32_t) const { return {}; }
+  RELUME_HD void finish(uint32_t pixel, const NoObserver&, const PathState& path) const {
+    radiance[pixel] = path.radiance;
+    rays[pixel] = path.rays;
   }
 };
 

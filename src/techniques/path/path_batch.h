@@ -1,6 +1,6 @@
-// How a host thread runs PathKernel: the paths of neighbouring pixels side by side, each step for all of them before
-// the next. A processor then works on one path while it waits for another, which it cannot do along a single path, and
-// shadow rays travel in packets. Steps, random numbers and results are those of trace_path.
+// How a host thread runs kernels that trace one path a pixel: the paths of neighbouring pixels side by side, each step
+// for all of them before the next. A processor then works on one path while it waits for another, which it cannot do
+// along a single path, and shadow rays travel in packets. Steps, random numbers and results are those of trace_path.
 #pragma once
 
 #include "techniques/path/path.h"
@@ -33,48 +33,69 @@ inline void filter(PathBatch& b, const Step& step) {
   b.count = kept;
 }
 
+/// Connections of one step, in the order of the paths they belong to.
+struct Connections {
+  Connection all[PathBatch::kSize];
+  uint32_t owners[PathBatch::kSize];
+  uint32_t count = 0;
+};
+
 /// Adds the contributions whose rays reach their light.
-inline void add_visible(const AccelView& accel, const Ray* rays, const uint32_t* ids, const Rgb* contributions,
-                        const uint32_t* owners, uint32_t count, PathBatch& b) {
-  for (uint32_t first = 0; first < count; first += kPacketSize) {
-    const int size = static_cast<int>(count - first < kPacketSize ? count - first : kPacketSize);
+template <typename Observer>
+inline void add_visible(const AccelView& accel, const Connections& connections, const SurfacePoint* points,
+                        PathBatch& b, Observer* observers) {
+  for (uint32_t first = 0; first < connections.count; first += kPacketSize) {
+    const uint32_t left = connections.count - first;
+    const int size = static_cast<int>(left < kPacketSize ? left : kPacketSize);
+    Ray rays[kPacketSize];
+    uint32_t ids[kPacketSize];
     bool blocked[kPacketSize];
-    occluded_packet(accel, rays + first, ids + first, blocked, size);
     for (int k = 0; k < size; ++k) {
-      if (!blocked[k]) b.paths[owners[first + k]].radiance += contributions[first + k];
+      rays[k] = connections.all[first + k].ray;
+      ids[k] = connections.all[first + k].ray_id;
+    }
+    occluded_packet(accel, rays, ids, blocked, size);
+    for (int k = 0; k < size; ++k) {
+      const Connection& connection = connections.all[first + k];
+      const uint32_t i = connections.owners[first + k];
+      if (!blocked[k]) b.paths[i].radiance += connection.contribution;
+      observers[i].connected(points[i], b.paths[i], connection, !blocked[k]);
     }
   }
 }
 
 /// Next event estimation for all active paths.
-inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b) {
-  Ray rays[PathBatch::kSize];
-  uint32_t ids[PathBatch::kSize];
-  Rgb contributions[PathBatch::kSize];
-  uint32_t owners[PathBatch::kSize];
-  uint32_t count = 0;
+template <typename Observer>
+inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+  Connections connections;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
-    const Connection connection = connect(c, points[i], b.paths[i], b.samplers[i]);
-    rays[count] = connection.ray;
-    ids[count] = connection.ray_id;
-    contributions[count] = connection.contribution;
-    owners[count] = i;
+    Connection& connection = connections.all[connections.count];
+    connection = connect(c, points[i], b.paths[i], b.samplers[i]);
+    connections.owners[connections.count] = i;
     if (!connection.valid()) continue;
     ++b.paths[i].rays;
-    ++count;
+    ++connections.count;
   }
-  add_visible(c.scene.accel, rays, ids, contributions, owners, count, b);
+  add_visible(c.scene.accel, connections, points, b, observers);
 }
 
-/// Follows all paths from their primary hits to their ends.
-inline void trace(const PathContext& c, PathBatch& b) {
+/// Follows all paths from their primary hits to their ends; one observer a path.
+template <typename Observer>
+inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
-    filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i]); });
-    connect_all(c, points, b);
-    filter(b, [&](uint32_t i) { return continue_path(c, points[i], b.paths[i], b.samplers[i]); });
+    filter(b, [&](uint32_t i) {
+      return arrive(c, b.hits[i], previous[i], points[i], b.paths[i]) && observers[i].arrived(points[i], b.paths[i]);
+    });
+    connect_all(c, points, b, observers);
+    filter(b, [&](uint32_t i) {
+      const BsdfSample s = c.directions.sample(points[i], b.samplers[i]);
+      if (!follow(c, points[i], s, b.paths[i], b.samplers[i])) return false;
+      observers[i].scattered(points[i], s, b.paths[i]);
+      return true;
+    });
     for (uint32_t k = 0; k < b.count; ++k) {
       const uint32_t i = b.active[k];
       b.hits[i] = intersect(c.scene.accel, b.paths[i].ray, b.samplers[i].ray_id());
@@ -83,38 +104,45 @@ inline void trace(const PathContext& c, PathBatch& b) {
   }
 }
 
-}  // namespace path_batch
-
-inline void PathKernel::operator()(const Tile& tile) const {
+/// The tile form of a kernel that offers what trace_pixel() asks for.
+template <typename Kernel>
+inline void trace_tile(const Kernel& kernel, const Tile& tile) {
+  using Observer = decltype(kernel.observer(0u, 0u));
   PathBatch b;
+  Observer observers[PathBatch::kSize];
   uint32_t pixels[PathBatch::kSize];
   uint32_t x = tile.x0;
   uint32_t y = tile.y0;
   while (y < tile.y1) {
     uint32_t count = 0;
     while (count < PathBatch::kSize && y < tile.y1) {
-      const uint32_t pixel = y * width + x;
-      if (wanted(pixel)) {
+      const uint32_t pixel = y * kernel.width + x;
+      if (kernel.wanted(pixel)) {
         pixels[count] = pixel;
         b.active[count] = count;
-        b.hits[count] = hits[pixel];
-        b.samplers[count] = index.sampler(x, y);
-        b.paths[count] = start_path(context, x, y, b.samplers[count]);
+        b.hits[count] = kernel.hits[pixel];
+        b.samplers[count] = kernel.index.sampler(x, y);
+        b.paths[count] = start_path(kernel.context, x, y, b.samplers[count]);
+        observers[count] = kernel.observer(x, y);
         ++count;
       } else {
-        leave_out(pixel);
+        kernel.leave_out(pixel);
       }
       if (++x < tile.x1) continue;
       x = tile.x0;
       ++y;
     }
     b.count = count;
-    path_batch::trace(context, b);
+    trace(kernel.context, b, observers);
     for (uint32_t i = 0; i < count; ++i) {
-      radiance[pixels[i]] = b.paths[i].radiance;
-      rays[pixels[i]] = b.paths[i].rays;
+      observers[i].finished(b.paths[i]);
+      kernel.finish(pixels[i], observers[i], b.paths[i]);
     }
   }
 }
+
+}  // namespace path_batch
+
+inline void PathKernel::operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
 
 }  // namespace relume

@@ -15,6 +15,16 @@ std::vector<BufferDescription> estimator_buffers() {
            .display = BufferDisplay::value}};
 }
 
+PathContext make_path_context(const PathSource& source, const FrameContext& frame) {
+  PathContext context;
+  context.scene = frame.scene;
+  context.selector = source.selector;
+  context.directions = source.directions;
+  context.max_bounces = static_cast<uint32_t>(source.settings.max_bounces);
+  context.russian_roulette = source.settings.russian_roulette;
+  return context;
+}
+
 PassDeclaration PathPass::declaration() const {
   PassDeclaration declaration{
       .name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
@@ -29,11 +39,7 @@ PassDeclaration PathPass::declaration() const {
 
 bool PathPass::run(const FrameContext& frame) {
   PathKernel kernel;
-  kernel.context.scene = frame.scene;
-  kernel.context.selector = selector_;
-  kernel.context.directions = directions_;
-  kernel.context.max_bounces = static_cast<uint32_t>(settings_.max_bounces);
-  kernel.context.russian_roulette = settings_.russian_roulette;
+  kernel.context = make_path_context(source_, frame);
   kernel.index = frame.index;
   kernel.hits = frame.view<const Hit>("primary-hits");
   kernel.allocation = frame.view<const uint32_t>("allocation");

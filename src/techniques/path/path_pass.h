@@ -8,22 +8,29 @@
 
 namespace relume {
 
-/// Traces one path for each pixel that the allocation gives one. The settings and the choices of the other slots stay
-/// with their owners and are read each frame.
+struct PathContext;
+
+/// Where paths get their settings and samplers from; what they refer to stays with its owners and is read each frame.
+struct PathSource {
+  const PathSettings& settings;
+  const LightSelector& selector;
+  const DirectionSampler& directions;
+};
+
+/// What paths of this frame have in common.
+PathContext make_path_context(const PathSource& source, const FrameContext& frame);
+
+/// Traces one path for each pixel that the allocation gives one.
 class PathPass final : public Pass {
  public:
   /// `first_vertices`: also leave what each path found at its first vertex, for histories.
-  PathPass(const PathSettings& settings, const LightSelector& selector, const DirectionSampler& directions,
-           bool first_vertices)
-      : settings_(settings), selector_(selector), directions_(directions), first_vertices_(first_vertices) {}
+  PathPass(const PathSource& source, bool first_vertices) : source_(source), first_vertices_(first_vertices) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const PathSettings& settings_;
-  const LightSelector& selector_;
-  const DirectionSampler& directions_;
+  PathSource source_;
   bool first_vertices_;
 };
 

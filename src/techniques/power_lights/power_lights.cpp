@@ -4,7 +4,7 @@
 
 namespace relume {
 
-std::vector<AliasEntry> build_power_lights(const LightsView& lights) {
+std::vector<AliasEntry> build_power_lights(const LightsView& lights, bool with_constant_environment) {
   const uint32_t count = lights.lights.size;
   constexpr float kMostPower = 1e30f;  // textures of the brightest lights may overflow
   std::vector<float> weights(count);
@@ -12,7 +12,7 @@ std::vector<AliasEntry> build_power_lights(const LightsView& lights) {
   double infinite = 0;
   for (LightId i = 0; i < count; ++i) {
     const bool is_environment = lights.lights[i].kind == LightKind::environment;
-    if (is_environment && !lights.environment.worth_sampling()) continue;
+    if (is_environment && !with_constant_environment && !lights.environment.worth_sampling()) continue;
     weights[i] = std::min(luminance(power(lights, i)), kMostPower);
     (i < lights.first_infinite ? finite : infinite) += weights[i];
   }

@@ -21,6 +21,7 @@ struct PowerLights {
 
 /// Entries for PowerLights. What lights at infinity send through the scene grows with its cross-section and says little
 /// of what arrives at a point, so as a group they get half of the samples whenever there are finite lights too.
-std::vector<AliasEntry> build_power_lights(const LightsView& lights);
+/// A constant environment takes part only if asked: BSDF sampling finds it as well.
+std::vector<AliasEntry> build_power_lights(const LightsView& lights, bool with_constant_environment = false);
 
 }  // namespace relume

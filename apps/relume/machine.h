@@ -1,0 +1,13 @@
+// Where and when something was measured.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace relume::cli {
+
+/// Processor, version of relume, date: name and value.
+std::vector<std::pair<std::string, std::string>> machine_description();
+
+}  // namespace relume::cli
