@@ -130,8 +130,19 @@ bool ScriptPlayer::perform_mouse(const ScriptStep& step) {
   return true;
 }
 
+bool ScriptPlayer::wait_for_frames(uint64_t count, const ScriptTarget& target) {
+  // What the steps before changed is requested at the end of this frame of the interface.
+  if (tick_ == 0) return false;
+  if (tick_ == 1) {
+    request_ = target.request();
+    following_ = 0;
+  }
+  if (following_ == 0) following_ = target.first_frame_following(request_);
+  return following_ > 0 && target.frames() >= std::max(first_frame_ + count, following_ + count - 1);
+}
+
 bool ScriptPlayer::perform(const ScriptStep& step, const ScriptTarget& target) {
-  if (step.verb == "frames") return target.frames() >= first_frame_ + static_cast<uint64_t>(number(step.words[0]));
+  if (step.verb == "frames") return wait_for_frames(static_cast<uint64_t>(number(step.words[0])), target);
   if (step.verb == "seconds") return target.now_s() >= begun_s_ + static_cast<double>(number(step.words[0]));
   if (step.verb == "loaded") return !target.loading();
   if (step.verb == "mouse" || step.verb == "drag" || step.verb == "click") return perform_mouse(step);

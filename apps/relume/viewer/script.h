@@ -35,7 +35,10 @@ std::vector<int> parse_keys(const std::string& text, const std::string& place);
 
 /// What steps do to the viewer, as the player sees it.
 struct ScriptTarget {
-  std::function<uint64_t()> frames;  ///< rendered so far
+  std::function<uint64_t()> frames;   ///< serial of the frame that is shown; 0 before the first
+  std::function<uint64_t()> request;  ///< version of the newest request to the rendering thread
+  /// Serial of the first frame that follows a request of this version or a later one; 0 before there is one.
+  std::function<uint64_t(uint64_t)> first_frame_following;
   std::function<double()> now_s;
   std::function<bool()> loading;
   /// Does a step that is over at once. Throws Error.
@@ -60,13 +63,16 @@ class ScriptPlayer {
   /// Whether the step is over; `tick_` counts its calls.
   bool perform(const ScriptStep& step, const ScriptTarget& target);
   bool perform_mouse(const ScriptStep& step);
+  bool wait_for_frames(uint64_t count, const ScriptTarget& target);
 
   std::vector<ScriptStep> steps_;
   std::string place_;
   size_t next_ = 0;
   int tick_ = 0;
-  uint64_t first_frame_ = 0;
+  uint64_t first_frame_ = 0;  ///< shown when the step began
   uint64_t seen_frame_ = 0;
+  uint64_t request_ = 0;    ///< that `frames` waits for: the newest when it began
+  uint64_t following_ = 0;  ///< first frame that follows it; 0 while unknown
   double begun_s_ = 0;
   double progress_s_ = 0;  ///< when the step began or a frame came last
   ScriptedInput input_;

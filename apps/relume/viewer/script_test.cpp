@@ -40,13 +40,19 @@ TEST(Script, NamesKeysAsGlfwDoes) {
 /// Plays a script against counters.
 struct Stage {
   uint64_t frames = 0;
+  uint64_t request = 1;
+  uint64_t following = 1;  ///< first frame that follows the newest request
   double now_s = 0;
   bool loading = false;
   std::vector<std::string> acts;
 
   ScriptTarget target() {
-    return {[this] { return frames; }, [this] { return now_s; }, [this] { return loading; },
-            [this](const ScriptStep& step) { acts.push_back(step.verb); }};
+    return {.frames = [this] { return frames; },
+            .request = [this] { return request; },
+            .first_frame_following = [this](uint64_t version) { return version <= request ? following : 0; },
+            .now_s = [this] { return now_s; },
+            .loading = [this] { return loading; },
+            .act = [this](const ScriptStep& step) { acts.push_back(step.verb); }};
   }
 };
 
@@ -66,6 +72,25 @@ TEST(ScriptPlayer, WaitsForFramesTimeAndLoading) {
   player.update(stage.target());
   EXPECT_TRUE(player.done());
   EXPECT_EQ(stage.acts.back(), "report");
+}
+
+TEST(ScriptPlayer, FramesFollowWhatTheStepsBeforeChanged) {
+  Stage stage;
+  stage.frames = 7;
+  ScriptPlayer player(parse_script("set a b\nframes 2\nreport\n", "t"), "t");
+  player.update(stage.target());
+  stage.request = 2;  // at the end of a frame of the interface
+  stage.following = 0;
+  for (stage.frames = 8; stage.frames < 10; ++stage.frames) {  // those were under way
+    player.update(stage.target());
+    EXPECT_EQ(stage.acts.back(), "set");
+  }
+  stage.following = stage.frames;
+  player.update(stage.target());
+  EXPECT_FALSE(player.done());
+  ++stage.frames;
+  player.update(stage.target());
+  EXPECT_TRUE(player.done());
 }
 
 TEST(ScriptPlayer, TakesScreenshotsBeforeTheNextStep) {
