@@ -1,4 +1,5 @@
 // What changes while a scene is shown.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -205,6 +206,8 @@ void CompiledScene::refresh_view() {
   view_.meshes = view_of(meshes_);
   view_.instances = view_of(instances_);
   view_.materials = view_of(materials_);
+  view_.absorbs =
+      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
   view_.textures = textures_.views();
   view_.lights = lights_.view();
   view_.camera = camera_view_;

@@ -88,6 +88,7 @@ struct SceneView {
   CameraView previous_camera;
   const EnergyTables* energy_tables = nullptr;
   AccelView accel;
+  bool absorbs = false;  ///< some material fills a body that absorbs
 };
 
 }  // namespace relume

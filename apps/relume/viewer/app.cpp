@@ -103,12 +103,13 @@ void App::frame() {
 
 void App::take_input() {
   ImGuiIO& io = ImGui::GetIO();
-  script_.update({.frames = [this] { return state_.frame() ? state_.frame()->serial : 0; },
-                  .request = [this] { return version_; },
-                  .first_frame_following = [this](uint64_t version) { return renderer_.first_frame_following(version); },
-                  .now_s = now_s,
-                  .loading = [this] { return state_.loading.valid(); },
-                  .act = [this](const ScriptStep& step) { act(step); }});
+  script_.update(
+      {.frames = [this] { return state_.frame() ? state_.frame()->serial : 0; },
+       .request = [this] { return version_; },
+       .first_frame_following = [this](uint64_t version) { return renderer_.first_frame_following(version); },
+       .now_s = now_s,
+       .loading = [this] { return state_.loading.valid(); },
+       .act = [this](const ScriptStep& step) { act(step); }});
   const ScriptedInput& input = script_.input();
   if (!options_.script.empty()) {
     std::fill(std::begin(io.KeysDown), std::end(io.KeysDown), false);

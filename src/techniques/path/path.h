@@ -83,7 +83,7 @@ RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoi
 /// What absorbs light beyond the surface in direction `w`, if `medium` does on the viewer's side. A body begins where
 /// its front is passed and ends where its back is; bodies that overlap add up.
 RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, const Rgb& medium) {
-  if (glm::dot(w, sp.ng) >= 0.0f) return medium;
+  if (!scene.absorbs || glm::dot(w, sp.ng) >= 0.0f) return medium;
   const MaterialData& material = scene.materials[sp.material];
   if (!material.volume) return medium;
   return sp.front_face ? medium + material.absorption : glm::max(medium - material.absorption, Rgb(0));
@@ -111,32 +111,34 @@ RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& 
   return {selection.light, selection.pmf, sample_li(c.scene.lights, selection.light, sp.position, u), u};
 }
 
-/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight.
-RELUME_HD inline Connection sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
-                                              Sampler& sampler) {
+/// Chooses a light and a point on it; its contribution carries throughput, BSDF and MIS weight. Filled in place, for
+/// hosts keep many. False, and `connection` undefined, if nothing arrives.
+RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint& sp, const PathState& path,
+                                        Sampler& sampler, Connection& connection) {
   const LightPick pick = pick_light(c, sp, sampler);
-  LightSample light = pick.light;
-  if (!light.valid()) return {};
-  light.radiance *= transmittance(medium_along(c.scene, sp, light.wi, path.medium), light.distance);
+  const LightSample& light = pick.light;
+  if (!light.valid()) return false;
   const BsdfEval bsdf = eval_pdf(sp, light.wi);
-  if (is_black(bsdf.f)) return {};
+  if (is_black(bsdf.f)) return false;
   const float pdf_light = pick.pmf * light.pdf_w;
   const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
-  Connection connection;
   connection.ray = sp.spawn_ray(light.wi);
   connection.ray.t_max = light.distance * (1.0f - kShadowMargin);
-  connection.contribution =
-      path.throughput * bsdf.f * light.radiance * (shading_cosine(sp, light.wi) * weight / pdf_light);
   connection.ray_id = sampler.ray_id();
   connection.light = pick.id;
   connection.u = pick.u;
   connection.irradiance = light.radiance * (shading_cosine(sp, light.wi) / light.pdf_w);
+  if (c.scene.absorbs) {
+    connection.irradiance *= transmittance(medium_along(c.scene, sp, light.wi, path.medium), light.distance);
+  }
   connection.scale = weight / pick.pmf;
-  return connection;
+  connection.contribution = path.throughput * bsdf.f * connection.irradiance * connection.scale;
+  return connection.valid();
 }
 
 /// Absorption along the segment that ends at a surface.
 RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, float distance, PathState& path) {
+  if (!scene.absorbs) return;
   const MaterialData& material = scene.materials[sp.material];
   // Who meets an inner side is inside, even if it did not see itself enter: the camera may stand there.
   if (material.volume && !sp.front_face) path.medium = glm::max(path.medium, material.absorption);
@@ -225,11 +227,11 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
   return path.bounce < c.max_bounces && !sp.bsdf.empty();
 }
 
-/// Next event estimation at a vertex; invalid where only delta lobes scatter.
-RELUME_HD inline Connection connect(const PathContext& c, const SurfacePoint& sp, const PathState& path,
-                                    Sampler& sampler) {
+/// Next event estimation at a vertex: whether there is a connection to be tested; none where only delta lobes scatter.
+RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, const PathState& path, Sampler& sampler,
+                              Connection& connection) {
   sampler.start_dimension(kCameraDimensions + path.bounce * kDimensionsPerBounce);
-  return has_non_delta(sp.bsdf) ? sample_connection(c, sp, path, sampler) : Connection{};
+  return has_non_delta(sp.bsdf) && sample_connection(c, sp, path, sampler, connection);
 }
 
 /// Radiance of one sample of pixel (x, y) from its primary hit on.
@@ -243,8 +245,7 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
     if (!arrive(c, hit, previous, sp, path) || !observer.arrived(sp, path)) break;
-    const Connection connection = connect(c, sp, path, sampler);
-    if (connection.valid()) {
+    if (Connection connection; connect(c, sp, path, sampler, connection)) {
       ++path.rays;
       const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
       if (visible) path.radiance += connection.contribution;

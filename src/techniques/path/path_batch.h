@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Paths that have all scattered equally often.
+/// Paths that have all scattered equally often, and their connections to lights.
 struct PathBatch {
   static constexpr uint32_t kSize = 32;  ///< few, so that what they touch stays in the first-level cache
 
@@ -17,6 +17,10 @@ struct PathBatch {
   SurfacePoint points[2][kSize];  ///< this vertex and the previous one, in turn
   uint32_t active[kSize];         ///< paths that go on
   uint32_t count = 0;
+
+  Connection connections[kSize];
+  uint32_t owners[kSize];  ///< path of each connection, ascending
+  uint32_t connection_count = 0;
 };
 
 namespace path_batch {
@@ -33,31 +37,23 @@ inline void filter(PathBatch& b, const Step& step) {
   b.count = kept;
 }
 
-/// Connections of one step, in the order of the paths they belong to.
-struct Connections {
-  Connection all[PathBatch::kSize];
-  uint32_t owners[PathBatch::kSize];
-  uint32_t count = 0;
-};
-
 /// Adds the contributions whose rays reach their light.
 template <typename Observer>
-inline void add_visible(const AccelView& accel, const Connections& connections, const SurfacePoint* points,
-                        PathBatch& b, Observer* observers) {
-  for (uint32_t first = 0; first < connections.count; first += kPacketSize) {
-    const uint32_t left = connections.count - first;
+inline void add_visible(const AccelView& accel, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+  for (uint32_t first = 0; first < b.connection_count; first += kPacketSize) {
+    const uint32_t left = b.connection_count - first;
     const int size = static_cast<int>(left < kPacketSize ? left : kPacketSize);
     Ray rays[kPacketSize];
     uint32_t ids[kPacketSize];
     bool blocked[kPacketSize];
     for (int k = 0; k < size; ++k) {
-      rays[k] = connections.all[first + k].ray;
-      ids[k] = connections.all[first + k].ray_id;
+      rays[k] = b.connections[first + k].ray;
+      ids[k] = b.connections[first + k].ray_id;
     }
     occluded_packet(accel, rays, ids, blocked, size);
     for (int k = 0; k < size; ++k) {
-      const Connection& connection = connections.all[first + k];
-      const uint32_t i = connections.owners[first + k];
+      const Connection& connection = b.connections[first + k];
+      const uint32_t i = b.owners[first + k];
       if (!blocked[k]) b.paths[i].radiance += connection.contribution;
       observers[i].connected(points[i], b.paths[i], connection, !blocked[k]);
     }
@@ -67,17 +63,14 @@ inline void add_visible(const AccelView& accel, const Connections& connections, 
 /// Next event estimation for all active paths.
 template <typename Observer>
 inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Observer* observers) {
-  Connections connections;
+  b.connection_count = 0;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
-    Connection& connection = connections.all[connections.count];
-    connection = connect(c, points[i], b.paths[i], b.samplers[i]);
-    connections.owners[connections.count] = i;
-    if (!connection.valid()) continue;
+    if (!connect(c, points[i], b.paths[i], b.samplers[i], b.connections[b.connection_count])) continue;
+    b.owners[b.connection_count++] = i;
     ++b.paths[i].rays;
-    ++connections.count;
   }
-  add_visible(c.scene.accel, connections, points, b, observers);
+  add_visible(c.scene.accel, points, b, observers);
 }
 
 /// Follows all paths from their primary hits to their ends; one observer a path.
