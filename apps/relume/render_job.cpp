@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "accumulate.h"
+#include "backend/launch.h"
 #include "console.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
@@ -34,6 +35,7 @@ struct Plan {
   FrameRange frames;
   std::vector<std::filesystem::path> files;  ///< one a frame
   SettingSources sources;
+  int threads = 0;
 };
 
 /// One a frame; a video's is the same for all.
@@ -60,6 +62,7 @@ Plan make_plan(const RenderOptions& options) {
   }
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   RenderSettings settings = resolve(plan.sources).render;
+  plan.threads = settings.threads;
   settings.auxiliary = true;
   plan.aovs = parse_aovs(options.aov, Session::aov_names(settings));
   if (is_video_file(options.output) && !options.frames.empty()) {
@@ -149,6 +152,7 @@ class RenderJob {
 
 void RenderJob::load() {
   const double start_s = now_s();
+  const ThreadLimit limit(plan_.threads);
   Scene scene = open_scene(options_.scene);
   plan_.sources.scene_json = scene.settings_json;
   plan_.sources.scene_place = options_.scene;

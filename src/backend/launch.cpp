@@ -37,20 +37,29 @@ class FlushDenormals {
 
 }  // namespace
 
-struct Backend::State {
+struct ThreadLimit::State {
   explicit State(int threads)
       : count(threads > 0 ? threads : tbb::info::default_concurrency()),
-        control(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(count)),
-        arena(count) {}
+        control(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(count)) {}
   int count;
-  tbb::global_control control;  // before the arena, or TBB complains about more threads than cores
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int threads) : state_(std::make_unique<State>(threads)) {}
+ThreadLimit::~ThreadLimit() = default;
+
+int ThreadLimit::threads() const { return state_->count; }
+
+struct Backend::State {
+  explicit State(int threads) : limit(threads), arena(limit.threads()) {}
+  ThreadLimit limit;  // before the arena, or TBB complains about more threads than cores
   tbb::task_arena arena;
 };
 
 Backend::Backend(int threads) : state_(std::make_unique<State>(threads)) {}
 Backend::~Backend() = default;
 
-int Backend::threads() const { return state_->count; }
+int Backend::threads() const { return state_->limit.threads(); }
 
 void Backend::add_time(std::string_view name, double seconds) {
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });

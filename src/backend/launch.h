@@ -51,6 +51,22 @@ struct LaunchTime {
   uint64_t launches = 0;
 };
 
+/// Bounds the threads of all work in parallel while it lives: a backend's, and what runs beside one, such as loading.
+class ThreadLimit {
+ public:
+  /// `threads` 0: as many as the machine has.
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+  int threads() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// The processor's threads.
 class Backend {
  public:

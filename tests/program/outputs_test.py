@@ -3,7 +3,10 @@
 
 import json
 import os
+import socket
+import struct
 import subprocess
+import threading
 import unittest
 
 from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run, write_gltf
@@ -20,7 +23,49 @@ LAYERS = {
 }
 
 
+class TevViewer(threading.Thread):
+    """Listens as the tev viewer does, and keeps the messages that arrive (tev's ipc protocol: length, operation, fields)."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.socket = socket.create_server(("127.0.0.1", 0))
+        self.address = "127.0.0.1:%d" % self.socket.getsockname()[1]
+        self.messages = []
+        self.start()
+
+    def run(self):
+        connection = self.socket.accept()[0]
+        data = b""
+        while block := connection.recv(1 << 16):
+            data += block
+            while len(data) >= 4 and len(data) >= struct.unpack_from("<I", data)[0]:
+                size = struct.unpack_from("<I", data)[0]
+                self.messages.append((data[4], data[5:size]))
+                data = data[size:]
+
+
 class Outputs(ProgramTest):
+    def test_a_tev_viewer_gets_the_picture(self):
+        viewer = TevViewer()
+        self.succeed("render", "furnace", "-o", "out.exr", *SMALL, "--spp", "2", "--display", viewer.address)
+        viewer.join(20)
+        self.assertFalse(viewer.is_alive(), "the connection was not closed")
+        (create, image), *updates = viewer.messages
+        self.assertEqual(create, 4)
+        name, rest = image[1:].split(b"\0", 1)
+        self.assertEqual((name, struct.unpack_from("<iii", rest), rest[12:]), (b"furnace", (24, 18, 3), b"R\0G\0B\0"))
+        pixels = {}
+        for operation, body in updates:
+            self.assertEqual(operation, 6)
+            name, rest = body[1:].split(b"\0", 1)
+            x, y, width, height = struct.unpack_from("<4i", rest, 4 + 6)
+            values = struct.unpack(f"<{3 * width * height}f", rest[4 + 6 + 16 + 48:])
+            for i in range(width * height):
+                pixels[x + i % width, y + i // width] = values[3 * i:3 * i + 3]
+        self.assertEqual(len(pixels), 24 * 18)
+        mean = sum(value[1] for value in pixels.values()) / len(pixels)
+        self.assertAlmostEqual(mean, json.loads(self.succeed("metrics", "out.exr", "out.exr", "--json").stdout)["mean_a"][1], delta=1e-4)
+
     def test_every_kind_of_picture(self):
         for kind in ("exr", "hdr", "png", "jpg", "jpeg", "tga"):
             self.succeed("render", "cornell", "-o", f"out.{kind}", *SMALL, "--spp", "2")
