@@ -56,7 +56,7 @@ TraceContender independent_contender(const ExperimentContext& context, const Exp
 }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, const std::vector<Bounds>& bounds) {
-  const Reference reference = make_reference(context, scene, context.quick ? 256 : 4096);
+  const Reference reference = make_reference(context, scene);
   std::vector<TraceContender> contenders{contender(context, scene, nullptr)};
   for (const Bounds& b : bounds) contenders.push_back(contender(context, scene, &b));
   contenders.push_back(independent_contender(context, scene));
@@ -64,6 +64,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
                              .frames = context.quick ? 48u : 128u,
                              .repetitions = context.choose(3, 1),
                              .reference = &reference.image,
+                             .reference_mse = reference.mse,
                              .picture_frame = 32};
   std::vector<Trace> traces = trace(context, scene.name, scene, contenders, options);
   PictureSet pictures = trace_pictures(scene.name, traces, reference.image);
@@ -217,10 +218,11 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
       "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
       std::move(pictures)));
   for (const SceneResult& scene : results) result.blocks.emplace_back(charts(scene));
-  result.setup = {{"Size", context.quick ? "64 × 36" : "320 × 180"},
-                  {"Reference", context.quick ? "256 samples" : "4096 samples, as in the paper"},
-                  {"Measure", "variance over the pixels of the distance to the reference's colour, both cut off at 1"},
-                  {"Repetitions", context.quick ? "1" : "median of 3; contenders take turns frame by frame"}};
+  result.setup = common_setup(context);
+  result.setup.insert(
+      result.setup.end(),
+      {{"Measure", "variance over the pixels of the distance to the reference's colour, both cut off at 1"},
+       {"Repetitions", context.quick ? "1" : "median of 3; contenders take turns frame by frame"}});
   return result;
 }
 

@@ -36,7 +36,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
 }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene) {
-  const Reference reference = make_reference(context, scene, context.quick ? 256 : 4096);
+  const Reference reference = make_reference(context, scene);
   const int samples = context.quick ? 8 : 64;
   const std::vector<TraceContender> contenders{contender(context, scene, "start anew", 0, 0),
                                                contender(context, scene, "reprojection", samples, 0),
@@ -46,6 +46,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
                              .frames = context.quick ? 24u : 96u,
                              .repetitions = context.choose(3, 1),
                              .reference = &reference.image,
+                             .reference_mse = reference.mse,
                              .picture_frame = 8};
   std::vector<Trace> traces = trace(context, scene.name, scene, contenders, options);
   PictureSet pictures = trace_pictures(scene.name, traces, reference.image);
@@ -117,11 +118,11 @@ ExperimentResult run_combination(const ExperimentContext& context) {
     result.blocks.emplace_back(trace_charts(scene.name, "Error after the last step of a turn of 100°.", scene.traces,
                                             &TracePoint::mse, "MSE"));
   }
-  result.setup = {{"Size", context.quick ? "64 × 36" : "320 × 180"},
-                  {"Reference", context.quick ? "256 samples" : "4096 samples, as in the paper"},
-                  {"Turn", context.quick ? "100° in steps of 20°, 8 samples a step, one stored"
-                                         : "100° in steps of 5°, 64 samples a step, one stored"},
-                  {"Repetitions", context.quick ? "1" : "median of 3; contenders take turns frame by frame"}};
+  result.setup = common_setup(context);
+  result.setup.insert(result.setup.end(),
+                      {{"Turn", context.quick ? "100° in steps of 20°, 8 samples a step, one stored"
+                                              : "100° in steps of 5°, 64 samples a step, one stored"},
+                       {"Repetitions", context.quick ? "1" : "median of 3; contenders take turns frame by frame"}});
   return result;
 }
 

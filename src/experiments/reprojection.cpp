@@ -74,6 +74,7 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, con
                              .frames = context.quick ? 16u : 64u,
                              .repetitions = repetitions(context, scene, step_deg),
                              .reference = &reference.image,
+                             .reference_mse = reference.mse,
                              .picture_frame = 4};
   const std::string name = fmt::format("{}, {:.0f}°", scene.name, step_deg);
   std::vector<Trace> traces = trace(context, name, scene, list, options);
@@ -83,7 +84,7 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, con
 
 SceneResult measure_scene(const ExperimentContext& context, const ExperimentScene& scene, std::vector<float> steps,
                           bool all) {
-  const Reference reference = make_reference(context, scene, context.quick ? 256 : 4096);
+  const Reference reference = make_reference(context, scene);
   SceneResult result{scene.name, scene.property, {}};
   for (float step : steps)
     result.cases.push_back(measure(context, scene, reference, step, contenders(context, scene, all)));
@@ -206,7 +207,7 @@ void claim_more_samples(const SceneResult& scene, std::vector<Claim>& claims) {
 /// The largest difference that other bounds of the view dependency make.
 Claim claim_error_bound(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Block>& blocks) {
   const int few = context.quick ? 8 : 32;
-  const Reference reference = make_reference(context, scene, context.quick ? 256 : 4096);
+  const Reference reference = make_reference(context, scene);
   std::vector<TraceContender> list{contender(context, scene, 0, StoredSampleChoice::one, 0)};
   for (int k : {1, 4, 8})
     list.push_back(contender(context, scene, few, StoredSampleChoice::one, kSmallestError * static_cast<float>(k)));
@@ -312,12 +313,13 @@ ExperimentResult run_reprojection(const ExperimentContext& context) {
   claim_properties(context, results, box, result.claims);
   result.blocks = shown(results, overheads);
   result.blocks.insert(result.blocks.end(), bound_blocks.begin(), bound_blocks.end());
-  result.setup = {{"Size", context.quick ? "64 × 36" : "320 × 180"},
-                  {"Reference", context.quick ? "256 samples" : "4096 samples, as in the paper"},
-                  {"Turn", "100° in steps; the last view is the same whatever the step"},
-                  {"First frames", "from the end of the first to the eighth frame of starting anew"},
-                  {"Repetitions",
-                   context.quick ? "1" : "median of 3 for steps of 5°, else 1; contenders take turns frame by frame"}};
+  result.setup = common_setup(context);
+  result.setup.insert(
+      result.setup.end(),
+      {{"Turn", "100° in steps; the last view is the same whatever the step"},
+       {"First frames", "from the end of the first to the eighth frame of starting anew"},
+       {"Repetitions",
+        context.quick ? "1" : "median of 3 for steps of 5°, else 1; contenders take turns frame by frame"}});
   return result;
 }
 

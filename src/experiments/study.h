@@ -24,7 +24,7 @@ struct StudyOptions {
   /// move along their camera path.
   std::vector<float> times_s = {};
   int repetitions = 5;
-  int reference_spp = 4096;
+  int reference_spp = 1024;
 };
 
 /// A quick run has two repetitions, a tenth of the budget, at most 256 samples in the reference, and small pictures.

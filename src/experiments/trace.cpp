@@ -15,6 +15,8 @@
 namespace relume {
 namespace {
 
+int reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
+
 bool is_measured(uint32_t frames) {
   while (frames > 3 && frames % 2 == 0) frames /= 2;
   return frames <= 3;
@@ -61,23 +63,25 @@ void restart(const ExperimentContext& context, Runner& runner, const ExperimentS
   runner.repetitions.emplace_back();
 }
 
-TracePoint point_of(const Runner& runner, const Image& image, const Image& reference) {
+TracePoint point_of(const Runner& runner, const Image& image, const TraceOptions& options) {
+  const double mse = compute_metrics(image, *options.reference, {.flip = false}).mse;
+  // Chance may leave less than nothing, of which curves have no logarithm.
   return {static_cast<double>(runner.frames), runner.session->samples_per_pixel() - runner.samples_before,
-          runner.time_s, compute_metrics(image, reference, {.flip = false}).mse, distance_spread(image, reference)};
+          runner.time_s, std::max(mse - options.reference_mse, 0.1 * mse), distance_spread(image, *options.reference)};
 }
 
-void render(Runner& runner, const Image& reference) {
+void render(Runner& runner, const TraceOptions& options) {
   runner.session->render_frame();
   ++runner.frames;
   runner.time_s += runner.session->frame_s().back();
   if (!is_measured(runner.frames)) return;
-  runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), reference));
+  runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), options));
 }
 
-void take_pictures(std::vector<Runner>& runners, const Image& reference) {
+void take_pictures(std::vector<Runner>& runners, const TraceOptions& options) {
   for (Runner& runner : runners) {
     runner.picture = runner.session->session().image();
-    runner.picture_point = point_of(runner, runner.picture, reference);
+    runner.picture_point = point_of(runner, runner.picture, options);
   }
 }
 
@@ -138,15 +142,15 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
                                 options.repetitions);
     }
     for (uint32_t frame = 0; frame < options.frames; ++frame) {
-      render(runners.front(), *options.reference);
+      render(runners.front(), options);
       for (size_t i = 1; i < runners.size(); ++i) {
         // Not so many that a technique whose frames cost nothing never ends.
         while (runners[i].time_s < runners.front().time_s && runners[i].frames < 8 * (frame + 1)) {
           context.check_stop();
-          render(runners[i], *options.reference);
+          render(runners[i], options);
         }
       }
-      if (repetition == 0 && frame + 1 == options.picture_frame) take_pictures(runners, *options.reference);
+      if (repetition == 0 && frame + 1 == options.picture_frame) take_pictures(runners, options);
     }
     if (repetition == 0) take_maps(runners);
     context.report(stage, (repetition + 1.0) / options.repetitions);
@@ -225,10 +229,10 @@ ViewerBlock trace_viewer(std::string title, std::string text, std::vector<Pictur
   return {std::move(title), std::move(text), picture_layer_kinds(), std::move(sets)};
 }
 
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene) {
   RenderSettings settings = scene.settings;
   set_size(context, settings);
-  ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder);
+  ReferenceRenderer renderer(scene.scene, settings, reference_spp(context), context.cache_folder);
   std::optional<Reference> reference = renderer.render(0, 0, scene.camera, context.stop, [&](double fraction) {
     context.report("reference of " + scene.name, fraction);
   });
@@ -237,8 +241,17 @@ Reference make_reference(const ExperimentContext& context, const ExperimentScene
 }
 
 void set_size(const ExperimentContext& context, RenderSettings& settings) {
-  settings.width = context.quick ? 64 : 320;
-  settings.height = context.quick ? 36 : 180;
+  settings.width = context.choose(256, 64);
+  settings.height = context.choose(144, 36);
+}
+
+std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context) {
+  RenderSettings settings;
+  set_size(context, settings);
+  return {
+      {"Size", fmt::format("{} × {} (the paper: 1280 × 720)", settings.width, settings.height)},
+      {"Reference", fmt::format("{} samples a pixel (the paper: 4096); its own noise is known and taken off every MSE",
+                                reference_spp(context))}};
 }
 
 }  // namespace relume

@@ -54,6 +54,7 @@ struct TraceOptions {
   uint32_t frames = 32;  ///< of the first contender at the last view; the others have as much time
   int repetitions = 3;
   const Image* reference = nullptr;
+  double reference_mse = 0;    ///< its own noise, which is taken off every MSE
   uint32_t picture_frame = 0;  ///< of the first contender, at which pictures are taken; 0: never
   FrameClock clock = {};       ///< empty: wall_clock()
 };
@@ -82,9 +83,12 @@ PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& tr
 ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
 
 /// A reference for the last view. Throws ExperimentStopped.
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp);
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// 64×36 pixels in a quick run, else 320×180.
+/// 64×36 pixels in a quick run, else 256×144.
 void set_size(const ExperimentContext& context, RenderSettings& settings);
+
+/// What make_reference() and set_size() do, for ExperimentResult::setup.
+std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context);
 
 }  // namespace relume
