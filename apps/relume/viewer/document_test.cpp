@@ -168,6 +168,8 @@ TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {
   document.move(named, {0.5f, 0.25f, 0});
   Environment sky;
   sky.kind = EnvironmentKind::sun_sky;
+  sky.color = {0.5f, 0.25f, 2};
+  sky.rotation_rad = 0.75f;
   sky.sun_sky.sun_elevation_rad = 0.3f;
   document.set_environment(sky);
   const Saved saved = round_trip(document, {}, some_camera(), nullptr);
@@ -176,6 +178,8 @@ TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {
   const auto at = static_cast<size_t>(named);
   for (int c = 0; c < 4; ++c) expect_near(Vec3(world_matrices(saved.scene, 0)[at][c]), Vec3(document.world()[at][c]));
   EXPECT_NEAR(saved.scene.environment.sun_sky.sun_elevation_rad, 0.3f, 1e-5f);
+  EXPECT_EQ(saved.scene.environment.color, sky.color);
+  EXPECT_NEAR(saved.scene.environment.rotation_rad, 0.75f, 1e-5f);
 
   Document lamp(small_scene());
   lamp.set_light(0, {});

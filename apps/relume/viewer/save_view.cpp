@@ -95,7 +95,8 @@ void put_environment(const Environment& e, json& root, std::vector<std::string>&
     case EnvironmentKind::none: root["environment"] = {{"constant", 0}}; break;
     case EnvironmentKind::constant: root["environment"] = {{"constant", to_json(e.color)}}; break;
     case EnvironmentKind::sun_sky:
-      root["environment"] = {{"sun_sky", sun_sky_json(e.sun_sky)}, {"rotation_deg", rotation_deg}};
+      root["environment"] = {
+          {"sun_sky", sun_sky_json(e.sun_sky)}, {"rotation_deg", rotation_deg}, {"scale", to_json(e.color)}};
       break;
     case EnvironmentKind::map:
       if (root.contains("environment") && root["environment"].contains("map")) {
