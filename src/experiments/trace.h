@@ -85,7 +85,7 @@ ViewerBlock trace_viewer(std::string title, std::string text, std::vector<Pictur
 /// A reference for the last view. Throws ExperimentStopped.
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// 64×36 pixels in a quick run, else 256×144.
+/// 64×36 pixels in a quick run, else 192×108.
 void set_size(const ExperimentContext& context, RenderSettings& settings);
 
 /// What make_reference() and set_size() do, for ExperimentResult::setup.
