@@ -38,4 +38,28 @@ RELUME_HD inline Vec3 unpack_direction(uint32_t bits) {
       {static_cast<float>(bits & 0xffffu) * kScale - 1.0f, static_cast<float>(bits >> 16) * kScale - 1.0f});
 }
 
+// The same over the unit square.
+
+/// Unit vector to the unit square, and back.
+RELUME_HD inline Vec2 square_from_direction(const Vec3& w) {
+  const Vec2 p = octahedral_from_direction(w);
+  return {clamp(0.5f * p.x + 0.5f, 0.0f, kOneMinusEpsilon), clamp(0.5f * p.y + 0.5f, 0.0f, kOneMinusEpsilon)};
+}
+RELUME_HD inline Vec3 direction_from_square(const Vec2& p) { return direction_from_octahedral(p * 2.0f - 1.0f); }
+
+/// Solid angle that a unit of the square's area stands for: 4 / |q|³, with q the direction on the octahedron.
+RELUME_HD inline float octahedral_solid_angle(const Vec3& w) {
+  const float norm1 = std::fabs(w.x) + std::fabs(w.y) + std::fabs(w.z);  // |q| = 1 / norm1
+  return 4.0f * norm1 * norm1 * norm1;
+}
+
+/// 16 bits a coordinate of the unit square; unpack_square() gives the middle of the step, which lies in the same
+/// cell of any quadtree of up to 16 levels.
+RELUME_HD inline uint32_t pack_square(const Vec2& p) {
+  return static_cast<uint32_t>(p.x * 65536.0f) | (static_cast<uint32_t>(p.y * 65536.0f) << 16);
+}
+RELUME_HD inline Vec2 unpack_square(uint32_t bits) {
+  return {(static_cast<float>(bits & 0xffffu) + 0.5f) / 65536.0f, (static_cast<float>(bits >> 16) + 0.5f) / 65536.0f};
+}
+
 }  // namespace relume

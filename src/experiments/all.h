@@ -9,4 +9,10 @@ Experiment adaptive_sampling_experiment();
 Experiment reprojection_experiment();
 Experiment combination_experiment();
 
+Experiment light_selection_experiment();
+Experiment guiding_experiment();
+Experiment vlc_adaptation_experiment();
+Experiment cdq_adaptation_experiment();
+Experiment guide_cost_experiment();
+
 }  // namespace relume

@@ -13,6 +13,11 @@ const std::vector<Experiment>& experiments() {
       adaptive_sampling_experiment(),
       reprojection_experiment(),
       combination_experiment(),
+      light_selection_experiment(),
+      guiding_experiment(),
+      vlc_adaptation_experiment(),
+      cdq_adaptation_experiment(),
+      guide_cost_experiment(),
   };
   return list;
 }

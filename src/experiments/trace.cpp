@@ -230,14 +230,15 @@ ViewerBlock trace_viewer(std::string title, std::string text, std::vector<Pictur
   return {std::move(title), std::move(text), picture_layer_kinds(), std::move(sets)};
 }
 
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene) {
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
   RenderSettings settings = scene.settings;
   set_size(context, settings);
-  const int spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
+  if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
   ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder);
-  std::optional<Reference> reference = renderer.render(0, 0, scene.camera, context.stop, [&](double fraction) {
-    context.report("reference of " + scene.name, fraction);
-  });
+  const float time_s = settings.time_s;
+  std::optional<Reference> reference =
+      renderer.render(time_s, time_s, scene.camera, context.stop,
+                      [&](double fraction) { context.report("reference of " + scene.name, fraction); });
   if (!reference) throw ExperimentStopped();
   return std::move(*reference);
 }

@@ -82,8 +82,8 @@ PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& tr
 /// Sets of trace_pictures() to choose from.
 ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
 
-/// A reference for the last view. Throws ExperimentStopped.
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene);
+/// A reference for the last view, of `spp` samples a pixel; 0: what common_setup() says. Throws ExperimentStopped.
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
 
 /// 64×36 pixels in a quick run, else 192×108.
 void set_size(const ExperimentContext& context, RenderSettings& settings);

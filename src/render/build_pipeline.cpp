@@ -7,12 +7,17 @@
 #include "techniques/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/bdpt/bdpt_pass.h"
+#include "techniques/directional_quadtree/direction_view.h"
 #include "techniques/light_selection_pass.h"
+#include "techniques/light_tree/light_tree_pass.h"
+#include "techniques/octree/octree_pass.h"
 #include "techniques/path/path_pass.h"
 #include "techniques/path_graphs/path_graphs_pass.h"
 #include "techniques/path_space_filter/path_space_filter_pass.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
 #include "techniques/reprojection/reprojection_pass.h"
+#include "techniques/static_light_lists/static_light_lists_pass.h"
+#include "techniques/visibility_light_cache/visibility_light_cache_pass.h"
 
 namespace relume {
 namespace {
@@ -34,23 +39,50 @@ bool reads_surface(const Pipeline& pipeline) {
   });
 }
 
-const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSettings& settings) {
-  return add<LightSelectionPass>(pipeline, static_cast<LightSelectorKind>(settings.lights)).selector();
+/// Whether paths leave samples from which light selection or guiding learn.
+bool learns(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
+const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSettings& settings, const OctreePass* octree) {
+  const LightSelectionSettings& common = settings.light_selection;
+  switch (settings.lights) {
+    case LightSelectionChoice::uniform:
+      return add<LightSelectionPass>(pipeline, LightSelectorKind::uniform, common).selector();
+    case LightSelectionChoice::power: break;
+    case LightSelectionChoice::light_tree: return add<LightTreePass>(pipeline, common).selector();
+    case LightSelectionChoice::static_lists:
+      return add<StaticLightListsPass>(pipeline, settings.static_lists, common).selector();
+    case LightSelectionChoice::vlc: {
+      auto& cache = add<VisibilityLightCachePass>(pipeline, settings.vlc, common, *octree);
+      add<KnownLightsPass>(pipeline, *octree, cache);
+      return cache.selector();
+    }
+  }
+  return add<LightSelectionPass>(pipeline, LightSelectorKind::power, common).selector();
+}
+
+const DirectionSampler& add_direction_sampling(Pipeline& pipeline, const RenderSettings& settings,
+                                               const OctreePass* octree) {
+  static const DirectionSampler bsdf_directions;
+  if (settings.guide == GuideChoice::bsdf) return bsdf_directions;
+  return add<DirectionalQuadtreePass>(pipeline, settings.cdq, *octree).directions();
 }
 
 bool needs_first_vertices(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
-/// The estimator, with the cache that stands in for parts of its paths.
-void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source) {
+/// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
+void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
     add<BdptPass>(pipeline, mode, settings.bdpt, settings.path, source.selector, source.directions);
     return;
   }
   if (settings.cache == CacheChoice::none) {
-    add<PathPass>(pipeline, source, needs_first_vertices(settings));
+    add<PathPass>(pipeline, source, needs_first_vertices(settings), octree ? &octree->recording() : nullptr);
+    if (octree) add<RegionViewPass>(pipeline, *octree);
     return;
   }
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
@@ -107,6 +139,11 @@ void check_combination(const RenderSettings& settings) {
         "estimators 'bdpt' and 'light' do not combine with history 'reproject' by reproject.method 'forward', which "
         "judges the directions of one path; use reproject.method 'backward' or history 'accumulate'");
   }
+  if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
+    throw Error(
+        "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "
+        "estimator 'path' with cache 'none', or lights 'light-tree' and guide 'bsdf'");
+  }
   if (settings.cache != CacheChoice::none && needs_first_vertices(settings)) {
     throw Error(
         "a radiance cache does not combine with history 'reproject' by reproject.method 'forward', which needs "
@@ -116,11 +153,14 @@ void check_combination(const RenderSettings& settings) {
 
 Pipeline build_pipeline(const RenderSettings& settings) {
   check_combination(settings);
-  static const DirectionSampler bsdf_directions;
   Pipeline pipeline;
-  const LightSelector& selector = add_light_selection(pipeline, settings);
+  const OctreePass* octree = learns(settings) ? &add<OctreePass>(pipeline, settings.octree) : nullptr;
+  const LightSelector& selector = add_light_selection(pipeline, settings, octree);
+  const DirectionSampler& directions = add_direction_sampling(pipeline, settings, octree);
   add<PrimaryHitsPass>(pipeline);
-  add_paths(pipeline, settings, {settings.path, selector, bsdf_directions});
+  const PathSource source{settings.path, selector, directions};
+  add_paths(pipeline, settings, source, octree);
+  if (settings.guide == GuideChoice::cdq) add<DirectionViewPass>(pipeline, source, settings.cdq, *octree);
   add_history(pipeline, settings);
   add_allocation(pipeline, settings);
   if (settings.auxiliary) add<AuxiliaryPass>(pipeline);

@@ -35,9 +35,12 @@ SettingList describe_slots(RenderSettings& s) {
        "How light is transported: paths from the camera that sample lights on their way, paths from camera and light "
        "joined in every way, or paths from the light alone, which lack what is seen in mirrors and through glass",
        {.biases = true}},
-      {"lights", choice(s.lights, {"uniform", "power"}),
-       "Which light a vertex samples: each alike, or in proportion to its power"},
-      {"guide", choice(s.guide, {"bsdf"}), "Which direction a path takes: in proportion to the material's reflection"},
+      {"lights", choice(s.lights, {"uniform", "power", "light-tree", "static-lists", "vlc"}),
+       "Which light a vertex samples: each alike, in proportion to its power, by descending a hierarchy, from lists of "
+       "what a cell sees, or among those that were visible nearby in the last frame"},
+      {"guide", choice(s.guide, {"bsdf", "cdq"}),
+       "Which direction a path takes: in proportion to the material's reflection, or also where light came from in "
+       "earlier frames"},
       {"cache",
        choice(s.cache, {"none", "psf", "apsf", "apg", "apsf+apg"}),
        "Radiance cache: none, path space filtering, the same where the variance is low, path graphs, or both",
@@ -57,6 +60,11 @@ SettingList describe_transport(RenderSettings& s) {
     if (setting.name == "path.max-bounces") setting.name = "max-bounces";
   }
   append(list, with_prefix("bdpt", describe(s.bdpt)));
+  append(list, with_prefix("nee", describe(s.light_selection)));
+  append(list, with_prefix("static-lists", describe(s.static_lists)));
+  append(list, with_prefix("octree", describe(s.octree)));
+  append(list, with_prefix("vlc", describe(s.vlc)));
+  append(list, with_prefix("cdq", describe(s.cdq)));
   return list;
 }
 

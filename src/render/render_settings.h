@@ -8,17 +8,22 @@
 #include "techniques/adaptive_psf/settings.h"
 #include "techniques/adaptive_sampling/settings.h"
 #include "techniques/bdpt/bdpt_settings.h"
+#include "techniques/directional_quadtree/directional_quadtree_settings.h"
+#include "techniques/light_selection_settings.h"
+#include "techniques/octree/octree_settings.h"
 #include "techniques/path/path_settings.h"
 #include "techniques/path_graphs/settings.h"
 #include "techniques/path_space_filter/settings.h"
 #include "techniques/reprojection/settings.h"
+#include "techniques/static_light_lists/static_light_lists_settings.h"
+#include "techniques/visibility_light_cache/visibility_light_cache_settings.h"
 
 namespace relume {
 
 // The slots (docs/concepts): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path, bdpt, light };
-enum class LightSelectionChoice : int { uniform, power };
-enum class GuideChoice : int { bsdf };
+enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
+enum class GuideChoice : int { bsdf, cdq };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
@@ -43,6 +48,11 @@ struct RenderSettings {
   /// name of its own.
   bool auxiliary = false;
   PathSettings path;
+  LightSelectionSettings light_selection;
+  OctreeSettings octree;
+  VisibilityLightCacheSettings vlc;
+  DirectionalQuadtreeSettings cdq;
+  StaticLightListsSettings static_lists;
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;

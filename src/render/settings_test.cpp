@@ -109,13 +109,13 @@ TEST(Settings, ErrorsSayWhereFrom) {
   EXPECT_EQ(message_of([] { resolve({.preset = "xyz"}); }),
             "there is no preset 'xyz'; there are preview and reference");
   EXPECT_EQ(message_of([] {
-              resolve({.flags = {{"guide", "cdq"}}});
+              resolve({.flags = {{"guide", "cqd"}}});
             }),
-            "--guide is 'cdq', but this version has only bsdf");
+            "--guide is 'cqd', but this version has bsdf and cdq");
   EXPECT_EQ(message_of([] {
-              resolve({.flags = {{"lights", "vlc"}}});
+              resolve({.flags = {{"lights", "vcl"}}});
             }),
-            "--lights is 'vlc', but this version has uniform and power");
+            "--lights is 'vcl', but this version has uniform, power, light-tree, static-lists and vlc");
 }
 
 TEST(Settings, EveryPresetIsValid) {

@@ -1,6 +1,7 @@
 // Everything that estimators, caches and filters need to know of a point on a surface.
 #pragma once
 
+#include "core/region.h"
 #include "materials/make_bsdf.h"
 #include "scene/scene_view.h"
 
@@ -28,6 +29,7 @@ struct SurfacePoint {
   uint32_t primitive;
   uint32_t material;
   bool front_face;
+  uint32_t region = kNoRegion;  ///< of space, in which light selection and guiding have learnt; set by who uses them
 
   RELUME_HD EmitterPoint emitter_point() const { return {position, barycentric}; }
 

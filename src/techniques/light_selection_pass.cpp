@@ -5,12 +5,13 @@ namespace relume {
 PassDeclaration LightSelectionPass::declaration() const { return {.name = "lights", .stage = Stage::prepare}; }
 
 bool LightSelectionPass::run(const FrameContext& frame) {
-  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials)) return true;
+  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
+    return true;
   built_ = true;
   frame.backend.run("lights", [&] {
     const LightsView& lights = frame.scene.lights;
-    power_entries_ = build_power_lights(lights);
-    selector_.uniform = make_uniform_lights(lights);
+    power_entries_ = build_power_lights(lights, settings_.infinity());
+    selector_.uniform = make_uniform_lights(lights, settings_.infinity());
     selector_.power = {{view_of(power_entries_)}};
   });
   return true;

@@ -4,13 +4,16 @@
 #include <vector>
 
 #include "pipeline/pass.h"
+#include "techniques/light_selection_settings.h"
 #include "techniques/light_selector.h"
 
 namespace relume {
 
 class LightSelectionPass final : public Pass {
  public:
-  explicit LightSelectionPass(LightSelectorKind kind) { selector_.kind = kind; }
+  LightSelectionPass(LightSelectorKind kind, const LightSelectionSettings& settings) : settings_(settings) {
+    selector_.kind = kind;
+  }
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -19,6 +22,7 @@ class LightSelectionPass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
+  const LightSelectionSettings& settings_;
   LightSelector selector_;
   std::vector<AliasEntry> power_entries_;
   bool built_ = false;

@@ -4,33 +4,45 @@
 
 #include "scene/surface_point.h"
 #include "techniques/light_selection.h"
+#include "techniques/light_tree/light_tree.h"
 #include "techniques/power_lights/power_lights.h"
+#include "techniques/static_light_lists/static_light_lists.h"
 #include "techniques/uniform_lights/uniform_lights.h"
+#include "techniques/visibility_light_cache/visibility_light_cache.h"
 
 namespace relume {
 
-enum class LightSelectorKind : int { uniform, power };
-inline constexpr int kLightSelectorKindCount = 2;
+enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache };
+inline constexpr int kLightSelectorKindCount = 5;
 
 struct LightSelector {
   LightSelectorKind kind = LightSelectorKind::power;
   UniformLights uniform;
   PowerLights power;
+  LightTree tree;
+  StaticLightLists lists;
+  VisibilityLightCache cache;
 
   /// A light for next event estimation at `sp`; pmf 0 if there is none.
-  RELUME_HD LightSelection sample([[maybe_unused]] const SurfacePoint& sp, float u) const {
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
     switch (kind) {
       case LightSelectorKind::uniform: return uniform.sample(u);
       case LightSelectorKind::power: return power.sample(u);
+      case LightSelectorKind::light_tree: return tree.sample(sp, u);
+      case LightSelectorKind::static_lists: return lists.sample(sp, u);
+      case LightSelectorKind::cache: return cache.sample(sp, u);
     }
     return {};
   }
 
   /// Probability with which sample() chooses `light` at `sp`.
-  RELUME_HD float pmf([[maybe_unused]] const SurfacePoint& sp, LightId light) const {
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
     switch (kind) {
       case LightSelectorKind::uniform: return uniform.pmf(light);
       case LightSelectorKind::power: return power.pmf(light);
+      case LightSelectorKind::light_tree: return tree.pmf(sp, light);
+      case LightSelectorKind::static_lists: return lists.pmf(sp, light);
+      case LightSelectorKind::cache: return cache.pmf(sp, light);
     }
     return 0.0f;
   }

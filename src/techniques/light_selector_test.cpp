@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "scene/testing/light_scene.h"
+#include "techniques/light_tree/build_light_tree.h"
+#include "techniques/visibility_light_cache/exploration.h"
 #include "testing/chi2.h"
 #include "testing/random.h"
 
@@ -24,7 +26,7 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
   }
   ASSERT_NEAR(sum, 1.0, 1e-5) << name;  // a rounding a light
 
-  constexpr int kSamples = 100000;
+  constexpr int kSamples = 50000;
   std::vector<uint64_t> counts(light_count, 0);
   std::vector<uint64_t> rest(32, 0);
   testing::Random random(71);
@@ -45,6 +47,91 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
   for (const float u : {0.0f, kOneMinusEpsilon}) EXPECT_GT(selector.sample(sp, u).pmf, 0.0f) << name;
 }
 
+/// What selectors of every kind view, for one scene.
+struct Selectors {
+  explicit Selectors(const LightsView& lights, LightsAtInfinity infinity = LightsAtInfinity::worth_sampling)
+      : power(build_power_lights(lights, infinity)),
+        infinite(build_infinite_lights(lights, infinity)),
+        tree(build_light_tree(lights, infinity)),
+        all(build_exploration(lights, Vec3(0), {})),
+        columns(build_light_columns(lights)) {
+    selector.uniform = make_uniform_lights(lights, infinity);
+    selector.power = {{view_of(power)}};
+    selector.tree = tree.view(lights);
+    view_lists(lights);
+    view_cache(lights);
+  }
+
+  /// One cell that sees every other light, with room for two at a time.
+  void view_lists(const LightsView& lights) {
+    for (LightId i = 0; i < lights.first_infinite; i += 2) ids.push_back(i);
+    first = {0, static_cast<uint32_t>(ids.size())};
+    StaticLightLists& s = selector.lists;
+    s.grid = {Vec3(-5), 10, UVec3(1)};
+    s.first = view_of(first);
+    s.ids = view_of(ids);
+    s.max_lights = 2;
+    s.all = {view_of(all)};
+    s.infinite = make_infinite_lights(lights, infinite, true);
+    s.ltc = ltc_table();
+    s.columns = {view_of(columns), lights.first_infinite};
+    s.lights = lights;
+  }
+
+  /// Region 0: four buckets, the second and the last empty. Region 1 knows nothing.
+  void view_cache(const LightsView& lights) {
+    buckets = {{0, 4}, {0, 0}};
+    entries.assign(4 * 8, CachedLight::kNone);
+    entries[0] = CachedLight::pack(0, 0);
+    entries[1] = CachedLight::pack(4, 3);
+    entries[16] = CachedLight::pack(2, 0);
+    VisibilityLightCache& c = selector.cache;
+    c.regions = view_of(buckets);
+    c.entries = view_of(entries);
+    c.bucket_size = 8;
+    c.all = {view_of(all)};
+    c.infinite = make_infinite_lights(lights, infinite, true);
+    c.ltc = ltc_table();
+    c.columns = {view_of(columns), lights.first_infinite};
+    c.lights = lights;
+  }
+
+  LightSelector selector;
+  std::vector<AliasEntry> power;
+  std::vector<AliasEntry> infinite;
+  LightTreeData tree;
+  std::vector<AliasEntry> all;
+  std::vector<float> columns;
+  std::vector<uint32_t> first;
+  std::vector<LightId> ids;
+  std::vector<LightBuckets> buckets;
+  std::vector<uint32_t> entries;
+};
+
+/// Points that see the lamps well, at a grazing angle, from behind, through glass; and one without anything.
+std::vector<SurfacePoint> receivers() {
+  std::vector<SurfacePoint> points{SurfacePoint{}};
+  const auto add = [&](const Vec3& p, const Vec3& n, float transmission, float roughness, uint32_t region) {
+    SurfacePoint sp{};
+    sp.position = p;
+    sp.frame = make_frame(glm::normalize(n));
+    sp.ng = sp.frame.n;
+    sp.wo_local = glm::normalize(Vec3(0.3f, -0.2f, 0.8f));
+    MaterialSample m;
+    m.base_color = Rgb(0.7f);
+    m.roughness = roughness;
+    m.transmission = transmission;
+    make_bsdf(sp.bsdf, m, MaterialData{}, energy_tables(), sp.wo_local.z, true);
+    sp.region = region;
+    points.push_back(sp);
+  };
+  add(Vec3(0, 0, 0), Vec3(0, 1, 0), 0, 0.5f, 0);
+  add(Vec3(-1, 1.2f, 0.2f), Vec3(1, 0.2f, 0.3f), 0, 1, 0);
+  add(Vec3(0, 3, 0), Vec3(0, 1, 0), 0, 0.7f, 0);
+  add(Vec3(0.5f, 0.3f, 0), Vec3(0, -1, 0), 1, 0.5f, 1);
+  return points;
+}
+
 TEST(LightSelector, EveryKindKeepsTheContract) {
   Environment sky;
   sky.kind = EnvironmentKind::sun_sky;
@@ -52,13 +139,32 @@ TEST(LightSelector, EveryKindKeepsTheContract) {
        {Environment{}, testing::constant_environment(), testing::noise_environment(24, 12), sky}) {
     const testing::LightScene scene = testing::make_light_scene(environment);
     const LightsView& lights = scene.lights();
-    const auto entries = build_power_lights(lights);
+    Selectors selectors(lights);
     for (int k = 0; k < kLightSelectorKindCount; ++k) {
-      LightSelector selector;
-      selector.kind = static_cast<LightSelectorKind>(k);
-      selector.uniform = make_uniform_lights(lights);
-      selector.power = {{view_of(entries)}};
-      check_light_selector(selector, SurfacePoint{}, lights.lights.size, "selector " + std::to_string(k));
+      selectors.selector.kind = static_cast<LightSelectorKind>(k);
+      for (const SurfacePoint& sp : receivers()) {
+        check_light_selector(selectors.selector, sp, lights.lights.size, "selector " + std::to_string(k));
+      }
+    }
+  }
+}
+
+TEST(LightSelector, EveryKindLeavesTheEnvironmentOutIfAsked) {
+  Environment sky;
+  sky.kind = EnvironmentKind::sun_sky;
+  const testing::LightScene scene = testing::make_light_scene(sky);
+  const LightsView& lights = scene.lights();
+  Selectors selectors(lights, LightsAtInfinity::unreachable);
+  for (int k = 0; k < kLightSelectorKindCount; ++k) {
+    selectors.selector.kind = static_cast<LightSelectorKind>(k);
+    for (LightId i = lights.first_infinite; i < lights.lights.size; ++i) {
+      const bool delta = lights.lights[i].kind == LightKind::directional && lights.lights[i].directional.delta();
+      const bool chosen = selectors.selector.pmf(receivers()[1], i) > 0;
+      if (delta) {
+        EXPECT_TRUE(chosen) << k;  // nothing else finds it
+      } else if (k != static_cast<int>(LightSelectorKind::uniform)) {
+        EXPECT_FALSE(chosen) << k << " " << i;
+      }
     }
   }
 }

@@ -13,13 +13,21 @@
 #include "techniques/adaptive_psf/adaptive_psf.h"
 #include "techniques/adaptive_sampling/adaptive_sampling.h"
 #include "techniques/bdpt/bdpt.h"
+#include "techniques/directional_quadtree/adapt_quadtrees.h"
+#include "techniques/directional_quadtree/incident_light.h"
 #include "techniques/hash_grid/maintain.h"
+#include "techniques/octree/octree_tree.h"
+#include "techniques/octree/region_view.h"
 #include "techniques/path/path.h"
+#include "techniques/path/recorded_path.h"
 #include "techniques/path_graphs/path_graphs.h"
 #include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/primary_hits/primary_hits.h"
 #include "techniques/reprojection/backward.h"
 #include "techniques/reprojection/reprojection.h"
+#include "techniques/static_light_lists/build_lists.h"
+#include "techniques/visibility_light_cache/build_cache.h"
+#include "techniques/visibility_light_cache/known_lights.h"
 
 namespace relume {
 namespace {
@@ -60,6 +68,19 @@ template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
 template __global__ void run(BdptKernel, uint32_t, uint32_t);
 template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
+template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);
+template __global__ void run(IncidentLightKernel, uint32_t, uint32_t);
+template __global__ void run(RegionViewKernel, uint32_t, uint32_t);
+template __global__ void run(KnownLightsKernel, uint32_t, uint32_t);
+template __global__ void run(OctreeMarkKernel, uint32_t, uint32_t);
+template __global__ void run(OctreeParentsKernel, uint32_t, uint32_t);
+template __global__ void run(OctreeLeafLinksKernel, uint32_t, uint32_t);
+template __global__ void run(DeduplicateLightsKernel, uint32_t, uint32_t);
+template __global__ void run(MergeLightsKernel, uint32_t, uint32_t);
+template __global__ void run(CountBucketsKernel, uint32_t, uint32_t);
+template __global__ void run(FillBucketsKernel, uint32_t, uint32_t);
+template __global__ void run(AdaptQuadtreesKernel, uint32_t, uint32_t);
+template __global__ void run(CellVisibilityKernel, uint32_t, uint32_t);
 template __global__ void run(PathSpaceFilterKernel, uint32_t, uint32_t);
 template __global__ void run(AdaptivePsfKernel, uint32_t, uint32_t);
 template __global__ void run(PathGraphKernel, uint32_t, uint32_t);

@@ -32,8 +32,10 @@ MAY_INCLUDE = {
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
 TECHNIQUE_MAY_INCLUDE = {
-    "path": "primary_hits",
+    "path": "octree primary_hits",
     "bdpt": "path",
+    "directional_quadtree": "octree path",
+    "visibility_light_cache": "octree",
     "reprojection": "path",
     "path_space_filter": "hash_grid path",
     "adaptive_psf": "hash_grid path path_space_filter",

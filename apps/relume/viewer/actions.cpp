@@ -152,6 +152,16 @@ void pick_at(State& state, const Vec2& point, bool focus) {
   state.renderer->post_task([promise, point](const Session& session) { promise->set_value(pick(session, point)); });
 }
 
+void show_directions_at(State& state, const Vec2& point) {
+  if (state.settings[0].render.guide != GuideChoice::cdq)
+    return state.tell("Only guide 'cdq' has something to show of directions; choose it in the settings");
+  change_setting(state, 0, "cdq.view", "on");
+  change_setting(state, 0, "cdq.view-x", std::to_string(point.x));
+  change_setting(state, 0, "cdq.view-y", std::to_string(point.y));
+  state.buffer = "directions";
+  state.touch();
+}
+
 void finish_pick(State& state) {
   if (!state.picked.valid() || state.picked.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   PickResult result;

@@ -39,6 +39,9 @@ void finish_pick(State& state);
 /// The node that places what is selected; kNone for what has no place.
 Index selected_node(const State& state);
 
+/// Shows the buffer "directions" for a point of the picture, if a technique fills it; else a message says what would.
+void show_directions_at(State& state, const Vec2& point);
+
 /// Moves what is selected parallel to the picture by `delta`, in heights of the picture.
 void drag_selection(State& state, const Vec2& delta);
 

@@ -123,6 +123,7 @@ TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
 
 TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
   Stage stage;
+  stage.settings[0].render.static_lists.rays = 64;  // to be prepared soon on a machine that is busy
   stage.post();
   ASSERT_TRUE(stage.next());
   RenderSettings defaults = stage.settings[0].render;

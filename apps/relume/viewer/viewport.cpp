@@ -217,7 +217,11 @@ void Viewport::handle_mouse(State& state) {
   }
   if (ImGui::IsItemDeactivated()) {
     const bool click = dragged_px_ < kClick_px && drag_ == Drag::look && picture_.contains(io.MousePos);
-    if (click) pick_at(state, point, io.KeyCtrl && io.KeyShift);
+    if (click && io.KeyAlt) {
+      show_directions_at(state, point);
+    } else if (click) {
+      pick_at(state, point, io.KeyCtrl && io.KeyShift);
+    }
     drag_ = Drag::none;
   }
   if (held && drag_ == Drag::look && dragged_px_ >= kClick_px) {

@@ -111,6 +111,7 @@ void draw_help(State& state) {
       {"drag", "look around"},
       {"wheel", "speed of flying"},
       {"click", "select what is there"},
+      {"Alt + click", "directions that guiding knows there"},
       {"Ctrl + drag", "move what is selected"},
       {"Ctrl + Shift + click", "focus there"},
       {"Home", "the scene's camera"},

@@ -18,8 +18,9 @@ PassDeclaration BdptPass::declaration() const {
 void BdptPass::prepare_emission(const FrameContext& frame) {
   if (prepared_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials)) return;
   prepared_ = true;
-  frame.backend.run("lights",
-                    [&] { emission_ = build_power_lights(frame.scene.lights, mode_ == BdptMode::light_only); });
+  const LightsAtInfinity infinity =
+      mode_ == BdptMode::light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling;
+  frame.backend.run("lights", [&] { emission_ = build_power_lights(frame.scene.lights, infinity); });
 }
 
 bool BdptPass::run(const FrameContext& frame) {

@@ -17,18 +17,19 @@ struct FirstVertex {
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };
 
-/// Fills one of them while a path is traced.
+/// Fills one of them while a path is traced; none if there is none.
 struct FirstVertexObserver {
   FirstVertex* vertex;
   Rgb radiance_before{0};
   Rgb throughput{0};
 
+  RELUME_HD void emitted(const PathState&, bool) {}
   RELUME_HD bool arrived(const SurfacePoint&, const PathState& path) {
-    if (path.bounce == 0) *vertex = FirstVertex{};
+    if (vertex && path.bounce == 0) *vertex = FirstVertex{};
     return true;
   }
   RELUME_HD void connected(const SurfacePoint&, const PathState& path, const Connection& c, bool visible) {
-    if (path.bounce != 0) return;
+    if (!vertex || path.bounce != 0) return;
     vertex->to_light = c.ray.direction;
     vertex->light = c.light;
     vertex->light_u = c.u;
@@ -38,12 +39,13 @@ struct FirstVertexObserver {
     vertex->direct = c.irradiance * c.scale;
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
-    if (after.bounce != 1 || s.delta) return;
+    if (!vertex || after.bounce != 1 || s.delta) return;
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
     throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
   }
   RELUME_HD void finished(const PathState& path) {
+    if (!vertex) return;
     const Rgb found = path.radiance - radiance_before;
     for (int c = 0; c < 3; ++c) vertex->indirect[c] = throughput[c] > 0.0f ? found[c] / throughput[c] : 0.0f;
   }

@@ -49,23 +49,27 @@ struct PathContext {
 /// The end of a shadow ray stays clear of the emitter by this share of the distance.
 inline constexpr float kShadowMargin = 1e-4f;
 
-/// Emission at the hit surface, weighted against next event estimation from the previous vertex.
-RELUME_HD inline void add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
+/// Emission at the hit surface, weighted against next event estimation from the previous vertex. Returns whether that
+/// could have found it.
+RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
                                            PathState& path) {
-  if (is_black(sp.emission)) return;
+  if (is_black(sp.emission)) return false;
+  const bool lights_know = !path.delta && sp.light != kNoLight;
   float weight = 1.0f;
-  if (!path.delta && sp.light != kNoLight) {
+  if (lights_know) {
     const float pdf_light = c.selector.pmf(previous, sp.light) *
                             pdf_li(c.scene.lights, sp.light, previous.position, path.ray.direction, sp.emitter_point());
     weight = power_heuristic(path.pdf_w, pdf_light);
   }
   path.radiance += path.throughput * sp.emission * weight;
+  return lights_know;
 }
 
-/// Light from infinity along a ray that left the scene.
-RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
+/// Light from infinity along a ray that left the scene. Returns whether next event estimation could have found it.
+RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoint& previous, PathState& path) {
   const LightsView& lights = c.scene.lights;
   const Vec3& wi = path.ray.direction;
+  bool lights_know = false;
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
     const Light& light = lights.lights[id];
     const Rgb radiance =
@@ -75,9 +79,11 @@ RELUME_HD inline void add_infinite_lights(const PathContext& c, const SurfacePoi
     if (!path.delta) {
       const float pmf = c.selector.pmf(previous, id);
       if (pmf > 0.0f) weight = power_heuristic(path.pdf_w, pmf * pdf_li(lights, id, previous.position, wi, {}));
+      lights_know = lights_know || pmf > 0.0f;
     }
     path.radiance += path.throughput * radiance * weight;
   }
+  return lights_know;
 }
 
 /// What absorbs light beyond the surface in direction `w`, if `medium` does on the viewer's side. A body begins where
@@ -189,8 +195,11 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
 
 /// Watches a path: what caches and histories learn from. This one looks away, and costs nothing.
 struct NoObserver {
+  /// What the last ray met has added its emission. `lights_know`: next event estimation could find that too.
+  RELUME_HD void emitted(const PathState&, bool /*lights_know*/) {}
   /// The path has reached a surface whose own emission is already added. False ends it there. Caches may change the
-  /// surface's lobes, and take radiance and throughput out of the path, here and in scattered().
+  /// surface's lobes, and take radiance and throughput out of the path, here and in scattered(); what learns by region
+  /// sets the surface's.
   RELUME_HD bool arrived(const SurfacePoint&, PathState&) { return true; }
   /// Next event estimation at the surface; `visible`: nothing was in between.
   RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
@@ -198,6 +207,35 @@ struct NoObserver {
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
   /// The path is complete.
   RELUME_HD void finished(const PathState&) {}
+};
+
+/// Two observers of one path.
+template <typename A, typename B>
+struct BothObservers {
+  A a;
+  B b;
+
+  RELUME_HD void emitted(const PathState& path, bool lights_know) {
+    a.emitted(path, lights_know);
+    b.emitted(path, lights_know);
+  }
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    const bool first = a.arrived(sp, path);
+    const bool second = b.arrived(sp, path);
+    return first && second;
+  }
+  RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
+    a.connected(sp, path, c, visible);
+    b.connected(sp, path, c, visible);
+  }
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& after) {
+    a.scattered(sp, s, after);
+    b.scattered(sp, s, after);
+  }
+  RELUME_HD void finished(const PathState& path) {
+    a.finished(path);
+    b.finished(path);
+  }
 };
 
 /// Pairs of random numbers: two for the camera, then for each bounce one for the light and one for the direction.
@@ -215,16 +253,17 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
 }
 
 /// The vertex at the end of the path's ray: fills `sp` and adds what it emits. False if the path ends here.
+template <typename Observer>
 RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const SurfacePoint& previous, SurfacePoint& sp,
-                             PathState& path) {
+                             PathState& path, Observer& observer) {
   if (!hit.valid()) {
-    add_infinite_lights(c, previous, path);
+    observer.emitted(path, add_infinite_lights(c, previous, path));
     return false;
   }
   make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
   absorb(c.scene, sp, hit.t, path);
-  add_surface_emission(c, previous, sp, path);
-  return path.bounce < c.max_bounces && !sp.bsdf.empty();
+  observer.emitted(path, add_surface_emission(c, previous, sp, path));
+  return path.bounce < c.max_bounces && !sp.bsdf.empty() && observer.arrived(sp, path);
 }
 
 /// Next event estimation at a vertex: whether there is a connection to be tested; none where only delta lobes scatter.
@@ -244,7 +283,7 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
   for (;;) {
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
-    if (!arrive(c, hit, previous, sp, path) || !observer.arrived(sp, path)) break;
+    if (!arrive(c, hit, previous, sp, path, observer)) break;
     if (Connection connection; connect(c, sp, path, sampler, connection)) {
       ++path.rays;
       const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);

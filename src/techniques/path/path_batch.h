@@ -79,9 +79,7 @@ inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
-    filter(b, [&](uint32_t i) {
-      return arrive(c, b.hits[i], previous[i], points[i], b.paths[i]) && observers[i].arrived(points[i], b.paths[i]);
-    });
+    filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], observers[i]); });
     connect_all(c, points, b, observers);
     filter(b, [&](uint32_t i) {
       const BsdfSample s = c.directions.sample(points[i], b.samplers[i]);

@@ -1,6 +1,6 @@
 #include "techniques/path/path_pass.h"
 
-#include "techniques/path/first_vertex.h"
+#include "techniques/path/recorded_path.h"
 
 namespace relume {
 
@@ -46,8 +46,13 @@ bool PathPass::run(const FrameContext& frame) {
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
   kernel.width = frame.width();
+  const View<FirstVertex> vertices = frame.view<FirstVertex>("first-vertices");
+  if (recording_) {
+    return frame.launch("trace", RecordedPathKernel{kernel.context, kernel.index, kernel.hits, kernel.allocation,
+                                                    kernel.radiance, kernel.rays, *recording_, vertices, kernel.width});
+  }
   if (!first_vertices_) return frame.launch("trace", kernel);
-  return frame.launch("trace", FirstVertexPathKernel{kernel, frame.view<FirstVertex>("first-vertices")});
+  return frame.launch("trace", FirstVertexPathKernel{kernel, vertices});
 }
 
 }  // namespace relume

@@ -4,6 +4,7 @@
 #include "pipeline/pass.h"
 #include "techniques/direction_sampler.h"
 #include "techniques/light_selector.h"
+#include "techniques/octree/path_recording.h"
 #include "techniques/path/path_settings.h"
 
 namespace relume {
@@ -23,8 +24,10 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
 /// Traces one path for each pixel that the allocation gives one.
 class PathPass final : public Pass {
  public:
-  /// `first_vertices`: also leave what each path found at its first vertex, for histories.
-  PathPass(const PathSource& source, bool first_vertices) : source_(source), first_vertices_(first_vertices) {}
+  /// `first_vertices`: also leave what each path found at its first vertex, for histories. `recording`: where paths
+  /// leave samples to learn from; nullptr if nobody does.
+  PathPass(const PathSource& source, bool first_vertices, const PathRecording* recording = nullptr)
+      : source_(source), first_vertices_(first_vertices), recording_(recording) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -32,6 +35,7 @@ class PathPass final : public Pass {
  private:
   PathSource source_;
   bool first_vertices_;
+  const PathRecording* recording_;
 };
 
 /// Buffers that every estimator owns: "radiance" and "rays" of this frame's sample.

@@ -4,15 +4,14 @@
 
 namespace relume {
 
-std::vector<AliasEntry> build_power_lights(const LightsView& lights, bool with_constant_environment) {
+std::vector<AliasEntry> build_power_lights(const LightsView& lights, LightsAtInfinity infinity) {
   const uint32_t count = lights.lights.size;
   constexpr float kMostPower = 1e30f;  // textures of the brightest lights may overflow
   std::vector<float> weights(count);
   double finite = 0;
   double infinite = 0;
   for (LightId i = 0; i < count; ++i) {
-    const bool is_environment = lights.lights[i].kind == LightKind::environment;
-    if (is_environment && !with_constant_environment && !lights.environment.worth_sampling()) continue;
+    if (!takes_part(lights, i, infinity)) continue;
     weights[i] = std::min(luminance(power(lights, i)), kMostPower);
     (i < lights.first_infinite ? finite : infinite) += weights[i];
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sampling/alias_table.h"
+#include "techniques/infinite_lights.h"
 #include "techniques/light_selection.h"
 
 namespace relume {
@@ -21,7 +22,8 @@ struct PowerLights {
 
 /// Entries for PowerLights. What lights at infinity send through the scene grows with its cross-section and says little
 /// of what arrives at a point, so as a group they get half of the samples whenever there are finite lights too.
-/// A constant environment takes part only if asked: BSDF sampling finds it as well.
-std::vector<AliasEntry> build_power_lights(const LightsView& lights, bool with_constant_environment = false);
+/// Lights at infinity take part as `infinity` says.
+std::vector<AliasEntry> build_power_lights(const LightsView& lights,
+                                           LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
 }  // namespace relume

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lights/light.h"
+#include "techniques/infinite_lights.h"
 #include "techniques/light_selection.h"
 
 namespace relume {
@@ -19,10 +20,12 @@ struct UniformLights {
   RELUME_HD float pmf(LightId light) const { return light < count ? 1.0f / static_cast<float>(count) : 0.0f; }
 };
 
-/// The environment, if there is one, is the last light.
-inline UniformLights make_uniform_lights(const LightsView& lights) {
-  const bool left_out = !lights.environment.black() && !lights.environment.worth_sampling();
-  return {lights.lights.size - (left_out ? 1u : 0u)};
+/// All lights up to the last one that takes part.
+inline UniformLights make_uniform_lights(const LightsView& lights,
+                                         LightsAtInfinity infinity = LightsAtInfinity::worth_sampling) {
+  uint32_t count = lights.lights.size;
+  while (count > 0 && !takes_part(lights, count - 1, infinity)) --count;
+  return {count};
 }
 
 }  // namespace relume

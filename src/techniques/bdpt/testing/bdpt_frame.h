@@ -31,7 +31,7 @@ class BdptFrame {
         backend(o.threads) {
     const LightsView& lights = compiled.view().lights;
     power = build_power_lights(lights);
-    emission = build_power_lights(lights, o.light_only);
+    emission = build_power_lights(lights, o.light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling);
     const auto pixels = static_cast<size_t>(o.width) * static_cast<size_t>(o.height);
     hits.resize(pixels);
     radiance.resize(pixels);

@@ -1,0 +1,51 @@
+// Vectors of plain data to and from binary streams: state of techniques in checkpoints. Little more than memcpy, so
+// only for the machine and version that wrote it.
+#pragma once
+
+#include <istream>
+#include <ostream>
+#include <type_traits>
+#include <vector>
+
+namespace relume {
+
+template <typename T>
+void write_value(std::ostream& out, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  out.write(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+template <typename T>
+void read_value(std::istream& in, T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  in.read(reinterpret_cast<char*>(&value), sizeof(T));
+}
+
+template <typename T>
+void write_vector(std::ostream& out, const std::vector<T>& v) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  write_value(out, static_cast<uint64_t>(v.size()));
+  out.write(reinterpret_cast<const char*>(v.data()), static_cast<std::streamsize>(v.size() * sizeof(T)));
+}
+/// A stream that ends early, or claims more than `max_bytes`, sets its failbit and leaves the vector empty.
+template <typename T>
+void read_vector(std::istream& in, std::vector<T>& v, uint64_t max_bytes = uint64_t{1} << 34) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  uint64_t size = 0;
+  read_value(in, size);
+  v.clear();
+  if (!in || size > max_bytes / sizeof(T)) {
+    in.setstate(std::ios::failbit);
+    return;
+  }
+  // Piece by piece, so that a false size does not ask for memory that the stream has nothing for.
+  constexpr uint64_t kPiece = uint64_t{1} << 20;
+  while (v.size() < size && in) {
+    const uint64_t count = size - v.size() < kPiece ? size - v.size() : kPiece;
+    const size_t old = v.size();
+    v.resize(old + count);
+    in.read(reinterpret_cast<char*>(v.data() + old), static_cast<std::streamsize>(count * sizeof(T)));
+  }
+  if (!in) v.clear();
+}
+
+}  // namespace relume

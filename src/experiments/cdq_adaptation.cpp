@@ -1,0 +1,145 @@
+// [Dittebrandt20 §7.3]: how fast quadtrees follow when light suddenly comes from elsewhere.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "experiments/adaptation.h"
+#include "experiments/all.h"
+#include "experiments/learning_scenes.h"
+#include "experiments/trace.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Dittebrandt20 §7.3]";
+constexpr float kDegreesPerSecond = 36;  // of the turntable
+
+struct Case {
+  float degrees;
+  int bits;
+  int migrations;
+  Adaptation adaptation;  ///< frame 0 is the first after the change
+
+  std::string name() const {
+    return fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
+  }
+};
+
+/// Adapts to the lamp's first place, turns it at once, and measures from there on.
+Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Image& reference,
+             float degrees, int bits, int migrations) {
+  RenderSettings settings = base;
+  settings.guide = GuideChoice::cdq;
+  settings.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1);
+  settings.cdq.migrations = migrations;
+  session.set_settings(settings);
+  Case result{degrees, bits, migrations, {}};
+  const int warm_up = context.choose(128, 8);
+  const auto prepare = [&](Session& s, int frame) {
+    if (frame > 0) return;
+    s.set_time(0);
+    for (int i = 0; i < warm_up; ++i) {
+      context.check_stop();
+      s.render_frame();
+    }
+    s.set_time(degrees / kDegreesPerSecond);
+  };
+  const std::string stage = fmt::format("{:.0f}°, {}", degrees, result.name());
+  result.adaptation =
+      measure_adaptation(context, stage, session, context.choose(16, 2), context.choose(64, 8), reference, prepare);
+  result.adaptation.name = result.name();
+  return result;
+}
+
+Image reference_after(const ExperimentContext& context, ExperimentScene scene, float degrees) {
+  scene.settings.time_s = degrees / kDegreesPerSecond;
+  return make_reference(context, scene, context.choose(8192, 256)).image;
+}
+
+const Case& find(const std::vector<Case>& cases, float degrees, int bits, int migrations) {
+  return *std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
+    return c.degrees == degrees && c.bits == bits && c.migrations == migrations;
+  });
+}
+
+void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, std::vector<Claim>& claims) {
+  const size_t one = find(cases, degrees, 128, 1).adaptation.adapted_after(0.1);
+  claims.push_back(judged(
+      fmt::format("readapts-{:.0f}", degrees), kPaper,
+      fmt::format("After {:.0f}° 128 bits readapt in about {} frames with one migration a frame.", degrees, frames),
+      fmt::format("within 10 % of the plateau after {} frames", one), fmt::format("at most {}", frames),
+      one <= frames));
+  const size_t many = find(cases, degrees, 128, 8).adaptation.adapted_after(0.1);
+  claims.push_back(judged(fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]",
+                          "Several migrations a frame readapt faster.",
+                          fmt::format("{} frames with eight, {} with one", many, one), "fewer, or both none",
+                          many < one || (many == 0 && one == 0)));
+}
+
+void claim_bits(const std::vector<Case>& cases, double bsdf, std::vector<Claim>& claims) {
+  std::string measured;
+  for (const int bits : {32, 64, 96, 128}) {
+    const double plateau = find(cases, 36, bits, 1).adaptation.plateau(16);
+    measured += fmt::format("{}{} bits {:.3g}", measured.empty() ? "" : ", ", bits, plateau);
+  }
+  const double few = find(cases, 36, 64, 1).adaptation.plateau(16);
+  const double many = find(cases, 36, 128, 1).adaptation.plateau(16);
+  claims.push_back(judged("bits", kPaper, "More than 64 bits do not lower the error much.", "MSE " + measured,
+                          "64 bits within 15 % of 128", few <= 1.15 * many));
+  const double peak = find(cases, 36, 128, 1).adaptation.mse.front();
+  claims.push_back(
+      judged("bounded", kPaper,
+             "Right after 36° the error exceeds that of the BSDF's directions, which bound it by their share.",
+             fmt::format("{:.2f} of the BSDF's MSE ({:.3g})", peak / bsdf, bsdf), "between 1 and 2.2",
+             peak > bsdf && peak < 2.2 * bsdf));
+}
+
+ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
+  const ExperimentScene scene = builtin_scene("turntable");
+  RenderSettings settings = scene.settings;
+  set_size(context, settings);
+  settings.history = HistoryChoice::none;
+  Session session(Scene(scene.scene), settings);
+  session.set_camera(scene.camera);
+  std::vector<Case> cases;
+  double bsdf = 0;
+  for (const float degrees : {9.0f, 36.0f}) {
+    const Image reference = reference_after(context, scene, degrees);
+    if (degrees > 20) {
+      RenderSettings plain = settings;
+      plain.time_s = degrees / kDegreesPerSecond;
+      session.set_settings(plain);
+      bsdf = measure_adaptation(context, "BSDF", session, 2, 8, reference).plateau(8);
+    }
+    for (const int bits : {32, 64, 96, 128})
+      cases.push_back(measure(context, session, settings, reference, degrees, bits, 1));
+    for (const int migrations : {2, 4, 8})
+      cases.push_back(measure(context, session, settings, reference, degrees, 128, migrations));
+  }
+  ExperimentResult result;
+  claim_speed(cases, 9, 10, result.claims);
+  claim_speed(cases, 36, 20, result.claims);
+  claim_bits(cases, bsdf, result.claims);
+  for (const float degrees : {9.0f, 36.0f}) {
+    std::vector<Adaptation> list;
+    for (const Case& c : cases) {
+      if (c.degrees == degrees) list.push_back(c.adaptation);
+    }
+    result.blocks.emplace_back(adaptation_chart(
+        fmt::format("The lamp turns by {:.0f}°", degrees),
+        "Error of single frames after the change; bands are 95 % intervals of the mean over the runs.", list, 0));
+  }
+  result.setup = adapted_setup(context);
+  result.setup.emplace_back(
+      "Runs", fmt::format("{} seeds, each adapted for {} frames first", context.choose(16, 2), context.choose(128, 8)));
+  return result;
+}
+
+}  // namespace
+
+Experiment cdq_adaptation_experiment() {
+  return {"cdq-adaptation", kPaper, "quadtrees of 32 to 128 bits after the light has moved at once",
+          run_cdq_adaptation};
+}
+
+}  // namespace relume

@@ -1,0 +1,118 @@
+// [Dittebrandt20 §7.4]: what preparation and sampling cost.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "experiments/adapted_error.h"
+#include "experiments/all.h"
+#include "experiments/learning_scenes.h"
+#include "experiments/trace.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Dittebrandt20 §7.4]";
+
+enum : size_t { kTree, kLists, kCache, kGuided };
+
+struct SceneResult {
+  std::string name;
+  std::vector<AdaptedError> errors;
+};
+
+SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene) {
+  RenderSettings settings = scene.settings;
+  settings.width = context.choose(1280, 64);
+  settings.height = context.choose(720, 36);
+  std::vector<AdaptedContender> list;
+  const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) {
+    settings.lights = lights;
+    settings.guide = guide;
+    list.push_back({std::move(name), settings});
+  };
+  add("light tree", LightSelectionChoice::light_tree, GuideChoice::bsdf);
+  add("static lists", LightSelectionChoice::static_lists, GuideChoice::bsdf);
+  add("vlc", LightSelectionChoice::vlc, GuideChoice::bsdf);
+  add("vlc, cdq", LightSelectionChoice::vlc, GuideChoice::cdq);
+  const AdaptedOptions options{.warm_up = context.choose(16, 2), .frames = context.choose(32, 4)};
+  return {scene.name, measure_adapted(context, scene, list, Image(settings.width, settings.height), {}, options)};
+}
+
+bool prepares(const std::string& pass) {
+  return pass.starts_with("octree") || pass.starts_with("vlc") || pass.starts_with("cdq") || pass.starts_with("light");
+}
+
+double preparation_share(const AdaptedError& e) {
+  double prepare = 0;
+  double all = 0;
+  for (const auto& [pass, seconds] : e.pass_s) {
+    all += seconds;
+    if (prepares(pass)) prepare += seconds;
+  }
+  return all > 0 ? prepare / all : 0;
+}
+
+BarBlock bars(const SceneResult& scene) {
+  BarBlock block{scene.name, "Mean time of a frame by pass, adapted.", "ms", {}};
+  for (const AdaptedError& e : scene.errors) {
+    Bar bar{fmt::format("{}, {:.1f} ms", e.name, 1000 * e.median_s()), {}};
+    for (const auto& [pass, seconds] : e.pass_s) bar.parts.emplace_back(pass, 1000 * seconds);
+    block.bars.push_back(std::move(bar));
+  }
+  return block;
+}
+
+TableBlock memory_table(const std::vector<SceneResult>& scenes) {
+  TableBlock block{"Octree", "What passes reported after the last frame with `vlc` and `cdq`.", "scene", {}, {}};
+  for (const SceneResult& scene : scenes) {
+    TableRow row{scene.name, kNeutralColor, {}};
+    for (const PassFigure& figure : scene.errors[kGuided].figures) {
+      if (&scene == &scenes.front()) block.columns.push_back({figure.name});
+      row.cells.push_back({fmt::format("{:.4g}", figure.value), figure.value});
+    }
+    block.rows.push_back(std::move(row));
+  }
+  return block;
+}
+
+void add_claims(const SceneResult& scene, const std::string& id, std::vector<Claim>& claims) {
+  const double share = std::max(preparation_share(scene.errors[kCache]), preparation_share(scene.errors[kGuided]));
+  claims.push_back(
+      judged(id + "-preparation", kPaper,
+             scene.name + ": preparing the structures takes a small part of the frame (1.2 of some 17 ms).",
+             fmt::format("{:.1f} %", 100 * share), "at most 10 %", share <= 0.1));
+  const double ratio = scene.errors[kCache].median_s() / scene.errors[kLists].median_s();
+  claims.push_back(judged(id + "-vlc", kPaper,
+                          scene.name + ": a frame with the cache takes as long as one with static light lists.",
+                          fmt::format("{:.2f} times", ratio), "at most 1.1", ratio <= 1.1));
+}
+
+ExperimentResult run_guide_cost(const ExperimentContext& context) {
+  std::vector<SceneResult> scenes;
+  const std::optional<ExperimentScene> hall = sponza_with_lamps(context);
+  if (hall) scenes.push_back(measure(context, *hall));
+  scenes.push_back(measure(context, builtin_scene("warehouse")));
+  ExperimentResult result;
+  if (hall) {
+    add_claims(scenes.front(), "sponza", result.claims);
+  } else {
+    result.claims.push_back(unmeasured("sponza-preparation", kPaper,
+                                       "Preparing the structures takes a small part of the frame.", "at most 10 %",
+                                       kNoSponza));
+  }
+  add_claims(scenes.back(), "warehouse", result.claims);
+  for (const SceneResult& scene : scenes) result.blocks.emplace_back(bars(scene));
+  result.blocks.emplace_back(memory_table(scenes));
+  result.setup = {{"Size", context.quick ? "64 × 36" : "1280 × 720"},
+                  {"Frames", context.quick ? "4, after 2" : "32, after 16; contenders take turns frame by frame"},
+                  {"Bounces", "3"}};
+  return result;
+}
+
+}  // namespace
+
+Experiment guide_cost_experiment() {
+  return {"guide-cost", kPaper, "what light selection and guiding add to a frame", run_guide_cost};
+}
+
+}  // namespace relume

@@ -1,0 +1,171 @@
+// [Dittebrandt20 §7.1]: directions from a compressed quadtree against those of the BSDF, at one sample a pixel, once
+// they have adapted; and what the departures from the paper are worth.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "experiments/adapted_error.h"
+#include "experiments/all.h"
+#include "experiments/learning_scenes.h"
+#include "experiments/trace.h"
+#include "report/pictures.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Dittebrandt20 §7.1]";
+
+struct SceneResult {
+  std::string name;
+  std::vector<PictureRegion> regions;
+  std::vector<AdaptedError> errors;  ///< the first follows the BSDF, the second has the paper's settings
+  PictureSet pictures;
+};
+
+/// The paper's settings first, then departures one by one.
+std::vector<AdaptedContender> contenders(const ExperimentContext& context, RenderSettings settings, bool departures) {
+  set_size(context, settings);
+  std::vector<AdaptedContender> list{{"BSDF", settings}};
+  settings.guide = GuideChoice::cdq;
+  list.push_back({"cdq", settings});
+  if (!departures) return list;
+  const auto add = [&](std::string name, const auto& change) {
+    RenderSettings s = settings;
+    change(s);
+    list.push_back({std::move(name), s});
+  };
+  for (const int migrations : {4, 16})
+    add(fmt::format("cdq, {} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
+  add("cdq, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
+  add("cdq, jitter", [](RenderSettings& s) { s.octree.jitter = 1; });
+  for (const QuadtreeBits bits : {QuadtreeBits::b32, QuadtreeBits::b64}) {
+    add(bits == QuadtreeBits::b32 ? "cdq, 32 bits" : "cdq, 64 bits", [&](RenderSettings& s) { s.cdq.bits = bits; });
+  }
+  return list;
+}
+
+SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
+  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(8192, 256));
+  SceneResult result{scene.name, {whole_picture(reference.image.width, reference.image.height)}, {}, {}};
+  if (scene.name.starts_with("mine")) {
+    ExperimentScene direct = plainly_sampled(scene);
+    direct.settings.path.max_bounces = 1;
+    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(2048, 64)).image);
+  }
+  const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};
+  result.errors = measure_adapted(context, scene, contenders(context, scene.settings, departures && !context.quick),
+                                  reference.image, result.regions, options);
+  result.pictures = adapted_pictures(scene.name, result.errors, reference.image);
+  return result;
+}
+
+ErrorRatio gain(const SceneResult& scene, size_t region) {
+  return error_ratio(scene.errors[0].mse[region], scene.errors[1].mse[region]);
+}
+
+TableBlock table(const SceneResult& scene) {
+  TableBlock block{
+      scene.name,
+      "How many times lower the mean squared error of single frames is than with the BSDF's directions, by "
+      "region of the picture, at equal samples, with 95 % intervals.",
+      "directions",
+      {{"ms a frame", "", Better::lower}},
+      {}};
+  for (const PictureRegion& region : scene.regions)
+    block.columns.push_back(
+        {fmt::format("{} ({:.0f} %)", region.name,
+                     100.0 * static_cast<double>(region.pixels()) / static_cast<double>(region.mask.size())),
+         "", Better::higher});
+  block.columns.push_back({"picture, at equal time", "", Better::higher});
+  int color = 0;
+  for (const AdaptedError& e : scene.errors) {
+    TableRow row{e.name, color++, {{fmt::format("{:.1f}", 1000 * e.median_s()), e.median_s()}}};
+    for (size_t region = 0; region < scene.regions.size(); ++region) {
+      const ErrorRatio ratio = error_ratio(scene.errors[0].mse[region], e.mse[region]);
+      row.cells.push_back({to_text(ratio), ratio.value, fmt::format("MSE {:.2e}", e.mean_mse(region))});
+    }
+    const ErrorRatio equal_time = equal_time_ratio(scene.errors[0], e);
+    row.cells.push_back({to_text(equal_time), equal_time.value});
+    block.rows.push_back(std::move(row));
+  }
+  return block;
+}
+
+void claim_mine(const SceneResult& paper, const SceneResult& sampled, std::vector<Claim>& claims) {
+  const ErrorRatio sun = gain(paper, 1);
+  const ErrorRatio spot = gain(paper, 2);
+  claims.push_back(
+      judged("mine-sun", kPaper,
+             "Where the sun and its spot light the mine, guiding has two to three orders of magnitude less "
+             "error; next event estimation knows no environment.",
+             fmt::format("sun {}, spot {}", to_text(sun), to_text(spot)), "at least 30× in both",
+             sun.value >= 30 && spot.value >= 30));
+  const ErrorRatio indirect = gain(sampled, 2);
+  claims.push_back(judged("mine-sampled", "design",
+                          "With the environment sampled, guiding still helps where the spot lights indirectly.",
+                          to_text(indirect), "at least 3×", indirect.value >= 3));
+  const ErrorRatio time_paper = equal_time_ratio(paper.errors[0], paper.errors[1]);
+  const ErrorRatio time_sampled = equal_time_ratio(sampled.errors[0], sampled.errors[1]);
+  claims.push_back(judged("mine-equal-time", "users feel time", "On `mine` guiding wins at equal time.",
+                          fmt::format("{} in the paper's setting, {} with the environment sampled", to_text(time_paper),
+                                      to_text(time_sampled)),
+                          "both above 1", time_paper.value > 1 && time_sampled.value > 1));
+}
+
+void claim_elsewhere(const std::vector<SceneResult>& scenes, std::vector<Claim>& claims) {
+  double least = 1e30;
+  std::string measured;
+  for (const SceneResult& scene : scenes) {
+    const ErrorRatio ratio = gain(scene, 0);
+    least = std::min(least, ratio.value);
+    measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratio));
+  }
+  claims.push_back(judged("never-worse", kPaper, "Under uniform light guiding gives no gain, but does little harm.",
+                          measured, "every ratio at least 1/1.3", least >= 1 / 1.3));
+}
+
+ExperimentResult run_guiding(const ExperimentContext& context) {
+  ExperimentScene paper = builtin_scene("mine");
+  paper.name = "mine, environment not sampled";
+  paper.settings.light_selection.environment = false;
+  ExperimentScene sampled = builtin_scene("mine");
+  sampled.name = "mine, environment sampled";
+  const SceneResult paper_result = measure(context, paper, true);
+  const SceneResult sampled_result = measure(context, sampled, true);
+  std::vector<SceneResult> others;
+  std::vector<const char*> names{"warehouse"};
+  if (!context.quick) names = {"warehouse", "cover", "slit"};
+  for (const char* name : names) {
+    ExperimentScene scene = builtin_scene(name);
+    scene.settings.lights = LightSelectionChoice::vlc;
+    others.push_back(measure(context, scene, false));
+  }
+  if (const std::optional<ExperimentScene> hall = sponza_with_lamps(context))
+    others.push_back(measure(context, *hall, false));
+
+  ExperimentResult result;
+  claim_mine(paper_result, sampled_result, result.claims);
+  claim_elsewhere(others, result.claims);
+  std::vector<PictureSet> pictures{paper_result.pictures, sampled_result.pictures};
+  for (const SceneResult& scene : others) pictures.push_back(scene.pictures);
+  result.blocks.emplace_back(
+      ViewerBlock{"Pictures", "One frame of one sample a pixel, adapted.", picture_layer_kinds(), std::move(pictures)});
+  result.blocks.emplace_back(table(paper_result));
+  result.blocks.emplace_back(table(sampled_result));
+  for (const SceneResult& scene : others) result.blocks.emplace_back(table(scene));
+  result.setup = adapted_setup(context);
+  result.setup.emplace_back("Regions",
+                            "sun: direct light above a tenth of its 99.5th percentile; spot: more than half of the "
+                            "light is indirect; told from references");
+  return result;
+}
+
+}  // namespace
+
+Experiment guiding_experiment() {
+  return {"guiding", kPaper, "directions from which light came in earlier frames, against those of the BSDF",
+          run_guiding};
+}
+
+}  // namespace relume

@@ -1,0 +1,30 @@
+// Scenes of the experiments on light selection and guiding, and parts of their pictures.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/adapted_error.h"
+#include "experiments/scenes.h"
+
+namespace relume {
+
+/// A built-in scene through its own camera at time 0, with two indirect rays as in [Dittebrandt20 §7].
+ExperimentScene builtin_scene(std::string_view name);
+
+/// 256 lamps of all strengths over a plain: nothing hides anything.
+ExperimentScene lamp_field();
+
+/// Sponza at night with 200 lamps in its arcades; std::nullopt if it is not there. Throws Error if it cannot be read.
+std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& context);
+
+/// The scene with the light selection that references are rendered with.
+ExperimentScene plainly_sampled(ExperimentScene scene);
+
+/// Parts of the picture of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
+/// by a reference and one without indirect light. The whole picture comes first.
+std::vector<PictureRegion> mine_regions(const Image& reference, const Image& direct);
+
+}  // namespace relume

@@ -1,0 +1,170 @@
+// How much light a point would reflect towards the viewer from each of many lights if nothing were in between: the
+// measure by which light selection strategies weigh their candidates ([Dittebrandt20, §4.2]).
+//
+// Triangles are integrated in closed form against Lambert's cosine and against a linearly transformed cosine for glossy
+// reflection ([Heitz16]); lights without extent are evaluated. Emission counts with its mean over the triangle.
+#pragma once
+
+#include <vector>
+
+#include "lights/light.h"
+#include "materials/bsdf.h"
+#include "materials/ltc.h"
+
+namespace relume {
+
+/// What importance needs of emissive triangles, column by column, so that eight can be read at once. Other lights have
+/// no emission here.
+struct LightColumns {
+  enum Column : uint32_t { v0, e1 = 3, e2 = 6, normal = 9, emission = 12, two_sided, count };
+
+  View<const float> values;
+  uint32_t lights = 0;
+
+  RELUME_HD const float* column(uint32_t c) const { return values.data + c * lights; }
+};
+
+/// Values for LightColumns over the finite lights of `view`.
+std::vector<float> build_light_columns(const LightsView& view);
+
+/// A surface point as importance sees it.
+struct LightReceiver {
+  Vec3 position{0};
+  Frame frame;        ///< the viewer lies in the plane of t and n
+  float diffuse = 0;  ///< luminance of what cosine-like lobes reflect
+  float glossy = 0;   ///< the same of microfacets
+  float behind = 0;   ///< the same of what arrives from the other side
+  LtcMatrix glossy_matrix;
+};
+
+/// Gloss is not worth a second integral below this share of all reflection, or where it is wide and not much.
+inline constexpr float kNegligibleGloss = 0.02f;
+inline constexpr float kLittleGloss = 0.15f;
+inline constexpr float kWideGloss = 0.7f;  ///< √α
+
+RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const Vec3& position, const Frame& shading,
+                                                   const Vec3& wo_local, const Bsdf& bsdf) {
+  LightReceiver r;
+  r.position = position;
+  const float sin_theta = std::sqrt(wo_local.x * wo_local.x + wo_local.y * wo_local.y);
+  r.frame = shading;
+  if (sin_theta > 1e-4f) {
+    r.frame.t = shading.to_world({wo_local.x / sin_theta, wo_local.y / sin_theta, 0.0f});
+    r.frame.b = glm::cross(shading.n, r.frame.t);
+  }
+  float roughness = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe& lobe = bsdf.lobes[i];
+    if (is_delta(lobe.kind)) continue;
+    const float albedo = luminance(lobe_albedo(lobe, *bsdf.tables, wo_local.z));
+    if (lobe.kind == LobeKind::reflection) {
+      r.glossy += albedo;
+      roughness += albedo * std::sqrt(lobe.microfacet.alpha);
+    } else if (lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::thin_transmission) {
+      // Where refraction sends light is not modelled: half to each side, as a cosine.
+      r.behind += 0.5f * albedo;
+      r.diffuse += 0.5f * albedo;
+    } else {
+      r.diffuse += albedo;
+    }
+  }
+  const float rest = r.diffuse + r.behind;
+  const float mean_roughness = r.glossy > 0.0f ? roughness / r.glossy : 1.0f;
+  if (r.glossy <= (mean_roughness > kWideGloss ? kLittleGloss : kNegligibleGloss) * rest) {
+    r.diffuse += r.glossy;
+    r.glossy = 0;
+  } else {
+    r.glossy_matrix = table.at(wo_local.z, mean_roughness);
+  }
+  return r;
+}
+
+/// Importance of a triangle whose corner and edges are given relative to the receiver, in world axes. `facing` > 0 on
+/// the side that emits.
+template <typename T>
+RELUME_HD inline T triangle_importance(const LightReceiver& r, const Triple<T>& corner, const Triple<T>& e1,
+                                       const Triple<T>& e2, T facing, T emission) {
+  const auto local = [&](const Triple<T>& v) {
+    const auto along = [&](const Vec3& axis) { return v.x * T(axis.x) + v.y * T(axis.y) + v.z * T(axis.z); };
+    return Triple<T>{along(r.frame.t), along(r.frame.b), along(r.frame.n)};
+  };
+  const Triple<T> v0 = local(corner);
+  const Triple<T> v1 = local(corner + e1);
+  const Triple<T> v2 = local(corner + e2);
+  T reflected = T(r.diffuse) * ltc::form_factor(v0, v1, v2);
+  if (r.glossy > 0.0f) {
+    const LtcMatrix& m = r.glossy_matrix;
+    const auto transformed = [&](const Triple<T>& v) {
+      return Triple<T>{v.x * T(m.a) + v.z * T(m.b), v.y * T(m.c), v.x * T(m.d) + v.z};
+    };
+    reflected = reflected + T(r.glossy) * ltc::form_factor(transformed(v0), transformed(v1), transformed(v2));
+  }
+  if (r.behind > 0.0f) {
+    const auto mirrored = [](const Triple<T>& v) { return Triple<T>{v.x, v.y, -v.z}; };
+    reflected = reflected + T(r.behind) * ltc::form_factor(mirrored(v0), mirrored(v1), mirrored(v2));
+  }
+  return select(facing > T(0.0f), emission * reflected, T(0.0f));
+}
+
+/// Importance of a light without extent.
+RELUME_HD inline float punctual_importance(const LightReceiver& r, const LightSample& s) {
+  if (!s.valid()) return 0.0f;
+  const Vec3 w = r.frame.to_local(s.wi);
+  float reflected = kInvPi * (w.z > 0.0f ? r.diffuse * w.z : -r.behind * w.z);
+  if (r.glossy > 0.0f && w.z > 0.0f) reflected += r.glossy * ltc_pdf(r.glossy_matrix, w);
+  return luminance(s.radiance) * reflected;
+}
+
+namespace light_importance {
+
+template <typename T, typename Load>
+RELUME_HD inline T of_columns(const LightReceiver& r, const LightColumns& columns, const Load& load) {
+  const auto triple = [&](uint32_t first) {
+    return Triple<T>{load(columns.column(first)), load(columns.column(first + 1)), load(columns.column(first + 2))};
+  };
+  const Triple<T> p{T(r.position.x), T(r.position.y), T(r.position.z)};
+  const Triple<T> corner = triple(LightColumns::v0) - p;
+  const T side = T(0.0f) - dot(triple(LightColumns::normal), corner);
+  const T two_sided = load(columns.column(LightColumns::two_sided));
+  const T facing = select(two_sided > T(0.0f), abs_of(side), side);
+  return triangle_importance<T>(r, corner, triple(LightColumns::e1), triple(LightColumns::e2), facing,
+                                load(columns.column(LightColumns::emission)));
+}
+
+}  // namespace light_importance
+
+/// Importance of one finite light.
+RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsView& lights,
+                                           const LightColumns& columns, LightId id) {
+  const Light& light = lights.lights[id];
+  if (light.kind == LightKind::point) return punctual_importance(r, sample_li(light.point, r.position));
+  if (light.kind == LightKind::spot) return punctual_importance(r, sample_li(light.spot, r.position));
+  return light_importance::of_columns<float>(r, columns, [id](const float* column) { return column[id]; });
+}
+
+/// Importances of `count` finite lights; returns their sum. The same bits with and without SIMD.
+RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights, const LightColumns& columns,
+                                         const LightId* ids, uint32_t count, float* weights) {
+  uint32_t first = 0;
+#if RELUME_HAS_FLOAT8
+  for (; first < count; first += kSimdWidth) {
+    uint32_t block[kSimdWidth];
+    for (uint32_t k = 0; k < kSimdWidth; ++k) block[k] = ids[first + k < count ? first + k : first];
+    float values[kSimdWidth];
+    light_importance::of_columns<Float8>(r, columns, [&](const float* column) {
+      return Float8::gather(column, block);
+    }).store(values);
+    for (uint32_t k = 0; k < kSimdWidth && first + k < count; ++k) {
+      const bool triangle = lights.lights[block[k]].kind == LightKind::triangle;
+      weights[first + k] = triangle ? values[k] : light_importance_of(r, lights, columns, block[k]);
+    }
+  }
+#else
+  for (; first < count; ++first) weights[first] = light_importance_of(r, lights, columns, ids[first]);
+#endif
+  float sum = 0;
+  for (uint32_t i = 0; i < count; ++i) sum += weights[i];
+  return sum;
+}
+
+}  // namespace relume

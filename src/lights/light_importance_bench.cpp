@@ -1,0 +1,69 @@
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "lights/light_importance.h"
+
+namespace relume {
+namespace {
+
+/// Triangles under a ceiling.
+std::vector<Light> lamps(uint32_t count) {
+  std::vector<Light> lights(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto random = [i](uint32_t k) { return to_unit_float(hash(i, k)); };
+    TriangleLight t{};
+    t.v0 = {10 * random(0), 3, 10 * random(1)};
+    t.e1 = {0.3f, 0, 0};
+    t.e2 = {0, 0, 0.3f};
+    t.normal = {0, -1, 0};
+    t.area = 0.045f;
+    t.radiance = Rgb(1);
+    t.textured = -1;
+    lights[i].kind = LightKind::triangle;
+    lights[i].triangle = t;
+  }
+  return lights;
+}
+
+/// The weights of a bucket of 32 lights, all at once or one by one.
+void bm_light_importances(benchmark::State& state) {
+  const std::vector<Light> lights = lamps(1000);
+  LightsView view;
+  view.lights = view_of(lights);
+  view.first_infinite = view.lights.size;
+  const std::vector<float> values = build_light_columns(view);
+  const LightColumns columns{view_of(values), view.first_infinite};
+  LightReceiver r;
+  r.frame = make_frame(Vec3(0, 1, 0));
+  r.position = {5, 0, 5};
+  r.diffuse = 0.5f;
+  r.glossy = state.range(0) ? 0.3f : 0.0f;
+  r.glossy_matrix = ltc_table().at(0.7f, 0.5f);
+  std::vector<LightId> ids(32);
+  std::vector<float> weights(32);
+  std::vector<float> expected(32);
+  uint32_t i = 0;
+  const auto next_bucket = [&] {
+    for (LightId& id : ids) id = hash(i++) % 1000;
+  };
+  next_bucket();
+  light_importances(r, view, columns, ids.data(), 32, weights.data());
+  for (uint32_t k = 0; k < 32; ++k) {
+    if (weights[k] != light_importance_of(r, view, columns, ids[k])) state.SkipWithError("the forms disagree");
+  }
+  for (auto _ : state) {
+    next_bucket();
+    if (state.range(1)) {
+      benchmark::DoNotOptimize(light_importances(r, view, columns, ids.data(), 32, weights.data()));
+    } else {
+      for (uint32_t k = 0; k < 32; ++k) weights[k] = light_importance_of(r, view, columns, ids[k]);
+      benchmark::DoNotOptimize(weights.data());
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * 32);
+}
+BENCHMARK(bm_light_importances)->ArgNames({"glossy", "simd"})->ArgsProduct({{0, 1}, {0, 1}});
+
+}  // namespace
+}  // namespace relume

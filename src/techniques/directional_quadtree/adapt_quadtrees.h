@@ -1,0 +1,32 @@
+// Adapts the quadtrees of all regions.
+#pragma once
+
+#include "core/fixed_point.h"
+#include "techniques/directional_quadtree/adapt_quadtree.h"
+#include "techniques/octree/sample_stream.h"
+
+namespace relume {
+
+/// Adapts the quadtree of each region to the region's samples.
+struct AdaptQuadtreesKernel {
+  SampleGroupsView samples;
+  QuadtreeArray trees;
+  QuadtreeAdaption options;
+  View<uint64_t> moved;  ///< one: leaves that changed their place
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    const uint32_t count = samples.counts[region];
+    if (count == 0) return;
+    DirectionalQuadtree tree = trees.load(region);
+    const auto sample = [&](uint32_t i) {
+      const VertexSample& s = samples.sample(region, i);
+      return DirectionSample{s.direction, s.value};
+    };
+    const uint32_t migrations = adapt(tree, sample, count, options);
+    if (migrations == 0) return;
+    trees.store(region, tree);
+    atomic_add(&moved[0], uint64_t{migrations});
+  }
+};
+
+}  // namespace relume

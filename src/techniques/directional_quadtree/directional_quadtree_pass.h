@@ -1,0 +1,38 @@
+// The direction sampling "cdq" as a pass, behind the octree's.
+#pragma once
+
+#include "pipeline/pass.h"
+#include "techniques/direction_sampler.h"
+#include "techniques/directional_quadtree/adapt_quadtrees.h"
+#include "techniques/directional_quadtree/directional_quadtree_settings.h"
+#include "techniques/octree/octree_pass.h"
+
+namespace relume {
+
+class DirectionalQuadtreePass final : public Pass {
+ public:
+  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree)
+      : settings_(settings), octree_(octree) {
+    directions_.kind = DirectionSamplerKind::quadtree;
+  }
+
+  PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool adapts() const override { return true; }
+  size_t memory_bytes() const override { return words_.size() * sizeof(uint32_t); }
+  std::vector<PassFigure> figures() const override { return {{"migrations", static_cast<double>(moved_)}}; }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What estimators sample with; valid from the first run() on.
+  const DirectionSampler& directions() const { return directions_; }
+
+ private:
+  const DirectionalQuadtreeSettings& settings_;
+  const OctreePass& octree_;
+  DirectionSampler directions_;
+  std::vector<uint32_t> words_;
+  uint64_t moved_ = 0;  ///< leaves, in the last frame
+};
+
+}  // namespace relume

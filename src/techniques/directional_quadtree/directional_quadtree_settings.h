@@ -1,0 +1,24 @@
+// Settings of the directional quadtree.
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+enum class QuadtreeBits : int { b32, b64, b96, b128 };
+enum class QuadtreeSampling : int { bottom_up, stratified };
+
+struct DirectionalQuadtreeSettings {
+  QuadtreeBits bits = QuadtreeBits::b128;
+  float bsdf_fraction = 0.5f;
+  int migrations = 1;
+  float stability = 0.1f;
+  QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
+  bool view = false;  ///< fill the buffer "directions" for the point at:
+  float view_x = 0.5f;
+  float view_y = 0.5f;
+};
+
+SettingList describe(DirectionalQuadtreeSettings& settings);
+
+}  // namespace relume

@@ -1,0 +1,305 @@
+#include "techniques/directional_quadtree/directional_quadtree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "techniques/directional_quadtree/adapt_quadtree.h"
+#include "testing/histogram.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kBitCounts[] = {32, 64, 96, 128};
+
+/// A tree that some hundred random migrations have left behind.
+DirectionalQuadtree random_tree(uint32_t bit_count, uint32_t seed) {
+  DirectionalQuadtree tree = uniform_quadtree(bit_count);
+  testing::Random random(seed);
+  QuadtreeWeights w{};
+  for (int step = 0; step < 300; ++step) {
+    for (uint32_t i = 0; i < bit_count; ++i) w.leaf[i] = tree.bits.get(i) ? 0.0f : random.next();
+    const MigrationChoice choice = choose_migration(tree, w, 1e6f);
+    if (choice.found) migrate(tree, w, choice.inner, choice.leaf);
+  }
+  return tree;
+}
+
+/// The tree of `tree`'s bits, taken apart without rank and select: squares of all leaves.
+struct Leaf {
+  double x, y, edge;
+};
+std::vector<Leaf> leaves_of(const DirectionalQuadtree& tree) {
+  std::vector<Leaf> level{{0, 0, 1}};  // inner nodes of this level
+  std::vector<Leaf> leaves;
+  uint32_t bit = 0;
+  while (!level.empty()) {
+    std::vector<Leaf> next;
+    for (const Leaf& node : level) {
+      for (int i = 0; i < 4; ++i) {
+        const Leaf child{node.x + (i & 1) * node.edge / 2, node.y + (i >> 1) * node.edge / 2, node.edge / 2};
+        (tree.bits.get(bit++) ? next : leaves).push_back(child);
+      }
+    }
+    level = next;
+  }
+  EXPECT_EQ(bit, tree.bit_count);  // breadth-first order, nothing left over
+  return leaves;
+}
+
+TEST(BitField, RankAndSelectAgreeWithCounting) {
+  testing::Random random(3);
+  for (int round = 0; round < 50; ++round) {
+    BitField field{};
+    const float density = random.next();
+    for (uint32_t i = 0; i < 128; ++i) {
+      if (random.next() < density) field.set(i);
+    }
+    uint32_t ones = 0;
+    for (uint32_t i = 0; i < 128; ++i) {
+      ASSERT_EQ(field.rank(i), ones);
+      if (field.get(i)) {
+        ASSERT_EQ(field.select(ones, true), i);
+        ++ones;
+      } else {
+        ASSERT_EQ(field.select(i - ones, false), i);
+      }
+    }
+    ASSERT_EQ(field.rank(128), ones);
+  }
+}
+
+TEST(BitField, NibblesComeAndGo) {
+  testing::Random random(4);
+  for (uint32_t group = 0; group < 32; ++group) {
+    BitField field{};
+    std::vector<bool> bits;
+    for (uint32_t i = 0; i < 128; ++i) {
+      bits.push_back(random.next() < 0.5f);
+      if (bits.back()) field.set(i);
+    }
+    field.remove_nibble(group);
+    bits.erase(bits.begin() + 4 * group, bits.begin() + 4 * group + 4);
+    bits.insert(bits.end(), 4, false);
+    for (uint32_t i = 0; i < 128; ++i) ASSERT_EQ(field.get(i), bits[i]) << group << " " << i;
+    field.insert_nibble(group);
+    bits.insert(bits.begin() + 4 * group, 4, false);
+    for (uint32_t i = 0; i < 128; ++i) ASSERT_EQ(field.get(i), bits[i]) << group << " " << i;
+  }
+}
+
+TEST(DirectionalQuadtree, LeavesCoverTheSquareOnce) {
+  for (const uint32_t bit_count : kBitCounts) {
+    for (const uint32_t seed : {1u, 2u, 3u}) {
+      const DirectionalQuadtree tree = random_tree(bit_count, seed);
+      const std::vector<Leaf> leaves = leaves_of(tree);
+      ASSERT_EQ(leaves.size(), tree.leaf_count());
+      double area = 0;
+      for (uint32_t k = 0; k < leaves.size(); ++k) {
+        const Leaf& leaf = leaves[k];
+        area += leaf.edge * leaf.edge;
+        // Top down and bottom up find the same leaf.
+        const QuadtreeCell up = tree.cell_of(tree.bits.select(k, false));
+        const QuadtreeCell down =
+            tree.find(Vec2(static_cast<float>(leaf.x + leaf.edge / 2), static_cast<float>(leaf.y + leaf.edge / 2)));
+        for (const QuadtreeCell& cell : {up, down}) {
+          EXPECT_EQ(cell.corner.x, leaf.x);
+          EXPECT_EQ(cell.corner.y, leaf.y);
+          EXPECT_EQ(cell.edge(), leaf.edge);
+        }
+        EXPECT_EQ(tree.leaves_below(up.bit), 1u);
+      }
+      EXPECT_EQ(area, 1.0);  // powers of two add without error
+      uint32_t below_root = 0;
+      for (uint32_t i = 0; i < 4; ++i) below_root += tree.leaves_below(i);
+      EXPECT_EQ(below_root, tree.leaf_count());
+    }
+  }
+}
+
+TEST(DirectionalQuadtree, SamplesFollowTheDensity) {
+  constexpr int kSamples = 200000;
+  for (const uint32_t bit_count : kBitCounts) {
+    for (const bool stratified : {false, true}) {
+      const DirectionalQuadtree tree = random_tree(bit_count, 7);
+      testing::Histogram histogram(32);
+      testing::Random random(bit_count);
+      const testing::DirectionChart chart;
+      for (int i = 0; i < kSamples; ++i) {
+        const Vec2 u = random.next_2d();
+        const Vec3 w = stratified ? tree.sample_stratified(u) : tree.sample(u);
+        ASSERT_NEAR(glm::length(w), 1.0f, 1e-5f);
+        const Vec2 p = chart.coordinates(w);
+        histogram.add(static_cast<double>(p.x), static_cast<double>(p.y));
+      }
+      const auto pdf = [&](const Vec3& w) { return static_cast<double>(tree.pdf(w)); };
+      EXPECT_GT(histogram.test(chart.density(pdf), 6, 2).p_value, testing::significance())
+          << bit_count << (stratified ? " stratified" : "");
+    }
+  }
+}
+
+TEST(DirectionalQuadtree, DensityIntegratesToOne) {
+  for (const uint32_t bit_count : kBitCounts) {
+    const DirectionalQuadtree tree = random_tree(bit_count, 11);
+    double sum = 0;
+    for (const Leaf& leaf : leaves_of(tree)) {
+      // Over each leaf apart: the density is smooth there, but for folds of the map.
+      sum += testing::integrate(
+          [&](double x, double y) {
+            const Vec3 w = direction_from_square({static_cast<float>(x), static_cast<float>(y)});
+            return static_cast<double>(tree.pdf(w)) * static_cast<double>(octahedral_solid_angle(w));
+          },
+          {leaf.x, leaf.y, leaf.x + leaf.edge, leaf.y + leaf.edge}, 1e-7, 6);
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-4);  // float densities
+  }
+  // The map itself: the square stands for all of the sphere.
+  const double sphere = testing::integrate_square(
+      [](double x, double y) {
+        return static_cast<double>(
+            octahedral_solid_angle(direction_from_square({static_cast<float>(x), static_cast<float>(y)})));
+      },
+      8, 1e-7, 6);
+  EXPECT_NEAR(sphere, 4 * M_PI, 1e-3);
+}
+
+TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
+  // One point from each of 32 × 32 cells of the unit square: the number of directions in any leaf is then nearly exact,
+  // while the bottom-up order knows no neighbours.
+  const DirectionalQuadtree tree = random_tree(128, 5);
+  const auto spread = [&](bool stratified) {
+    std::map<uint32_t, int> counts;
+    testing::Random random(1);
+    for (int i = 0; i < 1024; ++i) {
+      const Vec2 u = (Vec2(static_cast<float>(i % 32), static_cast<float>(i / 32)) + random.next_2d()) / 32.0f;
+      const Vec3 w = stratified ? tree.sample_stratified(u) : tree.sample(u);
+      ++counts[tree.find(square_from_direction(w)).bit];
+    }
+    double squares = 0;
+    for (uint32_t bit = 0; bit < 128; ++bit) {
+      if (!tree.bits.get(bit)) squares += (counts[bit] - 1024.0 / 97) * (counts[bit] - 1024.0 / 97);
+    }
+    return squares / 97;
+  };
+  // Independent samples would vary by 1024/97 = 10.6 about their mean.
+  EXPECT_LT(spread(true), 5.0);
+}
+
+/// Samples spread like the tree's own density, as in rendering, so that values are L / pdf.
+template <typename Radiance>
+std::vector<DirectionSample> observe(const DirectionalQuadtree& tree, int count, uint32_t seed,
+                                     const Radiance& radiance) {
+  std::vector<DirectionSample> samples;
+  testing::Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const Vec3 w = tree.sample(random.next_2d());
+    samples.push_back({pack_square(square_from_direction(w)), radiance(w) / tree.pdf(w)});
+  }
+  return samples;
+}
+
+TEST(AdaptQuadtree, MovesTowardsASmallBrightSpotAndStopsThere) {
+  const Vec3 sun = glm::normalize(Vec3(0.4f, 0.8f, 0.3f));
+  const auto radiance = [&](const Vec3& w) { return glm::dot(w, sun) > 0.995f ? 1000.0f : 0.1f; };
+  for (const uint32_t bit_count : kBitCounts) {
+    DirectionalQuadtree tree = uniform_quadtree(bit_count);
+    const float before = tree.pdf(sun);
+    uint32_t moved_late = 0;
+    for (uint32_t frame = 0; frame < 120; ++frame) {
+      const auto samples = observe(tree, 2000, frame, radiance);
+      const uint32_t moved = adapt(tree, [&](uint32_t i) { return samples[i]; }, 2000, {});
+      if (frame >= 100) moved_late += moved;
+    }
+    EXPECT_GT(tree.pdf(sun), 8 * before) << bit_count;
+    EXPECT_LT(moved_late, 20u) << bit_count;  // a tenth as stability: it does not flutter in every frame
+    EXPECT_EQ(leaves_of(tree).size(), tree.leaf_count());
+  }
+}
+
+TEST(AdaptQuadtree, FollowsTheLightWhenItMoves) {
+  Vec3 sun = glm::normalize(Vec3(1, 0.2f, 0.1f));
+  const auto radiance = [&](const Vec3& w) { return glm::dot(w, sun) > 0.98f ? 100.0f : 0.5f; };
+  const auto frames_until_adapted = [&](uint32_t migrations) {
+    sun = glm::normalize(Vec3(1, 0.2f, 0.1f));
+    DirectionalQuadtree tree = uniform_quadtree(128);
+    for (uint32_t frame = 0; frame < 80; ++frame) {
+      const auto samples = observe(tree, 1000, frame, radiance);
+      adapt(tree, [&](uint32_t i) { return samples[i]; }, 1000, {0.1f, migrations});
+    }
+    const float adapted = tree.pdf(sun);
+    sun = -sun;
+    int frames = 0;
+    while (tree.pdf(sun) < 0.5f * adapted && frames < 200) {
+      const auto samples = observe(tree, 1000, 1000 + static_cast<uint32_t>(frames++), radiance);
+      adapt(tree, [&](uint32_t i) { return samples[i]; }, 1000, {0.1f, migrations});
+    }
+    return frames;
+  };
+  const int one = frames_until_adapted(1);
+  const int four = frames_until_adapted(4);
+  EXPECT_LT(one, 40);
+  EXPECT_LT(four, one);  // that is what several migrations are for
+}
+
+TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
+  // After every migration of a run the sums at the leaves must be those of counting from scratch.
+  for (const uint32_t bit_count : kBitCounts) {
+    DirectionalQuadtree tree = random_tree(bit_count, 9);
+    std::vector<DirectionSample> samples;
+    testing::Random random(2);
+    for (int i = 0; i < 3000; ++i) samples.push_back({pack_square(random.next_2d()), 1.0f});
+    const auto count_from_scratch = [&] {
+      QuadtreeWeights w{};
+      for (const DirectionSample& s : samples) w.leaf[tree.find(unpack_square(s.direction)).bit] += 1.0f;
+      return w;
+    };
+    for (int step = 0; step < 50; ++step) {
+      QuadtreeWeights w = count_from_scratch();
+      const MigrationChoice choice = choose_migration(tree, w, 1e6f);
+      ASSERT_TRUE(choice.found);
+      const uint32_t group = migrate(tree, w, choice.inner, choice.leaf);
+      const QuadtreeWeights expected = count_from_scratch();
+      for (uint32_t i = 0; i < bit_count; ++i) {
+        if (i >> 2 == group) continue;  // the split leaf's samples have not been told apart yet
+        ASSERT_EQ(w.leaf[i], tree.bits.get(i) ? 0.0f : expected.leaf[i]) << bit_count << " " << i;
+      }
+    }
+  }
+}
+
+TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {
+  DirectionalQuadtree tree = uniform_quadtree(64);
+  const std::vector<DirectionSample> bad{{0, 0.0f}, {1, -1.0f}, {2, kInfinity}, {3, std::nanf("")}, {4, 1e30f}};
+  EXPECT_EQ(adapt(tree, [&](uint32_t i) { return bad[i]; }, 5, {}), 0u);
+  EXPECT_EQ(adapt(tree, [&](uint32_t i) { return bad[i]; }, 0, {}), 0u);
+  // Uniform light, with as many samples as leaves can tell apart: nothing is ten times better than anything else.
+  const auto samples = observe(tree, 20000, 5, [](const Vec3&) { return 1.0f; });
+  EXPECT_EQ(adapt(tree, [&](uint32_t i) { return samples[i]; }, 20000, {}), 0u);
+}
+
+TEST(AdaptQuadtree, NeverGoesBelowTheLargestDepth) {
+  DirectionalQuadtree tree = uniform_quadtree(128);
+  const std::vector<DirectionSample> sample{{0x80008000u, 1.0f}};
+  for (int i = 0; i < 40; ++i) adapt(tree, [&](uint32_t) { return sample[0]; }, 1, {});
+  EXPECT_EQ(tree.find(unpack_square(sample[0].direction)).depth, kMaxQuadtreeDepth);
+}
+
+TEST(QuadtreeArray, StoresWhatItLoads) {
+  for (const uint32_t bit_count : kBitCounts) {
+    std::vector<uint32_t> words(3 * bit_count / 32);
+    const QuadtreeArray array{mutable_view_of(words), bit_count};
+    for (uint32_t i = 0; i < 3; ++i) array.store(i, random_tree(bit_count, 20 + i));
+    for (uint32_t i = 0; i < 3; ++i) {
+      const DirectionalQuadtree expected = random_tree(bit_count, 20 + i);
+      for (uint32_t w = 0; w < BitField::kWords; ++w) EXPECT_EQ(array.load(i).bits.words[w], expected.bits.words[w]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,23 @@
+// Settings that all light selection strategies obey.
+#pragma once
+
+#include "settings/setting.h"
+#include "techniques/infinite_lights.h"
+
+namespace relume {
+
+struct LightSelectionSettings {
+  bool environment = true;  ///< next event estimation knows the environment
+
+  LightsAtInfinity infinity() const {
+    return environment ? LightsAtInfinity::worth_sampling : LightsAtInfinity::unreachable;
+  }
+};
+
+inline SettingList describe(LightSelectionSettings& s) {
+  return {
+      {"environment", &s.environment,
+       "Next event estimation samples the environment and the disks of suns; without, paths find them on their own"}};
+}
+
+}  // namespace relume

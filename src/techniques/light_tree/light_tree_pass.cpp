@@ -1,0 +1,18 @@
+#include "techniques/light_tree/light_tree_pass.h"
+
+namespace relume {
+
+bool LightTreePass::run(const FrameContext& frame) {
+  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
+    return true;
+  built_ = true;
+  frame.backend.run("light-tree", [&] {
+    data_ = build_light_tree(frame.scene.lights, settings_.infinity());
+    selector_.tree = data_.view(frame.scene.lights);
+    power_ = build_power_lights(frame.scene.lights, settings_.infinity());
+    selector_.power = {{view_of(power_)}};
+  });
+  return true;
+}
+
+}  // namespace relume

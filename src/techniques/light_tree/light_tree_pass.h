@@ -1,0 +1,33 @@
+// The light selection "light-tree" as a pass.
+#pragma once
+
+#include "pipeline/pass.h"
+#include "techniques/light_selection_settings.h"
+#include "techniques/light_selector.h"
+#include "techniques/light_tree/build_light_tree.h"
+
+namespace relume {
+
+/// Rebuilds the tree in every frame in which lights differ.
+class LightTreePass final : public Pass {
+ public:
+  explicit LightTreePass(const LightSelectionSettings& settings) : settings_(settings) {
+    selector_.kind = LightSelectorKind::light_tree;
+  }
+
+  PassDeclaration declaration() const override { return {.name = "light-tree", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override { return data_.memory_bytes(); }
+
+  /// What estimators sample with; valid from the first run() on.
+  const LightSelector& selector() const { return selector_; }
+
+ private:
+  const LightSelectionSettings& settings_;
+  LightSelector selector_;
+  LightTreeData data_;
+  std::vector<AliasEntry> power_;
+  bool built_ = false;
+};
+
+}  // namespace relume

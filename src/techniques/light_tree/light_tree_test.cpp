@@ -1,0 +1,135 @@
+#include "techniques/light_tree/light_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "scene/builtin.h"
+#include "scene/testing/light_scene.h"
+#include "techniques/light_tree/build_light_tree.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+SurfacePoint point_at(const Vec3& position, const Vec3& normal) {
+  SurfacePoint sp{};
+  sp.position = position;
+  sp.frame = make_frame(glm::normalize(normal));
+  return sp;
+}
+
+TEST(LightTree, HoldsEveryLightThatEmitsOnce) {
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const LightsView& lights = scene.view().lights;
+  const LightTreeData data = build_light_tree(lights);
+  std::vector<LightId> held = data.lights;
+  std::sort(held.begin(), held.end());
+  std::vector<LightId> expected;
+  for (LightId i = 0; i < lights.first_infinite; ++i) {
+    if (luminance(power(lights, i)) > 0) expected.push_back(i);
+  }
+  ASSERT_GT(expected.size(), 300u);
+  EXPECT_EQ(held, expected);
+  for (const LightTreeNode& n : data.nodes) {
+    for (uint32_t c = 0; c < kLightTreeWidth; ++c) {
+      EXPECT_LE(n.lights[c], kLightTreeLeafSize);
+      EXPECT_EQ(n.intensity[c] > 0, n.lights[c] > 0 || n.child[c] > 0);
+    }
+  }
+  EXPECT_LT(data.nodes.size(), expected.size() / 4);  // wide nodes are mostly full
+}
+
+TEST(LightTree, BoundsWhatItsLightsCanSend) {
+  // A group never claims that nothing arrives where one of its lights shines.
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const LightsView& lights = scene.view().lights;
+  const LightTreeData data = build_light_tree(lights);
+  testing::Random random(3);
+  int shining = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const light_tree::Point p{scene.bounds().center + random.point(20), random.direction(), 0};
+    const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
+    const LightSample s = sample_li(lights, id, p.position, random.next_2d());
+    if (!s.valid() || glm::dot(s.wi, p.normal) <= 1e-3f) continue;
+    ++shining;
+    EXPECT_GT(light_tree::importance(p, bounds_of(lights, id)), 0.0f);
+    for (uint32_t at = data.place[id]; at != light_tree::kNoParent; at = data.nodes[at / 8].parent) {
+      float weights[kLightTreeWidth];
+      light_tree::child_weights(p, data.nodes[at / 8], weights);
+      EXPECT_GT(weights[at % 8], 0.0f);
+    }
+  }
+  EXPECT_GT(shining, 200);
+}
+
+TEST(LightTree, BoundsPointAndSpotLights) {
+  const testing::LightScene scene = testing::make_light_scene({});
+  testing::Random random(4);
+  for (const LightId id : {4u, 5u}) {
+    int lit = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const light_tree::Point p{random.point(2), random.direction(), 0};
+      const LightSample s = sample_li(scene.lights(), id, p.position, {0.5f, 0.5f});
+      if (!s.valid() || glm::dot(s.wi, p.normal) <= 1e-3f) continue;
+      ++lit;
+      EXPECT_GT(light_tree::importance(p, bounds_of(scene.lights(), id)), 0.0f);
+    }
+    EXPECT_GT(lit, 50);
+  }
+}
+
+TEST(LightTree, PrefersTheNearLampThatFacesThePoint) {
+  Scene scene;
+  Material lamp;
+  lamp.emission = Rgb(10);
+  scene.materials.push_back(lamp);
+  for (int i = 0; i < 16; ++i) {
+    Mesh m;
+    const auto x = static_cast<float>(4 * i);
+    m.positions = {Vec3(x, 2, 0), Vec3(x + 0.2f, 2, 0), Vec3(x, 2, 0.2f)};
+    m.triangles = {i == 3 ? UVec3(0, 2, 1) : UVec3(0, 1, 2)};  // the fourth shines up
+    m.material = 0;
+    scene.meshes.push_back(m);
+    Node node;
+    node.meshes = {i};
+    scene.add_node(node);
+  }
+  const CompiledScene compiled(std::move(scene), {});
+  const LightsView& lights = compiled.view().lights;
+  const LightTreeData data = build_light_tree(lights);
+  const LightTree tree = data.view(lights);
+  const SurfacePoint sp = point_at(Vec3(12.1f, 0, 0.1f), Vec3(0, 1, 0));
+  EXPECT_EQ(tree.pmf(sp, 3), 0.0f);  // it turns its back
+  EXPECT_GT(tree.pmf(sp, 2), 4 * tree.pmf(sp, 8));
+  const SurfacePoint below = point_at(Vec3(24.1f, 0, 0.1f), Vec3(0, 1, 0));
+  // Straight below one lamp: its neighbours 4 m off are seen under 63° from 4.5 m. cos² / d² gives them 1/40 of it
+  // each.
+  EXPECT_GT(tree.pmf(below, 6), 0.5f);
+}
+
+TEST(LightTree, EmptySceneHasNoLight) {
+  const LightTree none = build_light_tree(LightsView{}).view(LightsView{});
+  EXPECT_EQ(none.sample(SurfacePoint{}, 0.3f).pmf, 0.0f);
+  EXPECT_EQ(none.pmf(SurfacePoint{}, 0), 0.0f);
+}
+
+TEST(LightTree, TakesLightsInOnePlaceApart) {
+  // Equal centres: no plane parts them, and yet leaves hold two at most.
+  std::vector<Light> same(37);
+  for (Light& light : same) {
+    light.kind = LightKind::point;
+    light.point = {Vec3(1, 2, 3), Rgb(1)};
+  }
+  LightsView view;
+  view.lights = view_of(same);
+  view.first_infinite = view.lights.size;
+  const LightTreeData data = build_light_tree(view);
+  const LightTree tree = data.view(view);
+  for (LightId i = 0; i < same.size(); ++i)
+    EXPECT_NEAR(tree.pmf(point_at(Vec3(0), Vec3(0, 1, 0)), i), 1.0f / 37, 0.01f);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,143 @@
+#include "techniques/octree/octree_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/stream_io.h"
+#include "techniques/octree/region_view.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kJitterSeed = 0x6a09e667u;
+
+/// The box about all surfaces as they stand now. What moves out of it later belongs to cells at the border.
+void scene_box(const SceneView& scene, Vec3& low, Vec3& high) {
+  low = Vec3(kInfinity);
+  high = Vec3(-kInfinity);
+  for (const Instance& instance : scene.instances) {
+    const MeshView& mesh = scene.meshes[instance.mesh];
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
+      const UVec3 index = scene.triangles[mesh.first_triangle + t];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3& p = scene.vertices[index[k]].position;
+        const Vec3 q = instance.in_world_space ? p : instance.to_world.point(p);
+        low = glm::min(low, q);
+        high = glm::max(high, q);
+      }
+    }
+  }
+  if (!(low.x <= high.x)) low = high = Vec3(0);
+}
+
+OctreeTree first_tree(const SceneView& scene) {
+  Vec3 low;
+  Vec3 high;
+  scene_box(scene, low, high);
+  const float edge = std::max(1.001f * max_component(high - low), 1e-3f);
+  return OctreeTree(0.5f * (low + high), edge);
+}
+
+}  // namespace
+
+SettingList describe(OctreeSettings& s) {
+  return {
+      {"collapse",
+       &s.collapse,
+       "Eight regions with fewer samples a frame than this together are joined",
+       {.min = 1, .max = 1 << 24}},
+      {"split", &s.split, "A region with more samples a frame than this is split in eight", {.min = 8, .max = 1 << 24}},
+      {"scale", &s.scale, "The two numbers are meant for 1920 x 1080 pixels and scaled with the size of the picture"},
+      {"max-depth", &s.max_depth, "Levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
+      {"vertices",
+       &s.vertices,
+       "Vertices of a path that leave samples to learn from",
+       {.min = 1, .max = kMaxRecordedVertices}},
+      {"jitter",
+       &s.jitter,
+       "How far from its place a vertex may take its region from, in edges of the region; hides borders",
+       {.min = 0, .max = 2}},
+  };
+}
+
+OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
+  const double scale = s.scale ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
+  constexpr double kFewest = 1024;
+  const double split = std::max(s.split * scale, std::min<double>(s.split, kFewest));
+  OctreeThresholds t;
+  t.split = static_cast<uint32_t>(std::lround(split));
+  t.collapse = static_cast<uint32_t>(std::lround(std::min(s.collapse * split / s.split, split)));
+  t.max_depth = static_cast<uint32_t>(s.max_depth);
+  return t;
+}
+
+bool OctreePass::run(const FrameContext& frame) {
+  const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
+  if (!tree_) {
+    tree_ = first_tree(frame.scene);
+  } else {
+    stream_.group(frame.backend, tree_->leaf_slots());
+    OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
+    previous_ = std::move(tree_);
+    tree_ = std::move(next);
+  }
+  depths_ = tree_->leaf_depths();
+  stream_.resize(frame.pixels(), vertices);  // another size leaves this frame's regions without samples
+  recording_ = {tree_->view(),  stream_.samples(), vertices,
+                frame.pixels(), settings_.jitter,  hash(frame.index.seed, frame.number, kJitterSeed)};
+  return true;
+}
+
+PassDeclaration RegionViewPass::declaration() const {
+  return {.name = "octree-view",
+          .stage = Stage::present,
+          .owns = {{.name = "region",
+                    .type = BufferType::u32,
+                    .help = "number of the octree's leaf at the first hit",
+                    .display = BufferDisplay::value},
+                   {.name = "region-depth",
+                    .type = BufferType::u32,
+                    .help = "its level; each has an eighth of the volume of the one above",
+                    .display = BufferDisplay::value}}};
+}
+
+bool RegionViewPass::run(const FrameContext& frame) {
+  launch(frame.backend, "octree-view",
+         RegionViewKernel{octree_.samples(), octree_.depths(), frame.view<uint32_t>("region"),
+                          frame.view<uint32_t>("region-depth"), frame.width()},
+         frame.width(), frame.height());
+  return true;
+}
+
+size_t OctreePass::memory_bytes() const {
+  return stream_.memory_bytes() + (tree_ ? tree_->memory_bytes() : 0) + (previous_ ? previous_->memory_bytes() : 0);
+}
+
+std::vector<PassFigure> OctreePass::figures() const {
+  if (!tree_) return {};
+  return {{"leaves", static_cast<double>(tree_->leaf_count())},
+          {"leaf-slots", static_cast<double>(tree_->leaf_slots())},
+          {"depth", static_cast<double>(tree_->depth())},
+          {"samples", static_cast<double>(stream_.groups().order.size)},
+          {"tree-bytes", static_cast<double>(tree_->memory_bytes())}};
+}
+
+void OctreePass::save(std::ostream& out) const {
+  write_value(out, static_cast<uint8_t>(tree_.has_value()));
+  if (!tree_) return;
+  tree_->save(out);
+  stream_.save(out);
+}
+
+void OctreePass::load(std::istream& in) {
+  tree_.reset();
+  previous_.reset();
+  uint8_t has_tree = 0;
+  read_value(in, has_tree);
+  if (!in || has_tree == 0) return;
+  tree_.emplace(Vec3(0), 1.0f);
+  tree_->load(in);
+  stream_.load(in);
+}
+
+}  // namespace relume

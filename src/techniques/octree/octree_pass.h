@@ -1,0 +1,64 @@
+// The octree as a pass, ahead of those that learn in its regions.
+#pragma once
+
+#include <optional>
+
+#include "pipeline/pass.h"
+#include "techniques/octree/octree_settings.h"
+#include "techniques/octree/octree_tree.h"
+#include "techniques/octree/path_recording.h"
+
+namespace relume {
+
+/// Thresholds for so many pixels: given for 1920 × 1080 with two records a pixel, and scaled with both. Below 1024
+/// samples a region learns too little, so the scaled ones stop there.
+OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
+
+/// Groups the last frame's samples by region and makes the next tree from their numbers. Passes behind it build what
+/// the regions of the *previous* tree hold from the groups, and hand it on to the new one.
+class OctreePass final : public Pass {
+ public:
+  explicit OctreePass(const OctreeSettings& settings) : settings_(settings) {}
+
+  PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool adapts() const override { return true; }
+  size_t memory_bytes() const override;
+  std::vector<PassFigure> figures() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// Whether the last frame left samples: previous() and groups() are valid.
+  bool has_samples() const { return previous_.has_value(); }
+  const OctreeTree& previous() const { return *previous_; }
+  SampleGroupsView groups() const { return stream_.groups(); }
+  /// The tree of this frame.
+  const OctreeTree& tree() const { return *tree_; }
+  /// Where this frame's paths leave samples.
+  const PathRecording& recording() const { return recording_; }
+  View<const VertexSample> samples() const { return {recording_.samples.data, recording_.samples.size}; }
+  /// Level of each leaf of this frame's tree.
+  View<const uint8_t> depths() const { return view_of(depths_); }
+
+ private:
+  const OctreeSettings& settings_;
+  std::optional<OctreeTree> tree_;
+  std::optional<OctreeTree> previous_;
+  SampleStream stream_;
+  PathRecording recording_;
+  std::vector<uint8_t> depths_;
+};
+
+/// Fills buffers that show the regions.
+class RegionViewPass final : public Pass {
+ public:
+  explicit RegionViewPass(const OctreePass& octree) : octree_(octree) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const OctreePass& octree_;
+};
+
+}  // namespace relume

@@ -1,0 +1,19 @@
+// Settings of the octree.
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+struct OctreeSettings {
+  int collapse = 2048;
+  int split = 4096;
+  bool scale = true;
+  int max_depth = 16;
+  int vertices = 2;
+  float jitter = 0;
+};
+
+SettingList describe(OctreeSettings& settings);
+
+}  // namespace relume

@@ -1,0 +1,67 @@
+#include "techniques/octree/sample_stream.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+#include "core/stream_io.h"
+
+namespace relume {
+namespace {
+
+/// Parts that are counted side by side. Fixed, so that it says nothing of the machine.
+constexpr uint32_t kChunks = 16;
+
+}  // namespace
+
+void SampleStream::resize(uint32_t pixels, uint32_t vertices) {
+  const size_t size = size_t{pixels} * vertices;
+  if (samples_.size() != size) samples_.assign(size, VertexSample{});
+}
+
+void SampleStream::group(Backend& backend, uint32_t region_count) {
+  backend.run("octree.group", [&] {
+    const uint32_t size = static_cast<uint32_t>(samples_.size());
+    const uint32_t chunk_size = (size + kChunks - 1) / kChunks;
+    chunk_starts_.assign(size_t{kChunks} * region_count, 0);
+    offsets_.resize(region_count);
+    counts_.resize(region_count);
+    const auto for_chunks = [&](const auto& f) {
+      tbb::parallel_for(0u, kChunks, [&](uint32_t chunk) {
+        uint32_t* of_region = chunk_starts_.data() + size_t{chunk} * region_count;
+        const uint32_t end = std::min((chunk + 1) * chunk_size, size);
+        for (uint32_t i = chunk * chunk_size; i < end; ++i) {
+          if (samples_[i].region < region_count) f(i, of_region[samples_[i].region]);
+        }
+      });
+    };
+    for_chunks([](uint32_t, uint32_t& count) { ++count; });
+    uint32_t next = 0;
+    for (uint32_t region = 0; region < region_count; ++region) {
+      offsets_[region] = next;
+      for (uint32_t chunk = 0; chunk < kChunks; ++chunk) {
+        uint32_t& start = chunk_starts_[size_t{chunk} * region_count + region];
+        const uint32_t count = start;
+        start = next;
+        next += count;
+      }
+      counts_[region] = next - offsets_[region];
+    }
+    order_.resize(next);
+    for_chunks([this](uint32_t i, uint32_t& place) { order_[place++] = i; });
+  });
+}
+
+SampleGroupsView SampleStream::groups() const {
+  return {view_of(samples_), view_of(order_), view_of(offsets_), view_of(counts_)};
+}
+
+void SampleStream::save(std::ostream& out) const { write_vector(out, samples_); }
+void SampleStream::load(std::istream& in) { read_vector(in, samples_); }
+
+size_t SampleStream::memory_bytes() const {
+  return samples_.capacity() * sizeof(VertexSample) +
+         sizeof(uint32_t) * (order_.capacity() + offsets_.capacity() + counts_.capacity() + chunk_starts_.capacity());
+}
+
+}  // namespace relume

@@ -1,0 +1,94 @@
+#include "techniques/static_light_lists/build_lists.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relume {
+namespace {
+
+/// Calls f(corner, corner, corner) for every triangle in the world.
+template <typename F>
+void for_each_triangle(const SceneView& scene, const F& f) {
+  for (const Instance& instance : scene.instances) {
+    const MeshView& mesh = scene.meshes[instance.mesh];
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
+      const UVec3 index = scene.triangles[mesh.first_triangle + t];
+      Vec3 v[3];
+      for (int k = 0; k < 3; ++k) {
+        const Vec3& p = scene.vertices[index[k]].position;
+        v[k] = instance.in_world_space ? p : instance.to_world.point(p);
+      }
+      f(v[0], v[1], v[2]);
+    }
+  }
+}
+
+LightGrid make_grid(const SceneView& scene, float cell_size) {
+  Vec3 low(kInfinity);
+  Vec3 high(-kInfinity);
+  for_each_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    low = glm::min(low, glm::min(a, glm::min(b, c)));
+    high = glm::max(high, glm::max(a, glm::max(b, c)));
+  });
+  LightGrid grid;
+  if (!(low.x <= high.x)) return grid;
+  const Vec3 extent = high - low;
+  constexpr float kDefaultCells = 24;
+  constexpr float kMostCells = 128;  // along one side
+  const float longest = std::max(max_component(extent), 1e-3f);
+  grid.cell_size = std::max(cell_size > 0 ? cell_size : longest / kDefaultCells, longest / kMostCells);
+  // A little of air around, so that surfaces on the border lie inside.
+  grid.corner = low - 0.01f * grid.cell_size;
+  for (int axis = 0; axis < 3; ++axis)
+    grid.cells[axis] = static_cast<uint32_t>(std::floor((extent[axis] + 0.02f * grid.cell_size) / grid.cell_size)) + 1;
+  return grid;
+}
+
+/// Cells that the box of a triangle touches.
+std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGrid& grid) {
+  std::vector<bool> touched(grid.count(), false);
+  for_each_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    const UVec3 low = grid.coordinates(glm::min(a, glm::min(b, c)));
+    const UVec3 high = grid.coordinates(glm::max(a, glm::max(b, c)));
+    for (uint32_t z = low.z; z <= high.z; ++z) {
+      for (uint32_t y = low.y; y <= high.y; ++y) {
+        for (uint32_t x = low.x; x <= high.x; ++x) touched[(z * grid.cells.y + y) * grid.cells.x + x] = true;
+      }
+    }
+  });
+  std::vector<uint32_t> cells;
+  for (uint32_t i = 0; i < grid.count(); ++i) {
+    if (touched[i]) cells.push_back(i);
+  }
+  return cells;
+}
+
+}  // namespace
+
+LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options) {
+  LightListData data;
+  const uint32_t lights = scene.lights.first_infinite;
+  data.grid = make_grid(scene, options.cell_size);
+  if (lights == 0 || data.grid.count() == 0) return data;
+  const std::vector<uint32_t> cells = cells_with_surfaces(scene, data.grid);
+  const uint32_t words = (lights + 31) / 32;
+  std::vector<uint32_t> visible(size_t{words} * data.grid.count(), 0);
+  CellVisibilityKernel kernel;
+  kernel.scene = scene;
+  kernel.grid = data.grid;
+  kernel.cells = view_of(cells);
+  kernel.rays = std::max(options.rays, 32 * lights);  // each light gets its chance from both kinds of points
+  kernel.words = words;
+  kernel.visible = mutable_view_of(visible);
+  launch(backend, "static-lists.rays", kernel, static_cast<uint32_t>(cells.size()), 1);
+  for (uint32_t cell = 0; cell < data.grid.count(); ++cell) {
+    data.first.push_back(static_cast<uint32_t>(data.ids.size()));
+    for (LightId light = 0; light < lights; ++light) {
+      if ((visible[size_t{cell} * words + light / 32] >> (light % 32)) & 1u) data.ids.push_back(light);
+    }
+  }
+  data.first.push_back(static_cast<uint32_t>(data.ids.size()));
+  return data;
+}
+
+}  // namespace relume

@@ -1,0 +1,61 @@
+#include "techniques/static_light_lists/static_light_lists_pass.h"
+
+namespace relume {
+
+SettingList describe(StaticLightListsSettings& s) {
+  return {
+      {"cell-size",
+       &s.cell_size,
+       "Edge of a cell; 0: a 24th of the scene's longest side",
+       {.min = 0, .max = 1e6, .unit = "m"}},
+      {"rays", &s.rays, "Rays that look for lights from each cell, at least 32 a light", {.min = 64, .max = 1 << 24}},
+      {"max-lights",
+       &s.max_lights,
+       "Lights that are weighed at a point, at most; longer lists are strided",
+       {.min = 1, .max = kMaxStride}},
+      {"exploration",
+       &s.exploration,
+       "Share of samples among all lights, in proportion to power, for what the lists miss",
+       {.min = 0.001, .max = 1}},
+  };
+}
+
+bool StaticLightListsPass::run(const FrameContext& frame) {
+  const LightsView& lights = frame.scene.lights;
+  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};
+  if (!built_ || options != options_ || listed_ != lights.first_infinite) {
+    lists_ = build_light_lists(frame.backend, frame.scene, options);
+    options_ = options;
+    listed_ = lights.first_infinite;
+    built_ = false;
+  }
+  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
+    return true;
+  built_ = true;
+  std::vector<float> weights;
+  for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(luminance(power(lights, i)));
+  all_ = build_alias_table(weights);
+  infinite_ = build_infinite_lights(lights, selection_.infinity());
+  columns_ = build_light_columns(lights);
+  power_ = build_power_lights(lights, selection_.infinity());
+  selector_.power = {{view_of(power_)}};
+  StaticLightLists& view = selector_.lists;
+  view.grid = lists_.grid;
+  view.first = view_of(lists_.first);
+  view.ids = view_of(lists_.ids);
+  view.max_lights = static_cast<uint32_t>(settings_.max_lights);
+  view.exploration = settings_.exploration;
+  view.all = {view_of(all_)};
+  view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
+  view.ltc = ltc_table();
+  view.columns = {view_of(columns_), lights.first_infinite};
+  view.lights = lights;
+  return true;
+}
+
+size_t StaticLightListsPass::memory_bytes() const {
+  return sizeof(uint32_t) * (lists_.first.size() + lists_.ids.size()) +
+         sizeof(AliasEntry) * (all_.size() + infinite_.size()) + sizeof(float) * columns_.size();
+}
+
+}  // namespace relume

@@ -1,0 +1,41 @@
+// The light selection "static-lists" as a pass.
+#pragma once
+
+#include "pipeline/pass.h"
+#include "techniques/light_selection_settings.h"
+#include "techniques/light_selector.h"
+#include "techniques/static_light_lists/build_lists.h"
+#include "techniques/static_light_lists/static_light_lists_settings.h"
+
+namespace relume {
+
+/// Finds the lists in the first frame and keeps them, whatever moves later.
+class StaticLightListsPass final : public Pass {
+ public:
+  StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
+      : settings_(settings), selection_(selection) {
+    selector_.kind = LightSelectorKind::static_lists;
+  }
+
+  PassDeclaration declaration() const override { return {.name = "static-lists", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override;
+
+  /// What estimators sample with; valid from the first run() on.
+  const LightSelector& selector() const { return selector_; }
+
+ private:
+  const StaticLightListsSettings& settings_;
+  const LightSelectionSettings& selection_;
+  LightSelector selector_;
+  LightListData lists_;
+  LightListOptions options_;
+  uint32_t listed_ = 0;  ///< lights that there were then
+  std::vector<AliasEntry> all_;
+  std::vector<AliasEntry> power_;
+  std::vector<AliasEntry> infinite_;
+  std::vector<float> columns_;
+  bool built_ = false;
+};
+
+}  // namespace relume

@@ -1,0 +1,71 @@
+#include "techniques/static_light_lists/static_light_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "scene/builtin.h"
+#include "scene/compiled_scene.h"
+#include "techniques/static_light_lists/build_lists.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+class WarehouseLists : public ::testing::Test {
+ protected:
+  WarehouseLists() : scene_(find_builtin_scene("warehouse")->build(), {}) {
+    Backend backend(2);
+    data_ = build_light_lists(backend, scene_.view(), {4.6f, 4096});
+  }
+  bool listed(uint32_t cell, LightId light) const {
+    return std::binary_search(data_.ids.begin() + data_.first[cell], data_.ids.begin() + data_.first[cell + 1], light);
+  }
+  const CompiledScene scene_;
+  LightListData data_;
+};
+
+TEST_F(WarehouseLists, HoldNearlyAllThatIsVisibleAndFarFromAllThereIs) {
+  const LightsView& lights = scene_.view().lights;
+  testing::Random random(5);
+  int visible = 0;
+  int missed = 0;
+  for (int i = 0; i < 4000; ++i) {
+    // Places in the air of rooms, and every light: what arrives must be on the list.
+    const Vec3 p(45 * random.next(), 0.5f + 4 * random.next(), 45 * random.next());
+    const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
+    const LightSample s = sample_li(lights, id, p, random.next_2d());
+    if (!s.valid() || occluded(scene_.view().accel, {p, s.wi, 0.999f * s.distance}, 0)) continue;
+    ++visible;
+    missed += listed(data_.grid.find(p), id) ? 0 : 1;
+  }
+  ASSERT_GT(visible, 100);
+  EXPECT_LT(missed, visible / 20);
+  const double mean = static_cast<double>(data_.ids.size()) / data_.grid.count();
+  EXPECT_LT(mean, 0.5 * lights.first_infinite);  // most lamps are in other rooms
+}
+
+TEST_F(WarehouseLists, AreSortedWithoutRepetition) {
+  ASSERT_EQ(data_.first.size(), data_.grid.count() + 1);
+  for (uint32_t cell = 0; cell < data_.grid.count(); ++cell) {
+    for (uint32_t i = data_.first[cell] + 1; i < data_.first[cell + 1]; ++i) EXPECT_LT(data_.ids[i - 1], data_.ids[i]);
+  }
+}
+
+TEST(LightGrid, NumbersItsCells) {
+  const LightGrid grid{Vec3(-1, 0, 2), 0.5f, UVec3(4, 3, 5)};
+  for (uint32_t cell = 0; cell < grid.count(); ++cell) EXPECT_EQ(grid.find(grid.low(cell) + 0.25f), cell);
+  EXPECT_EQ(grid.find(Vec3(-1e9f)), 0u);
+  EXPECT_EQ(grid.find(Vec3(1e30f)), grid.count() - 1);
+  EXPECT_LT(grid.find(Vec3(std::nanf(""))), grid.count());
+}
+
+TEST(StaticLightLists, SceneWithoutLightsHasNone) {
+  const CompiledScene scene(find_builtin_scene("mine")->build(), {});
+  Backend backend(1);
+  EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,103 @@
+#include "techniques/visibility_light_cache/build_cache.h"
+
+#include <algorithm>
+
+#include "core/stream_io.h"
+
+namespace relume {
+
+void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, uint32_t light_count,
+                        const CacheBuildOptions& options) {
+  const uint32_t regions = tree.leaf_slots();
+  std::vector<uint64_t> dropped{0};
+  std::vector<uint32_t> seen(samples.order.size);
+  std::vector<uint32_t> seen_counts(regions);
+  launch(backend, "vlc.deduplicate",
+         DeduplicateLightsKernel{samples, light_count, options.max_samples, mutable_view_of(seen),
+                                 mutable_view_of(seen_counts), mutable_view_of(dropped)},
+         regions, 1);
+
+  std::vector<uint32_t> places(regions);
+  std::vector<LightList> lists(regions);
+  MergeLightsKernel merge;
+  merge.samples = samples;
+  merge.seen = view_of(seen);
+  merge.seen_counts = view_of(seen_counts);
+  merge.neighbours = view_of(tree.links().neighbours);
+  merge.old_lists = view_of(lists_);
+  merge.old_lights = view_of(lights_);
+  merge.light_count = light_count;
+  merge.memory = options.memory;
+  uint32_t total = 0;
+  for (uint32_t i = 0; i < regions; ++i) {
+    places[i] = total;
+    total += merge.bound(i);
+  }
+  std::vector<uint32_t> lights(total);
+  merge.places = view_of(places);
+  merge.lights = mutable_view_of(lights);
+  merge.lists = mutable_view_of(lists);
+  launch(backend, "vlc.merge", merge, regions, 1);
+
+  std::vector<LightBuckets> buckets(regions);
+  launch(backend, "vlc.buckets",
+         CountBucketsKernel{view_of(lists), view_of(lights), view_of(buckets_), options.bucket_size, options.hysteresis,
+                            mutable_view_of(buckets)},
+         regions, 1);
+  uint32_t entries = 0;
+  for (LightBuckets& b : buckets) {
+    b.first = entries;
+    entries += b.count * options.bucket_size;
+  }
+  entries_.resize(entries);
+  launch(backend, "vlc.buckets",
+         FillBucketsKernel{view_of(lists), view_of(lights), view_of(buckets), options.bucket_size,
+                           mutable_view_of(entries_), mutable_view_of(dropped)},
+         regions, 1);
+  buckets_ = std::move(buckets);
+  lists_ = std::move(lists);
+  lights_ = std::move(lights);
+  dropped_ = dropped[0];
+}
+
+void LightCaches::populate(Backend& backend, const OctreeTree& next) {
+  backend.run("vlc.populate", [&] {
+    const uint32_t regions = next.leaf_slots();
+    std::vector<LightBuckets> buckets(regions);
+    std::vector<LightList> lists(regions);
+    for (uint32_t i = 0; i < regions; ++i) {
+      const uint32_t from = next.links().previous[i];
+      if (from >= buckets_.size()) continue;
+      buckets[i] = buckets_[from];
+      lists[i] = lists_[from];
+    }
+    buckets_ = std::move(buckets);
+    lists_ = std::move(lists);
+  });
+}
+
+size_t LightCaches::memory_bytes() const {
+  return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList) +
+         (entries_.size() + lights_.size()) * sizeof(uint32_t);
+}
+
+void LightCaches::save(std::ostream& out) const {
+  write_vector(out, buckets_);
+  write_vector(out, lists_);
+  write_vector(out, lights_);
+}
+
+void LightCaches::load(std::istream& in) {
+  read_vector(in, buckets_);
+  read_vector(in, lists_);
+  read_vector(in, lights_);
+  entries_.clear();
+  const auto inside = [this](const LightList& list) {
+    return list.first <= lights_.size() && list.count <= lights_.size() - list.first;
+  };
+  if (in && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside)) return;
+  *this = {};
+  in.setstate(std::ios::failbit);
+}
+
+}  // namespace relume

@@ -1,0 +1,142 @@
+// Selects among the lights that were seen from a region in the last frame, in proportion to what the point would
+// reflect of them, and now and then among all lights ([Dittebrandt20, §4]).
+#pragma once
+
+#include "lights/light_importance.h"
+#include "sampling/choose.h"
+#include "scene/surface_point.h"
+#include "techniques/infinite_lights.h"
+#include "techniques/light_selection.h"
+
+namespace relume {
+
+/// Lights in a bucket, at most.
+inline constexpr uint32_t kMaxBucketSize = 64;
+
+/// A light that a region knows: its id, and how many frames ago it was last seen.
+struct CachedLight {
+  static constexpr uint32_t kAgeBits = 5;
+  static constexpr uint32_t kMaxAge = (1u << kAgeBits) - 1;
+  static constexpr LightId kMaxId = 0xfffffffeu >> kAgeBits;
+  static constexpr uint32_t kNone = 0xffffffffu;  ///< the rest of a bucket
+
+  RELUME_HD static constexpr uint32_t pack(LightId id, uint32_t age) { return (id << kAgeBits) | age; }
+  RELUME_HD static constexpr LightId id(uint32_t packed) { return packed >> kAgeBits; }
+  RELUME_HD static constexpr uint32_t age(uint32_t packed) { return packed & kMaxAge; }
+};
+
+/// Where a region's buckets stand.
+struct LightBuckets {
+  uint32_t first = 0;  ///< entry
+  uint32_t count = 0;  ///< buckets; 0: nothing is known
+};
+
+struct VisibilityLightCache {
+  View<const LightBuckets> regions;
+  View<const uint32_t> entries;  ///< CachedLight, `bucket_size` a bucket, sorted by id
+  uint32_t bucket_size = 32;
+  float exploration = 0.1f;  ///< share of samples among all lights
+  AliasTable all;            ///< over finite lights
+  InfiniteLights infinite;
+  LtcTable ltc;
+  LightColumns columns;
+  LightsView lights;
+
+  /// [Dittebrandt20, algorithm 1]: both strategies go through one bucket once to weigh its lights.
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
+    if (infinite.takes(u)) return infinite.sample(u);
+    if (all.empty()) return {};
+    const LightBuckets buckets = buckets_of(sp);
+    const float explore = buckets.count == 0 ? 1.0f : exploration;
+    const bool exploring = u < explore;
+    u = clamp(exploring ? u / explore : (u - explore) / (1.0f - explore), 0.0f, kOneMinusEpsilon);
+    DiscreteSample chosen{kNoLight, 0, u};
+    uint32_t bucket = 0;
+    if (exploring) {
+      chosen = all.sample(u);
+      if (buckets.count > 0) bucket = chosen.index % buckets.count;
+    } else {
+      const float scaled = u * static_cast<float>(buckets.count);
+      bucket = smaller(static_cast<uint32_t>(scaled), buckets.count - 1);
+      chosen.u = clamp(scaled - static_cast<float>(bucket), 0.0f, kOneMinusEpsilon);
+      bucket = next_filled(buckets, bucket);
+    }
+    Weighed w;
+    if (buckets.count > 0) weigh(sp, buckets, bucket, w);
+    if (!exploring) {
+      chosen.index = w.ids[choose_by_weight(w.weights, w.count, w.sum, chosen.u)];
+    }
+    return {chosen.index, density(buckets, bucket, w, chosen.index), chosen.u};
+  }
+
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
+    if (light >= infinite.first) return infinite.pmf(light);
+    if (all.empty()) return 0.0f;
+    const LightBuckets buckets = buckets_of(sp);
+    Weighed w;
+    uint32_t bucket = 0;
+    if (buckets.count > 0) {
+      bucket = light % buckets.count;
+      weigh(sp, buckets, bucket, w);
+    }
+    return density(buckets, bucket, w, light);
+  }
+
+ private:
+  /// The lights of one bucket, on the stack between the two passes over them.
+  struct Weighed {
+    LightId ids[kMaxBucketSize] = {};
+    float weights[kMaxBucketSize] = {};
+    uint32_t count = 0;
+    float sum = 0;
+  };
+
+  RELUME_HD static constexpr uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+  RELUME_HD LightBuckets buckets_of(const SurfacePoint& sp) const {
+    return sp.region < regions.size ? regions[sp.region] : LightBuckets{};
+  }
+  RELUME_HD bool filled(const LightBuckets& b, uint32_t bucket) const {
+    return entries[b.first + bucket * bucket_size] != CachedLight::kNone;
+  }
+  /// Empty buckets pass their turn on; not all are empty.
+  RELUME_HD uint32_t next_filled(const LightBuckets& b, uint32_t bucket) const {
+    while (!filled(b, bucket)) bucket = bucket + 1 == b.count ? 0 : bucket + 1;
+    return bucket;
+  }
+  /// Turns that lead to the bucket: its own and those of the empty ones before it.
+  RELUME_HD uint32_t turns(const LightBuckets& b, uint32_t bucket) const {
+    if (!filled(b, bucket)) return 0;
+    uint32_t count = 1;
+    for (uint32_t before = bucket == 0 ? b.count - 1 : bucket - 1; before != bucket && !filled(b, before);
+         before = before == 0 ? b.count - 1 : before - 1) {
+      ++count;
+    }
+    return count;
+  }
+
+  RELUME_HD void weigh(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket, Weighed& w) const {
+    const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
+    for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
+      w.ids[w.count] = CachedLight::id(entry[w.count]);
+    const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
+    w.sum = light_importances(receiver, lights, columns, w.ids, w.count, w.weights);
+    if (w.sum > 0.0f && is_finite(w.sum)) return;
+    for (uint32_t i = 0; i < w.count; ++i) w.weights[i] = 1.0f;  // all seem dark: each alike
+    w.sum = static_cast<float>(w.count);
+  }
+
+  /// Probability of `light`, given its bucket: a one-sample mixture of both strategies.
+  RELUME_HD float density(const LightBuckets& buckets, uint32_t bucket, const Weighed& w, LightId light) const {
+    const float finite = 1.0f - infinite.share;
+    if (buckets.count == 0) return finite * all.pmf(light);
+    float cached = 0;
+    for (uint32_t i = 0; i < w.count; ++i) {
+      if (w.ids[i] != light) continue;
+      cached = w.weights[i] / w.sum * (static_cast<float>(turns(buckets, bucket)) / static_cast<float>(buckets.count));
+    }
+    return finite * (exploration * all.pmf(light) + (1.0f - exploration) * cached);
+  }
+};
+
+}  // namespace relume

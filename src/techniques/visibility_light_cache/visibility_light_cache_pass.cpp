@@ -1,0 +1,111 @@
+#include "techniques/visibility_light_cache/visibility_light_cache_pass.h"
+
+#include <algorithm>
+
+#include "techniques/visibility_light_cache/exploration.h"
+#include "techniques/visibility_light_cache/known_lights.h"
+
+namespace relume {
+
+SettingList describe(VisibilityLightCacheSettings& s) {
+  return {
+      {"bucket-size", &s.bucket_size, "Lights that are weighed at a point", {.min = 1, .max = kMaxBucketSize}},
+      {"exploration", &s.exploration, "Share of samples among all lights", {.min = 0.001, .max = 1}},
+      {"hysteresis",
+       &s.hysteresis,
+       "Share of the buckets' room that must suffice before there are fewer of them than in the frame before",
+       {.min = 0, .max = 1}},
+      {"max-samples", &s.max_samples, "Samples of a region that are looked at", {.min = 1, .max = 1 << 24}},
+      {"memory",
+       &s.memory,
+       "Frames for which a region remembers lights that it did not see again",
+       {.min = 0, .max = CachedLight::kMaxAge - 1}},
+      {"energy-weight",
+       &s.energy_weight,
+       "Part of exploration that goes by the lights' power",
+       {.min = 0.01, .max = 1e3}},
+      {"change-weight",
+       &s.change_weight,
+       "Part of exploration that goes to lights that have just changed",
+       {.min = 0, .max = 1e3}},
+      {"distance-weight",
+       &s.distance_weight,
+       "Part of exploration that goes by the distance from light to camera",
+       {.min = 0, .max = 1e3}},
+  };
+}
+
+bool VisibilityLightCachePass::run(const FrameContext& frame) {
+  if (octree_.has_samples()) {
+    CacheBuildOptions options;
+    options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+    options.max_samples = static_cast<uint32_t>(settings_.max_samples);
+    options.hysteresis = settings_.hysteresis;
+    options.memory = static_cast<uint32_t>(settings_.memory);
+    caches_.build(frame.backend, octree_.previous(), octree_.groups(), frame.scene.lights.first_infinite, options);
+    caches_.populate(frame.backend, octree_.tree());
+  }
+  frame.backend.run("vlc.exploration", [&] { build_tables(frame); });
+  return true;
+}
+
+PassDeclaration KnownLightsPass::declaration() const {
+  return {.name = "vlc-view",
+          .stage = Stage::present,
+          .owns = {{.name = "known-lights",
+                    .type = BufferType::u32,
+                    .help = "lights that the cache knew at the first hit",
+                    .display = BufferDisplay::value}}};
+}
+
+bool KnownLightsPass::run(const FrameContext& frame) {
+  const VisibilityLightCache& cache = cache_.selector().cache;
+  launch(frame.backend, "vlc-view",
+         KnownLightsKernel{octree_.samples(), cache.regions, cache.entries, cache.bucket_size,
+                           frame.view<uint32_t>("known-lights"), frame.width()},
+         frame.width(), frame.height());
+  return true;
+}
+
+void VisibilityLightCachePass::build_tables(const FrameContext& frame) {
+  const LightsView& lights = frame.scene.lights;
+  all_ = build_exploration(lights, frame.scene.camera.position,
+                           {settings_.energy_weight, settings_.change_weight, settings_.distance_weight});
+  infinite_ = build_infinite_lights(lights, selection_.infinity());
+  columns_ = build_light_columns(lights);
+  VisibilityLightCache& view = selector_.cache;
+  view.regions = caches_.buckets();
+  view.entries = caches_.entries();
+  view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  view.exploration = settings_.exploration;
+  view.all = {view_of(all_)};
+  view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
+  view.ltc = ltc_table();
+  view.columns = {view_of(columns_), lights.first_infinite};
+  view.lights = lights;
+}
+
+std::vector<PassFigure> VisibilityLightCachePass::figures() const {
+  uint64_t regions = 0;
+  uint64_t buckets = 0;
+  uint64_t lights = 0;
+  for (uint32_t region = 0; region < caches_.buckets().size; ++region) {
+    const uint32_t count = caches_.buckets()[region].count;
+    if (count == 0) continue;
+    ++regions;
+    buckets += count;
+    lights += caches_.list(region).size;
+  }
+  const double n = static_cast<double>(std::max<uint64_t>(regions, 1));
+  return {{"regions", static_cast<double>(regions)},
+          {"lights-a-region", static_cast<double>(lights) / n},
+          {"buckets-a-region", static_cast<double>(buckets) / n},
+          {"dropped", static_cast<double>(caches_.dropped())}};
+}
+
+size_t VisibilityLightCachePass::memory_bytes() const {
+  return caches_.memory_bytes() + sizeof(AliasEntry) * (all_.size() + infinite_.size()) +
+         sizeof(float) * columns_.size();
+}
+
+}  // namespace relume

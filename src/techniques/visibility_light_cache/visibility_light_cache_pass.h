@@ -1,0 +1,59 @@
+// The light selection "vlc" as a pass, behind the octree's.
+#pragma once
+
+#include "pipeline/pass.h"
+#include "techniques/light_selection_settings.h"
+#include "techniques/light_selector.h"
+#include "techniques/octree/octree_pass.h"
+#include "techniques/visibility_light_cache/build_cache.h"
+#include "techniques/visibility_light_cache/visibility_light_cache_settings.h"
+
+namespace relume {
+
+class VisibilityLightCachePass final : public Pass {
+ public:
+  VisibilityLightCachePass(const VisibilityLightCacheSettings& settings, const LightSelectionSettings& selection,
+                           const OctreePass& octree)
+      : settings_(settings), selection_(selection), octree_(octree) {
+    selector_.kind = LightSelectorKind::cache;
+  }
+
+  PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool adapts() const override { return true; }
+  size_t memory_bytes() const override;
+  std::vector<PassFigure> figures() const override;
+  void save(std::ostream& out) const override { caches_.save(out); }
+  void load(std::istream& in) override { caches_.load(in); }
+
+  /// What estimators sample with; valid from the first run() on.
+  const LightSelector& selector() const { return selector_; }
+  const LightCaches& caches() const { return caches_; }
+
+ private:
+  void build_tables(const FrameContext& frame);
+
+  const VisibilityLightCacheSettings& settings_;
+  const LightSelectionSettings& selection_;
+  const OctreePass& octree_;
+  LightSelector selector_;
+  LightCaches caches_;
+  std::vector<AliasEntry> all_;
+  std::vector<AliasEntry> infinite_;
+  std::vector<float> columns_;
+};
+
+/// Fills a buffer that shows how many lights the regions know.
+class KnownLightsPass final : public Pass {
+ public:
+  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache) : octree_(octree), cache_(cache) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const OctreePass& octree_;
+  const VisibilityLightCachePass& cache_;
+};
+
+}  // namespace relume

@@ -1,0 +1,21 @@
+// Settings of the visibility light cache.
+#pragma once
+
+#include "settings/setting.h"
+
+namespace relume {
+
+struct VisibilityLightCacheSettings {
+  int bucket_size = 32;
+  float exploration = 0.1f;
+  float hysteresis = 0.75f;
+  int max_samples = 4096;
+  int memory = 0;
+  float energy_weight = 1;
+  float change_weight = 1;
+  float distance_weight = 1;
+};
+
+SettingList describe(VisibilityLightCacheSettings& settings);
+
+}  // namespace relume

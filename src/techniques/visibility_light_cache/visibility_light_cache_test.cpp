@@ -1,0 +1,308 @@
+#include "techniques/visibility_light_cache/visibility_light_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "scene/testing/light_scene.h"
+#include "techniques/visibility_light_cache/build_cache.h"
+#include "techniques/visibility_light_cache/exploration.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+/// A tree of eight regions with samples that a test chooses.
+class Caches : public ::testing::Test {
+ protected:
+  void see(uint32_t region, LightId light, bool visible = true, int times = 1) {
+    for (int i = 0; i < times; ++i) samples_.push_back({region, light | (visible ? kVisibleLight : 0u), 0, 0});
+  }
+
+  void build(const CacheBuildOptions& options = {}) {
+    SampleStream stream;
+    stream.resize(static_cast<uint32_t>(samples_.size()), 1);
+    std::copy(samples_.begin(), samples_.end(), stream.samples().begin());
+    stream.group(backend_, tree_.leaf_slots());
+    caches_.build(backend_, tree_, stream.groups(), kLights, options);
+    options_ = options;
+    samples_.clear();
+  }
+
+  std::vector<LightId> known(uint32_t region) const {
+    std::vector<LightId> ids;
+    for (const uint32_t light : caches_.list(region)) ids.push_back(CachedLight::id(light));
+    return ids;
+  }
+
+  /// Lights in the buckets, each of which must be in its place.
+  std::vector<LightId> in_buckets(uint32_t region) const {
+    const LightBuckets b = caches_.buckets()[region];
+    std::vector<LightId> ids;
+    for (uint32_t bucket = 0; bucket < b.count; ++bucket) {
+      LightId last = 0;
+      bool ended = false;
+      for (uint32_t i = 0; i < options_.bucket_size; ++i) {
+        const uint32_t entry = caches_.entries()[b.first + bucket * options_.bucket_size + i];
+        if (entry == CachedLight::kNone) {
+          ended = true;
+          continue;
+        }
+        const LightId id = CachedLight::id(entry);
+        EXPECT_FALSE(ended);
+        EXPECT_EQ(id % b.count, bucket);
+        EXPECT_TRUE(i == 0 || id > last);
+        last = id;
+        ids.push_back(id);
+      }
+    }
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  }
+
+  static constexpr uint32_t kLights = 200000;
+
+  Backend backend_{2};
+  OctreeTree tree_{Vec3(0), 2};
+  std::vector<VertexSample> samples_;
+  LightCaches caches_;
+  CacheBuildOptions options_;
+};
+
+TEST_F(Caches, KeepEachVisibleLightOnce) {
+  see(0, 7, true, 5);
+  see(0, 3, true, 2);
+  see(0, 9, false, 4);
+  see(0, 100000, true);
+  build();
+  EXPECT_EQ(known(0), (std::vector<LightId>{3, 7, 100000}));
+  EXPECT_EQ(in_buckets(0), known(0));
+  EXPECT_EQ(caches_.buckets()[0].count, 1u);
+  EXPECT_EQ(caches_.dropped(), 0u);
+}
+
+TEST_F(Caches, LeaveOutLightsAtInfinityAndThoseThatAreGone) {
+  CacheBuildOptions options;
+  options.memory = 3;
+  see(0, 7);
+  see(0, kLights);
+  build(options);
+  EXPECT_EQ(known(0), (std::vector<LightId>{7}));
+  SampleStream stream;
+  stream.resize(1, 1);
+  stream.group(backend_, tree_.leaf_slots());
+  caches_.build(backend_, tree_, stream.groups(), 7, options);
+  EXPECT_TRUE(known(0).empty());
+}
+
+TEST_F(Caches, PassLightsOnToFaceNeighboursOnly) {
+  see(0, 5);
+  see(7, 6);
+  build();
+  EXPECT_EQ(known(1), (std::vector<LightId>{5}));
+  EXPECT_EQ(known(3), (std::vector<LightId>{6}));
+  EXPECT_EQ(known(7), (std::vector<LightId>{6}));  // across the corner from 0
+  // One step a frame.
+  build();
+  for (uint32_t region = 0; region < 8; ++region) EXPECT_TRUE(known(region).empty());
+}
+
+TEST_F(Caches, NeedAsFewBucketsAsHoldAll) {
+  CacheBuildOptions options;
+  options.bucket_size = 8;
+  for (LightId i = 0; i < 20; ++i) see(0, i);
+  build(options);
+  EXPECT_EQ(caches_.buckets()[0].count, 4u);  // three would do, but the number is a power of two
+  EXPECT_EQ(in_buckets(0).size(), 20u);
+  for (LightId i = 0; i < 9; ++i) see(0, 2 * i);  // all even: half of the buckets are of no use
+  build(options);
+  EXPECT_EQ(in_buckets(0).size(), 9u);
+  EXPECT_EQ(caches_.buckets()[0].count, 4u);
+}
+
+TEST_F(Caches, KeepTheirNumberOfBucketsUntilThereIsRoomToSpare) {
+  CacheBuildOptions options;
+  options.bucket_size = 8;
+  for (LightId i = 0; i < 9; ++i) see(0, i);
+  build(options);
+  ASSERT_EQ(caches_.buckets()[0].count, 2u);
+  for (LightId i = 0; i < 8; ++i) see(0, i);  // would fit into one, to the brim
+  build(options);
+  EXPECT_EQ(caches_.buckets()[0].count, 2u);
+  for (LightId i = 0; i < 6; ++i) see(0, i);  // three quarters
+  build(options);
+  EXPECT_EQ(caches_.buckets()[0].count, 1u);
+  for (LightId i = 0; i < 8; ++i) see(0, i);  // fits, so there need not be more
+  build(options);
+  EXPECT_EQ(caches_.buckets()[0].count, 1u);
+}
+
+TEST_F(Caches, DropAndCountWhatDoesNotFit) {
+  CacheBuildOptions options;
+  options.bucket_size = 2;
+  for (LightId i = 0; i < 500; ++i) see(0, i);
+  build(options);
+  EXPECT_EQ(in_buckets(0).size(), kMaxBuckets * 2u);
+  EXPECT_GE(caches_.dropped(), 500u - kMaxBuckets * 2u);
+  for (LightId i = 0; i < 3000; ++i) see(0, i);
+  build();
+  EXPECT_LE(known(0).size(), kMaxSeenLights);
+  EXPECT_GT(caches_.dropped(), 0u);
+}
+
+TEST_F(Caches, RememberLightsForSomeFrames) {
+  CacheBuildOptions options;
+  options.memory = 2;
+  see(0, 4);
+  see(0, 8);
+  build(options);
+  for (int frame = 0; frame < 2; ++frame) {
+    see(0, 8);
+    build(options);
+    EXPECT_EQ(known(0), (std::vector<LightId>{4, 8})) << frame;
+  }
+  see(0, 8);
+  build(options);
+  EXPECT_EQ(known(0), (std::vector<LightId>{8}));
+}
+
+TEST_F(Caches, SpreadALimitedNumberOfSamples) {
+  CacheBuildOptions options;
+  options.max_samples = 10;
+  for (LightId i = 0; i < 100; ++i) see(0, i / 10);
+  build(options);
+  EXPECT_EQ(known(0).size(), 10u);  // one of every ten
+}
+
+TEST_F(Caches, GoWithTheLeaves) {
+  see(0, 5);
+  see(7, 6);
+  build();
+  std::vector<uint32_t> counts(8, 10);
+  counts[7] = 1000;
+  const OctreeTree next = tree_.adapted(backend_, view_of(counts), {50, 100, 5});
+  caches_.populate(backend_, next);
+  ASSERT_EQ(next.leaf_slots(), 16u);
+  EXPECT_EQ(known(0), (std::vector<LightId>{5}));
+  for (uint32_t child = 8; child < 16; ++child) EXPECT_EQ(known(child), (std::vector<LightId>{6}));
+  std::stringstream file;
+  caches_.save(file);
+  LightCaches other;
+  other.load(file);
+  EXPECT_EQ(other.list(9).size, 1u);
+  std::string bytes = file.str();
+  for (const size_t at : {size_t{0}, bytes.size() / 2, bytes.size() - 9}) {  // lengths, and places in lists
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    std::stringstream in(damaged);
+    other.load(in);
+    for (uint32_t region = 0; region < other.buckets().size; ++region) other.list(region);
+  }
+}
+
+TEST_F(Caches, DoNotDependOnThreads) {
+  testing::Random random(1);
+  std::vector<VertexSample> samples;
+  for (int i = 0; i < 5000; ++i) {
+    see(static_cast<uint32_t>(8 * random.next()), static_cast<uint32_t>(300 * sqr(random.next())),
+        random.next() < 0.5f);
+  }
+  samples = samples_;
+  build();
+  const std::vector<uint32_t> entries(caches_.entries().begin(), caches_.entries().end());
+  Backend one(1);
+  SampleStream stream;
+  stream.resize(static_cast<uint32_t>(samples.size()), 1);
+  std::copy(samples.begin(), samples.end(), stream.samples().begin());
+  stream.group(one, 8);
+  LightCaches other;
+  other.build(one, tree_, stream.groups(), kLights, {});
+  EXPECT_EQ(std::vector<uint32_t>(other.entries().begin(), other.entries().end()), entries);
+}
+
+TEST(LightSet, SortsAnything) {
+  testing::Random random(2);
+  for (uint32_t count = 0; count < 70; ++count) {
+    std::vector<uint32_t> values;
+    for (uint32_t i = 0; i < count; ++i) values.push_back(static_cast<uint32_t>(100 * random.next()));
+    std::vector<uint32_t> expected = values;
+    std::sort(expected.begin(), expected.end());
+    light_cache::sort(values.data(), count);
+    EXPECT_EQ(values, expected);
+  }
+}
+
+TEST(Exploration, BlendsItsGuesses) {
+  std::vector<Light> lights(4);
+  for (uint32_t i = 0; i < 4; ++i) {
+    lights[i].kind = LightKind::point;
+    lights[i].point = {Vec3(10.0f * static_cast<float>(i + 1), 0, 0), Rgb(i == 3 ? 0.0f : 1.0f)};
+  }
+  LightsView view;
+  view.lights = view_of(lights);
+  view.first_infinite = 4;
+  view.bounds = {Vec3(0), 50};
+  const auto table = [&](float energy, float change, float distance) {
+    return build_exploration(view, Vec3(0), {energy, change, distance});
+  };
+  EXPECT_NEAR(table(1, 0, 0)[0].pmf, 1.0f / 3, 1e-6f);
+  EXPECT_EQ(table(1, 1, 1)[3].pmf, 0.0f);                                     // dark
+  EXPECT_NEAR(table(1e-3f, 0, 1)[0].pmf, 1 / (1 + 0.25f + 1.0f / 9), 1e-3f);  // inverse squares
+  EXPECT_NEAR(table(1, 1, 0)[1].pmf, 1.0f / 3, 1e-6f);  // nothing changed: the share goes to energy
+  lights[1].changed = true;
+  EXPECT_NEAR(table(1, 1, 0)[1].pmf, 0.5f + 0.5f / 3, 1e-6f);
+}
+
+/// A receiver with a real BSDF somewhere below the lamps of the light scene.
+SurfacePoint receiver(uint32_t region) {
+  SurfacePoint sp{};
+  sp.position = Vec3(0.2f, 0, 0.1f);
+  sp.frame = make_frame(Vec3(0, 1, 0));
+  sp.wo_local = glm::normalize(Vec3(0.3f, 0.1f, 0.8f));
+  MaterialSample m;
+  m.base_color = Rgb(0.6f);
+  m.roughness = 0.4f;
+  make_bsdf(sp.bsdf, m, MaterialData{}, energy_tables(), sp.wo_local.z, true);
+  sp.region = region;
+  return sp;
+}
+
+TEST(VisibilityLightCache, FavoursWhatItKnowsAndWhatMatters) {
+  const testing::LightScene scene = testing::make_light_scene({});
+  const LightsView& lights = scene.lights();
+  const auto all = build_exploration(lights, Vec3(0), {});
+  const auto infinite = build_infinite_lights(lights);
+  const auto columns = build_light_columns(lights);
+  const std::vector<LightBuckets> buckets{{0, 1}, {0, 0}};
+  std::vector<uint32_t> entries(32, CachedLight::kNone);
+  entries[0] = CachedLight::pack(0, 0);
+  entries[1] = CachedLight::pack(4, 0);
+  VisibilityLightCache cache;
+  cache.regions = view_of(buckets);
+  cache.entries = view_of(entries);
+  cache.all = {view_of(all)};
+  cache.infinite = make_infinite_lights(lights, infinite, true);
+  cache.ltc = ltc_table();
+  cache.columns = {view_of(columns), lights.first_infinite};
+  cache.lights = lights;
+  const SurfacePoint sp = receiver(0);
+  const float finite = 1 - cache.infinite.share;
+  EXPECT_NEAR(cache.pmf(sp, 0) + cache.pmf(sp, 4), finite * (0.9f + 0.1f * (cache.all.pmf(0) + cache.all.pmf(4))),
+              1e-5f);
+  EXPECT_NEAR(cache.pmf(sp, 1), finite * 0.1f * cache.all.pmf(1), 1e-6f);  // known to exploration only
+  const LightReceiver r = make_light_receiver(cache.ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
+  const auto cached = [&](LightId id) { return cache.pmf(sp, id) - finite * 0.1f * cache.all.pmf(id); };
+  EXPECT_NEAR(cached(0) / cached(4),
+              light_importance_of(r, lights, cache.columns, 0) / light_importance_of(r, lights, cache.columns, 4),
+              1e-3f);
+  // Where nothing is known, and outside of all regions: exploration alone.
+  for (const uint32_t region : {1u, 2u, kNoRegion}) {
+    EXPECT_NEAR(cache.pmf(receiver(region), 0), finite * cache.all.pmf(0), 1e-6f);
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,157 @@
+// However lights and directions are chosen, and whatever was learnt for it from earlier frames: the picture is that of
+// plain path tracing in the mean.
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <string>
+#include <vector>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/image_test.h"
+
+namespace relume::support {
+namespace {
+
+constexpr int kImages = 16;
+
+/// How large, and how many frames, each of which learns from the one before.
+struct Effort {
+  int width;
+  int height;
+  int frames;
+};
+constexpr Effort kQuick{24, 16, 8};    // seconds a scene: errors of several percent show
+constexpr Effort kSharp{48, 32, 128};  // minutes a scene
+
+struct Way {
+  std::string name;
+  RenderSettings settings;
+};
+
+/// Pictures are small, and regions should be many.
+RenderSettings base_settings(const Effort& effort) {
+  RenderSettings s = small_settings(effort.width, effort.height);
+  s.octree = {.collapse = 32, .split = 64, .scale = false};
+  s.static_lists = {.cell_size = 0, .rays = 64, .max_lights = 4, .exploration = 0.2f};  // quick to build
+  return s;
+}
+
+/// All combinations but the plain one, and one of everything that departs from the defaults.
+std::vector<Way> ways(const Effort& effort) {
+  std::vector<Way> list;
+  for (const LightSelectionChoice lights :
+       {LightSelectionChoice::power, LightSelectionChoice::uniform, LightSelectionChoice::light_tree,
+        LightSelectionChoice::static_lists, LightSelectionChoice::vlc}) {
+    for (const GuideChoice guide : {GuideChoice::bsdf, GuideChoice::cdq}) {
+      if (lights == LightSelectionChoice::power && guide == GuideChoice::bsdf) continue;
+      const char* const names[] = {"uniform", "power", "light-tree", "static-lists", "vlc"};
+      Way way{names[static_cast<int>(lights)], base_settings(effort)};
+      if (guide == GuideChoice::cdq) way.name += "-cdq";
+      way.settings.lights = lights;
+      way.settings.guide = guide;
+      list.push_back(way);
+    }
+  }
+  Way all{"departures", base_settings(effort)};
+  all.settings.lights = LightSelectionChoice::vlc;
+  all.settings.vlc.memory = 4;
+  all.settings.vlc.bucket_size = 4;  // several buckets a region
+  all.settings.guide = GuideChoice::cdq;
+  all.settings.cdq.bits = QuadtreeBits::b64;
+  all.settings.cdq.migrations = 4;
+  all.settings.cdq.sampling = QuadtreeSampling::stratified;
+  all.settings.light_selection.environment = false;
+  all.settings.octree.vertices = 4;
+  all.settings.octree.jitter = 1;
+  list.push_back(all);
+  return list;
+}
+
+/// Pictures of independent seeds, each the mean of all frames.
+Moments pictures(Session& session, const RenderSettings& settings, int frames, int first_seed) {
+  EXPECT_TRUE(session.set_settings(settings));
+  std::vector<Image> images;
+  for (int i = 0; i < kImages; ++i) {
+    session.restart(first_seed + i);
+    for (int frame = 0; frame < frames; ++frame) session.render_frame();
+    EXPECT_EQ(session.statistics().nonfinite_samples, 0u);
+    images.push_back(session.image());
+  }
+  return moments_of(std::move(images));
+}
+
+std::vector<std::string_view> scene_names() {
+  std::vector<std::string_view> names;
+  for (const BuiltinScene& scene : builtin_scenes()) names.push_back(scene.name);
+  return names;
+}
+
+std::string test_name(const ::testing::TestParamInfo<std::string_view>& info) {
+  std::string name(info.param);
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
+}
+
+/// The suite makes some four hundred comparisons.
+const ImageTestOptions kOptions{.significance = 2.5e-5};
+
+void check_all_ways(std::string_view scene, const Effort& effort) {
+  const RenderSettings plain = base_settings(effort);
+  Session session(find_builtin_scene(scene)->build(), plain);
+  const Moments expected = pictures(session, plain, 2 * effort.frames, 1001);
+  int seed = 1;
+  for (const Way& way : ways(effort)) {
+    expect_same_picture("learning-" + way.name + "-" + std::string(scene),
+                        pictures(session, way.settings, effort.frames, seed), expected, kOptions);
+    seed += kImages;
+  }
+}
+
+class Learning : public ::testing::TestWithParam<std::string_view> {};
+TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick); }
+INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::ValuesIn(scene_names()), test_name);
+
+class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
+TEST_P(SlowLearning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kSharp); }
+INSTANTIATE_TEST_SUITE_P(Builtin, SlowLearning, ::testing::ValuesIn(scene_names()), test_name);
+
+/// The last picture of a movement: what was learnt belongs to where things were before.
+Moments last_pictures(Session& session, const RenderSettings& settings, int repeats, int first_seed) {
+  EXPECT_TRUE(session.set_settings(settings));
+  std::vector<Image> images;
+  for (int i = 0; i < kImages; ++i) {
+    Image mean(settings.width, settings.height);
+    for (int k = 0; k < repeats; ++k) {
+      session.restart(first_seed + i * repeats + k);
+      for (int frame = 0; frame < 6; ++frame) {
+        session.set_time(settings.time_s + 0.12f * static_cast<float>(frame));
+        session.render_frame();
+      }
+      const Image image = session.image();
+      for (size_t p = 0; p < image.pixels.size(); ++p)
+        mean.pixels[p] += image.pixels[p] * (1.0f / static_cast<float>(repeats));
+      session.set_time(settings.time_s);
+    }
+    images.push_back(std::move(mean));
+  }
+  return moments_of(std::move(images));
+}
+
+class LearningInMotion : public ::testing::TestWithParam<std::string_view> {};
+TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
+  const Effort effort{24, 16, 0};
+  const RenderSettings plain = base_settings(effort);
+  Session session(find_builtin_scene(GetParam())->build(), plain);
+  const Moments expected = last_pictures(session, plain, 8, 1001);
+  for (const Way& way : ways(effort)) {
+    if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "static-lists") continue;
+    expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
+                        last_pictures(session, way.settings, 8, 1), expected, kOptions);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion,
+                         ::testing::Values("cornell", "slit", "turntable", "warehouse", "mine"), test_name);
+
+}  // namespace
+}  // namespace relume::support
