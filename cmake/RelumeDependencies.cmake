@@ -16,3 +16,5 @@ find_package(CLI11 REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/vec3.hpp REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_library(STB_LIBRARY stb REQUIRED)
+# Not in Debian 12: the denoiser `oidn` says so where it is missing.
+find_package(OpenImageDenoise QUIET)

@@ -16,8 +16,6 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kTileSize = 16;
-
 /// Embree wants denormals flushed to zero in every thread that traces. Restores the caller's mode.
 class FlushDenormals {
  public:
@@ -70,10 +68,10 @@ void Backend::add_time(std::string_view name, double seconds) {
 
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
-                            const std::stop_token& stop) {
+                            const std::stop_token& stop, uint32_t tile_size) {
   const auto start = std::chrono::steady_clock::now();
-  const uint32_t columns = (width + kTileSize - 1) / kTileSize;
-  const uint32_t rows = (height + kTileSize - 1) / kTileSize;
+  const uint32_t columns = (width + tile_size - 1) / tile_size;
+  const uint32_t rows = (height + tile_size - 1) / tile_size;
   std::atomic<bool> complete{true};
   state_->arena.execute([&] {
     tbb::parallel_for(
@@ -84,9 +82,9 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
             return;
           }
           const FlushDenormals guard;
-          const uint32_t x = index % columns * kTileSize;
-          const uint32_t y = index / columns * kTileSize;
-          run_tile(context, {x, y, std::min(x + kTileSize, width), std::min(y + kTileSize, height)});
+          const uint32_t x = index % columns * tile_size;
+          const uint32_t y = index / columns * tile_size;
+          run_tile(context, {x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
         },
         tbb::simple_partitioner());
   });

@@ -24,6 +24,9 @@
 
 namespace relume {
 
+/// Edge of the tiles that a grid is cut into, elements.
+inline constexpr uint32_t kTileSize = 16;
+
 /// Elements [x0, x1) × [y0, y1) of a grid.
 struct Tile {
   uint32_t x0 = 0;
@@ -82,7 +85,7 @@ class Backend {
   /// Calls run(context, tile) for every tile. False if `stop` was requested before all were done.
   bool for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                      void (*run_tile)(const void* context, const Tile& tile), const void* context,
-                     const std::stop_token& stop);
+                     const std::stop_token& stop, uint32_t tile_size = kTileSize);
 
   /// Runs host code on the backend's threads, timed like a launch: for preparing passes that are not grids.
   void run(std::string_view name, const std::function<void()>& function);
@@ -96,10 +99,10 @@ class Backend {
 };
 
 /// Runs `kernel` over a width × height grid. Returns false if `stop` was requested first; some elements are then
-/// missing.
+/// missing. `tile_size`: elements along the edge of what one task treats; small for elements that take long.
 template <PassKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
-            const std::stop_token& stop = {}) {
+            const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
   const auto run = [](const void* context, const Tile& tile) {
     const K& k = *static_cast<const K*>(context);
     if constexpr (TileKernel<K>) {
@@ -110,7 +113,7 @@ bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t w
       }
     }
   };
-  return backend.for_each_tile(name, width, height, run, &kernel, stop);
+  return backend.for_each_tile(name, width, height, run, &kernel, stop, tile_size);
 }
 
 }  // namespace relume

@@ -8,6 +8,9 @@ namespace relume {
 Experiment adaptive_sampling_experiment();
 Experiment reprojection_experiment();
 Experiment combination_experiment();
+Experiment bdpt_quality_experiment();
+Experiment bdpt_cost_experiment();
+Experiment bmfr_experiment();
 
 Experiment light_selection_experiment();
 Experiment guiding_experiment();

@@ -18,6 +18,8 @@ const std::vector<Experiment>& experiments() {
       vlc_adaptation_experiment(),
       cdq_adaptation_experiment(),
       guide_cost_experiment(),
+      adaptive_sampling_experiment(), reprojection_experiment(), combination_experiment(),
+      bdpt_quality_experiment(),      bdpt_cost_experiment(),    bmfr_experiment(),
   };
   return list;
 }

@@ -7,16 +7,21 @@
 #include "techniques/adaptive_psf/adaptive_psf_pass.h"
 #include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/bdpt/bdpt_pass.h"
+#include "techniques/bmfr/bmfr_pass.h"
 #include "techniques/directional_quadtree/direction_view.h"
+#include "techniques/features/features_pass.h"
 #include "techniques/light_selection_pass.h"
 #include "techniques/light_tree/light_tree_pass.h"
 #include "techniques/octree/octree_pass.h"
+#include "techniques/oidn/oidn_filter.h"
+#include "techniques/oidn/oidn_pass.h"
 #include "techniques/path/path_pass.h"
 #include "techniques/path_graphs/path_graphs_pass.h"
 #include "techniques/path_space_filter/path_space_filter_pass.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
 #include "techniques/reprojection/reprojection_pass.h"
 #include "techniques/static_light_lists/static_light_lists_pass.h"
+#include "techniques/svgf/svgf_pass.h"
 #include "techniques/visibility_light_cache/visibility_light_cache_pass.h"
 
 namespace relume {
@@ -119,6 +124,17 @@ void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
     add<AdaptiveSamplingPass>(pipeline, settings.adaptive, ends_history(settings));
 }
 
+void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
+  if (settings.denoise == DenoiseChoice::none) return;
+  add<FeaturesPass>(pipeline, settings.path.max_bounces, settings.estimator != EstimatorChoice::light);
+  switch (settings.denoise) {
+    case DenoiseChoice::none: break;
+    case DenoiseChoice::bmfr: add<BmfrPass>(pipeline, settings.bmfr); break;
+    case DenoiseChoice::svgf: add<SvgfPass>(pipeline, settings.svgf); break;
+    case DenoiseChoice::oidn: add<OidnPass>(pipeline); break;
+  }
+}
+
 }  // namespace
 
 void check_combination(const RenderSettings& settings) {
@@ -128,6 +144,7 @@ void check_combination(const RenderSettings& settings) {
         "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would have "
         "nothing to show; use history 'accumulate' or 'reproject'");
   }
+  if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
   if (from_both_ends && settings.cache != CacheChoice::none) {
     throw Error(
@@ -164,6 +181,7 @@ Pipeline build_pipeline(const RenderSettings& settings) {
   add_history(pipeline, settings);
   add_allocation(pipeline, settings);
   if (settings.auxiliary) add<AuxiliaryPass>(pipeline);
+  add_denoiser(pipeline, settings);
   if (reads_surface(pipeline)) add<SurfacePass>(pipeline);
   pipeline.check();
   return pipeline;

@@ -50,7 +50,7 @@ SettingList describe_slots(RenderSettings& s) {
       {"history", choice(s.history, {"none", "accumulate", "reproject"}),
        "What earlier frames contribute: nothing, the mean of all since the last change, or what can be verified to be "
        "seen still when something moves"},
-      {"denoise", choice(s.denoise, {"none"}), "Filter over the finished picture"},
+      {"denoise", choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}), "Filter over the finished picture"},
   };
 }
 
@@ -81,12 +81,19 @@ SettingList describe_frames(RenderSettings& s) {
   return list;
 }
 
+SettingList describe_denoisers(RenderSettings& s) {
+  SettingList list = with_prefix("bmfr", describe(s.bmfr));
+  append(list, with_prefix("svgf", describe(s.svgf)));
+  return list;
+}
+
 SettingList describe(RenderSettings& settings) {
   SettingList list = describe_picture(settings);
   append(list, describe_slots(settings));
   append(list, describe_transport(settings));
   append(list, describe_caches(settings));
   append(list, describe_frames(settings));
+  append(list, describe_denoisers(settings));
   return list;
 }
 

@@ -8,6 +8,7 @@
 #include "techniques/adaptive_psf/settings.h"
 #include "techniques/adaptive_sampling/settings.h"
 #include "techniques/bdpt/bdpt_settings.h"
+#include "techniques/bmfr/settings.h"
 #include "techniques/directional_quadtree/directional_quadtree_settings.h"
 #include "techniques/light_selection_settings.h"
 #include "techniques/octree/octree_settings.h"
@@ -16,6 +17,7 @@
 #include "techniques/path_space_filter/settings.h"
 #include "techniques/reprojection/settings.h"
 #include "techniques/static_light_lists/static_light_lists_settings.h"
+#include "techniques/svgf/settings.h"
 #include "techniques/visibility_light_cache/visibility_light_cache_settings.h"
 
 namespace relume {
@@ -27,7 +29,7 @@ enum class GuideChoice : int { bsdf, cdq };
 enum class CacheChoice : int { none, psf, apsf, apg, apsf_apg };
 enum class AllocationChoice : int { uniform, adaptive };
 enum class HistoryChoice : int { none, accumulate, reproject };
-enum class DenoiseChoice : int { none };
+enum class DenoiseChoice : int { none, bmfr, svgf, oidn };
 
 struct RenderSettings {
   int width = 1280;
@@ -59,6 +61,8 @@ struct RenderSettings {
   AdaptiveSamplingSettings adaptive;
   ReprojectionSettings reproject;
   BdptSettings bdpt;
+  BmfrSettings bmfr;
+  SvgfSettings svgf;
 };
 
 /// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
@@ -70,5 +74,6 @@ SettingList describe_slots(RenderSettings& settings);
 SettingList describe_transport(RenderSettings& settings);
 SettingList describe_caches(RenderSettings& settings);
 SettingList describe_frames(RenderSettings& settings);
+SettingList describe_denoisers(RenderSettings& settings);
 
 }  // namespace relume

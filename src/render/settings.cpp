@@ -80,6 +80,7 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
        "`psf` is what all caches have in common: the cells and what they take in; `apsf` and `apg` are theirs alone.",
        describe_caches(s.render)},
       {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
+      {"Denoisers", "Of the filters over the picture.", describe_denoisers(s.render)},
       {"Slots", "One technique each; any combination that has a meaning runs.", describe_slots(s.render)},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
   };

@@ -71,7 +71,7 @@ TEST(Settings, SurviveJson) {
   Settings written;
   for (const Setting& setting : describe(written)) {  // away from every default
     if (auto* const* flag = std::get_if<bool*>(&setting.value)) **flag = !**flag;
-    if (auto* const* number = std::get_if<int*>(&setting.value)) ++**number;
+    if (auto* const* number = std::get_if<int*>(&setting.value)) **number += **number < setting.traits.max ? 1 : -1;
     if (auto* const* number = std::get_if<float*>(&setting.value)) **number += 0.1f;
     if (auto* const* text = std::get_if<std::string*>(&setting.value)) **text = "1,2,3";
     if (const auto* slot = std::get_if<ChoiceRef>(&setting.value))

@@ -4,6 +4,7 @@
 #include "core/frame.h"
 #include "core/hash.h"
 #include "core/hd.h"
+#include "core/lanes.h"
 #include "core/octahedral.h"
 #include "core/ray.h"
 #include "core/vec.h"
@@ -13,11 +14,16 @@
 #include "techniques/adaptive_psf/adaptive_psf.h"
 #include "techniques/adaptive_sampling/adaptive_sampling.h"
 #include "techniques/bdpt/bdpt.h"
+#include "techniques/bmfr/bmfr.h"
+#include "techniques/bmfr/regression_kernel.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
 #include "techniques/directional_quadtree/incident_light.h"
+#include "techniques/features/features.h"
+#include "techniques/features/picture_history.h"
 #include "techniques/hash_grid/maintain.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/region_view.h"
+#include "techniques/oidn/oidn.h"
 #include "techniques/path/path.h"
 #include "techniques/path/recorded_path.h"
 #include "techniques/path_graphs/path_graphs.h"
@@ -26,6 +32,7 @@
 #include "techniques/reprojection/backward.h"
 #include "techniques/reprojection/reprojection.h"
 #include "techniques/static_light_lists/build_lists.h"
+#include "techniques/svgf/svgf.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/known_lights.h"
 
@@ -99,6 +106,18 @@ template __global__ void run(LimitKernel, uint32_t, uint32_t);
 template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(AdaptiveAllocationKernel, uint32_t, uint32_t);
 template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
+template __global__ void run(FeatureKernel, uint32_t, uint32_t);
+template __global__ void run(PictureHistoryKernel, uint32_t, uint32_t);
+template __global__ void run(ConvergeKernel, uint32_t, uint32_t);
+template __global__ void run(BlockNoiseKernel, uint32_t, uint32_t);
+template __global__ void run(BmfrAccumulateKernel, uint32_t, uint32_t);
+template __global__ void run(BlockRegressionKernel, uint32_t, uint32_t);
+template __global__ void run(BmfrPresentKernel, uint32_t, uint32_t);
+template __global__ void run(SvgfAccumulateKernel, uint32_t, uint32_t);
+template __global__ void run(SvgfPrepareKernel, uint32_t, uint32_t);
+template __global__ void run(AtrousKernel, uint32_t, uint32_t);
+template __global__ void run(SvgfPresentKernel, uint32_t, uint32_t);
+template __global__ void run(OidnAuxiliaryKernel, uint32_t, uint32_t);
 
 }  // namespace
 }  // namespace relume

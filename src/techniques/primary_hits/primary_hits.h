@@ -88,6 +88,23 @@ struct PrimaryHitsKernel {
 /// No surface: the camera ray left the scene.
 inline constexpr uint32_t kNoSurface = 0xffffffffu;
 
+/// Ray of a pinhole camera towards a point.
+RELUME_HD inline Ray ray_to(const CameraView& camera, const Vec3& p) {
+  if (camera.projection == Projection::orthographic) return {p, -camera.axes.n, kInfinity};
+  return {camera.position, glm::normalize(p - camera.position), kInfinity};
+}
+
+/// Pixels from where `before` met the previous frame's film to where `now` meets this one's; zero if one of them did
+/// not.
+RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Ray& now, const Ray& before) {
+  Vec2 here(kInfinity);  // stays so behind the camera
+  Vec2 there(kInfinity);
+  film_position(scene.camera, now, &here);
+  film_position(scene.previous_camera, before, &there);
+  const Vec2 difference = here - there;
+  return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(0);
+}
+
 /// What the primary hit shows, for filters, histories and auxiliary outputs. Pixels that see no surface get zeros,
 /// kNoSurface and the motion of infinity.
 struct SurfaceKernel {
@@ -113,7 +130,7 @@ struct SurfaceKernel {
       position[pixel] = previous[pixel] = normal[pixel] = Vec3(0);
       albedo[pixel] = Rgb(0);
       depth[pixel] = 0.0f;
-      motion[pixel] = film_motion(ray, Ray{scene.previous_camera.position, ray.direction, kInfinity});
+      motion[pixel] = film_motion(scene, ray, Ray{scene.previous_camera.position, ray.direction, kInfinity});
       return;
     }
     SurfacePoint sp;
@@ -123,21 +140,8 @@ struct SurfaceKernel {
     normal[pixel] = sp.frame.n;
     albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
     depth[pixel] = hit.t;
-    motion[pixel] = film_motion(ray_to(scene.camera, sp.position), ray_to(scene.previous_camera, sp.previous_position));
-  }
-
- private:
-  RELUME_HD static Ray ray_to(const CameraView& camera, const Vec3& p) {
-    if (camera.projection == Projection::orthographic) return {p, -camera.axes.n, kInfinity};
-    return {camera.position, glm::normalize(p - camera.position), kInfinity};
-  }
-  RELUME_HD Vec2 film_motion(const Ray& now, const Ray& before) const {
-    Vec2 here(kInfinity);  // stays so behind the camera
-    Vec2 there(kInfinity);
-    film_position(scene.camera, now, &here);
-    film_position(scene.previous_camera, before, &there);
-    const Vec2 difference = here - there;
-    return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(0);
+    motion[pixel] =
+        film_motion(scene, ray_to(scene.camera, sp.position), ray_to(scene.previous_camera, sp.previous_position));
   }
 };
 

@@ -60,15 +60,41 @@ struct BackwardReprojection {
       const int px = static_cast<int>(x0) + (k & 1);
       const int py = static_cast<int>(y0) + (k >> 1);
       if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
+      const float weight = ((k & 1) ? wx : 1.0f - wx) * ((k >> 1) ? wy : 1.0f - wy);
       const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
-      if (!same_surface(pixel, other)) continue;
+      if (weight == 0.0f || !same_surface(pixel, other)) continue;
       result.pixels[k] = other;
-      result.weights[k] = ((k & 1) ? wx : 1.0f - wx) * ((k >> 1) ? wy : 1.0f - wy);
+      result.weights[k] = weight;
       sum += result.weights[k];
     }
     constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
     result.valid = sum > kLeastWeight;
     for (float& w : result.weights) w = result.valid ? w / sum : 0.0f;
+    return result;
+  }
+
+  /// taps(); where none of the four fits, as on edges, whose pixels see one surface in one frame and the other in the
+  /// next, the nearest pixel of the eight around them that does.
+  RELUME_HD BackwardTaps taps_or_nearest(uint32_t x, uint32_t y) const {
+    BackwardTaps result = taps(x, y);
+    if (result.valid) return result;
+    const uint32_t pixel = y * width + x;
+    const float fx = std::floor(static_cast<float>(x) - motion[pixel].x + 0.5f);
+    const float fy = std::floor(static_cast<float>(y) - motion[pixel].y + 0.5f);
+    if (!(fx >= 0.0f && fy >= 0.0f && fx < static_cast<float>(width) && fy < static_cast<float>(height))) return result;
+    // By distance: beside, above and below first, then the corners.
+    constexpr int kOffsets[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+    for (const auto& offset : kOffsets) {
+      const int px = static_cast<int>(fx) + offset[0];
+      const int py = static_cast<int>(fy) + offset[1];
+      if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
+      const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
+      if (!same_surface(pixel, other)) continue;
+      result.pixels[0] = other;
+      result.weights[0] = 1.0f;
+      result.valid = true;
+      return result;
+    }
     return result;
   }
 

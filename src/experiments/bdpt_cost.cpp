@@ -1,0 +1,153 @@
+// [Sun20 §5.2]: rays a pixel, time and memory of bidirectional path tracing against those of path tracing.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "experiments/all.h"
+#include "experiments/regions.h"
+#include "techniques/bdpt/path_vertex.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Sun20 §5.2.1]";
+
+/// [Sun20 §5.2.1], which counts each visibility test twice.
+int paper_rays(int bounces) { return bounces * bounces + 3 * bounces; }
+/// Of paths that are lost nowhere, with every test counted once.
+int exact_rays(int bounces) { return 2 * bounces + 1 + bounces * (bounces + 3) / 2; }
+
+struct Case {
+  std::string scene;
+  int bounces = 0;
+  double path_rays = 0;  ///< a sample
+  double bdpt_rays = 0;
+  double all_rays = 0;  ///< of bdpt without any roulette
+  double path_ms = 0;   ///< a frame of one sample a pixel
+  double bdpt_ms = 0;
+};
+
+double rays_of(const Comparison& c, std::string_view name) {
+  const double pixels = static_cast<double>(c.reference.image.pixels.size());
+  return median_of(contender_named(c, name),
+                   [](const Repetition& r) { return static_cast<double>(r.rays) / r.samples; }) /
+         pixels;
+}
+
+Case measure(const ExperimentContext& context, const std::string& name, int bounces) {
+  StudyOptions options{.techniques =
+                           "path=estimator:path,bdpt=estimator:bdpt,all=estimator:bdpt,"
+                           "bdpt.connection-roulette:0,path.russian-roulette:false",
+                       .spp = context.choose(16, 4),
+                       .repetitions = 3,
+                       .reference_spp = 16};  // errors are not looked at
+  use_square(context, 256, options);
+  const Comparison c = study(context, built_in(name, bounces), options);
+  return {name,
+          bounces,
+          rays_of(c, "path"),
+          rays_of(c, "bdpt"),
+          rays_of(c, "all"),
+          frame_ms_of(c, "path"),
+          frame_ms_of(c, "bdpt")};
+}
+
+double bound_of(const Case& c) { return 0.5 * c.bounces + 1.5; }
+
+TableBlock table(const std::vector<Case>& cases) {
+  TableBlock block{"Rays a sample, and time",
+                   "D bounces. Most paths leave the open scenes before that.",
+                   "scene, D",
+                   {{"path tracing", "Rays, with Russian roulette."},
+                    {"bdpt", "Rays, with Russian roulette on paths and connections."},
+                    {"bdpt, all", "Rays without any roulette."},
+                    {"at most", "2D + 1 + D(D + 3) / 2: no path lost, each test counted once."},
+                    {"paper", "D² + 3D."},
+                    {"time, bdpt over path"},
+                    {"0.5 D + 1.5", "The paper's ratio."}},
+                   {}};
+  const auto rays = [](double x) { return TableCell{fmt::format("{:.2f}", x), x}; };
+  for (const Case& c : cases) {
+    block.rows.push_back({fmt::format("{}, {}", c.scene, c.bounces),
+                          kNeutralColor,
+                          {rays(c.path_rays), rays(c.bdpt_rays), rays(c.all_rays), rays(exact_rays(c.bounces)),
+                           rays(paper_rays(c.bounces)), rays(c.bdpt_ms / c.path_ms), rays(bound_of(c))}});
+  }
+  return block;
+}
+
+ChartBlock charts(const std::vector<Case>& cases) {
+  ChartBlock block{"Time of a frame against that of path tracing", "Dashed: 0.5 D + 1.5.", {}};
+  Chart chart{.label = "ratio", .x_label = "bounces", .y_label = "bdpt over path", .curves = {}};
+  Curve bound{.name = "paper", .color = kNeutralColor, .dashed = true, .points = {}};
+  for (const Case& c : cases) {
+    if (chart.curves.empty() || chart.curves.back().name != c.scene)
+      chart.curves.push_back({c.scene, static_cast<int>(chart.curves.size()), false, {}});
+    chart.curves.back().points.push_back({static_cast<double>(c.bounces), c.bdpt_ms / c.path_ms});
+    if (chart.curves.size() == 1) bound.points.push_back({static_cast<double>(c.bounces), bound_of(c)});
+  }
+  chart.curves.push_back(std::move(bound));
+  block.charts.push_back(std::move(chart));
+  return block;
+}
+
+void claim_rays(const std::vector<Case>& cases, std::vector<Claim>& claims) {
+  bool below_paper = true;
+  bool below_exact = true;
+  std::string measured;
+  for (const Case& c : cases) {
+    below_paper = below_paper && (c.bounces < 3 || c.all_rays < paper_rays(c.bounces));
+    below_exact = below_exact && c.all_rays <= exact_rays(c.bounces);
+    if (c.scene == cases.front().scene)
+      measured += fmt::format("{}D = {}: {:.1f}", measured.empty() ? "" : ", ", c.bounces, c.all_rays);
+  }
+  claims.push_back(judged("rays", kPaper, "A sample takes D² + 3D rays (we: at most; from D = 3 on).",
+                          measured + " in " + cases.front().scene, "below D² + 3D in every scene", below_paper));
+  claims.push_back(judged("rays-exact", kPaper, "Each test counted once, it takes at most 2D + 1 + D(D + 3) / 2.",
+                          measured + " in " + cases.front().scene, "not above in any scene", below_exact));
+}
+
+Claim claim_time(const std::vector<Case>& cases) {
+  double worst = 0;
+  std::string measured;
+  for (const Case& c : cases) {
+    const double share = c.bdpt_ms / c.path_ms / bound_of(c);
+    if (share <= worst) continue;
+    worst = share;
+    measured = fmt::format("nearest to it: {:.2f} of {:.1f} in {} with {} bounces", c.bdpt_ms / c.path_ms, bound_of(c),
+                           c.scene, c.bounces);
+  }
+  return judged("time", kPaper, "A frame takes 0.5 D + 1.5 times as long as one of path tracing.", measured,
+                "at most that in every scene", worst <= 1);
+}
+
+Claim claim_vertex() {
+  return judged("vertex", "[Sun20 §5.2.2]", "A path vertex takes 82 bytes (its 21 words are 84).",
+                fmt::format("{} bytes", sizeof(PathVertex)), "at most 96 bytes", sizeof(PathVertex) <= 96);
+}
+
+ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
+  const std::vector<int> bounces = context.quick ? std::vector<int>{2, 4} : std::vector<int>{1, 2, 3, 4, 6, 8};
+  std::vector<Case> cases;
+  for (const char* scene : {"cornell-closed", "cornell-spheres", "cornell-mirror", "cornell-water"}) {
+    for (const int d : bounces) cases.push_back(measure(context, scene, d));
+  }
+  ExperimentResult result;
+  claim_rays(cases, result.claims);
+  result.claims.push_back(claim_time(cases));
+  result.claims.push_back(claim_vertex());
+  result.blocks.emplace_back(table(cases));
+  result.blocks.emplace_back(charts(cases));
+  result.setup = {{"Size", context.quick ? "64 × 64" : "256 × 256"},
+                  {"Time", fmt::format("medians of 3 × {} frames, in turns", context.choose(16, 4))},
+                  {"Settings", "the defaults of each, but for \"all\": neither kind of roulette"}};
+  return result;
+}
+
+}  // namespace
+
+Experiment bdpt_cost_experiment() {
+  return {"bdpt-cost", kPaper, "rays, time and memory of bidirectional path tracing", run_bdpt_cost};
+}
+
+}  // namespace relume

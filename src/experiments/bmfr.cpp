@@ -1,0 +1,237 @@
+// [Sun20 §5.1.3]: what is left of caustics, bleeding colours, shadows and mirror images after the denoiser; and how
+// much nearer denoised pictures come, still and along a walk.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "compare/comparison_page.h"
+#include "compare/timed_session.h"
+#include "experiments/all.h"
+#include "experiments/regions.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Sun20 §5.1.3]";
+constexpr const char* kDenoisers[] = {"bmfr", "svgf"};
+
+/// What the paper names, and where it is in a still picture.
+struct Feature {
+  const char* scene;
+  Region region;
+};
+
+const Feature kFeatures[] = {
+    {"cornell-spheres", {"caustic", 0.55, 0.82, 0.95, 0.97}},
+    {"cornell-spheres", {"colour bleeding", 0.22, 0.06, 0.42, 0.2}},
+    {"cornell-spheres", {"shadow", 0.1, 0.8, 0.5, 0.95}},
+    {"cornell-mirror", {"mirror image", 0.22, 0.22, 0.78, 0.6}},
+    {"cornell-water", {"caustic", 0.2, 0.2, 0.8, 0.6}},
+};
+
+struct Still {
+  std::string scene;
+  std::vector<Region> regions;
+  Comparison comparison;
+};
+
+Still measure_still(const ExperimentContext& context, const std::string& name) {
+  StudyOptions options{.techniques = "none=denoise:none,bmfr=denoise:bmfr,svgf=denoise:svgf",
+                       .spp = 8,
+                       .repetitions = 3,
+                       .reference_spp = 1024};
+  use_square(context, 192, options);
+  options.common.emplace_back("estimator", "bdpt");
+  std::vector<Region> regions;
+  for (const Feature& f : kFeatures) {
+    if (f.scene == name) regions.push_back(f.region);
+  }
+  return {name, std::move(regions), study(context, built_in(name, 8), options)};
+}
+
+/// Sponza with a camera that stands for a while and then walks and turns. `frames`: of both, 24 a second.
+ExperimentScene sponza_walk(ExperimentScene hall, int still, int moving) {
+  Scene& scene = hall.scene;
+  for (Node& node : scene.nodes) node.camera = kNone;
+  scene.cameras = {hall.camera->camera};
+  Node node;
+  node.name = "walk";
+  node.camera = 0;
+  const glm::quat start = glm::quat_cast(Mat3(hall.camera->to_world));
+  const Vec3 eye(hall.camera->to_world[3]);
+  const Vec3 ahead(-hall.camera->to_world[2]);
+  node.transform.rotation = start;
+  node.transform.translation = eye;
+  AnimationChannel place;
+  place.node = scene.add_node(std::move(node));
+  AnimationChannel turn = place;
+  turn.property = AnimatedProperty::rotation;
+  for (int i = still - 1; i < still + moving; ++i) {
+    const auto step = static_cast<float>(i - still + 1);
+    const Vec3 at = eye + ahead * (0.05f * step);  // 1.2 m/s
+    const glm::quat q = glm::angleAxis(glm::radians(0.5f * step), Vec3(0, 1, 0)) * start;
+    place.times.push_back(static_cast<float>(i) / 24);
+    place.values.emplace_back(at, 0);
+    turn.times.push_back(static_cast<float>(i) / 24);
+    turn.values.emplace_back(q.x, q.y, q.z, q.w);
+  }
+  scene.animation = {place, turn};
+  hall.camera.reset();
+  return hall;
+}
+
+struct Walk {
+  int still = 0;
+  Comparison comparison;
+
+  /// Least ratio of the noisy input's MSE to a denoiser's, over frames [begin, end).
+  double least_ratio(std::string_view name, int begin, int end) const {
+    double least = 1e9;
+    for (int i = begin; i < end; ++i) least = std::min(least, at("noisy", i) / at(name, i));
+    return least;
+  }
+  int frames() const { return static_cast<int>(comparison.options.times_s.size()); }
+
+ private:
+  double at(std::string_view name, int frame) const {
+    return median_of(contender_named(comparison, name),
+                     [&](const Repetition& r) { return r.curve[static_cast<size_t>(frame)].mse; });
+  }
+};
+
+Walk measure_walk(const ExperimentContext& context, const ExperimentScene& hall) {
+  const int still = context.choose(6, 4);
+  const int moving = context.choose(10, 3);
+  const StudyOptions options{
+      .techniques = "noisy=history:none,none=history:accumulate,bmfr=denoise:bmfr,svgf=denoise:svgf",
+      .times_s = frame_times(still + moving),
+      .repetitions = 3,
+      .reference_spp = 512};
+  return {still, study(context, sponza_walk(hall, still, moving), options)};
+}
+
+/// Milliseconds a frame at 1280 × 720 by pass.
+BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& claims) {
+  BarBlock block{"Time of a frame at 1280 × 720", "cornell, one bounce, two threads; without tracing.", "ms", {}};
+  const std::string claim = "Denoising is fast enough for pictures as they are looked at.";
+  const int frames = context.choose(24, 3);
+  for (const char* name : kDenoisers) {
+    ExperimentScene scene = built_in("cornell", 1);
+    scene.settings.threads = 2;
+    scene.settings.denoise = name == kDenoisers[0] ? DenoiseChoice::bmfr : DenoiseChoice::svgf;
+    TimedSession session(scene.scene, scene.settings);
+    for (int i = 0; i < frames; ++i) {
+      context.check_stop();
+      session.render_frame();
+    }
+    Bar bar{name, {}};
+    double sum = 0;
+    double fit = 0;
+    for (const auto& [pass, seconds] : session.passes()) {
+      if (!pass.starts_with(name)) continue;
+      bar.parts.emplace_back(pass, 1000 * seconds / frames);
+      sum += bar.parts.back().second;
+      if (pass == "bmfr-fit") fit = bar.parts.back().second;
+    }
+    block.bars.push_back(std::move(bar));
+    if (name != kDenoisers[0]) continue;
+    claims.push_back(judged("time", "[Koskela19]", claim,
+                            fmt::format("regression {:.0f} ms, all of bmfr {:.0f} ms", fit, sum),
+                            "at most 40 ms and 100 ms on two cores", fit <= 40 && sum <= 100));
+  }
+  return block;
+}
+
+/// Each kind of feature keeps its contrast, and its error falls below that of the same samples without the denoiser.
+void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims) {
+  for (const Feature& f : kFeatures) {
+    const Comparison& c =
+        std::find_if(stills.begin(), stills.end(), [&](const Still& s) { return s.scene == f.scene; })->comparison;
+    const Image& reference = c.reference.image;
+    const double noisy = region_mse(contender_named(c, "none").image, reference, f.region);
+    std::string measured;
+    bool holds = true;
+    for (const char* name : kDenoisers) {
+      const Image& image = contender_named(c, name).image;
+      const double kept = contrast_kept(image, reference, f.region);
+      const double error = region_mse(image, reference, f.region) / noisy;
+      if (name == kDenoisers[0]) holds = kept >= 0.9 && error < 1;
+      measured += fmt::format("{}{}: {:.0f} % of the contrast, {:.2f} of the MSE", measured.empty() ? "" : "; ", name,
+                              100 * kept, error);
+    }
+    std::string id = fmt::format("{}-{}", std::string_view(f.scene).substr(8), f.region.name);
+    std::replace(id.begin(), id.end(), ' ', '-');
+    claims.push_back(judged(std::move(id), kPaper, fmt::format("{}: the {} is kept.", f.scene, f.region.name), measured,
+                            "bmfr keeps 90 % of the contrast, with a lower MSE than its samples' mean", holds));
+  }
+}
+
+Claim claim_error(const std::vector<Still>& stills) {
+  std::string measured;
+  double worst = 0;
+  for (const Still& s : stills) {
+    const double bmfr = mean_mse_of(s.comparison, "bmfr") / mean_mse_of(s.comparison, "none");
+    const double svgf = mean_mse_of(s.comparison, "svgf") / mean_mse_of(s.comparison, "none");
+    worst = std::max(worst, bmfr);
+    measured += fmt::format("{}{}: {:.2f} (svgf {:.2f})", measured.empty() ? "" : ", ", s.scene, bmfr, svgf);
+  }
+  return judged("error", kPaper, "Denoised pictures have less error than the mean of the same samples.",
+                measured + " of its MSE after 8 samples", "below 1 in every scene", worst < 1);
+}
+
+void claim_walk(const Walk* walk, std::vector<Claim>& claims) {
+  const std::string still = "At one sample a frame, the MSE is a tenth of the noisy picture's while nothing moves.";
+  const std::string moving = "While the camera walks it is a fifth.";
+  if (!walk) {
+    claims.push_back(unmeasured("walk-still", kPaper, still, "10 ×", kNoSponza));
+    claims.push_back(unmeasured("walk-moving", kPaper, moving, "5 ×", kNoSponza));
+    return;
+  }
+  const auto judge = [&](const char* id, const std::string& text, int begin, int end, double factor) {
+    double least = 1e9;
+    std::string measured = "at least";
+    for (const char* name : kDenoisers) {
+      const double ratio = walk->least_ratio(name, begin, end);
+      least = std::min(least, ratio);
+      measured += fmt::format(" {:.1f} × ({})", ratio, name);
+    }
+    claims.push_back(judged(id, kPaper, text, measured, fmt::format("{} × in every frame", factor), least >= factor));
+  };
+  judge("walk-still", still + " From the second frame on.", 1, walk->still, 10);
+  judge("walk-moving", moving, walk->still, walk->frames(), 5);
+}
+
+ExperimentResult run_bmfr(const ExperimentContext& context) {
+  std::vector<Still> stills;
+  for (const char* scene : {"cornell-spheres", "cornell-mirror", "cornell-water"})
+    stills.push_back(measure_still(context, scene));
+  const std::optional<ExperimentScene> hall = sponza(context);
+  std::optional<Walk> walk;
+  if (hall) walk = measure_walk(context, *hall);
+  ExperimentResult result;
+  claim_features(stills, result.claims);
+  result.claims.push_back(claim_error(stills));
+  claim_walk(walk ? &*walk : nullptr, result.claims);
+  BarBlock times = measure_times(context, result.claims);
+  for (const Still& s : stills) {
+    result.blocks.emplace_back(region_pictures(s.scene, s.comparison, s.regions));
+    result.blocks.emplace_back(comparison_table(s.comparison));
+  }
+  if (walk) {
+    for (Block& block : study_blocks("Sponza", walk->comparison)) result.blocks.push_back(std::move(block));
+  }
+  result.blocks.emplace_back(std::move(times));
+  result.setup = {{"Boxes", context.quick ? "64 × 64, 8 samples of bdpt" : "192 × 192, 8 samples of bdpt"},
+                  {"Sponza", "a sample a frame of path tracing; stands, then walks 5 cm and turns 0.5° a frame"},
+                  {"Contrast", "slope of the picture's luminance over the reference's, both cut off at 1"}};
+  return result;
+}
+
+}  // namespace
+
+Experiment bmfr_experiment() {
+  return {"bmfr", kPaper, "what denoisers keep, and how much nearer they come", run_bmfr};
+}
+
+}  // namespace relume

@@ -1,0 +1,89 @@
+#include "experiments/regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "compare/comparison_page.h"
+
+namespace relume {
+namespace {
+
+struct PixelRange {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+};
+
+PixelRange pixels_of(const Image& image, const Region& region) {
+  const auto at = [](double share, int size) {
+    return std::clamp(static_cast<int>(std::lround(share * static_cast<double>(size))), 0, size);
+  };
+  return {at(region.x0, image.width), at(region.y0, image.height), at(region.x1, image.width),
+          at(region.y1, image.height)};
+}
+
+/// Mean over the region of what `value` makes of a pixel's index.
+template <typename Value>
+double mean_over(const Image& image, const Region& region, const Value& value) {
+  const PixelRange r = pixels_of(image, region);
+  double sum = 0;
+  for (int y = r.y0; y < r.y1; ++y) {
+    for (int x = r.x0; x < r.x1; ++x) sum += value(static_cast<size_t>(y * image.width + x));
+  }
+  return sum / std::max(1, (r.x1 - r.x0) * (r.y1 - r.y0));
+}
+
+double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(luminance(pixel)), 1.0); }
+
+}  // namespace
+
+double region_mse(const Image& a, const Image& b, const Region& region) {
+  return mean_over(a, region,
+                   [&](size_t i) { return static_cast<double>(length_squared(a.pixels[i] - b.pixels[i])) / 3; });
+}
+
+double region_mean(const Image& image, const Region& region) {
+  return mean_over(image, region, [&](size_t i) { return static_cast<double>(luminance(image.pixels[i])); });
+}
+
+double contrast_kept(const Image& image, const Image& reference, const Region& region) {
+  const double mean = mean_over(reference, region, [&](size_t i) { return shown_luminance(reference.pixels[i]); });
+  const auto distance = [&](size_t i) { return shown_luminance(reference.pixels[i]) - mean; };
+  const double variance = mean_over(reference, region, [&](size_t i) { return distance(i) * distance(i); });
+  const double covariance =
+      mean_over(reference, region, [&](size_t i) { return distance(i) * shown_luminance(image.pixels[i]); });
+  return variance > 0 ? covariance / variance : 1;
+}
+
+double mean_mse_of(const Comparison& comparison, std::string_view name) {
+  const ContenderResult& contender = contender_named(comparison, name);
+  double sum = 0;
+  for (const Repetition& r : contender.repetitions) sum += r.mse;
+  return sum / static_cast<double>(contender.repetitions.size());
+}
+
+ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
+                            const std::vector<Region>& regions) {
+  ViewerBlock block = comparison_pictures(comparison);
+  block.title = title + ": " + block.title;
+  const Image& reference = comparison.reference.image;
+  const int size = std::max(8, std::min(reference.width, reference.height) / 5);
+  for (PictureSet& set : block.sets) {
+    set.crops.clear();
+    for (const Region& region : regions) {
+      const PixelRange r = pixels_of(reference, region);
+      set.crops.push_back({std::clamp((r.x0 + r.x1 - size) / 2, 0, reference.width - size),
+                           std::clamp((r.y0 + r.y1 - size) / 2, 0, reference.height - size), size});
+    }
+  }
+  return block;
+}
+
+void use_square(const ExperimentContext& context, int side, StudyOptions& options) {
+  const std::string text = std::to_string(context.choose(side, 64));
+  options.common.emplace_back("width", text);
+  options.common.emplace_back("height", text);
+}
+
+}  // namespace relume

@@ -1,0 +1,117 @@
+#include "techniques/bmfr/bmfr_pass.h"
+
+#include <algorithm>
+
+#include "techniques/bmfr/bmfr.h"
+#include "techniques/bmfr/regression_kernel.h"
+#include "techniques/features/features_pass.h"
+
+namespace relume {
+namespace {
+
+constexpr Change kEnds = Change::materials | Change::settings;
+
+/// Radical inverse of `i` in `base`, in [0, kBlockSize).
+uint32_t shift_of(uint32_t i, uint32_t base) {
+  float value = 0;
+  float digit = 1;
+  for (; i > 0; i /= base) value += static_cast<float>(i % base) * (digit /= static_cast<float>(base));
+  return std::min(static_cast<uint32_t>(value * kBlockSize), kBlockSize - 1);
+}
+
+}  // namespace
+
+PassDeclaration BmfrPass::declaration() const {
+  const auto history = [](const char* name, BufferType type, const char* help) {
+    return BufferDescription{.name = name,
+                             .type = type,
+                             .help = help,
+                             .persistent = true,
+                             .double_buffered = true,
+                             .reset = kEnds,
+                             .display = BufferDisplay::value};
+  };
+  const auto scratch = [](const char* name, BufferType type, const char* help) {
+    return BufferDescription{.name = name, .type = type, .help = help};
+  };
+  return {.name = "bmfr",
+          .stage = Stage::denoise,
+          .owns = {history("bmfr-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
+                   history("bmfr-square", BufferType::f32, "mean square of the luminance of its samples"),
+                   history("bmfr-samples", BufferType::u32, "samples in it"),
+                   history("bmfr-fit", BufferType::rgb32f, "light as features explain it"),
+                   history("bmfr-picture", BufferType::rgb32f, "filtered pictures, averaged"),
+                   {.name = "denoised",
+                    .type = BufferType::rgb32f,
+                    .help = "the picture, denoised",
+                    .persistent = true,
+                    .display = BufferDisplay::value},
+                   scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
+                   scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
+                   scratch("bmfr-age", BufferType::u32, "samples in that history")},
+          .reads = feature_buffers()};
+}
+
+bool BmfrPass::run(const FrameContext& frame) {
+  accumulate(frame);
+  fit(frame);
+  present(frame);
+  return true;
+}
+
+// None of these is to be stopped: the frame's samples have joined the mean by now.
+
+void BmfrPass::accumulate(const FrameContext& frame) const {
+  BmfrAccumulateKernel kernel;
+  kernel.reprojection = feature_reprojection(frame);
+  kernel.samples = surface_light(frame);
+  kernel.light_before = frame.previous<const Rgb>("bmfr-light");
+  kernel.count_before = frame.previous<const uint32_t>("bmfr-samples");
+  kernel.fitted_before = frame.previous<const Rgb>("bmfr-fit");
+  kernel.square_before = frame.previous<const float>("bmfr-square");
+  kernel.light = frame.view<Rgb>("bmfr-light");
+  kernel.count = frame.view<uint32_t>("bmfr-samples");
+  kernel.fitted_history = frame.view<Rgb>("bmfr-fit-history");
+  kernel.square = frame.view<float>("bmfr-square");
+  kernel.age = frame.view<uint32_t>("bmfr-age");
+  kernel.max_samples = history_limit(frame, settings_.max_history, settings_.max_history_changed);
+  launch(frame.backend, "bmfr-accumulate", kernel, frame.width(), frame.height());
+}
+
+void BmfrPass::fit(const FrameContext& frame) {
+  noise_.resize(kBlockNoise);
+  const BlockNoiseKernel noise{mutable_view_of(noise_), frame.number};
+  launch(frame.backend, "bmfr-fit", noise, kBlockPixels, kBlockFeatures - 1);
+  BlockRegressionKernel kernel;
+  kernel.position = frame.view<const Vec3>("feature-position");
+  kernel.normal = frame.view<const Vec3>("feature-normal");
+  kernel.albedo = frame.view<const Rgb>("feature-albedo");
+  kernel.light = frame.view<const Rgb>("bmfr-light");
+  kernel.samples = frame.view<const uint32_t>("bmfr-samples");
+  kernel.square = frame.view<const float>("bmfr-square");
+  kernel.noise = view_of(noise_);
+  kernel.fitted = frame.view<Rgb>("bmfr-fit");
+  kernel.noise_scale = settings_.noise;
+  kernel.detail = settings_.detail;
+  kernel.shift_x = shift_of(frame.number, 2);
+  kernel.shift_y = shift_of(frame.number, 3);
+  kernel.width = frame.width();
+  kernel.height = frame.height();
+  launch(frame.backend, "bmfr-fit", kernel, BlockRegressionKernel::blocks(frame.width()),
+         BlockRegressionKernel::blocks(frame.height()), {}, 1);
+}
+
+void BmfrPass::present(const FrameContext& frame) const {
+  BmfrPresentKernel kernel;
+  kernel.samples = surface_light(frame);
+  kernel.age = frame.view<const uint32_t>("bmfr-age");
+  kernel.fitted_history = frame.view<const Rgb>("bmfr-fit-history");
+  kernel.fitted = frame.view<Rgb>("bmfr-fit");
+  kernel.shown = frame.view<Rgb>("bmfr-shown");
+  kernel.max_fits = static_cast<uint32_t>(settings_.max_fits);
+  kernel.width = frame.width();
+  launch(frame.backend, "bmfr-present", kernel, frame.width(), frame.height());
+  finish_picture(frame, {"bmfr-present", "bmfr-shown", "bmfr-picture"}, settings_.newest);
+}
+
+}  // namespace relume

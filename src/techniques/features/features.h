@@ -1,0 +1,233 @@
+// What a pixel shows to a denoiser: the first surface that scatters light widely, in plain view, in mirrors or through
+// smooth glass, and apart from it the emission that is seen along the way, which carries no noise.
+#pragma once
+
+#include "techniques/primary_hits/primary_hits.h"
+
+namespace relume {
+
+/// Lobes with an α below this count as mirrors: what they show is an image, not a shade.
+inline constexpr float kNarrowAlpha = 0.01f;
+/// Mirrors and interfaces that are followed at most.
+inline constexpr uint32_t kMaxFeatureSteps = 8;
+/// Albedos below this are taken for black where radiance is divided by them: less than a display shows.
+inline constexpr float kLeastAlbedo = 1e-3f;
+/// Where the background stands in for a surface, metres.
+inline constexpr float kBackgroundDistance = 1e4f;
+
+/// The way on from a surface that mostly mirrors or lets pass.
+struct NarrowStep {
+  Vec3 wi{0};       ///< world direction
+  Rgb emission{0};  ///< factor for what is seen that way
+  Rgb albedo{0};    ///< the same if all that the surface returns came that way
+  bool reflected = false;
+  bool valid = false;
+};
+
+namespace feature_detail {
+
+RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
+  switch (lobe.kind) {
+    case LobeKind::mirror:
+    case LobeKind::smooth_dielectric:
+    case LobeKind::pass_through: return true;
+    case LobeKind::reflection:
+    case LobeKind::dielectric:
+    case LobeKind::thin_transmission: return lobe.microfacet.alpha < kNarrowAlpha;
+    default: return false;
+  }
+}
+
+/// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
+RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* compression) {
+  const Vec3 mirrored(-wo.x, -wo.y, wo.z);
+  *share = Rgb(1);
+  *compression = 1.0f;
+  switch (lobe.kind) {
+    case LobeKind::pass_through:
+    case LobeKind::thin_transmission: return -wo;
+    case LobeKind::dielectric:
+    case LobeKind::smooth_dielectric: {
+      const float fresnel = fresnel_dielectric(wo.z, lobe.eta);
+      const Rgb through = lobe.color * (1.0f - fresnel);
+      const Rgb total = Rgb(fresnel) + through;
+      Vec3 wi;
+      if (fresnel <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
+        for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
+        *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+        return wi;
+      }
+      for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? fresnel / total[c] : 0.0f;
+      return mirrored;
+    }
+    default: return mirrored;
+  }
+}
+
+}  // namespace feature_detail
+
+/// Invalid where lobes that are not narrow return half of the light or more: a filter can do with what they show.
+RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
+  NarrowStep step;
+  if (is_lambert(sp.bsdf) || sp.bsdf.empty()) return step;
+  const float below_coat = coat_transmittance(sp.bsdf, sp.wo_local.z);
+  Rgb total(0);
+  Rgb largest(0);
+  float narrow = 0;
+  int chosen = -1;
+  for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
+    const Lobe& lobe = sp.bsdf.lobes[i];
+    const float share = i == 0 && sp.bsdf.has_coat() ? 1.0f : below_coat;
+    const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * share;
+    total += albedo;
+    if (!feature_detail::is_narrow(lobe)) continue;
+    narrow += luminance(albedo);
+    if (chosen >= 0 && luminance(albedo) <= luminance(largest)) continue;
+    chosen = i;
+    largest = albedo;
+  }
+  if (chosen < 0 || 2.0f * narrow <= luminance(total)) return step;
+  Rgb share;
+  float compression = 1;
+  const Vec3 wi = feature_detail::main_direction(sp.bsdf.lobes[chosen], sp.wo_local, &share, &compression);
+  step.wi = sp.frame.to_world(wi);
+  step.reflected = wi.z > 0.0f;
+  step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
+  step.emission = largest * share * compression;
+  step.albedo = total * compression;
+  return step;
+}
+
+/// What one sample of a pixel shows.
+struct Feature {
+  Vec3 position{0};  ///< as if mirrors were windows: at the length of the path along the camera ray, metres
+  Vec3 previous{0};  ///< where that was one frame ago
+  Vec3 normal{0};    ///< shading normal, unfolded in the same way
+  Rgb albedo{0};     ///< of the surface, times what mirrors on the way return; black: there is nothing to filter
+  Rgb emission{0};   ///< radiance seen without scattering widely
+  float depth = 0;   ///< length of the path, metres
+  uint32_t surface = kNoSurface;  ///< tells surfaces apart, and their images from themselves
+};
+
+/// Follows mirrors and smooth interfaces from the primary hit on. `max_steps`: bounces that the estimator makes.
+struct FeatureTracer {
+  const SceneView& scene;
+  uint32_t max_steps = kMaxFeatureSteps;
+
+  RELUME_HD Feature trace(const Ray& camera_ray, Hit hit, uint32_t ray_id) const {
+    Feature f;
+    Ray ray = camera_ray;
+    SurfacePoint sp;
+    Rgb seen(1);
+    Mat3 unfold(1);
+    uint32_t path_id = 0;
+    f.albedo = Rgb(1);
+    for (uint32_t step = 0;; ++step) {
+      if (!hit.valid()) {
+        reach_background(camera_ray, ray, seen, path_id, f);
+        return f;
+      }
+      f.depth += hit.t;
+      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, sp);
+      absorb(sp, hit.t, seen, f.albedo);
+      f.emission += seen * sp.emission;
+      const NarrowStep next = step < max_steps ? narrow_step(sp) : NarrowStep{};
+      if (!next.valid) break;
+      seen *= next.emission;
+      f.albedo *= next.albedo;
+      path_id = hash(sp.instance, path_id + 1);
+      if (next.reflected) unfold = unfold * reflection(sp.frame.n);
+      ray = sp.spawn_ray(next.wi);
+      hit = intersect(scene.accel, ray, hash(ray_id, step));
+    }
+    f.albedo *= sp.bsdf.empty() ? Rgb(0) : relume::albedo(sp.bsdf, sp.wo_local.z);
+    f.normal = unfold * sp.frame.n;
+    f.position = path_id == 0 ? sp.position : camera_ray.origin + camera_ray.direction * f.depth;
+    f.previous = f.position + unfold * (sp.previous_position - sp.position);
+    f.surface = sp.instance ^ path_id;
+    return f;
+  }
+
+ private:
+  /// I − 2 n nᵀ.
+  RELUME_HD static Mat3 reflection(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
+
+  RELUME_HD void absorb(const SurfacePoint& sp, float distance, Rgb& seen, Rgb& albedo) const {
+    const MaterialData& material = scene.materials[sp.material];
+    if (!material.volume || sp.front_face) return;
+    const Rgb factor = exp(-material.absorption * distance);
+    seen *= factor;
+    albedo *= factor;
+  }
+
+  RELUME_HD void reach_background(const Ray& camera_ray, const Ray& ray, const Rgb& seen, uint32_t path_id,
+                                  Feature& f) const {
+    const LightsView& lights = scene.lights;
+    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
+      const Light& light = lights.lights[id];
+      f.emission += seen * (light.kind == LightKind::directional ? radiance_from(light.directional, ray.direction)
+                                                                 : lights.environment.radiance(ray.direction));
+    }
+    f.albedo = Rgb(0);
+    f.depth = kBackgroundDistance;
+    f.position = f.previous = camera_ray.origin + camera_ray.direction * kBackgroundDistance;
+    f.normal = -camera_ray.direction;
+    f.surface = path_id == 0 ? kNoSurface : path_id;
+  }
+};
+
+/// Light that arrives at the surface, times π: what it would return if it were white. Channels in which it returns
+/// nothing take the largest of the others.
+RELUME_HD inline Rgb demodulate(const Rgb& radiance, const Rgb& emission, const Rgb& albedo) {
+  Rgb light(0);
+  float largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (albedo[c] < kLeastAlbedo) continue;
+    light[c] = (radiance[c] - emission[c]) / albedo[c];
+    largest = relume::max(largest, light[c]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (albedo[c] < kLeastAlbedo) light[c] = largest;
+  }
+  return light;
+}
+
+/// Whether there is something to filter.
+RELUME_HD inline bool is_filtered(const Rgb& albedo) { return max_component(albedo) >= kLeastAlbedo; }
+
+/// Features of every pixel.
+struct FeatureKernel {
+  SceneView scene;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<Vec3> position;
+  View<Vec3> previous;
+  View<Vec3> normal;
+  View<Rgb> albedo;
+  View<Rgb> emission;
+  View<float> depth;
+  View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
+  View<uint32_t> surface;
+  uint32_t max_steps = kMaxFeatureSteps;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    Sampler sampler = index.sampler(x, y);
+    const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    const FeatureTracer tracer{scene, max_steps};
+    const Feature f = tracer.trace(ray, hits[pixel], sampler.camera_ray_id());
+    position[pixel] = f.position;
+    previous[pixel] = f.previous;
+    normal[pixel] = f.normal;
+    albedo[pixel] = f.albedo;
+    emission[pixel] = f.emission;
+    depth[pixel] = f.depth;
+    surface[pixel] = f.surface;
+    motion[pixel] = f.surface == kNoSurface ? film_motion(scene, ray, {scene.previous_camera.position, ray.direction})
+                                            : film_motion(scene, ray_to(scene.camera, f.position),
+                                                          ray_to(scene.previous_camera, f.previous));
+  }
+};
+
+}  // namespace relume

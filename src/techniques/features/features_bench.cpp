@@ -1,0 +1,30 @@
+#include <benchmark/benchmark.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+
+namespace relume {
+namespace {
+
+/// The features of frames of 256 × 256 pixels on one thread, without what frames cost otherwise.
+void bm_features(benchmark::State& state, const char* scene) {
+  RenderSettings settings;
+  settings.width = settings.height = 256;
+  settings.threads = 1;
+  settings.denoise = DenoiseChoice::svgf;
+  Session session(find_builtin_scene(scene)->build(), settings);
+  double before = 0;
+  for (auto _ : state) {
+    session.render_frame();
+    double seconds = 0;
+    for (const PassTime& pass : session.statistics().passes) seconds += pass.name == "features" ? pass.seconds : 0;
+    state.SetIterationTime(seconds - before);
+    before = seconds;
+  }
+  state.SetItemsProcessed(state.iterations() * settings.width * settings.height);
+}
+BENCHMARK_CAPTURE(bm_features, cornell, "cornell")->Unit(benchmark::kMillisecond)->UseManualTime();
+BENCHMARK_CAPTURE(bm_features, mirror, "cornell-mirror")->Unit(benchmark::kMillisecond)->UseManualTime();
+
+}  // namespace
+}  // namespace relume

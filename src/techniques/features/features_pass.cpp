@@ -1,0 +1,120 @@
+#include "techniques/features/features_pass.h"
+
+#include <algorithm>
+
+#include "techniques/features/picture_history.h"
+
+namespace relume {
+
+PassDeclaration FeaturesPass::declaration() const {
+  const auto buffer = [](const char* name, BufferType type, const char* help, bool double_buffered,
+                         std::string_view channels = "") {
+    return BufferDescription{.name = name,
+                             .type = type,
+                             .help = help,
+                             .persistent = double_buffered,
+                             .double_buffered = double_buffered,
+                             .display = BufferDisplay::value,
+                             .channels = channels};
+  };
+  return {.name = "features",
+          .stage = Stage::gbuffer,
+          .owns = {buffer("feature-position", BufferType::rgb32f, "surface seen, mirrors taken for windows, metres",
+                          true, "XYZ"),
+                   buffer("feature-previous", BufferType::rgb32f, "where it was one frame ago, metres", false, "XYZ"),
+                   buffer("feature-normal", BufferType::rgb32f, "its shading normal", true, "XYZ"),
+                   buffer("feature-albedo", BufferType::rgb32f, "its directional albedo, and what mirrors take from it",
+                          false),
+                   buffer("feature-emission", BufferType::rgb32f, "emission seen directly or in mirrors", false),
+                   buffer("feature-depth", BufferType::f32, "length of the way to it, metres", false, "Z"),
+                   buffer("feature-motion", BufferType::vec2f, "its motion since the previous frame, pixels", false),
+                   buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
+          .reads = {"primary-hits"}};
+}
+
+bool FeaturesPass::run(const FrameContext& frame) {
+  FeatureKernel kernel;
+  kernel.scene = frame.scene;
+  kernel.index = frame.index;
+  kernel.hits = frame.view<const Hit>("primary-hits");
+  kernel.position = frame.view<Vec3>("feature-position");
+  kernel.previous = frame.view<Vec3>("feature-previous");
+  kernel.normal = frame.view<Vec3>("feature-normal");
+  kernel.albedo = frame.view<Rgb>("feature-albedo");
+  kernel.emission = frame.view<Rgb>("feature-emission");
+  kernel.depth = frame.view<float>("feature-depth");
+  kernel.motion = frame.view<Vec2>("feature-motion");
+  kernel.surface = frame.view<uint32_t>("feature-surface");
+  kernel.max_steps = mirrors_ ? std::min(static_cast<uint32_t>(max_bounces_), kMaxFeatureSteps) : 0u;
+  kernel.width = frame.width();
+  return frame.launch("features", kernel);
+}
+
+std::vector<std::string_view> feature_buffers() {
+  return {"radiance",
+          "mean",
+          "m2",
+          "samples",
+          "feature-position",
+          "feature-previous",
+          "feature-normal",
+          "feature-albedo",
+          "feature-emission",
+          "feature-depth",
+          "feature-motion",
+          "feature-surface"};
+}
+
+BackwardReprojection feature_reprojection(const FrameContext& frame) {
+  return {frame.view<const Vec2>("feature-motion"),
+          frame.view<const Vec3>("feature-previous"),
+          frame.view<const Vec3>("feature-normal"),
+          frame.view<const float>("feature-depth"),
+          frame.view<const uint32_t>("feature-surface"),
+          frame.previous<const Vec3>("feature-position"),
+          frame.previous<const Vec3>("feature-normal"),
+          frame.previous<const uint32_t>("feature-surface"),
+          {},
+          frame.width(),
+          frame.height()};
+}
+
+SurfaceLight surface_light(const FrameContext& frame) {
+  return {frame.view<const Rgb>("radiance"), frame.view<const uint32_t>("allocation"),
+          frame.view<const Rgb>("feature-albedo"), frame.view<const Rgb>("feature-emission")};
+}
+
+uint32_t history_limit(const FrameContext& frame, int moving, int changed) {
+  if (includes(frame.changes, Change::geometry | Change::lights)) return static_cast<uint32_t>(changed);
+  return frame.changes == Change::none ? kNoHistoryLimit : static_cast<uint32_t>(moving);
+}
+
+void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest) {
+  const bool still = frame.changes == Change::none;
+  PictureHistoryKernel average;
+  average.shown = frame.view<const Rgb>(buffers.shown);
+  average.before = frame.previous<const Rgb>(buffers.history);
+  average.motion = frame.view<const Vec2>("feature-motion");
+  average.picture = frame.view<Rgb>(buffers.history);
+  average.still = still;
+  // Later pictures are better ones: their weight grows with their number.
+  average.newest = still ? 2.0f / static_cast<float>(frame.since_change + 2) : newest;
+  if (frame.number == 0 || includes(frame.changes, Change::materials | Change::settings)) average.newest = 1.0f;
+  average.width = frame.width();
+  average.height = frame.height();
+  launch(frame.backend, buffers.launch_name, average, frame.width(), frame.height());
+
+  ConvergeKernel converge;
+  converge.picture = frame.view<const Rgb>(buffers.history);
+  converge.mean = frame.view<const Rgb>("mean");
+  converge.m2 = frame.view<const float>("m2");
+  converge.samples = frame.view<const uint32_t>("samples");
+  converge.converged = frame.view<Rgb>("denoised");
+  converge.stratified = !frame.index.independent;
+  converge.still = still;
+  converge.width = frame.width();
+  converge.height = frame.height();
+  launch(frame.backend, buffers.launch_name, converge, frame.width(), frame.height());
+}
+
+}  // namespace relume

@@ -1,0 +1,45 @@
+// The features as a pass; part of a frame if a denoiser is.
+#pragma once
+
+#include "pipeline/pass.h"
+#include "techniques/features/light_history.h"
+
+namespace relume {
+
+class FeaturesPass final : public Pass {
+ public:
+  /// `max_bounces` is read every frame: what the estimator does not reach is not to be seen. `mirrors`: whether the
+  /// estimator shows what is seen in mirrors and through smooth glass.
+  FeaturesPass(const int& max_bounces, bool mirrors) : max_bounces_(max_bounces), mirrors_(mirrors) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const int& max_bounces_;
+  bool mirrors_;
+};
+
+/// What a denoiser reads of the features and samples, for its declaration.
+std::vector<std::string_view> feature_buffers();
+
+/// Where pixels were one frame ago, by their features.
+BackwardReprojection feature_reprojection(const FrameContext& frame);
+
+/// This frame's samples beside its features.
+SurfaceLight surface_light(const FrameContext& frame);
+
+/// Samples that histories count for at most in this frame; without a limit where nothing has changed.
+uint32_t history_limit(const FrameContext& frame, int moving, int changed);
+
+/// The last step of a denoiser, which owns two buffers besides "denoised": `shown`, this frame's filtered picture, and
+/// `history`, double-buffered. See picture_history.h.
+struct PictureBuffers {
+  std::string_view launch_name;
+  std::string_view shown;
+  std::string_view history;
+};
+/// `newest`: weight of this frame where something moves.
+void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);
+
+}  // namespace relume

@@ -1,0 +1,50 @@
+// What denoisers remember of a pixel: the light that arrives at its surface, accumulated over frames along with the
+// surface's motion.
+#pragma once
+
+#include "techniques/features/features.h"
+#include "techniques/reprojection/backward.h"
+
+namespace relume {
+
+/// What a frame's sample says of the light at a pixel's surface.
+struct SurfaceLightSample {
+  Rgb light{0};
+  bool valid = false;  ///< false: no path this frame, nothing to filter, or not finite
+};
+
+/// Views on this frame's samples and features.
+struct SurfaceLight {
+  View<const Rgb> radiance;
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
+  View<const Rgb> albedo;
+  View<const Rgb> emission;
+
+  RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
+
+  RELUME_HD SurfaceLightSample at(uint32_t pixel) const {
+    if (!taken(pixel) || !is_filtered(albedo[pixel]) || !is_finite(radiance[pixel])) return {};
+    return {demodulate(radiance[pixel], emission[pixel], albedo[pixel]), true};
+  }
+
+  /// The picture from filtered light. What is not filtered shows this frame's sample or, without one, the emission
+  /// seen.
+  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light) const {
+    if (is_filtered(albedo[pixel])) return emission[pixel] + albedo[pixel] * light;
+    return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
+  }
+};
+
+/// Least number of samples among the taps.
+RELUME_HD inline uint32_t count_at(const BackwardTaps& taps, const View<const uint32_t>& samples) {
+  if (!taps.valid) return 0;
+  uint32_t count = 0xffffffffu;
+  for (int k = 0; k < 4; ++k) {
+    if (taps.weights[k] > 0.0f && samples[taps.pixels[k]] < count) count = samples[taps.pixels[k]];
+  }
+  return count;
+}
+
+inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
+
+}  // namespace relume

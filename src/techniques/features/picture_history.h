@@ -1,0 +1,153 @@
+// The last step of a denoiser: pictures of several frames make smooth edges, as samples of a pixel fall on either side.
+#pragma once
+
+#include "backend/launch.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// Averages this frame's filtered picture with those before. Where nothing has changed they show the same; where
+/// something moves, the picture before is looked up along the motion and held to what is seen around the pixel now.
+struct PictureHistoryKernel {
+  View<const Rgb> shown;  ///< of this frame
+  View<const Rgb> before;
+  View<const Vec2> motion;
+  View<Rgb> picture;
+  float newest = 1;    ///< weight of this frame
+  bool still = false;  ///< nothing has changed
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Rgb now = shown[pixel];
+    Rgb history = now;
+    if (newest < 1.0f) history = still ? before[pixel] : moved(x, y);
+    picture[pixel] = history + (now - history) * newest;
+  }
+
+ private:
+  /// Weights of four pixels in a row for a place that lies the share t behind the second of them ([Keys81], a = −1/2):
+  /// sharper than linear interpolation, which blurs more with every frame.
+  RELUME_HD static void cubic_weights(float t, float (&w)[4]) {
+    w[0] = ((-0.5f * t + 1.0f) * t - 0.5f) * t;
+    w[1] = (1.5f * t - 2.5f) * t * t + 1.0f;
+    w[2] = ((-1.5f * t + 2.0f) * t + 0.5f) * t;
+    w[3] = (0.5f * t - 0.5f) * t * t;
+  }
+
+  RELUME_HD Rgb moved(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const float fx = static_cast<float>(x) - motion[pixel].x;
+    const float fy = static_cast<float>(y) - motion[pixel].y;
+    if (!(fx >= 0.0f && fy >= 0.0f && fx <= static_cast<float>(width - 1) && fy <= static_cast<float>(height - 1)))
+      return shown[pixel];
+    const int x0 = static_cast<int>(fx);
+    const int y0 = static_cast<int>(fy);
+    float wx[4];
+    float wy[4];
+    cubic_weights(fx - static_cast<float>(x0), wx);
+    cubic_weights(fy - static_cast<float>(y0), wy);
+    Rgb history(0);
+    for (int j = 0; j < 4; ++j) {
+      const uint32_t row = inside(y0 + j - 1, height) * width;
+      for (int i = 0; i < 4; ++i) history += before[row + inside(x0 + i - 1, width)] * (wx[i] * wy[j]);
+    }
+    Rgb low = shown[pixel];
+    Rgb high = low;
+    for (int j = -1; j <= 1; ++j) {
+      const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
+      for (int i = -1; i <= 1; ++i) {
+        const Rgb& neighbour = shown[row + inside(static_cast<int>(x) + i, width)];
+        low = glm::min(low, neighbour);
+        high = glm::max(high, neighbour);
+      }
+    }
+    return glm::clamp(history, low, high);
+  }
+
+  RELUME_HD static uint32_t inside(int i, uint32_t size) {
+    return i < 0 ? 0u : (i < static_cast<int>(size) ? static_cast<uint32_t>(i) : size - 1);
+  }
+};
+
+/// Where the mean of all samples is by now known better than the filter's bias, the picture turns into it: as far as
+/// the two differ, around the pixel, by more than the noise of the mean explains.
+struct ConvergeKernel {
+  View<const Rgb> picture;
+  View<const Rgb> mean;
+  View<const float> m2;  ///< sum of squared distances of the samples' luminance from its mean
+  View<const uint32_t> samples;
+  View<Rgb> converged;
+  bool stratified = false;  ///< the samples of a pixel are one low-discrepancy sequence
+  bool still = false;       ///< nothing has changed; otherwise the mean is not trusted
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    Difference sum;
+    for (uint32_t v = y > kReach ? y - kReach : 0; still && v <= y + kReach && v < height; ++v) {
+      Difference row;
+      for (uint32_t u = x > kReach ? x - kReach : 0; u <= x + kReach && u < width; ++u) row += at(v * width + u);
+      sum += row;
+    }
+    finish(y * width + x, sum);
+  }
+
+  /// Host: looks at each pixel once.
+  void operator()(const Tile& tile) const {
+    constexpr uint32_t kEdge = kTileSize + 2 * kReach;
+    const uint32_t x0 = tile.x0 > kReach ? tile.x0 - kReach : 0;
+    const uint32_t y0 = tile.y0 > kReach ? tile.y0 - kReach : 0;
+    const uint32_t x1 = tile.x1 + kReach < width ? tile.x1 + kReach : width;
+    const uint32_t y1 = tile.y1 + kReach < height ? tile.y1 + kReach : height;
+    Difference rows[kEdge][kTileSize];
+    for (uint32_t v = y0; still && v < y1; ++v) {
+      Difference pixels[kEdge];
+      for (uint32_t u = x0; u < x1; ++u) pixels[u - x0] = at(v * width + u);
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
+        Difference& row = rows[v - y0][x - tile.x0];
+        for (uint32_t u = x > kReach ? x - kReach : 0; u <= x + kReach && u < width; ++u) row += pixels[u - x0];
+      }
+    }
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
+        Difference sum;
+        for (uint32_t v = y > kReach ? y - kReach : 0; still && v <= y + kReach && v < height; ++v)
+          sum += rows[v - y0][x - tile.x0];
+        finish(y * width + x, sum);
+      }
+    }
+  }
+
+ private:
+  static constexpr uint32_t kReach = 2;
+  static constexpr uint32_t kKnownSamples = 4;  ///< from which their variance counts as known
+
+  struct Difference {
+    float squared = 0;
+    float variance = 0;
+
+    RELUME_HD void operator+=(const Difference& other) {
+      squared += other.squared;
+      variance += other.variance;
+    }
+  };
+
+  /// Stratified samples spread less about their mean than their variance tells: about as n^(−3/2) rather than n⁻¹.
+  RELUME_HD Difference at(uint32_t pixel) const {
+    if (samples[pixel] < kKnownSamples) return {};
+    const auto n = static_cast<float>(samples[pixel]);
+    const float gain = stratified ? std::sqrt(static_cast<float>(kKnownSamples) / n) : 1.0f;
+    return {sqr(luminance(mean[pixel] - picture[pixel])), gain * m2[pixel] / (n * (n - 1.0f))};
+  }
+
+  RELUME_HD void finish(uint32_t pixel, const Difference& around) const {
+    float share = around.squared > 0.0f ? 1.0f - around.variance / around.squared : 0.0f;
+    if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
+    converged[pixel] = picture[pixel] + (mean[pixel] - picture[pixel]) * share;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,27 @@
+// Intel's Open Image Denoise behind two functions. Whether the library was there is decided when relume is built.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/vec.h"
+
+namespace relume {
+
+/// Empty if the library can be used; otherwise a sentence that says how to get it.
+std::string oidn_missing();
+
+/// Pictures of width × height pixels, row by row.
+struct OidnImages {
+  const Rgb* color = nullptr;   ///< noisy, linear
+  const Rgb* albedo = nullptr;  ///< in [0, 1]
+  const Vec3* normal = nullptr;
+  Rgb* output = nullptr;
+  uint32_t width = 0;
+  uint32_t height = 0;
+};
+
+/// Filters with as many threads. Throws Error with the library's message if it fails, or if it is missing.
+void oidn_filter(const OidnImages& images, int threads);
+
+}  // namespace relume

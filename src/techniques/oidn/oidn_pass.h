@@ -1,0 +1,14 @@
+// The denoiser "oidn" as a pass.
+#pragma once
+
+#include "pipeline/pass.h"
+
+namespace relume {
+
+class OidnPass final : public Pass {
+ public:
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+};
+
+}  // namespace relume

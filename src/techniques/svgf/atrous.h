@@ -1,0 +1,214 @@
+// One level of the edge-avoiding à-trous filter of [Schied17] §4.4: a 5 × 5 B-spline whose taps lie apart, weighted by
+// how alike normals, planes and light are. Written once for a float and for lanes of them.
+#pragma once
+
+#include "backend/launch.h"
+#include "core/lanes.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// What a level reads, a picture each.
+enum class AtrousPlane : uint32_t {
+  valid,  ///< 1: takes part, 0: does not
+  normal_x,
+  normal_y,
+  normal_z,
+  position_x,
+  position_y,
+  position_z,
+  inverse_footprint,  ///< 1 / width of a pixel on the surface, 1/metres
+  count,
+};
+inline constexpr uint32_t kAtrousPlanes = static_cast<uint32_t>(AtrousPlane::count);
+/// What a level filters: red, green, blue, and the variance of the luminance.
+inline constexpr uint32_t kAtrousChannels = 4;
+
+/// Pictures one after another, with a margin on either side in which nothing is valid, so that strips of pixels may be
+/// read and written beyond the border.
+struct AtrousPicture {
+  static constexpr uint32_t kMargin = 40;  ///< reach of the last level, 2 · 2⁴, and a strip
+
+  View<float> values;
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD_INLINE uint32_t stride() const { return width + 2 * kMargin; }
+  RELUME_HD_INLINE float* at(uint32_t plane, uint32_t x, uint32_t y) const {
+    return values.data + (static_cast<size_t>(plane) * height + y) * stride() + kMargin + x;
+  }
+  static constexpr size_t size(uint32_t planes, uint32_t w, uint32_t h) {
+    return static_cast<size_t>(planes) * h * (w + 2 * kMargin);
+  }
+};
+
+namespace atrous_detail {
+
+template <typename F>
+RELUME_HD_INLINE F of(float x) {
+  if constexpr (std::is_same_v<F, float>) {
+    return x;
+  } else {
+    return lanes_of(x);
+  }
+}
+template <typename F>
+RELUME_HD_INLINE F load(const float* from) {
+  if constexpr (std::is_same_v<F, float>) {
+    return *from;
+  } else {
+    return load_lanes(from);
+  }
+}
+RELUME_HD_INLINE void store(float* to, float value) { *to = value; }
+RELUME_HD_INLINE void store(float* to, const Lanes& value) { store_lanes(to, value); }
+
+template <typename F>
+RELUME_HD_INLINE F absolute(const F& x) {
+  return max(x, of<F>(0.0f) - x);
+}
+
+/// (1 + x/8)⁻⁸ for x ≥ 0: e⁻ˣ but for at most 0.03, without a table.
+template <typename F>
+RELUME_HD_INLINE F falloff(const F& x) {
+  const F root = of<F>(1.0f) + x * of<F>(0.125f);
+  const F square = root * root;
+  const F fourth = square * square;
+  return of<F>(1.0f) / (fourth * fourth);
+}
+
+/// x¹²⁸.
+template <typename F>
+RELUME_HD_INLINE F sharpened(F x) {
+  for (int i = 0; i < 7; ++i) x = x * x;
+  return x;
+}
+
+template <typename F>
+RELUME_HD_INLINE F luminance(const F& r, const F& g, const F& b) {
+  return r * of<F>(0.2126f) + g * of<F>(0.7152f) + b * of<F>(0.0722f);
+}
+
+/// What the filter knows of a pixel, or of kLanes in a row.
+template <typename F>
+struct Pixels {
+  F normal[3];
+  F position[3];
+  F channels[kAtrousChannels];
+
+  RELUME_HD_INLINE Pixels(const AtrousPicture& features, const AtrousPicture& light, uint32_t x, uint32_t y) {
+    constexpr auto kNormal = static_cast<uint32_t>(AtrousPlane::normal_x);
+    constexpr auto kPosition = static_cast<uint32_t>(AtrousPlane::position_x);
+    for (uint32_t c = 0; c < 3; ++c) {
+      normal[c] = load<F>(features.at(kNormal + c, x, y));
+      position[c] = load<F>(features.at(kPosition + c, x, y));
+    }
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(light.at(c, x, y));
+  }
+  RELUME_HD_INLINE F brightness() const { return luminance(channels[0], channels[1], channels[2]); }
+};
+
+}  // namespace atrous_detail
+
+struct AtrousKernel {
+  AtrousPicture features;  ///< kAtrousPlanes
+  AtrousPicture light;     ///< kAtrousChannels
+  AtrousPicture filtered;  ///< kAtrousChannels
+  uint32_t step = 1;       ///< pixels between taps
+  float plane_tolerance = 1;
+  float light_tolerance = 4;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { filter<float>(x, y); }
+
+  /// Host: kLanes pixels at once, which may reach into the margin.
+  void operator()(const Tile& tile) const {
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; x += kLanes) filter<Lanes>(x, y);
+    }
+  }
+
+ private:
+  RELUME_HD static constexpr float spline(int offset) {
+    return offset == 0 ? 0.375f : (offset == 1 || offset == -1 ? 0.25f : 0.0625f);
+  }
+
+  /// Variance over 3 × 3 neighbours, which steadies the tolerance of light ([Schied17 eq. 5]).
+  template <typename F>
+  RELUME_HD_INLINE F steady_variance(uint32_t x, uint32_t y) const {
+    using namespace atrous_detail;
+    F sum = of<F>(0.0f);
+    F total = of<F>(0.0f);
+    for (int dy = -1; dy <= 1; ++dy) {
+      const int row = static_cast<int>(y) + dy;
+      if (row < 0 || row >= static_cast<int>(light.height)) continue;
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto column = static_cast<uint32_t>(static_cast<int>(x) + dx);  // −1 lies in the margin
+        const F weight = load<F>(at(features, 0, column, static_cast<uint32_t>(row))) *
+                         of<F>((dx == 0 ? 0.5f : 0.25f) * (dy == 0 ? 0.5f : 0.25f));
+        sum = sum + weight * load<F>(at(light, 3, column, static_cast<uint32_t>(row)));
+        total = total + weight;
+      }
+    }
+    return sum / max(total, of<F>(1e-6f));
+  }
+
+  /// `column` may be negative, as an unsigned number that wraps around.
+  RELUME_HD_INLINE static const float* at(const AtrousPicture& picture, uint32_t plane, uint32_t column, uint32_t row) {
+    return picture.at(plane, 0, row) + static_cast<int32_t>(column);
+  }
+
+  template <typename F>
+  RELUME_HD_INLINE void filter(uint32_t x, uint32_t y) const {
+    using namespace atrous_detail;
+    const Pixels<F> here(features, light, x, y);
+    const F brightness = here.brightness();
+    const F inverse_light =
+        of<F>(1.0f) / (of<F>(light_tolerance) * square_root(steady_variance<F>(x, y)) + of<F>(1e-6f));
+    const F inverse_plane = load<F>(features.at(static_cast<uint32_t>(AtrousPlane::inverse_footprint), x, y)) *
+                            of<F>(1.0f / (plane_tolerance * static_cast<float>(step)));
+    F total = of<F>(spline(0) * spline(0));
+    F sums[kAtrousChannels];
+    for (uint32_t c = 0; c < 3; ++c) sums[c] = total * here.channels[c];
+    sums[3] = total * total * here.channels[3];
+    for (int dy = -2; dy <= 2; ++dy) {
+      const int row = static_cast<int>(y) + dy * static_cast<int>(step);
+      if (row < 0 || row >= static_cast<int>(light.height)) continue;
+      for (int dx = -2; dx <= 2; ++dx) {
+        if (dx == 0 && dy == 0) continue;
+        tap<F>(here, brightness, inverse_light, inverse_plane, static_cast<int>(x) + dx * static_cast<int>(step), row,
+               dx, dy, total, sums);
+      }
+    }
+    const F inverse = of<F>(1.0f) / total;
+    for (uint32_t c = 0; c < 3; ++c) store(filtered.at(c, x, y), sums[c] * inverse);
+    store(filtered.at(3, x, y), sums[3] * inverse * inverse);
+  }
+
+  template <typename F>
+  RELUME_HD_INLINE void tap(const atrous_detail::Pixels<F>& here, const F& brightness, const F& inverse_light,
+                            const F& inverse_plane, int column, int row, int dx, int dy, F& total,
+                            F (&sums)[kAtrousChannels]) const {
+    using namespace atrous_detail;
+    const auto x = static_cast<uint32_t>(column);
+    const auto y = static_cast<uint32_t>(row);
+    F cosine = of<F>(0.0f);
+    F distance = of<F>(0.0f);
+    for (uint32_t c = 0; c < 3; ++c) {
+      cosine = cosine + here.normal[c] * load<F>(at(features, 1 + c, x, y));
+      distance = distance + here.normal[c] * (load<F>(at(features, 4 + c, x, y)) - here.position[c]);
+    }
+    F channels[kAtrousChannels];
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(at(light, c, x, y));
+    const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - brightness);
+    const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
+    const F weight = of<F>(spline(dx) * spline(dy)) * load<F>(at(features, 0, x, y)) *
+                     sharpened(max(cosine, of<F>(0.0f))) *
+                     falloff(absolute(distance) * inverse_plane * of<F>(1.0f / apart) + contrast * inverse_light);
+    for (uint32_t c = 0; c < 3; ++c) sums[c] = sums[c] + weight * channels[c];
+    sums[3] = sums[3] + weight * weight * channels[3];
+    total = total + weight;
+  }
+};
+
+}  // namespace relume

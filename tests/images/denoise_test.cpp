@@ -1,0 +1,150 @@
+// Denoisers against the picture that they stand in for: how much nearer they come than what they were given, and
+// whether what features do not tell survives.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/measure.h"
+
+namespace relume::support {
+namespace {
+
+constexpr int kWidth = 96;
+constexpr int kHeight = 96;
+
+Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+
+RenderSettings settings_of(DenoiseChoice denoise, EstimatorChoice estimator = EstimatorChoice::path) {
+  RenderSettings s = small_settings(kWidth, kHeight);
+  s.denoise = denoise;
+  s.estimator = estimator;
+  return s;
+}
+
+struct Region {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = kWidth;
+  int y1 = kHeight;
+};
+
+/// Mean squared difference of what a display shows: radiance clamped to 1.
+double mse(const Image& a, const Image& b, const Region& r = {}) {
+  double sum = 0;
+  for (int y = r.y0; y < r.y1; ++y) {
+    for (int x = r.x0; x < r.x1; ++x) {
+      const auto i = static_cast<size_t>(y * a.width + x);
+      sum += static_cast<double>(length_squared(glm::min(a.pixels[i], Rgb(1)) - glm::min(b.pixels[i], Rgb(1)))) / 3.0;
+    }
+  }
+  return sum / ((r.x1 - r.x0) * (r.y1 - r.y0));
+}
+
+double mean_of(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+PlacedCamera moved(PlacedCamera camera, int frames) {
+  camera.to_world[3] += 0.04f * static_cast<float>(frames) * camera.to_world[0];
+  return camera;
+}
+
+/// Rendered once for both denoisers.
+const Image& reference_of(const char* scene, EstimatorChoice estimator, int moving) {
+  static std::map<std::pair<std::string, int>, Image> known;
+  Image& image = known[{scene, moving}];
+  if (image.pixels.empty()) {
+    RenderSettings settings = settings_of(DenoiseChoice::none, estimator);
+    settings.seed = 77;
+    Session session(build(scene), settings);
+    session.set_camera(moved(session.scene().camera(), moving));
+    for (int i = 0; i < 256; ++i) session.render_frame();
+    image = session.image();
+  }
+  return image;
+}
+
+/// What a session shows after some frames, denoised, the mean of all its samples, and the sample of the last of them.
+struct Shown {
+  Shown(const char* scene, const RenderSettings& settings, int still, int moving)
+      : reference(reference_of(scene, settings.estimator, moving)) {
+    Session session(build(scene), settings);
+    const PlacedCamera start = session.scene().camera();
+    for (int i = 0; i < still; ++i) session.render_frame();
+    for (int i = 1; i <= moving; ++i) {
+      session.set_camera(moved(start, i));
+      session.render_frame();
+    }
+    denoised = session.image();
+    noisy = picture(session, "radiance");
+    mean = picture(session, "mean");
+  }
+
+  static Image picture(const Session& session, const char* buffer) {
+    Image image(kWidth, kHeight);
+    const auto pixels = session.buffers().view<const Rgb>(buffer);
+    std::copy(pixels.begin(), pixels.end(), image.pixels.begin());
+    return image;
+  }
+
+  const Image& reference;
+  Image denoised;
+  Image noisy;
+  Image mean;
+};
+
+class DenoisedPicture : public ::testing::TestWithParam<DenoiseChoice> {};
+
+TEST_P(DenoisedPicture, ATenthOfTheErrorWhereNothingMoves) {
+  const Shown s("cornell", settings_of(GetParam()), 8, 0);
+  EXPECT_LT(mse(s.denoised, s.reference), 0.1 * mse(s.noisy, s.reference));
+}
+
+TEST_P(DenoisedPicture, AFifthOfTheErrorWhereTheCameraMoves) {
+  const Shown s("cornell", settings_of(GetParam()), 1, 8);
+  EXPECT_LT(mse(s.denoised, s.reference), 0.2 * mse(s.noisy, s.reference));
+}
+
+TEST_P(DenoisedPicture, IsAsBrightAsTheScene) {
+  const Shown s("cornell", settings_of(GetParam()), 16, 0);
+  EXPECT_NEAR(mean_of(s.denoised) / mean_of(s.reference), 1.0, 0.02);  // the bias that the pages state
+}
+
+TEST_P(DenoisedPicture, MirrorImagesSurvive) {
+  const Shown s("cornell-mirror", settings_of(GetParam()), 8, 0);
+  const Region mirror{16, 16, 80, 60};
+  EXPECT_LT(mse(s.denoised, s.reference, mirror), 0.1 * mse(s.noisy, s.reference, mirror));
+}
+
+TEST_P(DenoisedPicture, CausticsSurvive) {
+  const Shown s("cornell-glass", settings_of(GetParam(), EstimatorChoice::bdpt), 16, 0);
+  const Region floor{8, 70, 88, 94};
+  EXPECT_LT(mse(s.denoised, s.reference, floor), 0.1 * mse(s.noisy, s.reference, floor));
+}
+
+TEST_P(DenoisedPicture, AFurnaceStaysWhite) {
+  Session session(build("furnace"), settings_of(GetParam()));
+  for (int i = 0; i < 4; ++i) session.render_frame();
+  const double mean = mean_of(session.image());
+  RenderSettings plain = settings_of(DenoiseChoice::none);
+  Session truth(build("furnace"), plain);
+  for (int i = 0; i < 64; ++i) truth.render_frame();
+  EXPECT_NEAR(mean / mean_of(truth.image()), 1.0, 2e-3);
+}
+
+std::string denoiser_name(const ::testing::TestParamInfo<DenoiseChoice>& instance) {
+  return instance.param == DenoiseChoice::bmfr ? "bmfr" : "svgf";
+}
+
+INSTANTIATE_TEST_SUITE_P(Denoisers, DenoisedPicture, ::testing::Values(DenoiseChoice::bmfr, DenoiseChoice::svgf),
+                         denoiser_name);
+
+}  // namespace
+}  // namespace relume::support
