@@ -11,11 +11,15 @@ Experiment combination_experiment();
 Experiment bdpt_quality_experiment();
 Experiment bdpt_cost_experiment();
 Experiment bmfr_experiment();
-
 Experiment light_selection_experiment();
 Experiment guiding_experiment();
 Experiment vlc_adaptation_experiment();
 Experiment cdq_adaptation_experiment();
 Experiment guide_cost_experiment();
+Experiment psf_error_experiment();
+Experiment psf_bias_experiment();
+Experiment psf_variance_experiment();
+Experiment psf_frametime_experiment();
+Experiment apg_depth_experiment();
 
 }  // namespace relume

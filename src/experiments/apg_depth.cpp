@@ -1,0 +1,165 @@
+// [Schipek22 §6.3]: in a corridor whose lamp is three bends away, at which bounce cells take over, and how the light
+// arrives.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "compare/comparison_page.h"
+#include "compare/timed_session.h"
+#include "experiments/all.h"
+#include "experiments/frame_averages.h"
+#include "experiments/trace.h"
+#include "metrics/metrics.h"
+#include "report/pictures.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kPaper = "[Schipek22 §6.3]";
+constexpr float kConstants[] = {0, 0.1f, 1, 10, 100, 1000, 10000};
+
+RenderSettings settings_of(const ExperimentContext& context, const ExperimentScene& scene, CacheChoice cache) {
+  RenderSettings settings = scene.settings;
+  set_size(context, settings);
+  settings.cache = cache;
+  settings.history = HistoryChoice::none;
+  return settings;
+}
+
+std::vector<FrameAverages> measure_depths(const ExperimentContext& context, const ExperimentScene& scene,
+                                          const Reference& reference) {
+  std::vector<FrameAverages> list;
+  const FramePlanOfAverages plan{.skip = context.choose(48, 8), .count = context.choose(64, 4), .repetitions = 2};
+  for (const float constant : kConstants) {
+    CacheContender contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
+    contender.settings.apg.variance_constant = constant;
+    contender.settings.psf.grid.jitter = false;  // as the thesis does for this, to see the cells
+    list.push_back(average_frames(context, scene, contender, plan, reference));
+  }
+  return list;
+}
+
+Claim claim_depth(const std::vector<FrameAverages>& list) {
+  bool holds = list.back().termination > list.front().termination;
+  std::string measured;
+  for (size_t i = 0; i < list.size(); ++i) {
+    holds = holds && (i == 0 || list[i].termination >= list[i - 1].termination - 0.005);
+    measured += fmt::format("{}{}: {:.2f}", i > 0 ? ", " : "", list[i].name, list[i].termination);
+  }
+  return judged("depth", kPaper, "The mean depth at which paths end grows with the variance constant.",
+                "mean bounce by constant: " + measured, "monotone", holds);
+}
+
+/// What arrives, frame by frame.
+struct Arrival {
+  std::string name;
+  std::vector<double> share;  ///< mean radiance over the reference's
+  std::vector<double> mse;
+  Image first = {};
+  Image last = {};
+};
+
+Arrival measure_arrival(const ExperimentContext& context, const ExperimentScene& scene, std::string name,
+                        CacheChoice cache, const Reference& reference) {
+  Arrival result{std::move(name), {}, {}};
+  Session session(scene.scene, settings_of(context, scene, cache));
+  session.set_camera(scene.camera);
+  for (int frame = 0; frame < context.choose(64, 6); ++frame) {
+    context.check_stop();
+    session.render_frame();
+    result.last = session.image();
+    if (frame == 0) result.first = result.last;
+    const Metrics m = compute_metrics(result.last, reference.image, {.flip = false});
+    result.share.push_back((m.mean_a[0] + m.mean_a[1] + m.mean_a[2]) / (m.mean_b[0] + m.mean_b[1] + m.mean_b[2]));
+    result.mse.push_back(m.mse);
+  }
+  return result;
+}
+
+double mean_of(const std::vector<double>& values, size_t begin, size_t end) {
+  double sum = 0;
+  for (size_t i = begin; i < end; ++i) sum += values[i];
+  return sum / static_cast<double>(end - begin);
+}
+
+Claim claim_arrival(const Arrival& graph) {
+  const size_t n = graph.share.size();
+  const double first = mean_of(graph.share, 0, std::min<size_t>(4, n / 2));
+  const double last = mean_of(graph.share, n / 2, n);
+  return judged(
+      "arrival", kPaper,
+      "Light takes some frames to come forward from cell to cell: the first frames are too dark. (Here a "
+      "vertex whose next cell is unknown waits for what its path finds, so they should not be.)",
+      fmt::format("{:.2f} of the reference's light in the first four frames, {:.2f} in the second half", first, last),
+      "first frames below 0.8 of the later ones", first < 0.8 * last);
+}
+
+Claim claim_error(const Arrival& path, const Arrival& graph) {
+  const size_t n = graph.mse.size();
+  const double ratio = mean_of(graph.mse, n / 2, n) / mean_of(path.mse, n / 2, n);
+  return judged("error", kPaper, "Once the light is there, apg+apsf has less error than path tracing.",
+                fmt::format("{:.3f} of path tracing's MSE", ratio), "ratio below 1", ratio < 1);
+}
+
+ChartBlock depth_chart(const std::vector<FrameAverages>& list) {
+  Curve curve{"apg", 0, false, {}};
+  for (size_t i = 0; i < list.size(); ++i)
+    curve.points.push_back({.x = std::max(1e-2, static_cast<double>(kConstants[i])), .y = list[i].termination});
+  return {"Depth at which paths end",
+          "Mean over pixels and frames of the bounce, from 1, at which a path ceases to count. The leftmost point is "
+          "that of the constant 0. Jitter is off.",
+          {{"by constant", "variance constant", "bounce", true, false, {curve}}}};
+}
+
+ChartBlock arrival_chart(const std::vector<Arrival>& list) {
+  Chart share{"light", "frame", "mean radiance over the reference's", false, false, {}};
+  Chart error{"error", "frame", "MSE", true, true, {}};
+  for (size_t i = 0; i < list.size(); ++i) {
+    Curve curve{list[i].name, static_cast<int>(i), false, {}};
+    for (size_t k = 0; k < list[i].share.size(); ++k)
+      curve.points.push_back({.x = static_cast<double>(k + 1), .y = list[i].share[k]});
+    share.curves.push_back(curve);
+    for (size_t k = 0; k < curve.points.size(); ++k) curve.points[k].y = list[i].mse[k];
+    error.curves.push_back(std::move(curve));
+  }
+  return {
+      "Frame by frame", "One sample a pixel, no history but that of the cells.", {std::move(share), std::move(error)}};
+}
+
+ViewerBlock pictures(const std::vector<Arrival>& list, const Image& reference) {
+  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
+  PictureSet set{
+      .label = "corridor", .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
+  set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
+  for (size_t i = 0; i < list.size(); ++i) {
+    const int color = static_cast<int>(i);
+    set.pictures.push_back(measured_picture(list[i].name + ", first", color, list[i].first, reference, options));
+    set.pictures.push_back(measured_picture(list[i].name + ", last", color, list[i].last, reference, options));
+  }
+  return {"Pictures", "The first and the last frame.", picture_layer_kinds(), {std::move(set)}};
+}
+
+ExperimentResult run_apg_depth(const ExperimentContext& context) {
+  const ExperimentScene corridor = built_in("corridor", 10);
+  const Reference reference = make_reference(context, corridor, context.choose(8192, 256));
+  const std::vector<FrameAverages> depths = measure_depths(context, corridor, reference);
+  const std::vector<Arrival> arrivals{measure_arrival(context, corridor, "path", CacheChoice::none, reference),
+                                      measure_arrival(context, corridor, "psf", CacheChoice::psf, reference),
+                                      measure_arrival(context, corridor, "apg", CacheChoice::apg, reference),
+                                      measure_arrival(context, corridor, "apg+apsf", CacheChoice::apsf_apg, reference)};
+  ExperimentResult result;
+  result.claims = {claim_depth(depths), claim_arrival(arrivals[2]), claim_error(arrivals[0], arrivals[3])};
+  result.blocks = {depth_chart(depths), arrival_chart(arrivals), pictures(arrivals, reference.image)};
+  result.setup = {{"Scene", "corridor, 10 bounces"},
+                  {"Size", context.quick ? "64 × 36" : "320 × 180"},
+                  {"Reference", context.quick ? "256 samples" : "8192 samples"}};
+  return result;
+}
+
+}  // namespace
+
+Experiment apg_depth_experiment() {
+  return {"apg-depth", kPaper, "where cells end paths, in a corridor with a distant lamp", run_apg_depth};
+}
+
+}  // namespace relume

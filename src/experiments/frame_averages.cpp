@@ -1,0 +1,121 @@
+#include "experiments/frame_averages.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <glm/vec3.hpp>
+
+#include "compare/timed_session.h"
+#include "experiments/trace.h"
+#include "metrics/ensemble.h"
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+/// Sums over frames, pixel by pixel.
+struct FrameSums {
+  std::vector<glm::dvec3> values;
+  std::vector<glm::dvec3> squares;
+  int count = 0;
+
+  void add(const Image& image) {
+    values.resize(image.pixels.size(), glm::dvec3(0));
+    squares.resize(image.pixels.size(), glm::dvec3(0));
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+      const glm::dvec3 value(image.pixels[i]);
+      values[i] += value;
+      squares[i] += value * value;
+    }
+    ++count;
+  }
+
+  /// Variance of a frame, unbiased if frames are independent; mean over pixels and channels.
+  double variance() const {
+    double sum = 0;
+    for (size_t i = 0; i < values.size(); ++i) {
+      const glm::dvec3 v = squares[i] - values[i] * values[i] / static_cast<double>(count);
+      sum += v.x + v.y + v.z;
+    }
+    return sum / (3.0 * static_cast<double>(values.size()) * std::max(1, count - 1));
+  }
+};
+
+Image mean_image(const std::vector<glm::dvec3>& sums, int count, int width, int height) {
+  Image image(width, height);
+  for (size_t i = 0; i < sums.size(); ++i) image.pixels[i] = Rgb(sums[i] / static_cast<double>(count));
+  return image;
+}
+
+double mean_termination(const Session& session) {
+  if (session.settings().cache == CacheChoice::none) return 0;
+  double sum = 0;
+  const View<const float> layer = session.buffers().view<const float>("cell-termination");
+  for (const float bounce : layer) sum += static_cast<double>(bounce);
+  return sum / static_cast<double>(layer.size);
+}
+
+}  // namespace
+
+std::vector<CacheContender> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  const std::pair<const char*, CacheChoice> list[] = {{"path", CacheChoice::none},
+                                                      {"psf", CacheChoice::psf},
+                                                      {"apsf", CacheChoice::apsf},
+                                                      {"apg", CacheChoice::apg},
+                                                      {"apg+apsf", CacheChoice::apsf_apg}};
+  std::vector<CacheContender> contenders;
+  for (const auto& [name, cache] : list) {
+    CacheContender contender{name, scene.settings};
+    set_size(context, contender.settings);
+    contender.settings.cache = cache;
+    contender.settings.history = HistoryChoice::none;
+    contenders.push_back(std::move(contender));
+  }
+  return contenders;
+}
+
+std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context) {
+  std::vector<ExperimentScene> scenes;
+  scenes.push_back(built_in("cornell", 6));
+  scenes.push_back(built_in("corridor", 10));
+  if (std::optional<ExperimentScene> hall = sponza(context)) scenes.push_back(std::move(*hall));
+  if (!context.quick) scenes.push_back(built_in("mine", 6));
+  return scenes;
+}
+
+FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
+                             const CacheContender& contender, const FramePlanOfAverages& plan,
+                             const Reference& reference) {
+  TimedSession session(scene.scene, contender.settings);
+  session.session().set_camera(scene.camera);
+  FrameSums all;
+  Ensemble ensemble;
+  FrameAverages result{.name = contender.name};
+  std::vector<double> frame_s;
+  for (int repetition = 0; repetition < plan.repetitions; ++repetition) {
+    session.restart(1 + repetition);
+    FrameSums sums;
+    for (int frame = 0; frame < plan.skip + plan.count; ++frame) {
+      context.check_stop();
+      session.render_frame();
+      if (frame < plan.skip) continue;
+      const Image image = session.session().image();
+      sums.add(image);
+      all.add(image);
+      result.termination += mean_termination(session.session());
+    }
+    frame_s.insert(frame_s.end(), session.frame_s().begin() + plan.skip, session.frame_s().end());
+    ensemble.add(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
+    context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
+  }
+  const ErrorSplit split = ensemble.split(reference.image, reference.mse);
+  result.bias2 = split.bias2;
+  result.bias2_error = split.bias2_error;
+  result.variance = all.variance();
+  result.termination /= all.count;
+  result.frame_s = median(std::move(frame_s));
+  result.average = ensemble.mean();
+  return result;
+}
+
+}  // namespace relume

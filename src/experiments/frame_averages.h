@@ -1,0 +1,48 @@
+// Caches frame by frame: what a frame of one sample shows on average, and how far single frames stray from that.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "compare/reference.h"
+#include "experiments/experiment.h"
+#include "experiments/scenes.h"
+#include "io/image.h"
+
+namespace relume {
+
+/// A technique whose frames are averaged.
+struct CacheContender {
+  std::string name;
+  RenderSettings settings;
+};
+
+/// The caches of [Schipek22] and path tracing before them: "path", "psf", "apsf", "apg", "apg+apsf". Every frame shows
+/// one sample a pixel and what the cells know.
+std::vector<CacheContender> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene);
+
+/// The scenes of these experiments: the box, the corridor, the mine, and Sponza if it is there.
+std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context);
+
+struct FramePlanOfAverages {
+  int skip = 64;    ///< frames before the first that counts: cells have settled
+  int count = 256;  ///< frames that count, in each repetition
+  int repetitions = 3;
+};
+
+struct FrameAverages {
+  std::string name;
+  double bias2 = 0;        ///< mean square difference of the average frame from the reference, without noise
+  double bias2_error = 0;  ///< its standard error
+  double variance = 0;     ///< of a frame
+  double termination = 0;  ///< mean bounce at which paths cease to count; 0 without cells
+  double frame_s = 0;      ///< median
+  Image average = {};
+};
+
+/// Throws ExperimentStopped.
+FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
+                             const CacheContender& contender, const FramePlanOfAverages& plan,
+                             const Reference& reference);
+
+}  // namespace relume

@@ -1,0 +1,148 @@
+// Error, bias and variance of what caches in a hash grid show.
+#include <gtest/gtest.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/measure.h"
+
+namespace relume::support {
+namespace {
+
+constexpr int kSize = 80;
+
+Scene cornell() { return find_builtin_scene("cornell")->build(); }
+
+RenderSettings settings_of(CacheChoice cache, HistoryChoice history) {
+  RenderSettings s = small_settings(kSize, kSize);
+  s.cache = cache;
+  s.history = history;
+  return s;
+}
+
+/// What pictures of the box are measured against. Pixels that see the lamp do not count: emission is not filtered, and
+/// the noise of the lamp's edges would outweigh all else.
+struct Truth {
+  Image image;
+  std::vector<bool> counts;
+};
+
+const Truth& truth() {
+  static const Truth result = [] {
+    RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate);
+    Truth t{render(cornell(), s, 512), {}};
+    s.path.max_bounces = 0;
+    for (const Rgb& emission : render(cornell(), s, 64).pixels) t.counts.push_back(is_black(emission));
+    return t;
+  }();
+  return result;
+}
+
+double error_of(const Image& image) {
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    if (!truth().counts[i]) continue;
+    sum += static_cast<double>(length_squared(image.pixels[i] - truth().image.pixels[i]));
+    count += 3;
+  }
+  return sum / count;
+}
+
+/// Expected error of the first frames, and rays of all of them.
+struct Course {
+  std::vector<double> error;
+  double rays = 0;
+};
+Course course(CacheChoice cache, HistoryChoice history, int frames) {
+  constexpr int kSeeds = 3;
+  Course result{std::vector<double>(static_cast<size_t>(frames), 0.0)};
+  RenderSettings s = settings_of(cache, history);
+  for (s.seed = 1; s.seed <= kSeeds; ++s.seed) {
+    Session session(cornell(), s);
+    for (double& error : result.error) {
+      session.render_frame();
+      error += error_of(session.image()) / kSeeds;
+    }
+    result.rays += static_cast<double>(session.statistics().rays) / kSeeds;
+  }
+  return result;
+}
+
+TEST(CacheErrors, PsfHalvesThatOfAFirstFrame) {
+  EXPECT_LT(course(CacheChoice::psf, HistoryChoice::none, 1).error[0],
+            0.5 * course(CacheChoice::none, HistoryChoice::none, 1).error[0]);
+}
+
+TEST(CacheErrors, PsfStaysBelowAccumulationForEightFrames) {
+  const Course plain = course(CacheChoice::none, HistoryChoice::accumulate, 8);
+  for (const HistoryChoice history : {HistoryChoice::none, HistoryChoice::accumulate}) {
+    const Course psf = course(CacheChoice::psf, history, 8);
+    for (size_t i = 0; i < 8; ++i) EXPECT_LT(psf.error[i], plain.error[i]) << i;
+  }
+}
+
+TEST(CacheErrors, ApsfHasThatOfPsfWithFewerRays) {
+  const Course psf = course(CacheChoice::psf, HistoryChoice::none, 24);
+  const Course apsf = course(CacheChoice::apsf, HistoryChoice::none, 24);
+  EXPECT_LT(apsf.rays, 0.8 * psf.rays);
+  for (size_t i = 0; i < 24; ++i) EXPECT_LT(apsf.error[i], 1.1 * psf.error[i]) << i;
+}
+
+/// Of frames after cells have settled: squared difference of their mean from the truth, and variance of one.
+struct Settled {
+  double bias2 = 0;
+  double variance = 0;
+};
+Settled settle(CacheChoice cache, float constant) {
+  constexpr int kSkip = 24;
+  constexpr int kFrames = 128;
+  RenderSettings s = settings_of(cache, HistoryChoice::none);
+  s.apg.variance_constant = constant;
+  Settled result;
+  std::vector<Image> means;
+  double count = 0;
+  for (const bool counts : truth().counts) count += counts ? 3 : 0;
+  for (s.seed = 1; s.seed <= 2; ++s.seed) {
+    Session session(cornell(), s);
+    std::vector<Image> frames;
+    for (int i = 0; i < kSkip + kFrames; ++i) {
+      session.render_frame();
+      if (i >= kSkip) frames.push_back(session.image());
+    }
+    const Moments m = moments_of(std::move(frames));
+    for (size_t i = 0; i < m.variance.size(); ++i) {
+      if (truth().counts[i])
+        result.variance += static_cast<double>(m.variance[i].r + m.variance[i].g + m.variance[i].b);
+    }
+    means.push_back(m.mean_image());
+  }
+  result.variance /= 2 * count;
+  // The product of two independent differences has no noise of its own but that of the truth, the same for all.
+  for (size_t i = 0; i < truth().counts.size(); ++i) {
+    if (!truth().counts[i]) continue;
+    const glm::dvec3 a(means[0].pixels[i] - truth().image.pixels[i]);
+    const glm::dvec3 b(means[1].pixels[i] - truth().image.pixels[i]);
+    result.bias2 += glm::dot(a, b) / count;
+  }
+  return result;
+}
+
+TEST(CacheErrorsSlow, PathGraphsTradeBiasForVariance) {
+  const Settled path = settle(CacheChoice::none, 0);
+  const Settled psf = settle(CacheChoice::psf, 0);
+  std::vector<Settled> graphs;
+  for (const float constant : {0.0f, 0.01f, 0.1f, 1.0f, 10.0f, 1000.0f})
+    graphs.push_back(settle(CacheChoice::apg, constant));
+  bool better = false;
+  for (size_t i = 0; i < graphs.size(); ++i) {
+    better = better || (graphs[i].variance <= 0.5 * path.variance && graphs[i].bias2 < psf.bias2);
+    if (i == 0) continue;
+    EXPECT_GE(graphs[i].variance, 0.98 * graphs[i - 1].variance) << i;
+    EXPECT_LE(graphs[i].bias2, 1.02 * graphs[i - 1].bias2) << i;
+  }
+  EXPECT_TRUE(better);
+  EXPECT_LE(psf.variance, graphs.front().variance);
+}
+
+}  // namespace
+}  // namespace relume::support

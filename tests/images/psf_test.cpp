@@ -1,0 +1,296 @@
+// What caches in a hash grid promise: less error than the path tracer's, light that stays where it belongs, and changes
+// that show soon.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "metrics/ensemble.h"
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "support/measure.h"
+#include "support/scenes.h"
+#include "techniques/path_graphs/testing/cache_scenes.h"
+
+namespace relume::support {
+namespace {
+
+Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+
+RenderSettings settings_of(CacheChoice cache, HistoryChoice history, int width, int height) {
+  RenderSettings s = small_settings(width, height);
+  s.cache = cache;
+  s.history = history;
+  return s;
+}
+
+double mean_of(const Image& image) {
+  double sum = 0;
+  for (const Rgb& p : image.pixels) sum += static_cast<double>(luminance(p));
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+/// A floor, lit from the left only: an endless black wall at x = 0 keeps the light from the right. Seen from above, 64
+/// pixels a metre.
+Scene divided_floor() {
+  Scene scene;
+  scene.name = "divided floor";
+  add(scene, quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}), lambert("floor", Rgb(0.8f)));
+  add(scene, quad({0, 0, 4}, {0, 8, 0}, {0, 0, -8}), lambert("wall", Rgb(0)));
+  PunctualLight lamp;
+  lamp.intensity = Rgb(4);
+  add_light(scene, lamp, look_at({-0.5f, 1, 0}, {-0.5f, 0, 0.001f}));
+  Camera camera;
+  camera.projection = Projection::orthographic;
+  camera.half_height = 1;
+  add_camera(scene, camera, {0, 6, 0}, {0, -1, -1e-4f});
+  return scene;
+}
+
+/// Mean radiance of the columns [first, last) of `image`, from the middle to the right.
+double mean_right(const Image& image, int first, int last) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = image.width / 2 + first; x < image.width / 2 + last; ++x)
+      sum += static_cast<double>(luminance(image.at(x, y)));
+  }
+  return sum / (image.height * (last - first));
+}
+
+class Caches : public ::testing::TestWithParam<CacheChoice> {};
+
+TEST_P(Caches, LightStaysWithinACellOfAWall) {
+  for (const bool jitter : {false, true}) {
+    RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 128, 128);
+    s.psf.grid.cell_size = 8;  // 1/8 metre
+    s.psf.grid.jitter = jitter;
+    Session session(divided_floor(), s);
+    for (int frame = 0; frame < 6; ++frame) {
+      session.render_frame();
+      const Image image = session.image();
+      const double lit = mean_right(image, -16, 0);
+      EXPECT_GT(lit, 0.1);
+      // The jitter takes both points by up to half a cell each: light reaches two cells far, but hardly.
+      EXPECT_EQ(mean_right(image, jitter ? 16 : 8, 64), 0.0) << jitter << " " << frame;
+      if (jitter) {
+        EXPECT_LT(mean_right(image, 8, 16), 0.02 * lit) << frame;
+      }
+    }
+  }
+}
+
+TEST_P(Caches, LightDoesNotGoThroughAPanel) {
+  // A panel without thickness, lit from behind, seen from the front.
+  Scene scene;
+  scene.name = "panel";
+  add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), lambert("panel", Rgb(0.8f)));
+  PunctualLight lamp;
+  lamp.intensity = Rgb(4);
+  add_light(scene, lamp, look_at({0, 0, -1}, {0, 0.001f, 0}));
+  add_camera(scene, Camera{}, {0, 0, 2}, {0, 0, -1});
+  // Looks at the back through a mirror, so that both sides are in the cells of one frame.
+  Material mirror = lambert("mirror", Rgb(1));
+  mirror.metallic = 1;
+  mirror.roughness = 0;
+  add(scene, quad({2.5f, -2, 3}, {0, 0, -6}, {0, 4, 0}), mirror);
+  add(scene, quad({-6, -4, -3}, {12, 0, 0}, {0, 8, 0}), mirror);
+  Session session(std::move(scene), settings_of(GetParam(), HistoryChoice::none, 64, 64));
+  for (int frame = 0; frame < 4; ++frame) session.render_frame();
+  const Image image = session.image();
+  for (int y = 24; y < 40; ++y) {
+    for (int x = 24; x < 40; ++x) EXPECT_EQ(image.at(x, y), Rgb(0));
+  }
+}
+
+/// A floor under a clear sky without anything else: the picture is the same everywhere, so whatever differs is error.
+Scene open_floor() {
+  Scene scene;
+  scene.name = "open floor";
+  add(scene, quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}), lambert("floor", Rgb(0.5f)));
+  for (int i = 0; i < 3; ++i) {
+    PunctualLight lamp;
+    lamp.type = PunctualType::directional;
+    lamp.intensity = Rgb(std::exp2(static_cast<float>(i)));
+    add_light(scene, lamp, look_at({0, 1, 0}, {0.5f * static_cast<float>(i), 0, 0.001f}));
+  }
+  return scene;
+}
+
+/// How much pixels change from frame to frame, followed along the surface.
+struct Flicker {
+  double near_borders = 0;
+  double elsewhere = 0;
+};
+
+/// The camera walks over the floor. Levels change where an edge of a cell, in pixels, is between two powers of two.
+Flicker walk(CacheChoice cache, int inherited_samples) {
+  constexpr int kWidth = 160;
+  constexpr int kHeight = 96;
+  RenderSettings s = settings_of(cache, HistoryChoice::none, kWidth, kHeight);
+  s.psf.grid.inherited_count = inherited_samples;
+  s.lights = LightSelectionChoice::uniform;  // a third of the light each: noise
+  s.path.max_bounces = 1;
+  Session session(open_floor(), s);
+  constexpr float kEye = 1.6f;
+  constexpr float kStep = 0.05f;
+  const float pixel = 2.0f * std::tan(0.5f * Camera{}.fov_y_rad) / kHeight;  // at distance 1
+  Flicker flicker;
+  double border_count = 0;
+  double other_count = 0;
+  Image before;
+  for (int frame = 0; frame < 60; ++frame) {
+    PlacedCamera placed;
+    placed.to_world[3] = Vec4(0, kEye, -kStep * static_cast<float>(frame), 1);  // looks along -z
+    session.set_camera(placed);
+    session.render_frame();
+    const Image image = session.image();
+    for (int y = kHeight / 2 + 8; frame >= 30 && y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const Vec3 d((static_cast<float>(x - kWidth / 2) + 0.5f) * pixel,
+                     -(static_cast<float>(y - kHeight / 2) + 0.5f) * pixel, -1);
+        const float t = -kEye / d.y;
+        // The same point of the floor a frame ago: further away by a step.
+        const float scale = -1.0f / (t * d.z - kStep);
+        const int px = static_cast<int>(std::floor(d.x * t * scale / pixel)) + kWidth / 2;
+        const int py = static_cast<int>(std::floor(kEye * scale / pixel)) + kHeight / 2;
+        if (px < 0 || px >= kWidth || py < 0 || py >= kHeight) continue;
+        const float level = std::log2(8.0f * pixel * t * glm::length(d));
+        const bool border = std::fabs(level - std::floor(level) - 0.5f) < 0.1f;
+        const double change = static_cast<double>(luminance(image.at(x, y)) - luminance(before.at(px, py)));
+        (border ? flicker.near_borders : flicker.elsewhere) += change * change;
+        (border ? border_count : other_count) += 1;
+      }
+    }
+    before = image;
+  }
+  EXPECT_GT(border_count, 1000);
+  flicker.near_borders /= border_count;
+  flicker.elsewhere /= other_count;
+  return flicker;
+}
+
+TEST_P(Caches, BordersBetweenLevelsDoNotFlicker) {
+  const Flicker filtered = walk(GetParam(), 128);
+  const Flicker plain = walk(CacheChoice::none, 0);
+  EXPECT_LT(filtered.near_borders, 1.1 * filtered.elsewhere);
+  EXPECT_LT(filtered.near_borders, plain.near_borders);
+}
+
+/// Mean of `count` frames, one by one.
+Image mean_frame(Session& session, int count) {
+  std::vector<Image> frames;
+  for (int i = 0; i < count; ++i) {
+    session.render_frame();
+    frames.push_back(session.image());
+  }
+  return moments_of(std::move(frames)).mean_image();
+}
+
+/// Pixels that show the same place of a surface, and no lamp, before and after a change of the scene.
+std::vector<bool> steady_pixels(Session& before, Session& after) {
+  std::vector<bool> steady;
+  const Image a = mean_frame(before, 16);
+  const Image b = mean_frame(after, 16);
+  const View<const float> depth_a = before.buffers().view<const float>("depth");
+  const View<const float> depth_b = after.buffers().view<const float>("depth");
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    const float d = depth_a[static_cast<uint32_t>(i)];
+    steady.push_back(is_black(a.pixels[i]) && is_black(b.pixels[i]) &&
+                     std::fabs(d - depth_b[static_cast<uint32_t>(i)]) < 0.01f * d);
+  }
+  return steady;
+}
+
+/// Share of the way from one picture to another that `image` has gone: 0 to 1.
+double share_of_way(const Image& image, const Image& from, const Image& to, const std::vector<bool>& counts) {
+  double gone = 0;
+  double whole = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    if (!counts[i]) continue;
+    const glm::dvec3 way(to.pixels[i] - from.pixels[i]);
+    gone += glm::dot(glm::dvec3(image.pixels[i] - from.pixels[i]), way);
+    whole += glm::dot(way, way);
+  }
+  return gone / whole;
+}
+
+Index node_named(const Scene& scene, std::string_view name) {
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].name == name) return static_cast<Index>(i);
+  }
+  ADD_FAILURE() << name;
+  return kNone;
+}
+
+/// Mean luminance of `count` frames of a closed furnace.
+double furnace_mean(RenderSettings settings, int count) {
+  Session session(testing::closed_furnace(0.5f), settings);
+  return mean_of(mean_frame(session, count));
+}
+
+TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
+  RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 24, 24);
+  s.path.max_bounces = 5;
+  s.apsf.min_samples = 16;
+  const double expected = testing::closed_furnace_radiance(0.5, 5);
+  // 23,000 paths whose values spread by a quarter of their mean: five standard errors are 0.8 %.
+  constexpr int kFrames = 40;
+  for (const VarianceMeasure measure : {VarianceMeasure::relative, VarianceMeasure::absolute}) {
+    s.apg.variance = s.apsf.variance = measure;
+    for (const float constant : {0.0f, 0.001f, 0.05f, 1.0f, 100.0f, 1e12f}) {
+      s.apg.variance_constant = constant;
+      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, 0.01) << "constant " << constant;
+      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf) break;  // have no constant
+    }
+  }
+  s.apg = {};
+  s.apsf.survival_v0 = 0.02f;  // the variance of a sample is about 0.06 of its squared mean
+  s.apsf.survival_v1 = 0.1f;
+  for (const SurvivalFunction survival : {SurvivalFunction::linear, SurvivalFunction::smooth_linear}) {
+    s.apsf.survival = survival;
+    for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::step, BlendFunction::one_over_square}) {
+      s.apsf.blend = blend;
+      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, 0.01) << int(survival) << " " << int(blend);
+      if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apg) return;  // neither survives nor blends
+    }
+  }
+}
+
+TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
+  for (const char* name : {"lamp", "tall box"}) {
+    Scene scene = build("cornell");
+    const Index node = node_named(scene, name);
+    Transform moved = scene.nodes[static_cast<size_t>(node)].transform;
+    moved.translation.x += name == std::string_view("lamp") ? 1.2f : 0.8f;
+    RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate, 64, 64);
+    s.auxiliary = true;
+    s.path.max_bounces = 0;
+    Session emission(scene, s, {node});
+    Session moved_emission(scene, s, {node});
+    moved_emission.set_transform(node, moved);
+    const std::vector<bool> counts = steady_pixels(emission, moved_emission);
+    Session session(scene, settings_of(GetParam(), HistoryChoice::none, 64, 64), {node});
+    mean_frame(session, 24);
+    const Image before = mean_frame(session, 32);
+    session.set_transform(node, moved);
+    std::vector<Image> course;
+    for (int i = 0; i < 20; ++i) course.push_back(mean_frame(session, 1));
+    mean_frame(session, 20);
+    const Image after = mean_frame(session, 32);
+    std::string shares;
+    for (const Image& frame : course)
+      shares += std::to_string(share_of_way(frame, before, after, counts)).substr(0, 6) + " ";
+    EXPECT_GT(share_of_way(course[9], before, after, counts), 0.9) << name << ": " << shares;
+  }
+}
+
+std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {
+  const char* names[] = {"none", "psf", "apsf", "apg", "apsf_apg"};
+  return names[static_cast<int>(instance.param)];
+}
+INSTANTIATE_TEST_SUITE_P(All, Caches,
+                         ::testing::Values(CacheChoice::psf, CacheChoice::apsf, CacheChoice::apg,
+                                           CacheChoice::apsf_apg),
+                         cache_name);
+
+}  // namespace
+}  // namespace relume::support
