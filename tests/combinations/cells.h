@@ -1,0 +1,36 @@
+// Every choice of every slot against every choice of every other: what runs, and with what bias.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/render_settings.h"
+
+namespace relume::support {
+
+/// One choice of one slot.
+struct Choice {
+  std::string slot;
+  std::string value;
+  double bias = 0;  ///< by how much it may change the picture's mean, as a share; 0: not at all
+
+  bool operator==(const Choice& o) const { return slot == o.slot && value == o.value; }
+};
+
+/// The choices of all slots as the settings declare them, slot by slot, with the two ways to reproject apart.
+const std::vector<Choice>& all_choices();
+
+/// Defaults with two choices. Throws Error for a choice that does not exist.
+RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
+
+/// Why the program refuses the settings; empty if it does not.
+std::string refusal(const RenderSettings& settings);
+
+/// What a cell of the table shows: it runs without bias, with bias, is refused, or needs a library.
+enum class Cell { unbiased, biased, refused, needs_library };
+Cell cell_of(const Choice& a, const Choice& b);
+
+/// docs/combinations.md as it should be.
+std::string combination_table();
+
+}  // namespace relume::support
