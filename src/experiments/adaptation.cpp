@@ -21,8 +21,8 @@ size_t Adaptation::adapted_after(double share, size_t window) const {
 }
 
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
-                              int frames, const Image& reference, const std::function<void(Session&, int)>& before) {
-  const PictureRegion whole = whole_picture(reference.width, reference.height);
+                              int frames, const Image& reference, const PictureRegion& region,
+                              const std::function<void(Session&, int)>& before) {
   std::vector<std::vector<double>> by_frame(static_cast<size_t>(frames));
   Adaptation result{name, {}, {}, {}};
   for (int run = 0; run < runs; ++run) {
@@ -31,7 +31,7 @@ Adaptation measure_adaptation(const ExperimentContext& context, const std::strin
       context.check_stop();
       if (before) before(session, frame);
       session.render_frame();
-      by_frame[static_cast<size_t>(frame)].push_back(frame_mse(session.image(), reference, whole));
+      by_frame[static_cast<size_t>(frame)].push_back(frame_mse(session.image(), reference, region));
     }
     context.report(name, (run + 1.0) / runs);
   }

@@ -25,9 +25,9 @@ struct Adaptation {
 };
 
 /// Runs a session `runs` times with different seeds; `before` is called with the number of the frame before each of
-/// `frames` frames. Throws ExperimentStopped.
+/// `frames` frames. `region`: of the picture, in which errors count. Throws ExperimentStopped.
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
-                              int frames, const Image& reference,
+                              int frames, const Image& reference, const PictureRegion& region,
                               const std::function<void(Session&, int frame)>& before = {});
 
 /// Curves of MSE against frames, the first of which is number `first_frame`.

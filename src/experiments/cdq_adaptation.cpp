@@ -25,8 +25,14 @@ struct Case {
   }
 };
 
+/// What is to be seen after the change, and where errors count.
+struct Goal {
+  Image reference;
+  PictureRegion surfaces;
+};
+
 /// Adapts to the lamp's first place, turns it at once, and measures from there on.
-Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Image& reference,
+Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Goal& goal,
              float degrees, int bits, int migrations) {
   RenderSettings settings = base;
   settings.guide = GuideChoice::cdq;
@@ -45,15 +51,15 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
     s.set_time(degrees / kDegreesPerSecond);
   };
   const std::string stage = fmt::format("{:.0f}°, {}", degrees, result.name());
-  result.adaptation =
-      measure_adaptation(context, stage, session, context.choose(16, 2), context.choose(64, 8), reference, prepare);
+  result.adaptation = measure_adaptation(context, stage, session, context.choose(16, 2), context.choose(64, 8),
+                                         goal.reference, goal.surfaces, prepare);
   result.adaptation.name = result.name();
   return result;
 }
 
-Image reference_after(const ExperimentContext& context, ExperimentScene scene, float degrees) {
+Goal goal_after(const ExperimentContext& context, ExperimentScene scene, float degrees) {
   scene.settings.time_s = degrees / kDegreesPerSecond;
-  return make_reference(context, scene, context.choose(8192, 256)).image;
+  return {make_reference(context, scene, context.choose(8192, 256)).image, surfaces_of(context, scene)};
 }
 
 const Case& find(const std::vector<Case>& cases, float degrees, int bits, int migrations) {
@@ -104,17 +110,17 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
   std::vector<Case> cases;
   double bsdf = 0;
   for (const float degrees : {9.0f, 36.0f}) {
-    const Image reference = reference_after(context, scene, degrees);
+    const Goal goal = goal_after(context, scene, degrees);
     if (degrees > 20) {
       RenderSettings plain = settings;
       plain.time_s = degrees / kDegreesPerSecond;
       session.set_settings(plain);
-      bsdf = measure_adaptation(context, "BSDF", session, 2, 8, reference).plateau(8);
+      bsdf = measure_adaptation(context, "BSDF", session, 2, 8, goal.reference, goal.surfaces).plateau(8);
     }
     for (const int bits : {32, 64, 96, 128})
-      cases.push_back(measure(context, session, settings, reference, degrees, bits, 1));
+      cases.push_back(measure(context, session, settings, goal, degrees, bits, 1));
     for (const int migrations : {2, 4, 8})
-      cases.push_back(measure(context, session, settings, reference, degrees, 128, migrations));
+      cases.push_back(measure(context, session, settings, goal, degrees, 128, migrations));
   }
   ExperimentResult result;
   claim_speed(cases, 9, 10, result.claims);

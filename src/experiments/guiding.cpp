@@ -47,11 +47,12 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, Rende
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(8192, 256));
-  SceneResult result{scene.name, {whole_picture(reference.image.width, reference.image.height)}, {}, {}};
+  SceneResult result{scene.name, {surfaces_of(context, scene)}, {}, {}};
   if (scene.name.starts_with("mine")) {
     ExperimentScene direct = plainly_sampled(scene);
     direct.settings.path.max_bounces = 1;
-    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(2048, 64)).image);
+    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(2048, 64)).image,
+                                  result.regions.front());
   }
   const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};
   result.errors = measure_adapted(context, scene, contenders(context, scene.settings, departures && !context.quick),
@@ -77,7 +78,7 @@ TableBlock table(const SceneResult& scene) {
         {fmt::format("{} ({:.0f} %)", region.name,
                      100.0 * static_cast<double>(region.pixels()) / static_cast<double>(region.mask.size())),
          "", Better::higher});
-  block.columns.push_back({"picture, at equal time", "", Better::higher});
+  block.columns.push_back({"surfaces, at equal time", "", Better::higher});
   int color = 0;
   for (const AdaptedError& e : scene.errors) {
     TableRow row{e.name, color++, {{fmt::format("{:.1f}", 1000 * e.median_s()), e.median_s()}}};

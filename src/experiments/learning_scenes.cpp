@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "experiments/trace.h"
 #include "scene/builtin.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
@@ -13,7 +14,7 @@
 namespace relume {
 namespace {
 
-constexpr int kBounces = 3;
+constexpr int kBounces = 2;  // five rays a path
 
 /// The scene's first camera, which stands on a node without parents.
 PlacedCamera first_camera(const Scene& scene) {
@@ -108,21 +109,29 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
   return scene;
 }
 
-std::vector<PictureRegion> mine_regions(const Image& reference, const Image& direct) {
+PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
+  ExperimentScene lights = plainly_sampled(scene);
+  lights.settings.path.max_bounces = 0;
+  PictureRegion region{"surfaces", {}};
+  for (const Rgb& p : make_reference(context, lights, 64).image.pixels) region.mask.push_back(luminance(p) > 0 ? 0 : 1);
+  return region;
+}
+
+std::vector<PictureRegion> mine_regions(const Image& reference, const Image& direct, const PictureRegion& surfaces) {
   std::vector<float> sorted;
   for (const Rgb& p : direct.pixels) sorted.push_back(luminance(p));
   std::sort(sorted.begin(), sorted.end());
   const float sunny = 0.1f * sorted[sorted.size() * 995 / 1000];
-  std::vector<PictureRegion> regions{
-      whole_picture(reference.width, reference.height), {"sun", {}}, {"spot", {}}, {"rest", {}}};
+  std::vector<PictureRegion> regions{surfaces, {"sun", {}}, {"spot", {}}, {"rest", {}}};
   for (size_t i = 0; i < reference.pixels.size(); ++i) {
     const float all = luminance(reference.pixels[i]);
     const float first = luminance(direct.pixels[i]);
-    const bool sun = first > sunny;
-    const bool spot = !sun && all > 0 && all - first > 0.5f * all;
+    const bool surface = surfaces.mask[i] != 0;
+    const bool sun = surface && first > sunny;
+    const bool spot = surface && !sun && all > 0 && all - first > 0.5f * all;
     regions[1].mask.push_back(sun ? 1 : 0);
     regions[2].mask.push_back(spot ? 1 : 0);
-    regions[3].mask.push_back(!sun && !spot ? 1 : 0);
+    regions[3].mask.push_back(surface && !sun && !spot ? 1 : 0);
   }
   return regions;
 }
