@@ -82,6 +82,7 @@ TEST_P(Determinism, AnyNumberOfThreads) {
 }
 
 TEST_P(Determinism, LightSubpathsToo) {
+  if (GetParam().learns) GTEST_SKIP() << "only paths from the camera leave what is learnt from";
   for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
     RenderSettings settings = settings_of(GetParam(), 1);
     settings.estimator = estimator;
@@ -158,7 +159,37 @@ struct Technique {
   void (*choose)(RenderSettings& settings);
 };
 
+/// Small regions, of which small pictures fill many.
+void learn(RenderSettings& s) {
+  s.lights = LightSelectionChoice::vlc;
+  s.guide = GuideChoice::cdq;
+  s.octree.scale = false;
+  s.octree.split = 64;
+  s.octree.collapse = 32;
+}
+
 const Technique kTechniques[] = {
+    {"light_tree", [](RenderSettings& s) { s.lights = LightSelectionChoice::light_tree; }},
+    {"static_lists",
+     [](RenderSettings& s) {
+       s.lights = LightSelectionChoice::static_lists;
+       s.static_lists.rays = 64;
+     }},
+    {"vlc_cdq", learn},
+    {"vlc_cdq_memory",
+     [](RenderSettings& s) {
+       learn(s);
+       s.vlc.memory = 4;
+       s.cdq.migrations = 4;
+       s.octree.jitter = 1;
+     }},
+    {"vlc_cdq_combination",
+     [](RenderSettings& s) {
+       learn(s);
+       s.allocation = AllocationChoice::adaptive;
+       s.adaptive.max_samples = 6;
+       s.history = HistoryChoice::reproject;
+     }},
     {"reproject", [](RenderSettings& s) { s.history = HistoryChoice::reproject; }},
     {"reproject_one",
      [](RenderSettings& s) {

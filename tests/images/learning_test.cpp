@@ -53,6 +53,13 @@ std::vector<Way> ways(const Effort& effort) {
       list.push_back(way);
     }
   }
+  for (const LightSelectionChoice lights : {LightSelectionChoice::light_tree, LightSelectionChoice::static_lists}) {
+    Way way{lights == LightSelectionChoice::light_tree ? "light-tree-bdpt" : "static-lists-bdpt",
+            base_settings(effort)};
+    way.settings.estimator = EstimatorChoice::bdpt;
+    way.settings.lights = lights;
+    list.push_back(way);
+  }
   Way all{"departures", base_settings(effort)};
   all.settings.lights = LightSelectionChoice::vlc;
   all.settings.vlc.memory = 4;

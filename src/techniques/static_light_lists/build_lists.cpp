@@ -77,7 +77,7 @@ LightListData build_light_lists(Backend& backend, const SceneView& scene, const 
   kernel.scene = scene;
   kernel.grid = data.grid;
   kernel.cells = view_of(cells);
-  kernel.rays = std::max(options.rays, 64 * lights);  // each light gets its chance from both kinds of points
+  kernel.rays = std::max(options.rays, options.rays / 64 * lights);
   kernel.words = words;
   kernel.visible = mutable_view_of(visible);
   launch(backend, "static-lists.rays", kernel, static_cast<uint32_t>(cells.size()), 1);

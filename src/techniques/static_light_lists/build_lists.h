@@ -11,7 +11,7 @@ namespace relume {
 
 struct LightListOptions {
   float cell_size = 0;   ///< metres; 0: a 24th of the scene's longest side
-  uint32_t rays = 4096;  ///< a cell
+  uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, if that is more
 
   bool operator==(const LightListOptions&) const = default;
 };
@@ -23,7 +23,7 @@ struct LightListData {
   std::vector<LightId> ids;
 };
 
-/// Traces `rays` shadow rays from every cell that holds a surface: from points of the cell and from the surfaces that
+/// Traces shadow rays from every cell that holds a surface: from points of the cell and from the surfaces that
 /// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list.
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options);
 

@@ -1,6 +1,21 @@
 #include "techniques/static_light_lists/static_light_lists_pass.h"
 
+#include <algorithm>
+
+#include "core/stream_io.h"
+
 namespace relume {
+namespace {
+
+/// Whether every cell's list stands where it can be read and names lights that there are.
+bool is_consistent(const LightListData& data, uint32_t lights) {
+  if (data.first.empty()) return data.ids.empty();
+  const bool sorted = std::is_sorted(data.first.begin(), data.first.end());
+  const bool known = std::all_of(data.ids.begin(), data.ids.end(), [&](LightId id) { return id < lights; });
+  return sorted && known && data.first.size() == size_t{data.grid.count()} + 1 && data.first.back() == data.ids.size();
+}
+
+}  // namespace
 
 SettingList describe(StaticLightListsSettings& s) {
   return {
@@ -8,7 +23,10 @@ SettingList describe(StaticLightListsSettings& s) {
        &s.cell_size,
        "Edge of a cell; 0: a 24th of the scene's longest side",
        {.min = 0, .max = 1e6, .unit = "m"}},
-      {"rays", &s.rays, "Rays that look for lights from each cell, at least 32 a light", {.min = 64, .max = 1 << 24}},
+      {"rays",
+       &s.rays,
+       "Rays that look for lights from each cell; a 64th of that for each light, if that is more",
+       {.min = 64, .max = 1 << 20}},
       {"max-lights",
        &s.max_lights,
        "Lights that are weighed at a point, at most; longer lists are strided",
@@ -23,7 +41,9 @@ SettingList describe(StaticLightListsSettings& s) {
 bool StaticLightListsPass::run(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
   const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};
-  if (!built_ || options != options_ || listed_ != lights.first_infinite) {
+  const bool listed = (built_ || restored_) && options == options_ && listed_ == lights.first_infinite;
+  restored_ = false;
+  if (!listed) {
     lists_ = build_light_lists(frame.backend, frame.scene, options);
     options_ = options;
     listed_ = lights.first_infinite;
@@ -51,6 +71,31 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   view.columns = {view_of(columns_), lights.first_infinite};
   view.lights = lights;
   return true;
+}
+
+void StaticLightListsPass::save(std::ostream& out) const {
+  write_value(out, listed_);
+  write_value(out, options_.cell_size);
+  write_value(out, options_.rays);
+  write_value(out, lists_.grid.corner);
+  write_value(out, lists_.grid.cell_size);
+  write_value(out, lists_.grid.cells);
+  write_vector(out, lists_.first);
+  write_vector(out, lists_.ids);
+}
+
+void StaticLightListsPass::load(std::istream& in) {
+  read_value(in, listed_);
+  read_value(in, options_.cell_size);
+  read_value(in, options_.rays);
+  read_value(in, lists_.grid.corner);
+  read_value(in, lists_.grid.cell_size);
+  read_value(in, lists_.grid.cells);
+  read_vector(in, lists_.first);
+  read_vector(in, lists_.ids);
+  restored_ = is_consistent(lists_, listed_);
+  built_ = false;
+  if (!restored_) in.setstate(std::ios::failbit);
 }
 
 size_t StaticLightListsPass::memory_bytes() const {

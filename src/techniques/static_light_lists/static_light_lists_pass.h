@@ -20,6 +20,9 @@ class StaticLightListsPass final : public Pass {
   PassDeclaration declaration() const override { return {.name = "static-lists", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override;
+  /// The lists, which know the scene as it was when they were made.
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
 
   /// What estimators sample with; valid from the first run() on.
   const LightSelector& selector() const { return selector_; }
@@ -36,6 +39,7 @@ class StaticLightListsPass final : public Pass {
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;
   bool built_ = false;
+  bool restored_ = false;  ///< lists come from a checkpoint
 };
 
 }  // namespace relume
