@@ -184,7 +184,7 @@ void Comparing::note_limits() {
   const Reference& reference = result_.reference;
   if (options().budget_s > 0) note_times();
   if (reference.spp == 0) {
-    result_.notes.push_back("The reference is a file; its own error is not known and part of every figure.");
+    result_.notes.emplace_back("The reference is a file; its own error is not known and part of every figure.");
     return;
   }
   for (const ContenderResult& contender : result_.contenders) {

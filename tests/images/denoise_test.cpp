@@ -117,16 +117,17 @@ TEST_P(DenoisedPicture, IsAsBrightAsTheScene) {
   EXPECT_NEAR(mean_of(s.denoised) / mean_of(s.reference), 1.0, 0.02);  // the bias that the pages state
 }
 
+/// What features cannot tell is not blurred away: the error falls below that of the samples' own mean.
 TEST_P(DenoisedPicture, MirrorImagesSurvive) {
-  const Shown s("cornell-mirror", settings_of(GetParam()), 8, 0);
+  const Shown s("cornell-mirror", settings_of(GetParam(), EstimatorChoice::bdpt), 8, 0);
   const Region mirror{16, 16, 80, 60};
-  EXPECT_LT(mse(s.denoised, s.reference, mirror), 0.1 * mse(s.noisy, s.reference, mirror));
+  EXPECT_LT(mse(s.denoised, s.reference, mirror), 0.7 * mse(s.mean, s.reference, mirror));
 }
 
 TEST_P(DenoisedPicture, CausticsSurvive) {
   const Shown s("cornell-glass", settings_of(GetParam(), EstimatorChoice::bdpt), 16, 0);
   const Region floor{8, 70, 88, 94};
-  EXPECT_LT(mse(s.denoised, s.reference, floor), 0.1 * mse(s.noisy, s.reference, floor));
+  EXPECT_LT(mse(s.denoised, s.reference, floor), 0.7 * mse(s.mean, s.reference, floor));
 }
 
 TEST_P(DenoisedPicture, AFurnaceStaysWhite) {

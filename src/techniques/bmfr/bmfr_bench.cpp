@@ -20,12 +20,14 @@ void bm_bmfr_regression(benchmark::State& state) {
   std::vector<Vec3> position(pixels);
   std::vector<Vec3> normal(pixels);
   std::vector<Rgb> light(pixels);
+  std::vector<float> square(pixels);
   for (uint32_t i = 0; i < pixels; ++i) {
     const float x = static_cast<float>(i % kWidth) * 0.01f;
     const float y = static_cast<float>(i / kWidth) * 0.01f;
     position[i] = Vec3(x, y, std::sin(x) + std::cos(y));
     normal[i] = glm::normalize(Vec3(std::cos(x), std::sin(y), 1.0f));
     light[i] = Rgb(1.0f + 0.5f * normal[i].x, 1, 0.5f);
+    square[i] = sqr(luminance(light[i]));
   }
   const std::vector<Rgb> albedo(pixels, Rgb(0.5f));
   const std::vector<uint32_t> samples(pixels, 4);
@@ -37,6 +39,7 @@ void bm_bmfr_regression(benchmark::State& state) {
   kernel.albedo = view_of(albedo);
   kernel.light = view_of(light);
   kernel.samples = view_of(samples);
+  kernel.square = view_of(square);
   kernel.noise = view_of(noise);
   kernel.fitted = mutable_view_of(fitted);
   kernel.noise_scale = 0.01f;

@@ -10,6 +10,8 @@ namespace relume {
 namespace {
 
 constexpr Change kEnds = Change::materials | Change::settings;
+/// Fits that the first frame is the mean of.
+constexpr uint32_t kFirstFits = 8;
 
 /// Radical inverse of `i` in `base`, in [0, kBlockSize).
 uint32_t shift_of(uint32_t i, uint32_t base) {
@@ -93,12 +95,17 @@ void BmfrPass::fit(const FrameContext& frame) {
   kernel.fitted = frame.view<Rgb>("bmfr-fit");
   kernel.noise_scale = settings_.noise;
   kernel.detail = settings_.detail;
-  kernel.shift_x = shift_of(frame.number, 2);
-  kernel.shift_y = shift_of(frame.number, 3);
   kernel.width = frame.width();
   kernel.height = frame.height();
-  launch(frame.backend, "bmfr-fit", kernel, BlockRegressionKernel::blocks(frame.width()),
-         BlockRegressionKernel::blocks(frame.height()), {}, 1);
+  // Without fits of earlier frames the edges of blocks would show.
+  const uint32_t fits = frame.number == 0 || includes(frame.changes, kEnds) ? kFirstFits : 1;
+  for (uint32_t i = 0; i < fits; ++i) {
+    kernel.shift_x = shift_of(frame.number + i, 2);
+    kernel.shift_y = shift_of(frame.number + i, 3);
+    kernel.share = 1.0f / static_cast<float>(i + 1);
+    launch(frame.backend, "bmfr-fit", kernel, BlockRegressionKernel::blocks(frame.width()),
+           BlockRegressionKernel::blocks(frame.height()), {}, 1);
+  }
 }
 
 void BmfrPass::present(const FrameContext& frame) const {

@@ -126,11 +126,12 @@ struct Surface {
     kernel.fitted = mutable_view_of(fitted);
     kernel.noise_scale = noise_scale;
     kernel.detail = detail;
+    kernel.share = share;
     kernel.shift_x = shift_x;
     kernel.shift_y = shift_y;
     kernel.width = kWidth;
     kernel.height = kHeight;
-    std::fill(fitted.begin(), fitted.end(), Rgb(-1));
+    std::fill(fitted.begin(), fitted.end(), Rgb(4));
     for (uint32_t y = 0; y < BlockRegressionKernel::blocks(kHeight); ++y) {
       for (uint32_t x = 0; x < BlockRegressionKernel::blocks(kWidth); ++x) kernel(x, y);
     }
@@ -145,6 +146,7 @@ struct Surface {
   std::vector<Rgb> fitted = std::vector<Rgb>(kPixels);
   std::vector<float> noise = std::vector<float>(kBlockNoise);
   float detail = 0;
+  float share = 1;
 };
 
 TEST(Bmfr, KeepsLightThatFeaturesExplain) {
@@ -166,6 +168,13 @@ TEST(Bmfr, KeepsAConstantDespiteTheNoiseOfFeatures) {
     s.fit(shift.x, shift.y, 0.01f);
     for (uint32_t i = 0; i < kPixels; ++i) ASSERT_LT(max_component(abs(s.fitted[i] - s.light[i])), 1e-4f) << i;
   }
+}
+
+TEST(Bmfr, FitsCanBeAveraged) {
+  Surface s;
+  s.share = 0.25f;
+  s.fit(7, 20, 0.0f);  // light of (2, 1, 0.5) on top of 4
+  for (uint32_t i = 0; i < kPixels; ++i) ASSERT_NEAR(s.fitted[i].g, 3.25f, 1e-4f) << i;
 }
 
 TEST(Bmfr, KeepsTheEnergyOfEachBlock) {

@@ -46,6 +46,7 @@ struct BlockRegressionKernel {
   View<const float> square;      ///< mean square of their luminance
   View<const float> noise;       ///< BlockNoiseKernel's
   View<Rgb> fitted;              ///< of pixels that are filtered
+  float share = 1;               ///< of this fit in it; below 1 it is averaged with what is there
   float noise_scale = 0;
   float detail = 0;      ///< variances by which the light must differ from the fit to be kept; 0: never
   uint32_t shift_x = 0;  ///< in [0, kBlockSize)
@@ -177,12 +178,12 @@ struct BlockRegressionKernel {
         differences += sqr(luminance(left_over(x0, y0, i, p)));
         variances += p.variance[i];
       }
-      const float share = differences > 0.0f ? 1.0f - detail * variances / differences : 0.0f;
-      if (!(share > 0.0f)) continue;
+      const float kept = differences > 0.0f ? 1.0f - detail * variances / differences : 0.0f;
+      if (!(kept > 0.0f)) continue;
       for (uint32_t k = 0; k < kCellSize * kCellSize; ++k) {
         const uint32_t i = (top + k / kCellSize) * kBlockSize + left + k % kCellSize;
         if (p.variance[i] < 0.0f) continue;
-        const Rgb difference = left_over(x0, y0, i, p) * share;
+        const Rgb difference = left_over(x0, y0, i, p) * kept;
         for (int c = 0; c < 3; ++c) p.light[c][i] += difference[c];
       }
     }
@@ -198,7 +199,9 @@ struct BlockRegressionKernel {
     for (uint32_t y = written.y0; y < written.y1; ++y) {
       for (uint32_t x = written.x0; x < written.x1; ++x) {
         const uint32_t i = (y - y0) * kBlockSize + x - x0;
-        fitted[y * width + x] = glm::max(Rgb(p.light[0][i], p.light[1][i], p.light[2][i]), Rgb(0));
+        const Rgb fit = glm::max(Rgb(p.light[0][i], p.light[1][i], p.light[2][i]), Rgb(0));
+        Rgb& average = fitted[y * width + x];
+        average = share < 1.0f ? average + (fit - average) * share : fit;
       }
     }
   }

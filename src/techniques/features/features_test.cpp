@@ -238,6 +238,19 @@ TEST(PictureHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
   EXPECT_EQ(p.picture[20 * kWidth + 20], Rgb(3));
 }
 
+TEST(PictureHistory, ALonelyBrightSampleStaysFiltered) {
+  Pictures p;  // black but for one sample of 160 in one pixel
+  constexpr uint32_t kPixel = 20 * kWidth + 20;
+  p.before.assign(kPixels, Rgb(0));
+  p.shown.assign(kPixels, Rgb(0));
+  p.shown[kPixel] = Rgb(10);
+  p.m2[kPixel] = 160.0f * 160 * (1 - 1 / 16.0f);
+  ConvergeKernel kernel = p.converge();
+  kernel.stratified = true;
+  kernel(20, 20);
+  EXPECT_NEAR(p.picture[kPixel].r, 0.0f, 1e-3f);
+}
+
 TEST(PictureHistory, TilesConvergeAsSinglePixelsDo) {
   Pictures p;
   std::mt19937 generator(1);

@@ -125,13 +125,19 @@ struct ConvergeKernel {
   static constexpr uint32_t kReach = 2;
   static constexpr uint32_t kKnownSamples = 4;  ///< from which their variance counts as known
 
+  /// Sums over pixels. The one that differs most is told apart: it may be a firefly.
   struct Difference {
     float squared = 0;
     float variance = 0;
+    float most_squared = 0;
+    float most_variance = 0;  ///< what stratification is believed to take off that pixel's
 
     RELUME_HD void operator+=(const Difference& other) {
       squared += other.squared;
       variance += other.variance;
+      if (other.most_squared <= most_squared) return;
+      most_squared = other.most_squared;
+      most_variance = other.most_variance;
     }
   };
 
@@ -140,11 +146,14 @@ struct ConvergeKernel {
     if (samples[pixel] < kKnownSamples) return {};
     const auto n = static_cast<float>(samples[pixel]);
     const float gain = stratified ? std::sqrt(static_cast<float>(kKnownSamples) / n) : 1.0f;
-    return {sqr(luminance(mean[pixel] - picture[pixel])), gain * m2[pixel] / (n * (n - 1.0f))};
+    const float squared = sqr(luminance(mean[pixel] - picture[pixel]));
+    const float variance = m2[pixel] / (n * (n - 1.0f));
+    return {squared, gain * variance, squared, (1.0f - gain) * variance};
   }
 
   RELUME_HD void finish(uint32_t pixel, const Difference& around) const {
-    float share = around.squared > 0.0f ? 1.0f - around.variance / around.squared : 0.0f;
+    const float variance = around.variance + around.most_variance;
+    float share = around.squared > 0.0f ? 1.0f - variance / around.squared : 0.0f;
     if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
     converged[pixel] = picture[pixel] + (mean[pixel] - picture[pixel]) * share;
   }

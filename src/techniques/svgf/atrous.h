@@ -117,7 +117,7 @@ struct AtrousKernel {
   AtrousPicture filtered;  ///< kAtrousChannels
   uint32_t step = 1;       ///< pixels between taps
   float plane_tolerance = 1;
-  float light_tolerance = 4;
+  float light_tolerance = 2;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const { filter<float>(x, y); }
 
