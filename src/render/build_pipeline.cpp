@@ -99,7 +99,7 @@ void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSou
     case CacheChoice::apg: add<PathGraphPass>(pipeline, settings.apg, nullptr, source, cells); break;
     case CacheChoice::apsf_apg: add<PathGraphPass>(pipeline, settings.apg, &settings.apsf, source, cells); break;
   }
-  add<ResolveCellsPass>(pipeline, cells);
+  add<ResolveCellsPass>(pipeline, source, cells);
 }
 
 /// Changes that the history does not survive.

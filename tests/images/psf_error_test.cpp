@@ -1,6 +1,7 @@
 // Error, bias and variance of what caches in a hash grid show.
 #include <gtest/gtest.h>
 
+#include "metrics/metrics.h"
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "support/measure.h"
@@ -71,6 +72,13 @@ Course course(CacheChoice cache, HistoryChoice history, int frames) {
 TEST(CacheErrors, PsfHalvesThatOfAFirstFrame) {
   EXPECT_LT(course(CacheChoice::psf, HistoryChoice::none, 1).error[0],
             0.5 * course(CacheChoice::none, HistoryChoice::none, 1).error[0]);
+}
+
+TEST(CacheErrors, PsfHalvesThatOfPicturesWithLamps) {
+  RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::none);
+  const double path = compute_metrics(render(cornell(), s, 1), truth().image, {.flip = false}).mse;
+  s.cache = CacheChoice::psf;
+  EXPECT_LT(compute_metrics(render(cornell(), s, 1), truth().image, {.flip = false}).mse, 0.5 * path);
 }
 
 TEST(CacheErrors, PsfStaysBelowAccumulationForEightFrames) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "metrics/ensemble.h"
+#include "metrics/metrics.h"
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "support/measure.h"
@@ -281,6 +281,39 @@ TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
       shares += std::to_string(share_of_way(frame, before, after, counts)).substr(0, 6) + " ";
     EXPECT_GT(share_of_way(course[9], before, after, counts), 0.9) << name << ": " << shares;
   }
+}
+
+/// Mean square error over pixels and channels.
+double mse_between(const Image& a, const Image& b) { return compute_metrics(a, b, {.flip = false}).mse; }
+
+TEST_P(Caches, EdgesOfLampsAreSmooth) {
+  // A lamp that lies across the pixels' grid, before a dim wall.
+  Scene scene;
+  scene.name = "edges";
+  add(scene, quad({-4, -4, -0.5f}, {8, 0, 0}, {0, 8, 0}), lambert("wall", Rgb(0.5f)));
+  Material lamp = lambert("lamp", Rgb(0));
+  lamp.emission = Rgb(20);
+  add(scene, quad({-0.5f, -0.3f, 0}, {0.9f, 0.2f, 0}, {-0.2f, 0.7f, 0}), lamp);
+  scene.environment.kind = EnvironmentKind::constant;
+  scene.environment.color = Rgb(0.5f);
+  Camera camera;
+  camera.projection = Projection::orthographic;
+  camera.half_height = 1;
+  add_camera(scene, camera, {0, 0, 2}, {0, 0, -1});
+  RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate, 48, 48);
+  const Image truth = render(scene, s, 2048);
+  s = settings_of(GetParam(), HistoryChoice::none, 48, 48);
+  s.psf.edge_rays = 0;
+  Session rough(scene, s);
+  s.psf.edge_rays = 16;
+  Session smooth(scene, s);
+  // The path graph's first frame knows no cells yet.
+  mean_frame(rough, 2);
+  mean_frame(smooth, 2);
+  const double rough_error = mse_between(mean_frame(rough, 1), truth);
+  EXPECT_LT(mse_between(mean_frame(smooth, 1), truth), 0.1 * rough_error);
+  // Nothing but noise: what 64 frames average is nearer still.
+  EXPECT_LT(mse_between(mean_frame(smooth, 64), truth), 0.004 * rough_error);
 }
 
 std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {

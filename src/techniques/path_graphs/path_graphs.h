@@ -31,6 +31,8 @@ class PathGraph : public NoObserver {
   RELUME_HD const FilteredPixel& pixel() const { return pixel_; }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    if (path.bounce == 0) pixel_.seen = path.radiance;
+    scatters_ = true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
     if (!d.filtered) return true;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);
@@ -73,6 +75,7 @@ class PathGraph : public NoObserver {
   RELUME_HD void finish(PathState& path) {
     if (!pixel_.filtered) {
       pixel_.unfiltered = path.radiance;
+      if (!scatters_) pixel_.seen = path.radiance;
       return;
     }
     if (pixel_.culled) return;
@@ -198,7 +201,8 @@ class PathGraph : public NoObserver {
   Rgb raised_{1};    ///< ρ' of the last anchor
   float limit_ = kInfinity;
   Progress now_;
-  Progress before_;  ///< on arrival at the last anchor
+  Progress before_;        ///< on arrival at the last anchor
+  bool scatters_ = false;  ///< the path has met a surface that takes it on
   bool at_anchor_ = false;
   bool has_own_ = false;
   bool feeds_ = false;

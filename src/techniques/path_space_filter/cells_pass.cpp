@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "techniques/path/path_pass.h"
-
 namespace relume {
 namespace {
 
@@ -89,7 +87,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
                    layer("cell-termination", "bounce, from 1, at which the pixel's path ceased to count"),
                    layer("cell-occupancy", "share of taken slots around the pixel's cell")},
           .reads = {"filtered-pixels"},
-          .writes = {"radiance"}};
+          .writes = {"radiance", "rays"}};
 }
 
 std::vector<PassFigure> ResolveCellsPass::figures() const {
@@ -124,6 +122,9 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
                    frame.view<float>("cell-blend"),       frame.view<float>("cell-termination"),
                    frame.view<float>("cell-occupancy")};
   kernel.width = frame.width();
+  kernel.rays = frame.view<uint32_t>("rays");
+  kernel.edges = {
+      make_path_context(source_, frame), frame.index, kernel.pixels, cells_.edge_rays(), frame.width(), frame.height()};
   if (!frame.launch("resolve", kernel)) return false;
   cells_.adjust_size(frame.backend);
   return true;

@@ -7,6 +7,7 @@
 
 #include "pipeline/pass.h"
 #include "techniques/hash_grid/hash_grid_table.h"
+#include "techniques/path/path_pass.h"
 #include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/path_space_filter/settings.h"
 
@@ -29,6 +30,7 @@ class CellsPass final : public Pass {
 
   /// Valid from the first run() on.
   const FilterContext& filter() const { return filter_; }
+  uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
   /// When all samples are in: what is read from then on includes them.
   void advance(Backend& backend) { grid_.advance(backend); }
   /// When nobody knows slots any more.
@@ -45,13 +47,14 @@ class CellsPass final : public Pass {
 /// Shows the cells. Owns the layers that say what they are like.
 class ResolveCellsPass final : public Pass {
  public:
-  explicit ResolveCellsPass(CellsPass& cells) : cells_(cells) {}
+  ResolveCellsPass(const PathSource& source, CellsPass& cells) : source_(source), cells_(cells) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   std::vector<PassFigure> figures() const override;
 
  private:
+  PathSource source_;
   CellsPass& cells_;
   View<const FilteredPixel> pixels_;  ///< of the last frame
 };

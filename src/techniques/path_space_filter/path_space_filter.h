@@ -2,26 +2,10 @@
 // nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
 #pragma once
 
-#include "techniques/hash_grid/hash_grid.h"
-#include "techniques/path/path.h"
 #include "techniques/path_space_filter/demodulate.h"
+#include "techniques/path_space_filter/emission_edges.h"
 
 namespace relume {
-
-/// What a pixel leaves to the pass that reads the cells.
-struct FilteredPixel {
-  Rgb unfiltered{0};         ///< radiance that the filter does not touch
-  Rgb factor{0};             ///< what the cell's mean is multiplied with: throughput and albedo
-  Rgb traced{0};             ///< this frame's own estimate of what the cell stands for
-  CellPoint point;           ///< where in the grid
-  uint32_t slot = kNoCell;   ///< of the cell, if a sample went there
-  float blend = 1;           ///< share of the cell; the rest is traced
-  float survival = 1;        ///< probability with which the path was followed
-  uint16_t termination = 0;  ///< bounce, from 1, at which the path ceased to count; 0: nothing to trace
-  bool filtered = false;     ///< there is a vertex to filter at
-  bool culled = false;       ///< no path was followed: the cell alone counts
-  bool divided = false;      ///< delta lobes go past the cell: without a path, their light would be missing
-};
 
 /// What the vertices of all paths share.
 struct FilterContext {
@@ -49,6 +33,8 @@ class FilterVertex : public NoObserver {
   RELUME_HD FilteredPixel& pixel() { return pixel_; }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    if (path.bounce == 0) pixel_.seen = path.radiance;
+    scatters_ = true;
     if (reached()) return true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
     if (!d.filtered) return true;
@@ -81,6 +67,7 @@ class FilterVertex : public NoObserver {
   RELUME_HD void finish(const PathState& path, float u) {
     if (!reached()) {
       pixel_.unfiltered = path.radiance;
+      if (!scatters_) pixel_.seen = path.radiance;
       return;
     }
     if (!apart_) sample_ = path.radiance;
@@ -96,6 +83,7 @@ class FilterVertex : public NoObserver {
   FilteredPixel pixel_;
   Rgb anchor_{0};  ///< what turns demodulated throughput behind the vertex into true one
   Rgb sample_{0};
+  bool scatters_ = false;  ///< the path has met a surface that takes it on
   bool left_ = false;
   bool apart_ = false;  ///< the path has left through a delta lobe
 };
@@ -147,6 +135,8 @@ struct ResolveCellsKernel {
   View<Rgb> radiance;
   CellLayers layers;
   uint32_t width = 0;
+  EmissionEdges edges;
+  View<uint32_t> rays;  ///< of this sample; those of the edges are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
@@ -163,6 +153,10 @@ struct ResolveCellsKernel {
       write_cell(i, p, address, slot);
     } else {
       leave_out(i);
+    }
+    if (edges.rays > 0 && rays[i] > 0 && edges.contains(grid, x, y)) {
+      value += edges.emission(x, y) - p.seen;
+      rays[i] += edges.rays;
     }
     radiance[i] = value;
     write(layers.count, i, cell.count);

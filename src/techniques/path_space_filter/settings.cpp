@@ -11,6 +11,11 @@ SettingList describe(PathSpaceFilterSettings& s) {
                   "Surfaces that reflect mostly off smoother layers than this are not filtered; the filter waits for "
                   "the next vertex",
                   {.min = 0, .max = 1, .biases = true}});
+  list.push_back({"edge-rays",
+                  &s.edge_rays,
+                  "Camera rays with which pixels at the edge of something bright find out how much of it they see; 0: "
+                  "the path's own says it alone",
+                  {.min = 0, .max = 256}});
   return list;
 }
 

@@ -8,6 +8,7 @@ namespace relume {
 struct PathSpaceFilterSettings {
   HashGridSettings grid;
   float min_roughness = 0.2f;  ///< below, lobes count as specular
+  int edge_rays = 16;
 };
 
 /// Names without the prefix "psf.".
