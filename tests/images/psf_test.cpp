@@ -228,17 +228,19 @@ double furnace_mean(RenderSettings settings, int count) {
 }
 
 TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
-  RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 24, 24);
+  RenderSettings s = settings_of(GetParam(), HistoryChoice::none, 48, 48);
   s.path.max_bounces = 5;
   s.apsf.min_samples = 16;
   const double expected = testing::closed_furnace_radiance(0.5, 5);
-  // 23,000 paths whose values spread by a quarter of their mean: five standard errors are 0.8 %.
-  constexpr int kFrames = 40;
+  // Cells of a path graph learn from one another, so what the first frames got wrong lasts: the mean of a run strays by
+  // 0.35 %. What algorithm 2 drops is twenty times as much.
+  constexpr int kFrames = 32;
+  constexpr double kTolerance = 0.018;
   for (const VarianceMeasure measure : {VarianceMeasure::relative, VarianceMeasure::absolute}) {
     s.apg.variance = s.apsf.variance = measure;
     for (const float constant : {0.0f, 0.001f, 0.05f, 1.0f, 100.0f, 1e12f}) {
       s.apg.variance_constant = constant;
-      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, 0.01) << "constant " << constant;
+      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, kTolerance) << "constant " << constant;
       if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apsf) break;  // have no constant
     }
   }
@@ -249,7 +251,7 @@ TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
     s.apsf.survival = survival;
     for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::step, BlendFunction::one_over_square}) {
       s.apsf.blend = blend;
-      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, 0.01) << int(survival) << " " << int(blend);
+      EXPECT_NEAR(furnace_mean(s, kFrames) / expected, 1.0, kTolerance) << int(survival) << " " << int(blend);
       if (GetParam() == CacheChoice::psf || GetParam() == CacheChoice::apg) return;  // neither survives nor blends
     }
   }

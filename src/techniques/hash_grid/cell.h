@@ -155,30 +155,4 @@ RELUME_HD inline CellMoments pooled(const CellMoments& history, const CellMoment
   return m;
 }
 
-/// The history after a frame with the samples `frame` (at least one). Frames with few samples are gathered in a window
-/// until they are enough to be compared with the history; what has changed starts anew from the window.
-RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMoments& frame, const AveragingRule& rule) {
-  CellHistory next;
-  next.frames = history.frames + 1;
-  next.departure = history.departure;
-  if (rule.change_threshold > 0.0f) {
-    next.recent = pooled(history.recent, frame, kInfinity);
-    if (next.recent.count >= rule.min_count) {
-      const int side = departure(history.moments, next.recent, rule);
-      next.departure = side * history.departure > 0 ? history.departure + side : side;
-      if (next.departure >= kDeparturesOfAChange || next.departure <= -kDeparturesOfAChange) {
-        next.moments = next.recent;
-        next.moments.count = relume::min(next.moments.count, rule.max_count);
-        next.recent = {};
-        next.departure = 0;
-        next.frames = 1;
-        return next;
-      }
-      next.recent = {};
-    }
-  }
-  next.moments = pooled(history.moments, frame, rule.max_count);
-  return next;
-}
-
 }  // namespace relume

@@ -7,6 +7,7 @@
 #include "core/frame.h"
 #include "core/hash.h"
 #include "scene/surface_point.h"
+#include "techniques/hash_grid/change.h"
 
 namespace relume {
 
@@ -116,16 +117,22 @@ struct CellKeys {
   /// alone, so that cells of one voxel are neighbours in the table.
   RELUME_HD CellAddress address_of(const glm::i64vec3& v, const CellPoint& p, int level, int coarser) const {
     const auto cell_kind = static_cast<uint64_t>((level - kMinCellLevel) * (1 << 18) + coarser * (1 << 16) + p.layer);
-    // A sum with large odd factors: two keys share it only if they differ by millions of cells.
-    const uint64_t place = static_cast<uint64_t>(v.x) * 0x9e3779b97f4a7c15u +
-                           static_cast<uint64_t>(v.y) * 0xd1b54a32d192ed03u +
-                           static_cast<uint64_t>(v.z) * 0xabc98388fb8fac03u + cell_kind * 0x8cb92ba72f3d8dd7u;
+    const uint64_t place = place_of(v, cell_kind);
     const uint64_t facing = (static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
     CellAddress result;
-    result.home = static_cast<uint32_t>(mixed(place) >> 32);
+    const uint64_t region = mixed(place_of(v >> int64_t{kRegionLevels}, cell_kind));
+    result.home =
+        (static_cast<uint32_t>(mixed(place) >> 32) & ~(kRegions - 1)) | region_of(static_cast<uint32_t>(region));
     result.fingerprint = mixed(place + facing + 0x2545f4914f6cdd1du);
     if (result.fingerprint == 0) result.fingerprint = 1;
     return result;
+  }
+
+ private:
+  /// A sum with large odd factors: two keys share it only if they differ by millions of cells.
+  RELUME_HD static uint64_t place_of(const glm::i64vec3& v, uint64_t cell_kind) {
+    return static_cast<uint64_t>(v.x) * 0x9e3779b97f4a7c15u + static_cast<uint64_t>(v.y) * 0xd1b54a32d192ed03u +
+           static_cast<uint64_t>(v.z) * 0xabc98388fb8fac03u + cell_kind * 0x8cb92ba72f3d8dd7u;
   }
 };
 

@@ -1,4 +1,4 @@
-#include "techniques/hash_grid/cell.h"
+#include "techniques/hash_grid/change.h"
 
 #include <gtest/gtest.h>
 

@@ -69,15 +69,20 @@ HashGridView HashGrid::view(const CameraView& camera) {
   return v;
 }
 
-void HashGrid::advance(Backend& backend) {
+void HashGrid::advance(Backend& backend, bool watched) {
   if (counters_.heirs > 0) {
     const InheritCellsKernel inherit{view({}), mutable_view_of(histories_)};
     launch(backend, "cells", inherit, kMaintenanceRow, rows_of(fingerprints_.size()));
     inherited_ += counters_.heirs;
     counters_.heirs = 0;
   }
+  regions_.assign(watched && settings_.change_detection > 0 ? kRegions : 0, {});
+  if (!regions_.empty()) {
+    const MeasureChangesKernel measure{view({}), mutable_view_of(regions_)};
+    launch(backend, "cells", measure, kMaintenanceRow, rows_of(fingerprints_.size()));
+  }
   census_ = {};
-  const MaintainCellsKernel kernel{view({}), mutable_view_of(histories_), &census_,
+  const MaintainCellsKernel kernel{view({}), mutable_view_of(histories_), view_of(regions_), &census_,
                                    static_cast<uint32_t>(settings_.max_age)};
   launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints_.size()));
   evicted_ += census_.evicted;
@@ -126,6 +131,7 @@ HashGridStatistics HashGrid::statistics() const {
   s.dropped = counters_.dropped;
   s.saturated = counters_.saturated;
   s.nonfinite = counters_.nonfinite;
+  s.changed = census_.changed;
   s.rebuilds = rebuilds_;
   s.memory_bytes = s.slots * (sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory));
   return s;

@@ -24,6 +24,7 @@ struct HashGridStatistics {
   uint64_t dropped = 0;    ///< samples and cells without a place so far; results may then depend on timing
   uint64_t saturated = 0;  ///< samples clamped so far
   uint64_t nonfinite = 0;  ///< samples left out so far
+  uint64_t changed = 0;    ///< cells in the last frame whose region was seen to change
   uint64_t rebuilds = 0;   ///< times that the table changed its size or was cleaned
   size_t memory_bytes = 0;
 };
@@ -42,13 +43,14 @@ class HashGrid {
   /// For the kernels of a frame. `camera` sets the level of detail.
   HashGridView view(const CameraView& camera);
 
-  /// When the samples of a frame are in: averages and evicts. What is read from then on includes them.
-  void advance(Backend& backend);
+  /// When the samples of a frame are in: averages and evicts. What is read from then on includes them. `watched`: the
+  /// scene has changed of late, so cells are compared with what they remember, region by region.
+  void advance(Backend& backend, bool watched = false);
   /// When a frame is over and nobody knows slots any more: adjusts the size.
   void adjust_size(Backend& backend);
   /// Both.
-  void end_frame(Backend& backend) {
-    advance(backend);
+  void end_frame(Backend& backend, bool watched = false) {
+    advance(backend, watched);
     adjust_size(backend);
   }
   /// Forgets everything.
@@ -75,6 +77,7 @@ class HashGrid {
   std::vector<uint32_t> parents_;
   std::vector<CellSums> sums_;
   std::vector<CellHistory> histories_;
+  std::vector<RegionChange> regions_;
   HashGridCounters counters_;
   HashGridCensus census_;
   uint64_t evicted_ = 0;

@@ -13,6 +13,7 @@ struct HashGridCensus {
   uint64_t live = 0;           ///< cells with samples
   uint64_t evicted = 0;        ///< cells emptied in this pass
   uint64_t samples = 0;        ///< added in the frame
+  uint64_t changed = 0;        ///< cells in regions that have changed
   uint64_t displacements = 0;  ///< slots between the cells and their homes, all together
 };
 
@@ -32,10 +33,27 @@ struct InheritCellsKernel {
   }
 };
 
+/// Compares what cells have gathered with what they remember, for each region; one call a slot.
+struct MeasureChangesKernel {
+  HashGridView grid;
+  View<RegionChange> regions;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t slot = y * kMaintenanceRow + x;
+    if (slot >= grid.fingerprints.size || grid.fingerprints[slot] == 0 || grid.sums[slot].empty()) return;
+    const CellHistory& history = grid.histories[slot];
+    if (history.moments.count < grid.rule.min_count) return;
+    const CellMoments window = pooled(history.recent, grid.sums[slot].moments(), kInfinity);
+    if (window.count < grid.rule.min_count) return;
+    regions[region_of(grid.homes[slot])].add(squared_departure(history.moments, window));
+  }
+};
+
 /// Averages and evicts; one call a slot.
 struct MaintainCellsKernel {
   HashGridView grid;
   View<CellHistory> histories;
+  View<const RegionChange> regions;  ///< empty: nothing is known of changes
   HashGridCensus* census = nullptr;
   uint32_t max_age = 64;  ///< frames without samples after which a cell is emptied
 
@@ -63,7 +81,10 @@ struct MaintainCellsKernel {
     CellHistory& history = histories[slot];
     if (!sums.empty()) {
       part.samples += sums.count;
-      history = advanced(history, sums.moments(), grid.rule);
+      const float excess =
+          regions.empty() ? 0.0f : regions[region_of(grid.homes[slot])].excess(grid.rule.change_threshold);
+      part.changed += excess > 0.0f ? 1u : 0u;
+      history = advanced(history, sums.moments(), grid.rule, excess);
       sums = {};
     } else if (!history.empty() && ++history.age > max_age) {
       history = {};
@@ -78,6 +99,7 @@ struct MaintainCellsKernel {
     atomic_add(&census->live, part.live);
     atomic_add(&census->evicted, part.evicted);
     atomic_add(&census->samples, part.samples);
+    atomic_add(&census->changed, part.changed);
     atomic_add(&census->displacements, part.displacements);
   }
 };

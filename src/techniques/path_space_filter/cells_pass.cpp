@@ -11,6 +11,9 @@ namespace {
 /// Cells a patch of cell-size² pixels has: neighbours that the jitter reaches, orientations, coarser levels.
 constexpr float kCellsPerPatch = 4;
 
+/// Light goes from cell to cell, so that what has changed shows here or there for some frames.
+constexpr uint32_t kWatchedFrames = 24;
+
 uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels, uint32_t depths) {
   const float patches = static_cast<float>(pixels) / relume::max(1.0f, sqr(settings.grid.cell_size));
   return static_cast<uint64_t>(patches * kCellsPerPatch) * depths;
@@ -23,6 +26,8 @@ bool CellsPass::run(const FrameContext& frame) {
   ready_ = true;
   grid_.configure(settings_.grid);
   if (includes(frame.changes, Change::settings)) grid_.clear();
+  if (watched_frames_ > 0) --watched_frames_;
+  if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
   filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
   return true;
 }
@@ -34,8 +39,9 @@ std::vector<PassFigure> CellsPass::figures() const {
   return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
           {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
           {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
-          {"evicted", static_cast<double>(s.evicted)},     {"dropped", static_cast<double>(s.dropped)},
-          {"saturated", static_cast<double>(s.saturated)}, {"nonfinite", static_cast<double>(s.nonfinite)}};
+          {"evicted", static_cast<double>(s.evicted)},     {"changed", static_cast<double>(s.changed)},
+          {"dropped", static_cast<double>(s.dropped)},     {"saturated", static_cast<double>(s.saturated)},
+          {"nonfinite", static_cast<double>(s.nonfinite)}};
 }
 
 std::vector<std::string> CellsPass::warnings() const {
@@ -55,12 +61,15 @@ std::vector<std::string> CellsPass::warnings() const {
 void CellsPass::save(std::ostream& out) const {
   const std::vector<std::byte> bytes = grid_.save();
   const uint64_t size = bytes.size();
+  out.write(reinterpret_cast<const char*>(&watched_frames_), sizeof watched_frames_);
   out.write(reinterpret_cast<const char*>(&size), sizeof size);
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(size));
 }
 
 void CellsPass::load(std::istream& in) {
+  uint32_t watched_frames = 0;
   uint64_t size = 0;
+  in.read(reinterpret_cast<char*>(&watched_frames), sizeof watched_frames);
   in.read(reinterpret_cast<char*>(&size), sizeof size);
   const uint64_t largest = HashGrid::largest_save(settings_.grid);
   if (!in || size > largest) return in.setstate(std::ios::failbit);
@@ -68,6 +77,7 @@ void CellsPass::load(std::istream& in) {
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   grid_.configure(settings_.grid);
   if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
+  watched_frames_ = watched_frames;
   ready_ = true;
 }
 

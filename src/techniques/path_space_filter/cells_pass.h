@@ -32,7 +32,7 @@ class CellsPass final : public Pass {
   const FilterContext& filter() const { return filter_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
   /// When all samples are in: what is read from then on includes them.
-  void advance(Backend& backend) { grid_.advance(backend); }
+  void advance(Backend& backend) { grid_.advance(backend, watched_frames_ > 0); }
   /// When nobody knows slots any more.
   void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
 
@@ -40,6 +40,7 @@ class CellsPass final : public Pass {
   const PathSpaceFilterSettings& settings_;
   uint32_t depths_;
   HashGrid grid_;
+  uint32_t watched_frames_ = 0;  ///< for which cells still look for changes
   bool ready_ = false;
   FilterContext filter_;
 };
