@@ -138,7 +138,7 @@ ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   result.claims.push_back(claim_vertex());
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(charts(cases));
-  result.setup = {{"Size", context.quick ? "64 × 64" : "256 × 256"},
+  result.setup = {{"Size", context.quick ? "40 × 40" : "256 × 256"},
                   {"Time", fmt::format("medians of 3 × {} frames, in turns", context.choose(16, 4))},
                   {"Settings", "the defaults of each, but for \"all\": neither kind of roulette"}};
   return result;

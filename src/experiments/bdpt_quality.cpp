@@ -159,7 +159,7 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
       if (!std::holds_alternative<ViewerBlock>(block)) result.blocks.push_back(std::move(block));
     }
   }
-  result.setup = {{"Size", context.quick ? "64 × 64" : "192 × 192"},
+  result.setup = {{"Size", context.quick ? "40 × 40" : "192 × 192"},
                   {"Reference", context.quick ? "256 samples of bdpt" : "1024 samples of bdpt"},
                   {"Bounces", fmt::format("{}, with roulette", kBounces)},
                   {"Equal samples", context.quick ? "4" : "16"},

@@ -222,7 +222,7 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
     for (Block& block : study_blocks("Sponza", walk->comparison)) result.blocks.push_back(std::move(block));
   }
   result.blocks.emplace_back(std::move(times));
-  result.setup = {{"Boxes", context.quick ? "64 × 64, 8 samples of bdpt" : "192 × 192, 8 samples of bdpt"},
+  result.setup = {{"Boxes", context.quick ? "40 × 40, 8 samples of bdpt" : "192 × 192, 8 samples of bdpt"},
                   {"Sponza", "a sample a frame of path tracing; stands, then walks 5 cm and turns 0.5° a frame"},
                   {"Contrast", "slope of the picture's luminance over the reference's, both cut off at 1"}};
   return result;

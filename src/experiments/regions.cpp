@@ -81,7 +81,7 @@ ViewerBlock region_pictures(const std::string& title, const Comparison& comparis
 }
 
 void use_square(const ExperimentContext& context, int side, StudyOptions& options) {
-  const std::string text = std::to_string(context.choose(side, 64));
+  const std::string text = std::to_string(context.choose(side, 40));
   options.common.emplace_back("width", text);
   options.common.emplace_back("height", text);
 }

@@ -35,7 +35,7 @@ double mean_mse_of(const Comparison& comparison, std::string_view name);
 /// The comparison's pictures with crops at the regions.
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison, const std::vector<Region>& regions);
 
-/// Sets a square picture for everybody: `side` pixels, 64 in a quick run.
+/// Sets a square picture for everybody: `side` pixels, 40 in a quick run.
 void use_square(const ExperimentContext& context, int side, StudyOptions& options);
 
 }  // namespace relume

@@ -14,6 +14,7 @@
 #include "techniques/adaptive_psf/adaptive_psf.h"
 #include "techniques/adaptive_sampling/adaptive_sampling.h"
 #include "techniques/bdpt/bdpt.h"
+#include "techniques/bdpt/light_medium.h"
 #include "techniques/bmfr/bmfr.h"
 #include "techniques/bmfr/regression_kernel.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
@@ -73,6 +74,7 @@ template __global__ void run(PrimaryHitsKernel, uint32_t, uint32_t);
 template __global__ void run(SurfaceKernel, uint32_t, uint32_t);
 template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
 template __global__ void run(BdptKernel, uint32_t, uint32_t);
+template __global__ void run(LightMediumKernel, uint32_t, uint32_t);
 template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);

@@ -9,7 +9,8 @@ namespace relume {
 
 struct BdptContext {
   PathContext path;
-  PowerLights emission;  ///< chooses the lights that subpaths start from
+  PowerLights emission;          ///< chooses the lights that subpaths start from
+  View<const Rgb> light_medium;  ///< LightMediumKernel's; empty: no light stands in a tinted body
   View<FixedPointRgb> splats;
   uint32_t width = 0;
   uint32_t max_light_vertices = 16;  ///< at most kMaxLightVertices

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "techniques/bdpt/bdpt.h"
+#include "techniques/bdpt/light_medium.h"
 #include "techniques/path/path_pass.h"
 
 namespace relume {
@@ -21,6 +22,9 @@ void BdptPass::prepare_emission(const FrameContext& frame) {
   const LightsAtInfinity infinity =
       mode_ == BdptMode::light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling;
   frame.backend.run("lights", [&] { emission_ = build_power_lights(frame.scene.lights, infinity); });
+  light_medium_.assign(frame.scene.absorbs ? frame.scene.lights.lights.size : 0, Rgb(0));
+  const LightMediumKernel medium{frame.scene, mutable_view_of(light_medium_)};
+  launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }
 
 bool BdptPass::run(const FrameContext& frame) {
@@ -33,6 +37,7 @@ bool BdptPass::run(const FrameContext& frame) {
   c.path.max_bounces = static_cast<uint32_t>(path_.max_bounces);
   c.path.russian_roulette = path_.russian_roulette;
   c.emission = {{view_of(emission_)}};
+  c.light_medium = view_of(light_medium_);
   c.splats = frame.view<FixedPointRgb>("splats");
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);

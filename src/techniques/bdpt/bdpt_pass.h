@@ -26,7 +26,9 @@ class BdptPass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return emission_.capacity() * sizeof(AliasEntry); }
+  size_t memory_bytes() const override {
+    return emission_.capacity() * sizeof(AliasEntry) + light_medium_.capacity() * sizeof(Rgb);
+  }
 
  private:
   void prepare_emission(const FrameContext& frame);
@@ -37,6 +39,7 @@ class BdptPass final : public Pass {
   const LightSelector& selector_;
   const DirectionSampler& directions_;
   std::vector<AliasEntry> emission_;  ///< by power; light tracing has no other way to find a constant environment
+  std::vector<Rgb> light_medium_;     ///< of each light; empty: there are no tinted bodies
   bool prepared_ = false;
 };
 

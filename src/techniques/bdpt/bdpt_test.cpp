@@ -105,6 +105,23 @@ TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSparesRays) {
   EXPECT_LT(fewer, 0.9 * all);
 }
 
+TEST(Bdpt, LightsKnowTheBodyThatTheyStandIn) {
+  BdptFrame frame(make_lamp_in_glass(), {});
+  ASSERT_EQ(frame.light_medium.size(), 2u);
+  for (const Rgb& medium : frame.light_medium) {
+    EXPECT_NEAR(medium.r, -std::log(0.3f), 1e-4f);
+    EXPECT_NEAR(medium.b, -std::log(0.5f), 1e-4f);
+  }
+  EXPECT_EQ(BdptFrame(find_builtin_scene("cornell-glass")->build(), {}).light_medium, std::vector<Rgb>(2, Rgb(0)));
+  EXPECT_TRUE(BdptFrame(find_builtin_scene("cornell")->build(), {}).light_medium.empty());
+}
+
+TEST(Bdpt, LampsInDarkGlassAreAsBrightFromBothSides) {
+  const Rgb camera_alone = mean_of(render_bdpt(make_lamp_in_glass(), {.max_light_vertices = 1}, 256));
+  const Rgb both = mean_of(render_bdpt(make_lamp_in_glass(), {}, 256));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples of each
+}
+
 TEST(Bdpt, DoesNotDependOnThreads) {
   for (const bool light_only : {false, true}) {
     BdptOptions options{.width = 40, .height = 40, .light_only = light_only};

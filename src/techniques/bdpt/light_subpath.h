@@ -28,6 +28,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
     l.path.ray.origin = offset_origin(e.origin, error, e.normal, e.direction);
   }
   l.path.cone_spread = 0.0f;
+  if (!c.light_medium.empty()) l.path.medium = c.light_medium[selection.light];
   l.count = 1;
   // At infinity the direction is the vertex, and the position goes with the next one.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;

@@ -7,6 +7,7 @@
 #include "backend/launch.h"
 #include "scene/compiled_scene.h"
 #include "techniques/bdpt/bdpt.h"
+#include "techniques/bdpt/light_medium.h"
 
 namespace relume::testing {
 
@@ -32,6 +33,9 @@ class BdptFrame {
     const LightsView& lights = compiled.view().lights;
     power = build_power_lights(lights);
     emission = build_power_lights(lights, o.light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling);
+    if (compiled.view().absorbs) light_medium.resize(lights.lights.size);
+    launch(backend, "lights", LightMediumKernel{compiled.view(), mutable_view_of(light_medium)},
+           static_cast<uint32_t>(light_medium.size()), 1);
     const auto pixels = static_cast<size_t>(o.width) * static_cast<size_t>(o.height);
     hits.resize(pixels);
     radiance.resize(pixels);
@@ -48,6 +52,7 @@ class BdptFrame {
     c.path.max_bounces = options.max_bounces;
     c.path.russian_roulette = options.russian_roulette;
     c.emission = {{view_of(emission)}};
+    c.light_medium = view_of(light_medium);
     c.splats = mutable_view_of(splats);
     c.width = width();
     c.max_light_vertices = options.max_light_vertices;
@@ -78,6 +83,7 @@ class BdptFrame {
   Backend backend;
   std::vector<AliasEntry> power;
   std::vector<AliasEntry> emission;
+  std::vector<Rgb> light_medium;
   std::vector<Hit> hits;
   std::vector<uint32_t> allocation;  ///< empty: one path for each pixel
   std::vector<Rgb> radiance;
