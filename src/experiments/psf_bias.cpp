@@ -20,8 +20,9 @@ constexpr float kConstants[] = {0, 0.01f, 0.1f, 1, 10, 100};
 struct SceneAverages {
   std::string name;
   Reference reference;
-  std::vector<FrameAverages> caches;     ///< path tracing first
-  std::vector<FrameAverages> constants;  ///< apg with each of kConstants
+  std::vector<FrameAverages> caches;  ///< path tracing first
+  std::vector<FrameAverages> graphs;  ///< apg with each of `constants`
+  std::vector<float> constants;
 };
 
 FramePlanOfAverages plan_of(const ExperimentContext& context) {
@@ -29,7 +30,7 @@ FramePlanOfAverages plan_of(const ExperimentContext& context) {
 }
 
 SceneAverages measure(const ExperimentContext& context, const ExperimentScene& scene, bool all_caches) {
-  SceneAverages result{scene.name, make_reference(context, scene, context.choose(4096, 128)), {}, {}};
+  SceneAverages result{scene.name, make_reference(context, scene, context.choose(4096, 128)), {}, {}, {}};
   const std::vector<CacheContender> list = cache_contenders(context, scene);
   for (const CacheContender& contender : list) {
     if (all_caches || contender.name == "path" || contender.name == "psf")
@@ -40,7 +41,8 @@ SceneAverages measure(const ExperimentContext& context, const ExperimentScene& s
     CacheContender contender{fmt::format("apg, constant {}", constant), list.front().settings};
     contender.settings.cache = CacheChoice::apg;
     contender.settings.apg.variance_constant = constant;
-    result.constants.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
+    result.constants.push_back(constant);
+    result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
   }
   return result;
 }
@@ -65,7 +67,7 @@ TableBlock table(const SceneAverages& scene) {
                            {short_number(a.bias2 + a.variance), a.bias2 + a.variance}}});
   };
   for (size_t i = 0; i < scene.caches.size(); ++i) add(scene.caches[i], static_cast<int>(i));
-  for (const FrameAverages& a : scene.constants) add(a, kNeutralColor);
+  for (const FrameAverages& a : scene.graphs) add(a, kNeutralColor);
   return block;
 }
 
@@ -73,10 +75,10 @@ TableBlock table(const SceneAverages& scene) {
 ChartBlock curves(const SceneAverages& scene) {
   Curve bias{"bias²", 0, false, {}};
   Curve variance{"variance", 1, false, {}};
-  for (size_t i = 0; i < scene.constants.size(); ++i) {
-    const double x = std::max(1e-3, static_cast<double>(kConstants[i]));  // 0 does not fit on a logarithmic axis
-    bias.points.push_back({.x = x, .y = std::max(1e-9, scene.constants[i].bias2)});
-    variance.points.push_back({.x = x, .y = scene.constants[i].variance});
+  for (size_t i = 0; i < scene.graphs.size(); ++i) {
+    const double x = std::max(1e-3, static_cast<double>(scene.constants[i]));  // 0 does not fit on a logarithmic axis
+    bias.points.push_back({.x = x, .y = std::max(1e-9, scene.graphs[i].bias2)});
+    variance.points.push_back({.x = x, .y = scene.graphs[i].variance});
   }
   return {scene.name + ": the variance constant",
           "Bias and variance of apg. The leftmost points are those of the constant 0.",
@@ -110,7 +112,7 @@ const FrameAverages* quiet_graph(const SceneAverages& scene) {
   const auto consider = [&](const FrameAverages& a) {
     if (a.variance <= limit && (!best || a.bias2 < best->bias2)) best = &a;
   };
-  for (const FrameAverages& a : scene.constants) consider(a);
+  for (const FrameAverages& a : scene.graphs) consider(a);
   return best;
 }
 
@@ -146,7 +148,7 @@ void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims
   const double psf = named(scene, "psf").variance;
   double least = named(scene, "path").variance;
   std::string name = "path";
-  for (const FrameAverages& a : scene.constants) {
+  for (const FrameAverages& a : scene.graphs) {
     if (a.variance >= least) continue;
     least = a.variance;
     name = a.name;
@@ -160,12 +162,12 @@ void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims
 void claim_monotone(const SceneAverages& scene, std::vector<Claim>& claims) {
   bool holds = true;
   std::string measured;
-  for (size_t i = 0; i < scene.constants.size(); ++i) {
-    const FrameAverages& a = scene.constants[i];
+  for (size_t i = 0; i < scene.graphs.size(); ++i) {
+    const FrameAverages& a = scene.graphs[i];
     measured += fmt::format("{}{}: {} / {}", i > 0 ? ", " : "", a.name.substr(a.name.rfind(' ') + 1),
                             short_number(a.bias2), short_number(a.variance));
     if (i == 0) continue;
-    const FrameAverages& before = scene.constants[i - 1];
+    const FrameAverages& before = scene.graphs[i - 1];
     holds = holds && a.variance >= 0.98 * before.variance &&
             a.bias2 <= before.bias2 + 2 * (a.bias2_error + before.bias2_error);
   }
