@@ -62,7 +62,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   contenders.push_back(independent_contender(context, scene));
   const TraceOptions options{.turn = {},
                              .frames = context.quick ? 48u : 128u,
-                             .repetitions = scene.property.empty() ? context.choose(3, 1) : 1,
+                             .repetitions = 1,
                              .reference = &reference.image,
                              .reference_mse = reference.mse,
                              .picture_frame = 32};
@@ -222,7 +222,7 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
   result.setup.insert(
       result.setup.end(),
       {{"Measure", "variance over the pixels of the distance to the reference's colour, both cut off at 1"},
-       {"Repetitions", context.quick ? "1" : "median of 3, variations 1; contenders take turns frame by frame"}});
+       {"Repetitions", "1; contenders take turns frame by frame"}});
   return result;
 }
 

@@ -286,7 +286,7 @@ ExperimentResult run_reprojection(const ExperimentContext& context) {
     overheads.push_back(measure_overhead(context, scene));
   };
   measure_whole(box, true);
-  if (hall) measure_whole(*hall, true);
+  if (hall) measure_whole(*hall, false);
   std::vector<BoxVariation> variations{BoxVariation::reflective};
   if (!context.quick) {
     measure_whole(city_street(), false);

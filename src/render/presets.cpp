@@ -14,6 +14,11 @@ const std::vector<Preset>& presets() {
       {"reference", "What other pictures are measured against: unbiased up to 64 bounces, many samples",
        R"({"spp": 4096, "max-bounces": 64, "path.russian-roulette": true, "estimator": "path", "lights": "power",
            "guide": "bsdf", "cache": "none", "allocation": "uniform", "history": "accumulate", "denoise": "none"})"},
+      {"adaptive", "More samples where the noise is [Schalk18]", R"({"allocation": "adaptive"})"},
+      {"reprojection", "Frames in motion: keeps what can be verified to be seen still [Schalk18]",
+       R"({"history": "reproject"})"},
+      {"combination", "Both: keeps what it can, and samples what is new or noisy [Schalk18]",
+       R"({"allocation": "adaptive", "history": "reproject"})"},
   };
   return list;
 }

@@ -107,7 +107,7 @@ TEST(Settings, ErrorsSayWhereFrom) {
   EXPECT_EQ(message_of([] { resolve({.preset = "referense"}); }),
             "there is no preset 'referense'; did you mean 'reference'?");
   EXPECT_EQ(message_of([] { resolve({.preset = "xyz"}); }),
-            "there is no preset 'xyz'; there are preview and reference");
+            "there is no preset 'xyz'; there are preview, reference, adaptive, reprojection and combination");
   EXPECT_EQ(message_of([] {
               resolve({.flags = {{"guide", "cqd"}}});
             }),

@@ -57,6 +57,9 @@ constexpr const char* kSponza = R"({
 struct MovingScene {
   Scene scene;
   const char* object;  ///< node that moves
+  double mse;          ///< bounds: of starting anew
+  double temporal;     ///< of starting anew
+  double trail;        ///< mean error behind the object
 };
 
 Scene load(const std::string& json) {
@@ -65,7 +68,7 @@ Scene load(const std::string& json) {
   return load_scene(folder / "scene.json");
 }
 
-MovingScene box() { return {load(kBox), "tall box"}; }
+MovingScene box() { return {load(kBox), "tall box", 0.7, 0.6, 0.05}; }
 
 std::optional<MovingScene> sponza() {
   const char* folder = std::getenv("RELUME_SCENES");
@@ -74,11 +77,12 @@ std::optional<MovingScene> sponza() {
   if (!std::filesystem::exists(file)) return std::nullopt;
   std::string json = kSponza;
   json.replace(json.find("SPONZA"), 6, file.generic_string());
-  return MovingScene{load(json), "vase_hanging"};
+  // Few pixels show the vases, and starting anew is as far off behind them: 7 %.
+  return MovingScene{load(json), "vase_hanging", 0.85, 0.75, 0.1};
 }
 
-RenderSettings settings_of(HistoryChoice history, int seed) {
-  RenderSettings s = small_settings(kWidth, kHeight);
+RenderSettings settings_of(HistoryChoice history, int seed, int scale = 1) {
+  RenderSettings s = small_settings(kWidth / scale, kHeight / scale);
   s.history = history;
   s.reproject.stored = StoredSampleChoice::one;  // then each kept pixel has a source of its own
   s.path.max_bounces = 4;
@@ -116,8 +120,8 @@ Frame frame_of(const Session& session) {
 }
 
 /// The sequence with one sample a pixel and frame, and at last `rest` more frames in which nothing moves.
-std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int rest = 0) {
-  Session session(scene, settings_of(history, seed));
+std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int rest = 0, int scale = 1) {
+  Session session(scene, settings_of(history, seed, scale));
   std::vector<Frame> frames;
   for (int frame = 0; frame < kFrames; ++frame) {
     session.set_time(time_of(frame));
@@ -277,10 +281,10 @@ void expect_no_ghosts(const MovingScene& moving) {
     std::cerr << name << ": MSE " << e.mse << ", temporal error " << e.temporal << ", mean error " << e.elsewhere
               << ", behind the object " << e.trail << " of " << e.trail_pixels << " pixels\n";
   }
-  EXPECT_LT(kept.mse, 0.7 * anew.mse);
-  EXPECT_LT(kept.temporal, 0.5 * anew.temporal);
+  EXPECT_LT(kept.mse, moving.mse * anew.mse);
+  EXPECT_LT(kept.temporal, moving.temporal * anew.temporal);
   ASSERT_GT(kept.trail_pixels, 500);
-  EXPECT_LT(std::fabs(kept.trail), 0.05);
+  EXPECT_LT(std::fabs(kept.trail), moving.trail);
   // Light by way of other surfaces lags behind the lamp: some two percent here, where it crosses the ceiling in a
   // second.
   EXPECT_LT(std::fabs(kept.elsewhere), 0.04);
@@ -288,19 +292,22 @@ void expect_no_ghosts(const MovingScene& moving) {
 
 /// What histories brought along is forgotten, as the picture converges.
 void expect_no_stuck_pixels(const MovingScene& moving) {
-  constexpr int kRest = 64;
-  RenderSettings s = settings_of(HistoryChoice::accumulate, 1);
+  constexpr int kRest = 256;
+  constexpr int kScale = 2;  // fewer pixels will do
+  // Its random numbers are those of the history, whatever that keeps: not a low-discrepancy sequence.
+  RenderSettings s = settings_of(HistoryChoice::reproject, 1, kScale);
   s.time_s = time_of(kFrames - 1);
   const Image truth = [&] {
     RenderSettings other = s;
     other.seed = 1001;
+    other.history = HistoryChoice::accumulate;
     return render(moving.scene, other, 512);
   }();
-  const Frame last = play(moving.scene, HistoryChoice::reproject, 1, kRest).back();
+  const Frame last = play(moving.scene, HistoryChoice::reproject, 1, kRest, kScale).back();
   const double anew = mse(render(moving.scene, s, kRest + 1), truth);
   const double kept = mse(last.image, truth);
   std::cerr << "at rest: MSE " << kept << ", anew " << anew << "\n";
-  EXPECT_LT(kept, 2 * anew);  // a fifth of the samples is still from when things moved
+  EXPECT_LT(kept, 1.3 * anew);  // a sixteenth of the samples is still from when things moved
   const auto [least, most] = std::minmax_element(last.samples.begin(), last.samples.end());
   EXPECT_EQ(*least, kRest + 1u);
   EXPECT_LE(*most, kRest + 1u + static_cast<uint32_t>(s.reproject.max_samples_changed));

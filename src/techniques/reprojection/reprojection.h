@@ -51,35 +51,57 @@ struct ClaimKernel {
     const uint32_t pixel = y * width + x;
     uint32_t fate = static_cast<uint32_t>(ReprojectionFate::empty);
     limits[pixel] = 0xffffffffu;
+    Claimed claimed;
     for (uint32_t k = 0; k < capacity; ++k) {
       const uint32_t sample = pixel * capacity + k;
       if (!stored[sample].valid()) break;
-      const ReprojectionFate f = pixels[pixel].mixed ? ReprojectionFate::mixed : claim(sample, pixels[pixel]);
+      const ReprojectionFate f = pixels[pixel].mixed ? ReprojectionFate::mixed : claim(sample, pixels[pixel], claimed);
       if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
     }
     fates[pixel] = fate;
   }
 
  private:
-  RELUME_HD ReprojectionFate claim(uint32_t index, const StoredPixel& pixel) const {
+  /// What one pixel has claimed so far.
+  struct Claimed {
+    uint32_t targets[kMaxStoredSamples];
+    uint32_t count = 0;
+
+    RELUME_HD bool has(uint32_t target) const {
+      for (uint32_t i = 0; i < count; ++i) {
+        if (targets[i] == target) return true;
+      }
+      return false;
+    }
+  };
+
+  RELUME_HD ReprojectionFate claim(uint32_t index, const StoredPixel& pixel, Claimed& claimed) const {
     const StoredSample& sample = stored[index];
     const SurfacePosition p = surface_position(scene, sample.hit);
     const Ray ray = ray_to(p.now);
     Vec2 film;
     if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return ReprojectionFate::off_screen;
+    const uint32_t target = pixel_at(film);
+    // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
+    if (!lights_changed && claimed.has(target)) return ReprojectionFate::kept;
 
     SurfacePoint sp;
     const float depth = ray.t_max;
     make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
     if (sp.bsdf.empty() || near_specular(sp.bsdf)) return ReprojectionFate::near_specular;
-    if (view_error(sp, p.before, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
+    if (view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
     if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
     if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
 
-    const auto tx = relume::min(static_cast<uint32_t>(film.x), static_cast<uint32_t>(scene.camera.resolution.x) - 1);
-    const auto ty = relume::min(static_cast<uint32_t>(film.y), static_cast<uint32_t>(scene.camera.resolution.y) - 1);
-    atomic_min(&claims[ty * width + tx], claim_of(depth, index));
+    claimed.targets[claimed.count++] = target;
+    atomic_min(&claims[target], claim_of(depth, index));
     return ReprojectionFate::kept;
+  }
+
+  RELUME_HD uint32_t pixel_at(const Vec2& film) const {
+    const auto x = relume::min(static_cast<uint32_t>(film.x), static_cast<uint32_t>(scene.camera.resolution.x) - 1);
+    const auto y = relume::min(static_cast<uint32_t>(film.y), static_cast<uint32_t>(scene.camera.resolution.y) - 1);
+    return y * width + x;
   }
 
   /// From the camera to `p`; t_max is the distance, 0 behind the camera.
@@ -103,11 +125,13 @@ struct ClaimKernel {
   }
 
   /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
-  RELUME_HD float view_error(const SurfacePoint& sp, const Vec3& position_before, const StoredSample& sample,
+  RELUME_HD float view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
                              const StoredPixel& pixel) const {
     const CameraView& c = scene.previous_camera;
-    const Vec3 wo_before =
-        c.projection == Projection::orthographic ? c.axes.n : glm::normalize(c.position - position_before);
+    const bool parallel = c.projection == Projection::orthographic;
+    // A camera that turns in its place sees the same side of what rests.
+    if (!parallel && c.position == scene.camera.position && p.before == p.now) return 0.0f;
+    const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
     float error = 0.0f;
     if (sample.scatter)
       error = relume::max(error, eq15(sp, wo_before, unpack_direction(sample.scatter), pixel.indirect));
@@ -120,9 +144,23 @@ struct ClaimKernel {
     const Vec3 wi_local = sp.frame.to_local(wi);
     const Vec3 before_local = sp.frame.to_local(wo_before);
     if (before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
-    const Rgb now = eval_pdf(sp.bsdf, sp.wo_local, wi_local).f;
-    const Rgb before = eval_pdf(sp.bsdf, before_local, wi_local).f;
+    const Rgb now = view_dependent_f(sp.bsdf, sp.wo_local, wi_local);
+    const Rgb before = view_dependent_f(sp.bsdf, before_local, wi_local);
     return max_component(abs(now - before) * irradiance);
+  }
+
+  /// BSDF without the part that looks the same from everywhere, and without a density.
+  RELUME_HD static Rgb view_dependent_f(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+    if (is_lambert(bsdf)) return Rgb(0);
+    const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
+    Rgb f(0);
+    for (int i = 0; i < bsdf.lobe_count; ++i) {
+      const Lobe& lobe = bsdf.lobes[i];
+      const bool is_coat = i == 0 && bsdf.has_coat();
+      f += eval_lobe(lobe, *bsdf.tables, wo, wi, TransportMode::radiance).f *
+           (lobe.weight * (is_coat ? 1.0f : below_coat));
+    }
+    return f;
   }
 
   /// Beyond the paper: the more the light on a surface has changed, the fewer samples its history counts for. False if

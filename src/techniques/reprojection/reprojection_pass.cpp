@@ -74,6 +74,10 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   if (includes(frame.changes, kEnds) || frame.number == 0) {
     std::fill(stored_.begin(), stored_.end(), StoredSample{});
     std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
+    for (const char* name : {"history-kept", "history-fate"}) {
+      const View<uint32_t> values = frame.view<uint32_t>(name);
+      std::fill(values.begin(), values.end(), 0u);
+    }
     return true;
   }
   if (!includes(frame.changes, kMoves)) return true;

@@ -188,6 +188,17 @@ TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
   EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
 }
 
+TEST(Reprojection, GlossLooksTheSameToACameraThatTurnsInItsPlace) {
+  Stage stage(cornell_of(0.3f, 1.0f));
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world = glm::rotate(camera.to_world, 0.1f, Vec3(0, 1, 0));
+  stage.scene.set_camera(camera);
+  stage.claim(0.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+}
+
 TEST(Reprojection, LambertNeverDependsOnTheView) {
   Scene scene = cornell_of(1.0f, 0.0f);
   for (Material& m : scene.materials) m.specular = 0.0f;
