@@ -50,7 +50,11 @@ SettingList describe_slots(RenderSettings& s) {
       {"history", choice(s.history, {"none", "accumulate", "reproject"}),
        "What earlier frames contribute: nothing, the mean of all since the last change, or what can be verified to be "
        "seen still when something moves"},
-      {"denoise", choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}), "Filter over the finished picture"},
+      {"denoise",
+       choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}),
+       "Filter over the finished picture: none, block by block least squares with what surfaces look like, as wide as "
+       "the noise asks for, or the library Open Image Denoise",
+       {.biases = true}},
   };
 }
 
