@@ -53,13 +53,6 @@ std::vector<Way> ways(const Effort& effort) {
       list.push_back(way);
     }
   }
-  for (const LightSelectionChoice lights : {LightSelectionChoice::light_tree, LightSelectionChoice::static_lists}) {
-    Way way{lights == LightSelectionChoice::light_tree ? "light-tree-bdpt" : "static-lists-bdpt",
-            base_settings(effort)};
-    way.settings.estimator = EstimatorChoice::bdpt;
-    way.settings.lights = lights;
-    list.push_back(way);
-  }
   Way all{"departures", base_settings(effort)};
   all.settings.lights = LightSelectionChoice::vlc;
   all.settings.vlc.memory = 4;
@@ -68,7 +61,6 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.cdq.bits = QuadtreeBits::b64;
   all.settings.cdq.migrations = 4;
   all.settings.cdq.sampling = QuadtreeSampling::stratified;
-  all.settings.light_selection.environment = false;
   all.settings.octree.vertices = 4;
   all.settings.octree.jitter = 1;
   list.push_back(all);
@@ -143,6 +135,38 @@ Moments last_pictures(Session& session, const RenderSettings& settings, int repe
     images.push_back(std::move(mean));
   }
   return moments_of(std::move(images));
+}
+
+/// Weights of bidirectional strategies contain what selectors answer.
+TEST(BidirectionalLights, EverySelectorShowsTheSame) {
+  RenderSettings plain = base_settings(kQuick);
+  plain.estimator = EstimatorChoice::bdpt;
+  for (const char* scene : {"warehouse", "cornell-mirror"}) {
+    Session session(find_builtin_scene(scene)->build(), plain);
+    const Moments expected = pictures(session, plain, kQuick.frames, 1001);
+    for (const LightSelectionChoice lights : {LightSelectionChoice::light_tree, LightSelectionChoice::static_lists}) {
+      RenderSettings settings = plain;
+      settings.lights = lights;
+      const std::string name = lights == LightSelectionChoice::light_tree ? "light-tree-" : "static-lists-";
+      expect_same_picture("bidirectional-" + name + scene, pictures(session, settings, kQuick.frames, 1), expected,
+                          kOptions);
+    }
+  }
+}
+
+/// The sky without its sun, which no path would find often enough to compare.
+TEST(EnvironmentLeftToPaths, ShowsTheSame) {
+  Scene scene = find_builtin_scene("mine")->build();
+  scene.environment.sun_sky.sun_scale = 0;
+  const Effort effort{24, 16, 32};
+  const RenderSettings plain = base_settings(effort);
+  Session session(std::move(scene), plain);
+  const Moments expected = pictures(session, plain, effort.frames, 1001);
+  for (const Way& way : ways(effort)) {
+    RenderSettings settings = way.settings;
+    settings.light_selection.environment = false;
+    expect_same_picture("sky-" + way.name, pictures(session, settings, effort.frames, 1), expected, kOptions);
+  }
 }
 
 class LearningInMotion : public ::testing::TestWithParam<std::string_view> {};
