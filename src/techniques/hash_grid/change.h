@@ -50,6 +50,9 @@ struct RegionChange {
   }
 };
 
+/// Regions are asked only after something has changed somewhere. That makes half as many standard errors enough.
+inline constexpr float kRegionThreshold = 0.5f;
+
 /// What a history is worth after a change: it counts for as many samples as would be off by as much. `excess`: of
 /// squared_departure() over 1.
 RELUME_HD inline CellMoments discounted(const CellMoments& history, const CellMoments& window, float excess) {

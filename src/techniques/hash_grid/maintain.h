@@ -82,7 +82,8 @@ struct MaintainCellsKernel {
     if (!sums.empty()) {
       part.samples += sums.count;
       const float excess =
-          regions.empty() ? 0.0f : regions[region_of(grid.homes[slot])].excess(grid.rule.change_threshold);
+          regions.empty() ? 0.0f
+                          : regions[region_of(grid.homes[slot])].excess(kRegionThreshold * grid.rule.change_threshold);
       part.changed += excess > 0.0f ? 1u : 0u;
       history = advanced(history, sums.moments(), grid.rule, excess);
       sums = {};
