@@ -33,6 +33,8 @@ struct RunReport {
   uint64_t nonfinite_samples = 0;
   int threads = 0;
   uint64_t peak_memory_bytes = 0;
+  uint64_t buffer_bytes = 0;                            ///< of the per-pixel buffers
+  uint64_t technique_bytes = 0;                         ///< of what techniques hold besides
   std::vector<std::string> files;                       ///< pictures written
   std::vector<std::pair<std::string, double>> passes;   ///< name and seconds
   std::vector<std::pair<std::string, double>> figures;  ///< what techniques report of themselves
