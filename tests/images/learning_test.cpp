@@ -109,7 +109,10 @@ void check_all_ways(std::string_view scene, const Effort& effort) {
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick); }
-INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::ValuesIn(scene_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, Learning,
+                         ::testing::Values("cornell", "cornell-glass", "corridor", "warehouse", "cover", "slit", "mine",
+                                           "lamp-room", "furnace"),
+                         test_name);
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(SlowLearning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kSharp); }
@@ -174,15 +177,15 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
   const Effort effort{24, 16, 0};
   const RenderSettings plain = base_settings(effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);
-  const Moments expected = last_pictures(session, plain, 8, 1001);
+  constexpr int kRepeats = 16;  // single frames have long tails
+  const Moments expected = last_pictures(session, plain, kRepeats, 1001);
   for (const Way& way : ways(effort)) {
-    if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "static-lists") continue;
+    if (way.name != "vlc-cdq" && way.name != "departures") continue;
     expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
-                        last_pictures(session, way.settings, 8, 1), expected, kOptions);
+                        last_pictures(session, way.settings, kRepeats, 1), expected, kOptions);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion,
-                         ::testing::Values("cornell", "slit", "turntable", "warehouse", "mine"), test_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), test_name);
 
 }  // namespace
 }  // namespace relume::support
