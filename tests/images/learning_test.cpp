@@ -109,9 +109,10 @@ void check_all_ways(std::string_view scene, const Effort& effort) {
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick); }
+// Not lamp-room: paths find its light too rarely for the few samples here to be told from chance.
 INSTANTIATE_TEST_SUITE_P(Builtin, Learning,
                          ::testing::Values("cornell", "cornell-glass", "corridor", "warehouse", "cover", "slit", "mine",
-                                           "lamp-room", "furnace"),
+                                           "furnace"),
                          test_name);
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
@@ -157,9 +158,10 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
   }
 }
 
-/// The sky without its sun, which no path would find often enough to compare.
+/// A sky before the open side of the box, without a sun, which no path would find often enough to compare.
 TEST(EnvironmentLeftToPaths, ShowsTheSame) {
-  Scene scene = find_builtin_scene("mine")->build();
+  Scene scene = find_builtin_scene("cornell")->build();
+  scene.environment.kind = EnvironmentKind::sun_sky;
   scene.environment.sun_sky.sun_scale = 0;
   const Effort effort{24, 16, 32};
   const RenderSettings plain = base_settings(effort);
