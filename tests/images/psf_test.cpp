@@ -275,15 +275,16 @@ TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
     const Image before = mean_frame(session, 32);
     session.set_transform(node, moved);
     std::vector<Image> course;
-    for (int i = 0; i < 20; ++i) course.push_back(mean_frame(session, 1));
+    for (int i = 0; i < 12; ++i) course.push_back(mean_frame(session, 1));
     mean_frame(session, 20);
     const Image after = mean_frame(session, 32);
     std::string shares;
     for (const Image& frame : course)
       shares += std::to_string(share_of_way(frame, before, after, counts)).substr(0, 6) + " ";
-    double share = 0;  // of five frames, as the noise of one moves it by 0.04
-    for (size_t i = 9; i < 14; ++i) share += share_of_way(course[i], before, after, counts) / 5;
-    EXPECT_GT(share, 0.8) << name << ": " << shares;
+    // A single frame of a path graph strays by 0.03: three of them.
+    double share = 0;
+    for (size_t i = 8; i < 11; ++i) share += share_of_way(course[i], before, after, counts) / 3;
+    EXPECT_GT(share, 0.75) << name << ": " << shares;
   }
 }
 
