@@ -3,32 +3,14 @@
 #include <vector>
 
 #include "lights/light_importance.h"
+#include "lights/testing/lamps.h"
 
 namespace relume {
 namespace {
 
-/// Triangles under a ceiling.
-std::vector<Light> lamps(uint32_t count) {
-  std::vector<Light> lights(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    const auto random = [i](uint32_t k) { return to_unit_float(hash(i, k)); };
-    TriangleLight t{};
-    t.v0 = {10 * random(0), 3, 10 * random(1)};
-    t.e1 = {0.3f, 0, 0};
-    t.e2 = {0, 0, 0.3f};
-    t.normal = {0, -1, 0};
-    t.area = 0.045f;
-    t.radiance = Rgb(1);
-    t.textured = -1;
-    lights[i].kind = LightKind::triangle;
-    lights[i].triangle = t;
-  }
-  return lights;
-}
-
 /// The weights of a bucket of 32 lights, all at once or one by one.
 void bm_light_importances(benchmark::State& state) {
-  const std::vector<Light> lights = lamps(1000);
+  const std::vector<Light> lights = testing::make_lamps(1000, 10);
   LightsView view;
   view.lights = view_of(lights);
   view.first_infinite = view.lights.size;

@@ -1,12 +1,11 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <string>
+#include <vector>
 
-#include "render/session.h"
-#include "scene/builtin.h"
 #include "techniques/bmfr/bmfr.h"
 #include "techniques/bmfr/regression_kernel.h"
+#include "techniques/features/testing/denoiser_bench.h"
 
 namespace relume {
 namespace {
@@ -55,25 +54,7 @@ void bm_bmfr_regression(benchmark::State& state) {
 }
 BENCHMARK(bm_bmfr_regression)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-/// All of the denoiser on frames of 1280 × 720 pixels, without what they cost otherwise; on as many threads as there
-/// are.
-void bm_bmfr(benchmark::State& state) {
-  RenderSettings settings;
-  settings.width = kWidth;
-  settings.height = kHeight;
-  settings.path.max_bounces = 1;
-  settings.denoise = DenoiseChoice::bmfr;
-  Session session(find_builtin_scene("cornell")->build(), settings);
-  double before = 0;
-  for (auto _ : state) {
-    session.render_frame();
-    double seconds = 0;
-    for (const PassTime& pass : session.statistics().passes)
-      seconds += pass.name.starts_with("bmfr") ? pass.seconds : 0;
-    state.SetIterationTime(seconds - before);
-    before = seconds;
-  }
-}
+void bm_bmfr(benchmark::State& state) { testing::bench_denoiser(state, DenoiseChoice::bmfr, "bmfr"); }
 BENCHMARK(bm_bmfr)->Unit(benchmark::kMillisecond)->UseManualTime();
 
 }  // namespace

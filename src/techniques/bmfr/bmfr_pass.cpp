@@ -9,7 +9,6 @@
 namespace relume {
 namespace {
 
-constexpr Change kEnds = Change::materials | Change::settings;
 /// Fits that the first frame is the mean of.
 constexpr uint32_t kFirstFits = 8;
 
@@ -24,34 +23,21 @@ uint32_t shift_of(uint32_t i, uint32_t base) {
 }  // namespace
 
 PassDeclaration BmfrPass::declaration() const {
-  const auto history = [](const char* name, BufferType type, const char* help) {
-    return BufferDescription{.name = name,
-                             .type = type,
-                             .help = help,
-                             .persistent = true,
-                             .double_buffered = true,
-                             .reset = kEnds,
-                             .display = BufferDisplay::value};
-  };
   const auto scratch = [](const char* name, BufferType type, const char* help) {
     return BufferDescription{.name = name, .type = type, .help = help};
   };
-  return {.name = "bmfr",
-          .stage = Stage::denoise,
-          .owns = {history("bmfr-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
-                   history("bmfr-square", BufferType::f32, "mean square of the luminance of its samples"),
-                   history("bmfr-samples", BufferType::u32, "samples in it"),
-                   history("bmfr-fit", BufferType::rgb32f, "light as features explain it"),
-                   history("bmfr-picture", BufferType::rgb32f, "filtered pictures, averaged"),
-                   {.name = "denoised",
-                    .type = BufferType::rgb32f,
-                    .help = "the picture, denoised",
-                    .persistent = true,
-                    .display = BufferDisplay::value},
-                   scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
-                   scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
-                   scratch("bmfr-age", BufferType::u32, "samples in that history")},
-          .reads = feature_buffers()};
+  return {
+      .name = "bmfr",
+      .stage = Stage::denoise,
+      .owns = {denoiser_history("bmfr-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
+               denoiser_history("bmfr-square", BufferType::f32, "mean square of the luminance of its samples"),
+               denoiser_history("bmfr-samples", BufferType::u32, "samples in it"),
+               denoiser_history("bmfr-fit", BufferType::rgb32f, "light as features explain it"),
+               denoiser_history("bmfr-picture", BufferType::rgb32f, "filtered pictures, averaged"), denoised_buffer(),
+               scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
+               scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
+               scratch("bmfr-age", BufferType::u32, "samples in that history")},
+      .reads = feature_buffers()};
 }
 
 bool BmfrPass::run(const FrameContext& frame) {
@@ -98,7 +84,7 @@ void BmfrPass::fit(const FrameContext& frame) {
   kernel.width = frame.width();
   kernel.height = frame.height();
   // Without fits of earlier frames the edges of blocks would show.
-  const uint32_t fits = frame.number == 0 || includes(frame.changes, kEnds) ? kFirstFits : 1;
+  const uint32_t fits = frame.number == 0 || includes(frame.changes, kEndsDenoiserHistory) ? kFirstFits : 1;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);

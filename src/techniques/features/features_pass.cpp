@@ -3,33 +3,27 @@
 #include <algorithm>
 
 #include "techniques/features/picture_history.h"
+#include "techniques/primary_hits/primary_hits_pass.h"
 
 namespace relume {
 
 PassDeclaration FeaturesPass::declaration() const {
-  const auto buffer = [](const char* name, BufferType type, const char* help, bool double_buffered,
-                         std::string_view channels = "") {
-    return BufferDescription{.name = name,
-                             .type = type,
-                             .help = help,
-                             .persistent = double_buffered,
-                             .double_buffered = double_buffered,
-                             .display = BufferDisplay::value,
-                             .channels = channels};
-  };
-  return {.name = "features",
-          .stage = Stage::gbuffer,
-          .owns = {buffer("feature-position", BufferType::rgb32f, "surface seen, mirrors taken for windows, metres",
-                          true, "XYZ"),
-                   buffer("feature-previous", BufferType::rgb32f, "where it was one frame ago, metres", false, "XYZ"),
-                   buffer("feature-normal", BufferType::rgb32f, "its shading normal", true, "XYZ"),
-                   buffer("feature-albedo", BufferType::rgb32f, "its directional albedo, and what mirrors take from it",
-                          false),
-                   buffer("feature-emission", BufferType::rgb32f, "emission seen directly or in mirrors", false),
-                   buffer("feature-depth", BufferType::f32, "length of the way to it, metres", false, "Z"),
-                   buffer("feature-motion", BufferType::vec2f, "its motion since the previous frame, pixels", false),
-                   buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
-          .reads = {"primary-hits"}};
+  return {
+      .name = "features",
+      .stage = Stage::gbuffer,
+      .owns = {surface_buffer("feature-position", BufferType::rgb32f, "surface seen, mirrors taken for windows, metres",
+                              true, "XYZ"),
+               surface_buffer("feature-previous", BufferType::rgb32f, "where it was one frame ago, metres", false,
+                              "XYZ"),
+               surface_buffer("feature-normal", BufferType::rgb32f, "its shading normal", true, "XYZ"),
+               surface_buffer("feature-albedo", BufferType::rgb32f,
+                              "its directional albedo, and what mirrors take from it", false),
+               surface_buffer("feature-emission", BufferType::rgb32f, "emission seen directly or in mirrors", false),
+               surface_buffer("feature-depth", BufferType::f32, "length of the way to it, metres", false, "Z"),
+               surface_buffer("feature-motion", BufferType::vec2f, "its motion since the previous frame, pixels",
+                              false),
+               surface_buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
+      .reads = {"primary-hits"}};
 }
 
 bool FeaturesPass::run(const FrameContext& frame) {
@@ -48,6 +42,24 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.max_steps = mirrors_ ? std::min(static_cast<uint32_t>(max_bounces_), kMaxFeatureSteps) : 0u;
   kernel.width = frame.width();
   return frame.launch("features", kernel);
+}
+
+BufferDescription denoiser_history(const char* name, BufferType type, const char* help) {
+  return {.name = name,
+          .type = type,
+          .help = help,
+          .persistent = true,
+          .double_buffered = true,
+          .reset = kEndsDenoiserHistory,
+          .display = BufferDisplay::value};
+}
+
+BufferDescription denoised_buffer() {
+  return {.name = "denoised",
+          .type = BufferType::rgb32f,
+          .help = "the picture, denoised",
+          .persistent = true,
+          .display = BufferDisplay::value};
 }
 
 std::vector<std::string_view> feature_buffers() {

@@ -20,6 +20,15 @@ class FeaturesPass final : public Pass {
   bool mirrors_;
 };
 
+/// Changes that no denoiser's history survives.
+inline constexpr Change kEndsDenoiserHistory = Change::materials | Change::settings;
+
+/// A double-buffered history of a denoiser.
+BufferDescription denoiser_history(const char* name, BufferType type, const char* help);
+
+/// Where every denoiser leaves its picture.
+BufferDescription denoised_buffer();
+
 /// What a denoiser reads of the features and samples, for its declaration.
 std::vector<std::string_view> feature_buffers();
 

@@ -15,27 +15,30 @@ bool PrimaryHitsPass::run(const FrameContext& frame) {
                                                    frame.view<Hit>("primary-hits"), frame.width()});
 }
 
+BufferDescription surface_buffer(const char* name, BufferType type, const char* help, bool double_buffered,
+                                 std::string_view channels) {
+  return {.name = name,
+          .type = type,
+          .help = help,
+          .persistent = double_buffered,
+          .double_buffered = double_buffered,
+          .display = BufferDisplay::value,
+          .channels = channels};
+}
+
 PassDeclaration SurfacePass::declaration() const {
-  const auto buffer = [](const char* name, BufferType type, const char* help, bool double_buffered,
-                         std::string_view channels = "") {
-    return BufferDescription{.name = name,
-                             .type = type,
-                             .help = help,
-                             .persistent = double_buffered,
-                             .double_buffered = double_buffered,
-                             .display = BufferDisplay::value,
-                             .channels = channels};
-  };
-  return {.name = "surface",
-          .stage = Stage::gbuffer,
-          .owns = {buffer("surface-position", BufferType::rgb32f, "first hit, metres", true, "XYZ"),
-                   buffer("surface-previous", BufferType::rgb32f, "where it was one frame ago, metres", false, "XYZ"),
-                   buffer("surface-normal", BufferType::rgb32f, "shading normal of the first hit", true, "XYZ"),
-                   buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", true),
-                   buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", true, "Z"),
-                   buffer("surface-motion", BufferType::vec2f, "motion since the previous frame, pixels", false),
-                   buffer("surface-instance", BufferType::u32, "instance of the first hit", true)},
-          .reads = {"primary-hits"}};
+  return {
+      .name = "surface",
+      .stage = Stage::gbuffer,
+      .owns = {surface_buffer("surface-position", BufferType::rgb32f, "first hit, metres", true, "XYZ"),
+               surface_buffer("surface-previous", BufferType::rgb32f, "where it was one frame ago, metres", false,
+                              "XYZ"),
+               surface_buffer("surface-normal", BufferType::rgb32f, "shading normal of the first hit", true, "XYZ"),
+               surface_buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", true),
+               surface_buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", true, "Z"),
+               surface_buffer("surface-motion", BufferType::vec2f, "motion since the previous frame, pixels", false),
+               surface_buffer("surface-instance", BufferType::u32, "instance of the first hit", true)},
+      .reads = {"primary-hits"}};
 }
 
 bool SurfacePass::run(const FrameContext& frame) {

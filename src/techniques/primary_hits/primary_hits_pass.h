@@ -12,6 +12,10 @@ class PrimaryHitsPass final : public Pass {
   bool run(const FrameContext& frame) override;
 };
 
+/// A buffer of what camera rays met; double-buffered ones keep the previous frame.
+BufferDescription surface_buffer(const char* name, BufferType type, const char* help, bool double_buffered,
+                                 std::string_view channels = "");
+
 /// What they met, for whoever filters, reprojects or shows it. Part of a frame only if another pass reads it.
 class SurfacePass final : public Pass {
  public:

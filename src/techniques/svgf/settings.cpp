@@ -1,17 +1,11 @@
 #include "techniques/svgf/settings.h"
 
+#include "techniques/features/history_settings.h"
+
 namespace relume {
 
 SettingList describe(SvgfSettings& s) {
-  return {
-      {"max-history",
-       &s.max_history,
-       "Samples that the light at a surface is averaged over at most while the camera moves",
-       {.min = 1, .max = 1024, .biases = true}},
-      {"max-history-changed",
-       &s.max_history_changed,
-       "The same while objects or lights move",
-       {.min = 1, .max = 1024, .biases = true}},
+  SettingList list = {
       {"levels",
        &s.levels,
        "Passes of the filter, each twice as wide as the one before",
@@ -24,11 +18,9 @@ SettingList describe(SvgfSettings& s) {
        &s.plane_tolerance,
        "How far off a pixel's plane others may lie, as a share of how far they are apart",
        {.min = 0.001, .max = 1000, .biases = true}},
-      {"newest",
-       &s.newest,
-       "Weight of a frame in the picture while something moves; below 1 edges are smooth",
-       {.min = 0.01, .max = 1, .biases = true}},
   };
+  add_history_settings(list, s.max_history, s.max_history_changed, s.newest);
+  return list;
 }
 
 }  // namespace relume

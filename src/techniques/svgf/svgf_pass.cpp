@@ -6,8 +6,6 @@
 namespace relume {
 namespace {
 
-constexpr Change kEnds = Change::materials | Change::settings;
-
 AtrousPicture picture_of(std::vector<float>& values, const FrameContext& frame) {
   return {mutable_view_of(values), frame.width(), frame.height()};
 }
@@ -15,28 +13,16 @@ AtrousPicture picture_of(std::vector<float>& values, const FrameContext& frame) 
 }  // namespace
 
 PassDeclaration SvgfPass::declaration() const {
-  const auto history = [](const char* name, BufferType type, const char* help) {
-    return BufferDescription{.name = name,
-                             .type = type,
-                             .help = help,
-                             .persistent = true,
-                             .double_buffered = true,
-                             .reset = kEnds,
-                             .display = BufferDisplay::value};
-  };
-  return {.name = "svgf",
-          .stage = Stage::denoise,
-          .owns = {history("svgf-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
-                   history("svgf-moments", BufferType::vec2f, "mean of its luminance and of the square of that"),
-                   history("svgf-samples", BufferType::u32, "samples in it"),
-                   history("svgf-picture", BufferType::rgb32f, "filtered pictures, averaged"),
-                   {.name = "denoised",
-                    .type = BufferType::rgb32f,
-                    .help = "the picture, denoised",
-                    .persistent = true,
-                    .display = BufferDisplay::value},
-                   {.name = "svgf-shown", .type = BufferType::rgb32f, .help = "this frame's picture"}},
-          .reads = feature_buffers()};
+  return {
+      .name = "svgf",
+      .stage = Stage::denoise,
+      .owns = {denoiser_history("svgf-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
+               denoiser_history("svgf-moments", BufferType::vec2f, "mean of its luminance and of the square of that"),
+               denoiser_history("svgf-samples", BufferType::u32, "samples in it"),
+               denoiser_history("svgf-picture", BufferType::rgb32f, "filtered pictures, averaged"),
+               denoised_buffer(),
+               {.name = "svgf-shown", .type = BufferType::rgb32f, .help = "this frame's picture"}},
+      .reads = feature_buffers()};
 }
 
 bool SvgfPass::run(const FrameContext& frame) {

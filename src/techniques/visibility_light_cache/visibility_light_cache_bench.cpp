@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/hash.h"
+#include "lights/testing/lamps.h"
 #include "materials/make_bsdf.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/exploration.h"
@@ -11,27 +12,9 @@
 namespace relume {
 namespace {
 
-std::vector<Light> lamps(uint32_t count) {
-  std::vector<Light> lights(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    const auto random = [i](uint32_t k) { return to_unit_float(hash(i, k)); };
-    TriangleLight t{};
-    t.v0 = {30 * random(0), 3, 30 * random(1)};
-    t.e1 = {0.3f, 0, 0};
-    t.e2 = {0, 0, 0.3f};
-    t.normal = {0, -1, 0};
-    t.area = 0.045f;
-    t.radiance = Rgb(1);
-    t.textured = -1;
-    lights[i].kind = LightKind::triangle;
-    lights[i].triangle = t;
-  }
-  return lights;
-}
-
 /// Eight regions that have seen all lamps.
 struct World {
-  explicit World(uint32_t count) : lights(lamps(count)), tree(Vec3(15), 30) {
+  explicit World(uint32_t count) : lights(testing::make_lamps(count, 30)), tree(Vec3(15), 30) {
     view.lights = view_of(lights);
     view.first_infinite = count;
     all = build_exploration(view, Vec3(0), {});

@@ -1,0 +1,33 @@
+// How long a denoiser takes inside whole frames.
+#pragma once
+
+#include <string_view>
+
+#include <benchmark/benchmark.h>
+
+#include "render/session.h"
+#include "scene/builtin.h"
+
+namespace relume::testing {
+
+/// Frames of 1280 × 720 pixels on as many threads as there are. Counts the passes whose names begin with `prefix`, as
+/// manual time.
+inline void bench_denoiser(benchmark::State& state, DenoiseChoice denoiser, std::string_view prefix) {
+  RenderSettings settings;
+  settings.width = 1280;
+  settings.height = 720;
+  settings.path.max_bounces = 1;
+  settings.denoise = denoiser;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  double before = 0;
+  for (auto _ : state) {
+    session.render_frame();
+    double seconds = 0;
+    for (const PassTime& pass : session.statistics().passes)
+      seconds += pass.name.starts_with(prefix) ? pass.seconds : 0;
+    state.SetIterationTime(seconds - before);
+    before = seconds;
+  }
+}
+
+}  // namespace relume::testing
