@@ -21,5 +21,6 @@ Experiment psf_bias_experiment();
 Experiment psf_variance_experiment();
 Experiment psf_frametime_experiment();
 Experiment apg_depth_experiment();
+Experiment interactive_experiment();
 
 }  // namespace relume

@@ -18,6 +18,7 @@ const std::vector<Experiment>& experiments() {
       vlc_adaptation_experiment(),    cdq_adaptation_experiment(),
       guide_cost_experiment(),        bdpt_quality_experiment(),
       bdpt_cost_experiment(),         bmfr_experiment(),
+      interactive_experiment(),
   };
   return list;
 }

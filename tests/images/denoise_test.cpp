@@ -130,6 +130,15 @@ TEST_P(DenoisedPicture, CausticsSurvive) {
   EXPECT_LT(mse(s.denoised, s.reference, floor), 0.8 * mse(s.mean, s.reference, floor));
 }
 
+/// Emission that caches average at edges is no light that falls on the surfaces there.
+TEST_P(DenoisedPicture, EdgesOfLampsDoNotShineThroughCaches) {
+  RenderSettings settings = settings_of(GetParam());
+  settings.cache = CacheChoice::psf;
+  const Shown s("cornell", settings, 1, 4);
+  EXPECT_LT(mse(s.denoised, s.reference), 1.2 * mse(s.noisy, s.reference));
+  for (const Rgb& pixel : s.denoised.pixels) ASSERT_GE(std::min({pixel.x, pixel.y, pixel.z}), 0);
+}
+
 TEST_P(DenoisedPicture, AFurnaceStaysWhite) {
   Session session(build("furnace"), settings_of(GetParam()));
   for (int i = 0; i < 4; ++i) session.render_frame();

@@ -133,6 +133,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
                    frame.view<float>("cell-occupancy")};
   kernel.width = frame.width();
   kernel.rays = frame.view<uint32_t>("rays");
+  kernel.feature_emission = frame.view<Rgb>("feature-emission");
   kernel.edges = {
       make_path_context(source_, frame), frame.index, kernel.pixels, cells_.edge_rays(), frame.width(), frame.height()};
   if (!frame.launch("resolve", kernel)) return false;

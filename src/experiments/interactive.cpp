@@ -1,0 +1,201 @@
+// Which combination of techniques shows the best picture while the camera moves: all that combine, and presets, at
+// equal time.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "experiments/all.h"
+#include "experiments/learning_scenes.h"
+#include "experiments/moving_error.h"
+#include "experiments/trace.h"
+#include "render/presets.h"
+#include "report/pictures.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kOurs = "[relume]";
+constexpr const char* kInteractive = "interactive";
+constexpr const char* kPapers[] = {"paper-000", "paper-001", "paper-002", "paper-003", "paper-004"};
+
+struct Variation {
+  std::string name;
+  std::string json;
+};
+
+MovingContender contender(const ExperimentScene& scene, std::string name, std::string_view json) {
+  MovingContender result{std::move(name), scene.settings};
+  settings_from_json(describe(result.settings), json, result.name);
+  return result;
+}
+
+/// Ways to bring frames together: the last view alone, with what is kept by reprojection, and denoised.
+const Variation kEnds[] = {{"", R"({"history": "none"})"},
+                           {", reprojected", R"({"history": "reproject", "reproject.method": "backward"})"},
+                           {", bmfr", R"({"denoise": "bmfr"})"},
+                           {", svgf", R"({"denoise": "svgf"})"}};
+
+const Variation kTransports[] = {
+    {"power", R"({"lights": "power"})"},
+    {"light-tree", R"({"lights": "light-tree"})"},
+    {"static-lists", R"({"lights": "static-lists"})"},
+    {"vlc", R"({"lights": "vlc"})"},
+    {"cdq", R"({"guide": "cdq", "lights": "light-tree"})"},
+    {"vlc, cdq", R"({"lights": "vlc", "guide": "cdq"})"},
+    {"psf", R"({"cache": "psf"})"},
+    {"apsf", R"({"cache": "apsf"})"},
+    {"apg", R"({"cache": "apg"})"},
+    {"apsf+apg", R"({"cache": "apsf+apg"})"},
+    {"psf, light-tree", R"({"cache": "psf", "lights": "light-tree"})"},
+    {"apsf, light-tree", R"({"cache": "apsf", "lights": "light-tree"})"},
+    {"apg, light-tree", R"({"cache": "apg", "lights": "light-tree"})"},
+    {"apsf+apg, light-tree", R"({"cache": "apsf+apg", "lights": "light-tree"})"},
+    {"bdpt", R"({"estimator": "bdpt"})"},
+};
+
+/// Presets first, `interactive` before the others: its frames are everybody's measure of time.
+std::vector<MovingContender> contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  std::vector<MovingContender> list{contender(scene, kInteractive, require_preset(kInteractive).json)};
+  for (const char* name : kPapers) list.push_back(contender(scene, name, require_preset(name).json));
+  if (context.quick) return list;
+  for (const Variation& transport : kTransports) {
+    for (const Variation& end : kEnds) {
+      MovingContender next = contender(scene, transport.name + end.name, transport.json);
+      settings_from_json(describe(next.settings), end.json, next.name);
+      list.push_back(std::move(next));
+    }
+  }
+  return list;
+}
+
+/// Geometric mean over the scenes of a contender's MSE over the least of any.
+std::vector<double> distances_to_best(const std::vector<MovingErrors>& scenes) {
+  std::vector<double> logs(scenes.front().contenders.size(), 0);
+  for (const MovingErrors& scene : scenes) {
+    double least = scene.contenders.front().mse;
+    for (const MovingError& e : scene.contenders) least = std::min(least, e.mse);
+    for (size_t i = 0; i < logs.size(); ++i)
+      logs[i] += std::log(scene.contenders[i].mse / least) / static_cast<double>(scenes.size());
+  }
+  for (double& value : logs) value = std::exp(value);
+  return logs;
+}
+
+TableBlock table(const std::vector<MovingErrors>& scenes) {
+  TableBlock block{
+      "Combinations",
+      "MSE of what is shown while the camera turns, at equal time, with FLIP and the frames that fitted in. "
+      "The first column is the geometric mean of the MSE over the least in each scene.",
+      "techniques",
+      {{"over the best", "", Better::lower}},
+      {}};
+  for (const MovingErrors& scene : scenes) block.columns.push_back({scene.scene, "", Better::lower});
+  const std::vector<double> distances = distances_to_best(scenes);
+  for (size_t i = 0; i < distances.size(); ++i) {
+    TableRow row{.name = scenes.front().contenders[i].name,
+                 .cells = {{fmt::format("{:.2f}", distances[i]), distances[i]}}};
+    for (const MovingErrors& scene : scenes) {
+      const MovingError& e = scene.contenders[i];
+      row.cells.push_back(
+          {fmt::format("{:.3e}", e.mse), e.mse, fmt::format("FLIP {:.3f}, {} frames", e.flip, e.frames)});
+    }
+    block.rows.push_back(std::move(row));
+  }
+  std::stable_sort(block.rows.begin(), block.rows.end(),
+                   [](const TableRow& a, const TableRow& b) { return a.cells.front().value < b.cells.front().value; });
+  return block;
+}
+
+const MovingError& named(const MovingErrors& scene, std::string_view name) {
+  const auto found = std::find_if(scene.contenders.begin(), scene.contenders.end(),
+                                  [&](const MovingError& e) { return e.name == name; });
+  if (found == scene.contenders.end()) throw Error("nobody is called '" + std::string(name) + "'");
+  return *found;
+}
+
+Claim claim_scene(const MovingErrors& scene) {
+  std::string measured;
+  double least = 1e30;
+  for (const char* paper : kPapers) {
+    const double ratio = named(scene, paper).mse / named(scene, kInteractive).mse;
+    least = std::min(least, ratio);
+    measured += fmt::format("{}{} {:.2f}×", measured.empty() ? "" : ", ", paper, ratio);
+  }
+  std::string id = scene.scene;
+  std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return judged("beats-papers-" + id, kOurs,
+                scene.scene + ": the preset `interactive` has less error than any single paper's, at equal time.",
+                measured + " of its MSE", "every ratio above 1", least > 1);
+}
+
+Claim claim_choice(const std::vector<MovingErrors>& scenes) {
+  const std::vector<double> distances = distances_to_best(scenes);
+  const size_t best = static_cast<size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin());
+  return judged("best-choice", kOurs, "`interactive` is the best of all combinations, over all scenes.",
+                fmt::format("{:.2f} of the least MSE on average; the best is {} with {:.2f}", distances.front(),
+                            scenes.front().contenders[best].name, distances[best]),
+                "within 10 % of the best", distances.front() <= 1.1 * distances[best]);
+}
+
+PictureSet pictures(const MovingErrors& scene) {
+  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
+  PictureSet set{scene.scene, scene.reference.width, scene.reference.height, 0, {}, {}};
+  set.pictures.push_back(plain_picture("reference", kNeutralColor, scene.reference, options));
+  std::vector<const Image*> images;
+  for (size_t i = 0; i <= std::size(kPapers); ++i) {
+    const MovingError& e = scene.contenders[i];
+    set.pictures.push_back(measured_picture(e.name, static_cast<int>(i), e.last, scene.reference, options));
+    set.pictures.back().note = fmt::format("MSE {:.2e}", e.mse);
+    images.push_back(&e.last);
+  }
+  set.crops = interesting_crops(images, scene.reference, 3);
+  return set;
+}
+
+ExperimentScene cornell() {
+  ExperimentScene scene = builtin_scene("cornell");
+  scene.settings.path.max_bounces = 6;
+  return scene;
+}
+
+ExperimentResult run_interactive(const ExperimentContext& context) {
+  std::vector<ExperimentScene> list{cornell(), builtin_scene("warehouse"), builtin_scene("mine")};
+  if (std::optional<ExperimentScene> hall = sponza(context)) list.insert(list.begin(), std::move(*hall));
+  const MovingOptions options{
+      .frames = context.choose(16, 3), .repetitions = context.choose(3, 1), .reference_spp = context.choose(1024, 16)};
+  std::vector<MovingErrors> scenes;
+  for (const ExperimentScene& scene : list)
+    scenes.push_back(measure_moving(context, scene, contenders(context, scene), options));
+
+  ExperimentResult result;
+  for (const MovingErrors& scene : scenes) result.claims.push_back(claim_scene(scene));
+  if (context.scene_folder.empty()) {
+    result.claims.push_back(unmeasured("beats-papers-sponza", kOurs,
+                                       "Sponza: the preset `interactive` has less error than any single paper's, at "
+                                       "equal time.",
+                                       "every ratio above 1", kNoSponza));
+  }
+  if (!context.quick) result.claims.push_back(claim_choice(scenes));
+  std::vector<PictureSet> sets;
+  for (const MovingErrors& scene : scenes) sets.push_back(pictures(scene));
+  result.blocks.emplace_back(table(scenes));
+  result.blocks.emplace_back(ViewerBlock{"Pictures", "What is shown at the last view, while the camera turns.",
+                                         picture_layer_kinds(), std::move(sets)});
+  result.setup = {{"Camera", "turns by 10° from view to view; two views are measured, in each of three repetitions"},
+                  {"Time", "that of 16 frames of `interactive` between views; a slow technique has fewer frames"},
+                  {"Bounces", "6; 2 in `warehouse` and `mine`"}};
+  const auto common = common_setup(context);
+  result.setup.insert(result.setup.end(), common.begin(), common.end());
+  return result;
+}
+
+}  // namespace
+
+Experiment interactive_experiment() {
+  return {kInteractive, kOurs, "all combinations while the camera turns, at equal time; and presets", run_interactive};
+}
+
+}  // namespace relume

@@ -1,0 +1,106 @@
+#include "experiments/moving_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "experiments/trace.h"
+#include "metrics/metrics.h"
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+/// One session for everybody: many scenes in memory at once would be too much.
+struct Walk {
+  const ExperimentContext& context;
+  const ExperimentScene& scene;
+  const MovingOptions& options;
+  const std::vector<Image>& references;
+  TimedSession timed;
+
+  float view_deg(int view) const { return options.step_deg * static_cast<float>(view); }
+
+  void begin(const MovingContender& contender, int seed) {
+    RenderSettings settings = contender.settings;
+    set_size(context, settings);
+    timed.session().set_settings(settings);
+    timed.session().set_camera(turned(scene, view_deg(-1)));
+    timed.restart(seed);
+  }
+
+  /// From the view before to this one.
+  void turn_to(int view, int frames) {
+    for (int i = 1; i <= frames; ++i) {
+      context.check_stop();
+      const float share = static_cast<float>(i) / static_cast<float>(frames);
+      timed.session().set_camera(turned(scene, view_deg(view - 1) + options.step_deg * share));
+      timed.render_frame();
+    }
+  }
+
+  /// Median; the first frames fill caches and are left out.
+  double frame_ms() const {
+    const auto& seconds = timed.frame_s();
+    return 1000 * median({seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 4), seconds.end()});
+  }
+
+  void measure(int view, MovingError& error) {
+    error.last = timed.session().image();
+    const Metrics m = compute_metrics(error.last, references[static_cast<size_t>(view)], {.tone_map = ToneMap::agx});
+    const double weight = 1.0 / (options.views * options.repetitions);
+    error.mse += m.mse * weight;
+    error.rel_mse += m.rel_mse * weight;
+    error.flip += m.flip * weight;
+  }
+};
+
+std::vector<Image> render_references(const ExperimentContext& context, const ExperimentScene& scene,
+                                     const MovingOptions& options) {
+  std::vector<Image> references;
+  ExperimentScene seen = scene;
+  for (int view = 0; view < options.views; ++view) {
+    seen.camera = turned(scene, options.step_deg * static_cast<float>(view));
+    references.push_back(make_reference(context, seen, options.reference_spp).image);
+  }
+  return references;
+}
+
+}  // namespace
+
+MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
+                            const std::vector<MovingContender>& contenders, const MovingOptions& options) {
+  const std::vector<Image> references = render_references(context, scene, options);
+  RenderSettings first = contenders.front().settings;
+  set_size(context, first);
+  Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
+  MovingErrors result{scene.name, {}, references.back()};
+  const double rounds = (1.0 + options.repetitions) * static_cast<double>(contenders.size());
+  double done = 0;
+  for (const MovingContender& contender : contenders) {
+    walk.begin(contender, 0);
+    walk.turn_to(0, options.frames);
+    result.contenders.push_back({.name = contender.name, .frame_ms = walk.frame_ms()});
+    context.report(scene.name, ++done / rounds);
+  }
+  const double leg_ms = options.frames * result.contenders.front().frame_ms;
+  std::vector<std::vector<double>> frame_ms(contenders.size());
+  for (int repetition = 1; repetition <= options.repetitions; ++repetition) {
+    for (size_t i = 0; i < contenders.size(); ++i) {
+      MovingError& error = result.contenders[i];
+      error.frames = std::max(1, static_cast<int>(std::lround(leg_ms / error.frame_ms)));
+      walk.begin(contenders[i], repetition);
+      for (int view = 0; view < options.views; ++view) {
+        walk.turn_to(view, error.frames);
+        walk.measure(view, error);
+      }
+      frame_ms[i].push_back(walk.frame_ms());
+      context.report(scene.name, ++done / rounds);
+    }
+  }
+  for (size_t i = 0; i < contenders.size(); ++i) result.contenders[i].frame_ms = median(frame_ms[i]);
+  return result;
+}
+
+}  // namespace relume
