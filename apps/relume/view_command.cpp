@@ -9,7 +9,10 @@ namespace {
 
 std::vector<Option> declare(ViewOptions& o) {
   return {
-      {{"preset", &o.preset, "Named settings; flags override them"}, "NAME", 0, Completion::preset},
+      {{"preset", &o.preset, "Named settings; flags override them; 'interactive' where no technique is chosen"},
+       "NAME",
+       0,
+       Completion::preset},
       {{"settings", &o.settings_file, "Settings as JSON, or those that an EXR was rendered with"},
        "FILE",
        0,

@@ -76,9 +76,13 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 }
 
 void AtomicFile::commit() {
+  const bool failed_before = !stream_;  // errno is no longer that of the write
   errno = 0;
   stream_.close();
-  if (!stream_) throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(), reason()));
+  if (!stream_) {
+    throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(),
+                            failed_before ? "the disk is full, or a file may not be as large" : reason()));
+  }
   pending_.commit();
 }
 

@@ -9,6 +9,7 @@
 #include "render/settings.h"
 #include "scene_source.h"
 #include "viewer/app.h"
+#include "viewer/start_settings.h"
 
 namespace relume::cli {
 
@@ -24,7 +25,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   Scene scene = loading.get();
   sources.scene_json = scene.settings_json;
   sources.scene_place = options.scene;
-  const Settings settings = resolve(sources);
+  const Settings settings = viewer::resolve_start(sources);
   apply(settings.scene, scene);
   warn_all(verbosity, scene.warnings);
   const bool fixed_size = std::any_of(options.flags.begin(), options.flags.end(),

@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Where memory or disk run out: one sentence, and nothing half written."""
+
+import os
+import resource
+import signal
+import subprocess
+import unittest
+
+from program import PROGRAM, ProgramTest
+
+SIZE = ["--width", "200", "--height", "150"]
+LARGEST_FILE = 20000  # bytes; every file below would be larger
+
+
+class Limits(ProgramTest):
+    def run_limited(self, limit, bytes_, *arguments):
+        def apply():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # writes then fail as on a full disk
+            resource.setrlimit(limit, (bytes_, bytes_))
+
+        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+        return subprocess.run([PROGRAM, *arguments], cwd=self.folder, env=environment, preexec_fn=apply, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120, check=False)
+
+    def complaint(self, done):
+        self.assertEqual(done.returncode, 1, done.stderr)
+        last = done.stderr.replace("\r", "\n").strip().splitlines()[-1].strip()
+        self.assertRegex(last, r"^relume: .+; (check|try) ")
+        return last
+
+    def written(self):
+        """Files, without references that go on next time."""
+        return sorted(p.name for p in self.folder.rglob("*") if p.is_file() and "cache" not in p.parts)
+
+    def test_full_disk(self):
+        commands = [
+            ["render", "cornell", *SIZE, "--spp", "1", "-o", "a.exr"],
+            ["render", "cornell", *SIZE, "--spp", "1", "-o", "a.png"],
+            ["render", "cornell", *SIZE, "--spp", "1", "--frames", "0-2", "-o", "a.####.exr"],
+            ["export", "cornell-spheres", "-o", "a.glb"],
+            ["compare", "cornell", *SIZE, "--techniques", "default,u=lights:uniform", "--spp", "1", "--reference-spp", "2", "-o", "page"],
+        ]
+        for command in commands:
+            with self.subTest(command=command[:2]):
+                last = self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, *command))
+                self.assertIn("free space", last)
+                self.assertEqual(self.written(), [])
+
+    def test_an_old_picture_outlives_a_full_disk(self):
+        self.succeed("render", "cornell", *SIZE, "--spp", "1", "-o", "a.exr")
+        before = (self.folder / "a.exr").read_bytes()
+        self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, "render", "cornell", *SIZE, "--spp", "2", "-o", "a.exr"))
+        self.assertEqual((self.folder / "a.exr").read_bytes(), before)
+
+    @unittest.skipIf("RELUME_SANITIZED" in os.environ, "sanitizers take terabytes of addresses")
+    def test_out_of_memory(self):
+        last = self.complaint(self.run_limited(resource.RLIMIT_AS, 900 << 20, "render", "cornell", "--width", "16384", "--height", "16384", "--spp", "1", "-o", "a.exr"))
+        self.assertIn("--width", last)
+        self.assertEqual(self.written(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
