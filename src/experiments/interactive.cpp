@@ -165,7 +165,7 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   std::vector<ExperimentScene> list{cornell(), builtin_scene("warehouse"), builtin_scene("mine")};
   if (std::optional<ExperimentScene> hall = sponza(context)) list.insert(list.begin(), std::move(*hall));
   const MovingOptions options{
-      .frames = context.choose(16, 3), .repetitions = context.choose(3, 1), .reference_spp = context.choose(1024, 16)};
+      .frames = context.choose(12, 3), .repetitions = context.choose(2, 1), .reference_spp = context.choose(1024, 16)};
   std::vector<MovingErrors> scenes;
   for (const ExperimentScene& scene : list)
     scenes.push_back(measure_moving(context, scene, contenders(context, scene), options));
@@ -184,8 +184,8 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   result.blocks.emplace_back(table(scenes));
   result.blocks.emplace_back(ViewerBlock{"Pictures", "What is shown at the last view, while the camera turns.",
                                          picture_layer_kinds(), std::move(sets)});
-  result.setup = {{"Camera", "turns by 10° from view to view; two views are measured, in each of three repetitions"},
-                  {"Time", "that of 16 frames of `interactive` between views; a slow technique has fewer frames"},
+  result.setup = {{"Camera", "turns by 10° from view to view; two views are measured, in each of two repetitions"},
+                  {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
                   {"Bounces", "6; 2 in `warehouse` and `mine`"}};
   const auto common = common_setup(context);
   result.setup.insert(result.setup.end(), common.begin(), common.end());
