@@ -1,11 +1,19 @@
-# relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
-# is a ctest of its own.
 if(RELUME_BUILD_TESTS)
   enable_testing()
   find_package(GTest REQUIRED)
   include(GoogleTest)
 endif()
 
+# Seconds that a test may take. Sanitizers take about ten times as long.
+set(RELUME_TEST_TIMEOUT 300)
+set(RELUME_SLOW_TEST_TIMEOUT 1200)
+if(RELUME_SANITIZE)
+  set(RELUME_TEST_TIMEOUT 3000)
+  set(RELUME_SLOW_TEST_TIMEOUT 12000)
+endif()
+
+# relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
+# is a ctest of its own.
 function(relume_add_tests name)
   if(NOT RELUME_BUILD_TESTS)
     return()
@@ -13,7 +21,7 @@ function(relume_add_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
   target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT 300)
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
 endfunction()
 
 # relume_add_benchmarks(source...): *_bench.cpp files join the one program `relume_bench`.
