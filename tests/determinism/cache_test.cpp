@@ -1,14 +1,8 @@
 // Caches keep a state beyond their buffers: it, too, gives the same bits with any number of threads and after a resume,
 // and follows what changes in the scene.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstring>
-#include <filesystem>
-#include <string>
-
-#include "render/session.h"
-#include "scene/builtin.h"
+#include "determinism/same_bits.h"
 #include "support/measure.h"
 
 namespace relume::support {
@@ -24,41 +18,20 @@ RenderSettings settings_of(CacheChoice cache, int threads) {
   return s;
 }
 
-Scene build(const char* name) { return find_builtin_scene(name)->build(); }
-
-std::vector<Rgb> shown(const Session& session) { return session.image().pixels; }
-
-bool same_bits(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Rgb)) == 0;
-}
-
 TEST_P(CacheSession, SameBitsWithAnyNumberOfThreads) {
   const auto rendered = [](int threads) {
     Session session(build("cornell-glass"), settings_of(GetParam(), threads));
     for (int i = 0; i < 4; ++i) session.render_frame();
     EXPECT_TRUE(session.warnings().empty());
-    return shown(session);
+    return session.image();
   };
-  const std::vector<Rgb> one = rendered(1);
+  const Image one = rendered(1);
   EXPECT_TRUE(same_bits(rendered(2), one));
   EXPECT_TRUE(same_bits(rendered(5), one));
 }
 
 TEST_P(CacheSession, ResumedEqualsUninterrupted) {
-  const std::filesystem::path file =
-      std::filesystem::path(::testing::TempDir()) / ("relume_cache_" + std::to_string(::getpid()) + ".ckpt");
-  const RenderSettings settings = settings_of(GetParam(), 2);
-  Session whole(build("cornell"), settings);
-  for (int i = 0; i < 3; ++i) whole.render_frame();
-  whole.save_checkpoint(file);
-  Session resumed(build("cornell"), settings);
-  resumed.load_checkpoint(file);
-  for (int i = 0; i < 2; ++i) {
-    whole.render_frame();
-    resumed.render_frame();
-  }
-  EXPECT_TRUE(same_bits(shown(resumed), shown(whole)));
-  std::filesystem::remove(file);
+  expect_resumed_equals_uninterrupted(settings_of(GetParam(), 2), "cache");
 }
 
 double mean_of(const std::vector<Rgb>& pixels) {
@@ -74,7 +47,7 @@ TEST_P(CacheSession, AChangedLightShowsWithinAFewFrames) {
   Environment environment = scene.environment;
   Session session(std::move(scene), settings);
   for (int i = 0; i < 40; ++i) session.render_frame();
-  const double before = mean_of(shown(session));
+  const double before = mean_of(session.image().pixels);
   environment.color *= 3.0f;
   session.set_environment(environment);
   // What the pages promise. Where the variance is low, adaptive filtering follows but a tenth of the paths, so its
@@ -82,7 +55,7 @@ TEST_P(CacheSession, AChangedLightShowsWithinAFewFrames) {
   const bool adaptive = GetParam() == CacheChoice::apsf || GetParam() == CacheChoice::apsf_apg;
   const int frames = adaptive ? 24 : 8;
   for (int i = 0; i < frames; ++i) session.render_frame();
-  EXPECT_NEAR(mean_of(shown(session)) / before, 3.0, 0.15);
+  EXPECT_NEAR(mean_of(session.image().pixels) / before, 3.0, 0.15);
 }
 
 TEST_P(CacheSession, ReportsTheTable) {

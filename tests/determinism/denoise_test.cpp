@@ -1,15 +1,9 @@
 // Denoisers keep histories in buffers: the same bits with any number of threads, after a resume and after a frame that
 // was abandoned; and they work with whatever samples the pixels.
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <cstring>
-#include <filesystem>
-#include <string>
 
 #include "core/error.h"
-#include "render/session.h"
-#include "scene/builtin.h"
+#include "determinism/same_bits.h"
 #include "support/measure.h"
 
 namespace relume::support {
@@ -22,13 +16,6 @@ RenderSettings settings_of(DenoiseChoice denoise, int threads) {
   s.threads = threads;
   s.denoise = denoise;
   return s;
-}
-
-Scene build(const char* name) { return find_builtin_scene(name)->build(); }
-
-bool same_bits(const Image& a, const Image& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
 }
 
 /// Frames of a camera that stands, moves and stands again.
@@ -55,20 +42,7 @@ TEST_P(DenoiseSession, SameBitsWithAnyNumberOfThreads) {
 }
 
 TEST_P(DenoiseSession, ResumedEqualsUninterrupted) {
-  const std::filesystem::path file =
-      std::filesystem::path(::testing::TempDir()) / ("relume_denoise_" + std::to_string(::getpid()) + ".ckpt");
-  const RenderSettings settings = settings_of(GetParam(), 2);
-  Session whole(build("cornell"), settings);
-  for (int i = 0; i < 3; ++i) whole.render_frame();
-  whole.save_checkpoint(file);
-  Session resumed(build("cornell"), settings);
-  resumed.load_checkpoint(file);
-  for (int i = 0; i < 2; ++i) {
-    whole.render_frame();
-    resumed.render_frame();
-  }
-  EXPECT_TRUE(same_bits(resumed.image(), whole.image()));
-  std::filesystem::remove(file);
+  expect_resumed_equals_uninterrupted(settings_of(GetParam(), 2), "denoise");
 }
 
 TEST_P(DenoiseSession, AFrameThatIsAbandonedLeavesNothingBehind) {
