@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""Every experiment runs, small, with one command, and leaves what its index promises. Verdicts are those of full runs
+(docs/results.md): pictures of 64 × 36 pixels decide nothing."""
+
+import json
+import os
+import re
+import unittest
+
+from program import ProgramTest
+
+VERDICTS = {"holds", "does not hold", "not measured"}
+
+
+class Experiments(ProgramTest):
+    def test_all_of_them_run(self):
+        listed = [line.split()[0] for line in self.succeed("experiment", "list").stdout.splitlines() if line.strip()]
+        self.assertGreater(len(listed), 16)
+        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+        self.succeed("experiment", "run", "--all", "--quick", "-o", "out", timeout=1500, env=environment)
+        index = (self.folder / "out/index.html").read_text()
+        for name in listed:
+            with self.subTest(experiment=name):
+                result = json.loads((self.folder / f"out/{name}.json").read_text())
+                self.assertTrue(result["quick"])
+                self.assertGreater(len(result["claims"]), 0)
+                for claim in result["claims"]:
+                    self.assertIn(claim["verdict"], VERDICTS)
+                    self.assertNotRegex(claim["measured"], r"\b(nan|inf)\b")
+                    if claim["verdict"] != "not measured":
+                        self.assertRegex(claim["measured"], r"\d")
+                self.assertIn("</html>", (self.folder / f"out/{name}.html").read_text())
+                self.assertIn(f'href="{name}.html"', re.sub(r"\\", "", index))
+
+
+if __name__ == "__main__":
+    unittest.main()
