@@ -105,7 +105,7 @@ ExperimentResult run_guide_cost(const ExperimentContext& context) {
   result.blocks.emplace_back(memory_table(scenes));
   result.setup = {{"Size", context.quick ? "64 × 36" : "1280 × 720"},
                   {"Frames", context.quick ? "4, after 2" : "32, after 16; contenders take turns frame by frame"},
-                  {"Bounces", "3"}};
+                  {"Path", "two indirect rays, as in the paper"}};
   return result;
 }
 

@@ -46,12 +46,12 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, Rende
 }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
-  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(8192, 256));
+  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(2048, 256));
   SceneResult result{scene.name, {surfaces_of(context, scene)}, {}, {}};
   if (scene.name.starts_with("mine")) {
     ExperimentScene direct = plainly_sampled(scene);
     direct.settings.path.max_bounces = 1;
-    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(2048, 64)).image,
+    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(512, 64)).image,
                                   result.regions.front());
   }
   const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};

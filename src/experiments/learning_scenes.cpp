@@ -112,8 +112,18 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
 PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
   ExperimentScene lights = plainly_sampled(scene);
   lights.settings.path.max_bounces = 0;
-  PictureRegion region{"surfaces", {}};
-  for (const Rgb& p : make_reference(context, lights, 64).image.pixels) region.mask.push_back(luminance(p) > 0 ? 0 : 1);
+  const Image seen = make_reference(context, lights, 256).image;
+  PictureRegion region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
+  for (int y = 0; y < seen.height; ++y) {
+    for (int x = 0; x < seen.width; ++x) {
+      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
+      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
+          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
+      }
+    }
+  }
   return region;
 }
 

@@ -23,8 +23,8 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
 /// The scene with the light selection that references are rendered with.
 ExperimentScene plainly_sampled(ExperimentScene scene);
 
-/// The picture without pixels in which lamps or sky are seen: at their edges single samples differ by all of their
-/// brightness, and no choice of lights or directions changes that.
+/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
+/// single samples differ by all of their brightness, and no choice of lights or directions changes that.
 PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// Parts of the picture of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told

@@ -45,7 +45,7 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, const
 }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene) {
-  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(8192, 256));
+  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(2048, 256));
   const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};
   SceneResult result{scene.name, {}, {}};
   result.errors = measure_adapted(context, scene, contenders(context, scene), reference.image,

@@ -13,7 +13,7 @@ constexpr const char* kPaper = "[Dittebrandt20 §7.2]";
 
 ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   const ExperimentScene scene = builtin_scene("warehouse");
-  const Reference reference = make_reference(context, scene, context.choose(8192, 256));
+  const Reference reference = make_reference(context, scene, context.choose(2048, 256));
   const PictureRegion surfaces = surfaces_of(context, scene);
   RenderSettings settings = scene.settings;
   set_size(context, settings);
