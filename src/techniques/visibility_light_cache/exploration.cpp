@@ -1,6 +1,11 @@
 #include "techniques/visibility_light_cache/exploration.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "core/hash.h"
 
 namespace relume {
 namespace {
@@ -16,32 +21,119 @@ Vec3 position_of(const Light& light) {
   return Vec3(0);
 }
 
-}  // namespace
+/// What the guesses see of a light.
+struct Candidate {
+  Vec3 position;
+  float watts;
+  bool changed;
+};
 
-std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
-                                          const ExplorationWeights& weights) {
-  const uint32_t count = lights.first_infinite;
+std::vector<Candidate> candidates(const LightsView& lights) {
+  std::vector<Candidate> list(lights.first_infinite);
+  for (LightId i = 0; i < lights.first_infinite; ++i)
+    list[i] = {position_of(lights.lights[i]), luminance(power(lights, i)), lights.lights[i].changed};
+  return list;
+}
+
+/// Weights of an alias table; `near(light)` is the third guess.
+template <typename Near>
+std::vector<float> blend(const std::vector<Candidate>& lights, const ExplorationWeights& weights, const Near& near) {
   std::vector<float> guesses[3];
-  for (std::vector<float>& guess : guesses) guess.assign(count, 0.0f);
-  // Nearer than a hundredth of the scene is as good as here.
-  const float nearest2 = sqr(0.01f * lights.bounds.radius);
-  for (LightId i = 0; i < count; ++i) {
-    const float watts = luminance(power(lights, i));
-    if (!(watts > 0.0f)) continue;
-    guesses[0][i] = watts;
-    guesses[1][i] = lights.lights[i].changed ? 1.0f : 0.0f;
-    guesses[2][i] = 1.0f / std::max(length_squared(position_of(lights.lights[i]) - camera), nearest2);
+  for (std::vector<float>& guess : guesses) guess.assign(lights.size(), 0.0f);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (!(lights[i].watts > 0.0f)) continue;
+    guesses[0][i] = lights[i].watts;
+    guesses[1][i] = lights[i].changed ? 1.0f : 0.0f;
+    guesses[2][i] = near(lights[i]);
   }
   const float shares[3] = {weights.energy, weights.change, weights.distance};
-  std::vector<float> blend(count, 0.0f);
+  std::vector<float> blended(lights.size(), 0.0f);
   for (int g = 0; g < 3; ++g) {
     double sum = 0;
     for (const float w : guesses[g]) sum += static_cast<double>(w);
     if (!(sum > 0)) continue;
-    for (LightId i = 0; i < count; ++i)
-      blend[i] += shares[g] * static_cast<float>(static_cast<double>(guesses[g][i]) / sum);
+    for (size_t i = 0; i < lights.size(); ++i)
+      blended[i] += shares[g] * static_cast<float>(static_cast<double>(guesses[g][i]) / sum);
   }
-  return build_alias_table(blend);
+  return blended;
 }
+
+uint64_t fingerprint_of(const std::vector<Candidate>& lights, const ExplorationWeights& weights, uint32_t cells) {
+  uint64_t h = cells + 1;
+  const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
+  for (const float w : {weights.energy, weights.change, weights.distance}) add(w);
+  for (const Candidate& light : lights) {
+    for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
+    add(light.watts);
+    add(light.changed ? 1.0f : 0.0f);
+  }
+  return h == 0 ? 1 : h;
+}
+
+/// Cells of a grid over `extent`, about cubic, at most `most` together.
+UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
+  for (uint32_t n = along_longest; n > 1; --n) {
+    UVec3 cells;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float share = extent[axis] / max_component(extent) * static_cast<float>(n);
+      cells[axis] = std::max(static_cast<uint32_t>(std::ceil(share - 1e-3f)), 1u);
+    }
+    if (uint64_t{cells.x} * cells.y * cells.z <= most) return cells;
+  }
+  return UVec3(1);
+}
+
+}  // namespace
+
+std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
+                                          const ExplorationWeights& weights) {
+  // Nearer than a hundredth of the scene is as good as here.
+  const float nearest2 = sqr(0.01f * lights.bounds.radius);
+  return build_alias_table(blend(candidates(lights), weights, [&](const Candidate& light) {
+    return 1.0f / std::max(length_squared(light.position - camera), nearest2);
+  }));
+}
+
+void ExplorationTables::build(const LightsView& lights, const Vec3& camera, const ExplorationWeights& weights,
+                              uint32_t cells) {
+  const std::vector<Candidate> list = candidates(lights);
+  Vec3 low(kInfinity);
+  Vec3 high(-kInfinity);
+  for (const Candidate& light : list) {
+    low = glm::min(low, light.position);
+    high = glm::max(high, light.position);
+  }
+  constexpr uint32_t kMostEntries = 1u << 18;
+  const bool emits = std::any_of(list.begin(), list.end(), [](const Candidate& light) { return light.watts > 0.0f; });
+  const bool apart = emits && max_component(high - low) > 0.0f;
+  const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
+  const uint32_t count = dims.x * dims.y * dims.z;
+  if (count == 1) {
+    entries_ = build_exploration(lights, camera, weights);
+    cells_ = UVec3(1);
+    fingerprint_ = 0;
+    return;
+  }
+  const uint64_t fingerprint = fingerprint_of(list, weights, cells);
+  if (fingerprint == fingerprint_) return;
+  fingerprint_ = fingerprint;
+  cells_ = dims;
+  corner_ = low;
+  const Vec3 edge = (high - low) / Vec3(dims);
+  for (int axis = 0; axis < 3; ++axis) scale_[axis] = edge[axis] > 0.0f ? 1.0f / edge[axis] : 0.0f;
+  // A light in the cell is as far away as the points of the cell are from each other.
+  const float nearest2 = 0.25f * length_squared(edge);
+  entries_.assign(size_t{count} * list.size(), {});
+  tbb::parallel_for(0u, count, [&](uint32_t cell) {
+    const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
+    const Vec3 middle = low + edge * (at + Vec3(0.5f));
+    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const Candidate& light) {
+      return light.watts / std::max(length_squared(light.position - middle), nearest2);
+    }));
+    std::copy(table.begin(), table.end(), entries_.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));
+  });
+}
+
+ExplorationGrid ExplorationTables::grid() const { return {view_of(entries_), corner_, scale_, cells_}; }
 
 }  // namespace relume

@@ -7,6 +7,7 @@
 #include "scene/surface_point.h"
 #include "techniques/infinite_lights.h"
 #include "techniques/light_selection.h"
+#include "techniques/visibility_light_cache/exploration.h"
 
 namespace relume {
 
@@ -36,7 +37,7 @@ struct VisibilityLightCache {
   View<const uint32_t> entries;  ///< CachedLight, `bucket_size` a bucket, sorted by id
   uint32_t bucket_size = 32;
   float exploration = 0.1f;  ///< share of samples among all lights
-  AliasTable all;            ///< over finite lights
+  ExplorationGrid all;       ///< over finite lights
   InfiniteLights infinite;
   LtcTable ltc;
   LightColumns columns;
@@ -53,7 +54,7 @@ struct VisibilityLightCache {
     DiscreteSample chosen{kNoLight, 0, u};
     uint32_t bucket = 0;
     if (exploring) {
-      chosen = all.sample(u);
+      chosen = all.at(sp.position).sample(u);
       if (buckets.count > 0) bucket = chosen.index % buckets.count;
     } else {
       const float scaled = u * static_cast<float>(buckets.count);
@@ -66,7 +67,7 @@ struct VisibilityLightCache {
     if (!exploring) {
       chosen.index = w.ids[choose_by_weight(w.weights, w.count, w.sum, chosen.u)];
     }
-    return {chosen.index, density(buckets, bucket, w, chosen.index), chosen.u};
+    return {chosen.index, density(sp, buckets, bucket, w, chosen.index), chosen.u};
   }
 
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
@@ -79,7 +80,7 @@ struct VisibilityLightCache {
       bucket = light % buckets.count;
       weigh(sp, buckets, bucket, w);
     }
-    return density(buckets, bucket, w, light);
+    return density(sp, buckets, bucket, w, light);
   }
 
  private:
@@ -127,15 +128,17 @@ struct VisibilityLightCache {
   }
 
   /// Probability of `light`, given its bucket: a one-sample mixture of both strategies.
-  RELUME_HD float density(const LightBuckets& buckets, uint32_t bucket, const Weighed& w, LightId light) const {
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const Weighed& w,
+                          LightId light) const {
     const float finite = 1.0f - infinite.share;
-    if (buckets.count == 0) return finite * all.pmf(light);
+    const float explored = all.at(sp.position).pmf(light);
+    if (buckets.count == 0) return finite * explored;
     float cached = 0;
     for (uint32_t i = 0; i < w.count; ++i) {
       if (w.ids[i] != light) continue;
       cached = w.weights[i] / w.sum * (static_cast<float>(turns(buckets, bucket)) / static_cast<float>(buckets.count));
     }
-    return finite * (exploration * all.pmf(light) + (1.0f - exploration) * cached);
+    return finite * (exploration * explored + (1.0f - exploration) * cached);
   }
 };
 

@@ -30,8 +30,12 @@ SettingList describe(VisibilityLightCacheSettings& s) {
        {.min = 0, .max = 1e3}},
       {"distance-weight",
        &s.distance_weight,
-       "Part of exploration that goes by the distance from light to camera",
+       "Part of exploration that goes by the distance from light to cell, or to the camera if there is one cell",
        {.min = 0, .max = 1e3}},
+      {"exploration-cells",
+       &s.exploration_cells,
+       "Cells along the longest side of the lights' box, each with its own distances for exploration; 1: the paper's",
+       {.min = 1, .max = 64}},
   };
 }
 
@@ -69,8 +73,9 @@ bool KnownLightsPass::run(const FrameContext& frame) {
 
 void VisibilityLightCachePass::build_tables(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
-  all_ = build_exploration(lights, frame.scene.camera.position,
-                           {settings_.energy_weight, settings_.change_weight, settings_.distance_weight});
+  all_.build(lights, frame.scene.camera.position,
+             {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
+             static_cast<uint32_t>(settings_.exploration_cells));
   infinite_ = build_infinite_lights(lights, selection_.infinity());
   columns_ = build_light_columns(lights);
   VisibilityLightCache& view = selector_.cache;
@@ -78,8 +83,8 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame) {
   view.entries = caches_.entries();
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
-  view.all = {view_of(all_)};
-  view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
+  view.all = all_.grid();
+  view.infinite = make_infinite_lights(lights, infinite_, !view.all.empty());
   view.ltc = ltc_table();
   view.columns = {view_of(columns_), lights.first_infinite};
   view.lights = lights;
@@ -104,7 +109,7 @@ std::vector<PassFigure> VisibilityLightCachePass::figures() const {
 }
 
 size_t VisibilityLightCachePass::memory_bytes() const {
-  return caches_.memory_bytes() + sizeof(AliasEntry) * (all_.size() + infinite_.size()) +
+  return caches_.memory_bytes() + all_.memory_bytes() + sizeof(AliasEntry) * infinite_.size() +
          sizeof(float) * columns_.size();
 }
 

@@ -6,6 +6,7 @@
 #include "techniques/light_selector.h"
 #include "techniques/octree/octree_pass.h"
 #include "techniques/visibility_light_cache/build_cache.h"
+#include "techniques/visibility_light_cache/exploration.h"
 #include "techniques/visibility_light_cache/visibility_light_cache_settings.h"
 
 namespace relume {
@@ -38,7 +39,7 @@ class VisibilityLightCachePass final : public Pass {
   const OctreePass& octree_;
   LightSelector selector_;
   LightCaches caches_;
-  std::vector<AliasEntry> all_;
+  ExplorationTables all_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;
 };

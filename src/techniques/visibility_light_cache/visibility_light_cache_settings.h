@@ -14,6 +14,7 @@ struct VisibilityLightCacheSettings {
   float energy_weight = 1;
   float change_weight = 1;
   float distance_weight = 1;
+  int exploration_cells = 16;
 };
 
 SettingList describe(VisibilityLightCacheSettings& settings);

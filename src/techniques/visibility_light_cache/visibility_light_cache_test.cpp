@@ -256,6 +256,42 @@ TEST(Exploration, BlendsItsGuesses) {
   EXPECT_NEAR(table(1, 1, 0)[1].pmf, 0.5f + 0.5f / 3, 1e-6f);
 }
 
+TEST(Exploration, KnowsWhatIsNearEachCell) {
+  std::vector<Light> lights(6);
+  for (uint32_t i = 0; i < 6; ++i) {
+    lights[i].kind = LightKind::point;
+    lights[i].point = {Vec3(10.0f * static_cast<float>(i), 3, 0), Rgb(i == 5 ? 0.0f : 1.0f)};
+  }
+  LightsView view;
+  view.lights = view_of(lights);
+  view.first_infinite = 6;
+  view.bounds = {Vec3(0), 50};
+  ExplorationTables tables;
+  tables.build(view, Vec3(0), {}, 5);
+  EXPECT_EQ(tables.grid().cells, UVec3(5, 1, 1));
+  for (const float x : {-7.0f, 3.0f, 22.0f, 41.0f, 99.0f}) {  // outside as well
+    const AliasTable here = tables.grid().at(Vec3(x, 0, 0));
+    float sum = 0;
+    for (uint32_t i = 0; i < 6; ++i) sum += here.pmf(i);
+    EXPECT_NEAR(sum, 1, 1e-5f);
+    EXPECT_EQ(here.pmf(5), 0.0f);  // dark
+    for (uint32_t i = 0; i < 5; ++i) EXPECT_GT(here.pmf(i), 0.05f);
+  }
+  EXPECT_GT(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 3 * tables.grid().at(Vec3(1, 0, 0)).pmf(4));
+  EXPECT_GT(tables.grid().at(Vec3(39, 0, 0)).pmf(4), 3 * tables.grid().at(Vec3(39, 0, 0)).pmf(0));
+  // What changes is noticed.
+  lights[0].point.intensity = Rgb(0);
+  tables.build(view, Vec3(0), {}, 5);
+  EXPECT_EQ(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 0.0f);
+  for (Light& light : lights) light.point.intensity = Rgb(0);
+  tables.build(view, Vec3(0), {}, 5);
+  EXPECT_TRUE(tables.grid().empty());
+  // One cell is the paper's table.
+  for (Light& light : lights) light.point.intensity = Rgb(1);
+  tables.build(view, Vec3(0), {}, 1);
+  EXPECT_EQ(tables.grid().at(Vec3(39, 0, 0)).pmf(2), build_exploration(view, Vec3(0), {})[2].pmf);
+}
+
 /// A receiver with a real BSDF somewhere below the lamps of the light scene.
 SurfacePoint receiver(uint32_t region) {
   SurfacePoint sp{};
@@ -284,23 +320,23 @@ TEST(VisibilityLightCache, FavoursWhatItKnowsAndWhatMatters) {
   cache.regions = view_of(buckets);
   cache.entries = view_of(entries);
   cache.all = {view_of(all)};
+  const AliasTable explored{view_of(all)};
   cache.infinite = make_infinite_lights(lights, infinite, true);
   cache.ltc = ltc_table();
   cache.columns = {view_of(columns), lights.first_infinite};
   cache.lights = lights;
   const SurfacePoint sp = receiver(0);
   const float finite = 1 - cache.infinite.share;
-  EXPECT_NEAR(cache.pmf(sp, 0) + cache.pmf(sp, 4), finite * (0.9f + 0.1f * (cache.all.pmf(0) + cache.all.pmf(4))),
-              1e-5f);
-  EXPECT_NEAR(cache.pmf(sp, 1), finite * 0.1f * cache.all.pmf(1), 1e-6f);  // known to exploration only
+  EXPECT_NEAR(cache.pmf(sp, 0) + cache.pmf(sp, 4), finite * (0.9f + 0.1f * (explored.pmf(0) + explored.pmf(4))), 1e-5f);
+  EXPECT_NEAR(cache.pmf(sp, 1), finite * 0.1f * explored.pmf(1), 1e-6f);  // known to exploration only
   const LightReceiver r = make_light_receiver(cache.ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
-  const auto cached = [&](LightId id) { return cache.pmf(sp, id) - finite * 0.1f * cache.all.pmf(id); };
+  const auto cached = [&](LightId id) { return cache.pmf(sp, id) - finite * 0.1f * explored.pmf(id); };
   EXPECT_NEAR(cached(0) / cached(4),
               light_importance_of(r, lights, cache.columns, 0) / light_importance_of(r, lights, cache.columns, 4),
               1e-3f);
   // Where nothing is known, and outside of all regions: exploration alone.
   for (const uint32_t region : {1u, 2u, kNoRegion}) {
-    EXPECT_NEAR(cache.pmf(receiver(region), 0), finite * cache.all.pmf(0), 1e-6f);
+    EXPECT_NEAR(cache.pmf(receiver(region), 0), finite * explored.pmf(0), 1e-6f);
   }
 }
 
