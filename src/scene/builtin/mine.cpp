@@ -142,8 +142,10 @@ Scene build_mine() {
 
   Environment environment;
   environment.kind = EnvironmentKind::sun_sky;
-  environment.sun_sky.sun_elevation_rad = glm::radians(20.0f);
+  environment.sun_sky.sun_elevation_rad = glm::radians(13.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(84.0f);  // nearly along +X, into the mouth
+  // With the bright haze about it, as the sun of a sky map: directions can find it.
+  environment.sun_sky.sun_angular_diameter_rad = glm::radians(5.0f);
   builder.set_environment(environment);
 
   const auto eye = [](float x, float y, float z) { return transform_point(on_track(x), Vec3(0, y, z)); };

@@ -1,5 +1,6 @@
-// Five by five storage rooms with 350 lamps. From any place only the lamps of one room, and a few through the
-// openings, are visible; choosing lamps without regard to visibility wastes nearly every shadow ray.
+// Fourteen by ten narrow, high storage bays with 420 lamps. From any place only the lamps of one bay, and a few through
+// openings, are visible, while those behind the walls are nearly as close: choosing lamps without regard to visibility
+// wastes most shadow rays.
 #include <string>
 #include <vector>
 
@@ -12,36 +13,59 @@
 namespace relume {
 namespace {
 
-constexpr int kRooms = 5;   // along x, and along z
-constexpr float kRoom = 9;  // metres from wall to wall
-constexpr float kHeight = 5;
+constexpr int kColumns = 14;  // of bays, along x
+constexpr int kRows = 10;     // along z
+constexpr float kBay = 4.4f;  // metres from wall to wall
+constexpr float kHeight = 7;
 constexpr float kWall = 0.3f;  // thickness
-constexpr float kExtent = kRooms * kRoom;
-constexpr Vec2 kDoor{2.6f, 3.2f};  // width, height
+constexpr float kWidth = kColumns * kBay;
+constexpr float kDepth = kRows * kBay;
+constexpr Vec2 kDoor{1.5f, 2.3f};  // width, height
 
-/// Middle of the opening between a room and its neighbour, along the wall from the room's corner.
-float door_offset(int i, int j, uint32_t axis) {
-  const uint32_t h = hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), axis);
-  return kRoom / 2 + (to_unit_float(h) - 0.5f) * 3.6f;
+/// The camera goes from the first of these bays through the second into the third.
+constexpr int kPath[3][2] = {{6, 5}, {6, 4}, {7, 4}};
+
+enum Side : uint32_t { west, north };  // of a bay: towards smaller x, and smaller z
+
+/// Whether bay (i, j) has an opening on that side.
+bool has_door(int i, int j, Side side) {
+  if (side == west ? i == 0 || i == kColumns : j == 0 || j == kRows) return false;
+  if (i == kPath[0][0] && j == kPath[0][1] && side == north) return true;
+  if (i == kPath[2][0] && j == kPath[2][1] && side == west) return true;
+  return hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 3u + side) % 5 < 2;
 }
+
+/// Middle of that opening, along the wall from its corner.
+float door_offset(int i, int j, Side side) {
+  const uint32_t h = hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), static_cast<uint32_t>(side));
+  return kBay / 2 + (to_unit_float(h) - 0.5f) * 1.2f;
+}
+
+Opening door_at(float middle) { return {{middle - kDoor.x / 2, middle + kDoor.x / 2}, {-0.01f, kDoor.y}}; }
 
 Mesh inner_walls() {
   Mesh mesh;
-  for (int i = 1; i < kRooms; ++i) {
-    std::vector<Opening> along_z;
-    std::vector<Opening> along_x;
-    for (int j = 0; j < kRooms; ++j) {
-      const float start = static_cast<float>(j) * kRoom;
-      const float z = start + door_offset(i, j, 0);
-      const float x = start + door_offset(i, j, 1);
-      along_z.push_back({{z - kDoor.x / 2, z + kDoor.x / 2}, {-0.01f, kDoor.y}});
-      along_x.push_back({{x - kDoor.x / 2, x + kDoor.x / 2}, {-0.01f, kDoor.y}});
+  for (int i = 1; i < kColumns; ++i) {
+    std::vector<Opening> doors;
+    for (int j = 0; j < kRows; ++j) {
+      if (has_door(i, j, west)) doors.push_back(door_at(static_cast<float>(j) * kBay + door_offset(i, j, west)));
     }
-    const float p = static_cast<float>(i) * kRoom;
-    append(mesh, wall({p, 0}, {p, kExtent}, kWall, kHeight, along_z));
-    append(mesh, wall({0, p}, {kExtent, p}, kWall, kHeight, along_x));
+    const float x = static_cast<float>(i) * kBay;
+    append(mesh, wall({x, 0}, {x, kDepth}, kWall, kHeight, doors));
+  }
+  for (int j = 1; j < kRows; ++j) {
+    std::vector<Opening> doors;
+    for (int i = 0; i < kColumns; ++i) {
+      if (has_door(i, j, north)) doors.push_back(door_at(static_cast<float>(i) * kBay + door_offset(i, j, north)));
+    }
+    const float z = static_cast<float>(j) * kBay;
+    append(mesh, wall({0, z}, {kWidth, z}, kWall, kHeight, doors));
   }
   return mesh;
+}
+
+Vec3 bay_middle(int i, int j, float y) {
+  return {(static_cast<float>(i) + 0.5f) * kBay, y, (static_cast<float>(j) + 0.5f) * kBay};
 }
 
 /// A unit of shelves 3.6 m wide (x), 0.9 m deep (z) and 2.5 m high, about the middle of its floor.
@@ -71,46 +95,45 @@ void shelf_load(Mesh (&parts)[3]) {
   }
 }
 
-/// Where the shelves of room (i, j) stand: two rows that leave the middle free.
+/// Shelves stand two high along the walls that have no opening.
 std::vector<Mat4> shelf_places() {
   std::vector<Mat4> places;
-  for (int j = 0; j < kRooms; ++j) {
-    for (int i = 0; i < kRooms; ++i) {
-      const bool turned = hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 7u) % 2 == 1;
-      const Vec3 middle((static_cast<float>(i) + 0.5f) * kRoom, 0, (static_cast<float>(j) + 0.5f) * kRoom);
-      for (const Vec2 p : {Vec2(-2.3f, -2.9f), Vec2(2.3f, -2.9f), Vec2(-2.3f, 2.9f), Vec2(2.3f, 2.9f)}) {
-        places.push_back(translation(middle) * rotation_y(turned ? 90.0f : 0.0f) * translation({p.x, 0, p.y}));
+  const float back = kBay / 2 - kWall / 2 - 0.5f;
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kColumns; ++i) {
+      const bool closed[4] = {!has_door(i, j, north), !has_door(i, j, west), !has_door(i, j + 1, north),
+                              !has_door(i + 1, j, west)};
+      for (uint32_t side = 0; side < 4; ++side) {
+        // Where two meet in a corner only the first stands; the camera begins at the south of its bay.
+        if (!closed[side] || (side > 0 && closed[side - 1]) || (side == 3 && closed[0])) continue;
+        if (side == 2 && i == kPath[0][0] && j == kPath[0][1]) continue;
+        for (const float y : {0.0f, 2.49f}) {
+          places.push_back(translation(bay_middle(i, j, y)) * rotation_y(90.0f * static_cast<float>(side)) *
+                           translation({0, 0, -back}));
+        }
       }
     }
   }
   return places;
 }
 
-/// 14 lamps a room: six tubes under the ceiling, and eight small ones under the boards of the shelves.
+/// Three lamps a bay under the ceiling.
 void add_lamps(SceneBuilder& builder) {
-  const Rgb colors[3] = {{70, 66, 60}, {80, 62, 40}, {52, 64, 78}};
-  Mesh tubes[3];
-  for (int j = 0; j < kRooms; ++j) {
-    for (int i = 0; i < kRooms; ++i) {
-      Mesh& mesh = tubes[hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 11u) % 3];
-      for (int k = 0; k < 6; ++k) {
-        const Vec3 middle((static_cast<float>(i) + 0.3f + 0.4f * static_cast<float>(k % 2)) * kRoom, kHeight - 0.4f,
-                          (static_cast<float>(j) + 0.2f + 0.3f * static_cast<float>(k / 2)) * kRoom);
+  const Rgb colors[3] = {{205, 193, 176}, {234, 182, 117}, {152, 188, 229}};
+  Mesh lamps[3];
+  for (int j = 0; j < kRows; ++j) {
+    for (int i = 0; i < kColumns; ++i) {
+      Mesh& mesh = lamps[hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 11u) % 3];
+      for (const float z : {-1.3f, 0.0f, 1.3f}) {
+        const Vec3 middle = bay_middle(i, j, kHeight - 0.4f) + Vec3(0, 0, z);
         append(mesh, quad(middle - Vec3(0.6f, 0, 0.06f), {1.2f, 0, 0}, {0, 0, 0.12f}));
       }
     }
   }
   for (int k = 0; k < 3; ++k) {
-    const std::string name = "tubes " + std::to_string(k);
-    builder.add(name, std::move(tubes[k]), builder.add_material(emitter(name, colors[k])));
+    const std::string name = "lamps " + std::to_string(k);
+    builder.add(name, std::move(lamps[k]), builder.add_material(emitter(name, colors[k])));
   }
-  Mesh small;
-  for (const Mat4& place : shelf_places()) {
-    for (const float x : {-0.9f, 0.9f}) {
-      append(small, transformed(quad({x - 0.15f, 1.83f, 0.34f}, {0.3f, 0, 0}, {0, 0, 0.06f}), place));
-    }
-  }
-  builder.add("shelf lamps", std::move(small), builder.add_material(emitter("shelf lamps", {60, 50, 36})));
 }
 
 void add_shelves(SceneBuilder& builder) {
@@ -127,39 +150,38 @@ void add_shelves(SceneBuilder& builder) {
   }
 }
 
-Vec3 room_middle(int i, int j) {
-  return {(static_cast<float>(i) + 0.5f) * kRoom, 1.7f, (static_cast<float>(j) + 0.5f) * kRoom};
-}
-
 }  // namespace
 
 Scene build_warehouse() {
   SceneBuilder builder("warehouse");
-  const Index concrete = builder.add_material(lambert("concrete", {0.5f, 0.49f, 0.47f}));
-  const Index plaster = builder.add_material(lambert("plaster", {0.72f, 0.71f, 0.68f}));
-  const Index floor = builder.add_material(glossy("floor", {0.36f, 0.36f, 0.37f}, 0.45f));
-  builder.add("floor", quad({0, 0, kExtent}, {kExtent, 0, 0}, {0, 0, -kExtent}), floor);
-  builder.add("ceiling", quad({0, kHeight, 0}, {kExtent, 0, 0}, {0, 0, kExtent}), concrete);
+  const Index concrete = builder.add_material(lambert("concrete", {0.34f, 0.33f, 0.32f}));
+  const Index plaster = builder.add_material(lambert("plaster", {0.42f, 0.41f, 0.39f}));
+  const Index floor = builder.add_material(glossy("floor", {0.26f, 0.26f, 0.27f}, 0.45f));
+  builder.add("floor", quad({0, 0, kDepth}, {kWidth, 0, 0}, {0, 0, -kDepth}), floor);
+  builder.add("ceiling", quad({0, kHeight, 0}, {kWidth, 0, 0}, {0, 0, kDepth}), concrete);
   Mesh outer;
-  append(outer, quad({0, 0, 0}, {kExtent, 0, 0}, {0, kHeight, 0}));
-  append(outer, quad({kExtent, 0, kExtent}, {-kExtent, 0, 0}, {0, kHeight, 0}));
-  append(outer, quad({0, 0, kExtent}, {0, 0, -kExtent}, {0, kHeight, 0}));
-  append(outer, quad({kExtent, 0, 0}, {0, 0, kExtent}, {0, kHeight, 0}));
+  append(outer, quad({0, 0, 0}, {kWidth, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({kWidth, 0, kDepth}, {-kWidth, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({0, 0, kDepth}, {0, 0, -kDepth}, {0, kHeight, 0}));
+  append(outer, quad({kWidth, 0, 0}, {0, 0, kDepth}, {0, kHeight, 0}));
   builder.add("outer walls", std::move(outer), plaster);
   builder.add("inner walls", inner_walls(), plaster);
   add_shelves(builder);
   add_lamps(builder);
 
-  // From room (2, 3) through the openings of (2, 2) and (3, 2).
-  const Vec3 door_north((2 * kRoom) + door_offset(3, 2, 1), 1.6f, 3 * kRoom);
-  const Vec3 door_east(3 * kRoom, 1.6f, 2 * kRoom + door_offset(3, 2, 0));
-  const Vec3 start = room_middle(2, 3) + Vec3(-2.4f, 1.5f, 4.1f);
+  const auto& [first, second, third] = kPath;
+  const Vec3 door_north(static_cast<float>(first[0]) * kBay + door_offset(first[0], first[1], north), 1.6f,
+                        static_cast<float>(first[1]) * kBay);
+  const Vec3 door_east(static_cast<float>(third[0]) * kBay, 1.6f,
+                       static_cast<float>(third[1]) * kBay + door_offset(third[0], third[1], west));
+  const Vec3 start = bay_middle(first[0], first[1], 2.6f) + Vec3(0.5f, 0, 1.85f);
+  const Vec3 last = bay_middle(third[0], third[1], 1.7f);
   const Index camera = builder.add_camera(start, door_north, 62);
   builder.add_camera_path(camera, {{0, start, door_north},
-                                   {3, door_north + Vec3(0, 0, 1.5f), room_middle(2, 2)},
-                                   {5, room_middle(2, 2), door_east},
-                                   {7, door_east, room_middle(3, 2)},
-                                   {10, room_middle(3, 2), room_middle(3, 2) + Vec3(4, -0.2f, -2)}});
+                                   {3, door_north + Vec3(0, 0, 1.2f), bay_middle(second[0], second[1], 1.7f)},
+                                   {5, bay_middle(second[0], second[1], 1.7f), door_east},
+                                   {7, door_east, last},
+                                   {10, last, last + Vec3(4, -0.2f, -2)}});
   return builder.take();
 }
 
