@@ -104,7 +104,7 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
 
 ExperimentScene plainly_sampled(ExperimentScene scene) {
   const RenderSettings defaults;
-  scene.settings.lights = defaults.lights;
+  scene.settings.lights = LightSelectionChoice::light_tree;
   scene.settings.light_selection = defaults.light_selection;
   return scene;
 }

@@ -14,7 +14,7 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"cornell-water", "Cornell box with waves under a small lamp: caustics on floor and walls", build_cornell_water},
       {"cornell-glass", "Cornell box with glass spheres under a small lamp: caustics", build_cornell_glass},
       {"corridor", "three bends between the camera and the only lamp: light after several reflections", build_corridor},
-      {"warehouse", "140 narrow bays with 420 small lamps, most of them hidden from any place", build_warehouse},
+      {"warehouse", "a hall and 256 narrow bays with a lamp each, nearly all of which are hidden", build_warehouse},
       {"cover", "knot of a million triangles under ten lamps behind a grille", build_cover},
       {"turntable", "lamp turning below a floor inside a round wall: indirect light that moves (animated)",
        build_turntable},

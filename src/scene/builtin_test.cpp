@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(, EveryScene, testing::ValuesIn(all_names()), [](const 
 TEST(BuiltinScenes, SizesAreAsPromised) {
   EXPECT_GE(triangle_count(scene_named("cover")), 1'000'000u);
   EXPECT_EQ(emissive_count(scene_named("cover")), 2u * 10);
-  EXPECT_EQ(emissive_count(scene_named("warehouse")), 2u * 420);
+  EXPECT_EQ(emissive_count(scene_named("warehouse")), 2u * 268);
   const Scene& city = scene_named("city");
   EXPECT_GE(triangle_count(city), 10'000'000u);
   size_t in_memory = 0;

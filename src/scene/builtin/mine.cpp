@@ -144,17 +144,17 @@ Scene build_mine() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sun_elevation_rad = glm::radians(13.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(84.0f);  // nearly along +X, into the mouth
-  // With the bright haze about it, as the sun of a sky map: directions can find it.
-  environment.sun_sky.sun_angular_diameter_rad = glm::radians(5.0f);
+  // With the glow about it, as in a small sky map: sampled directions can find it.
+  environment.sun_sky.sun_angular_diameter_rad = glm::radians(10.0f);
   builder.set_environment(environment);
 
   const auto eye = [](float x, float y, float z) { return transform_point(on_track(x), Vec3(0, y, z)); };
-  const Vec3 start = eye(-3.0f, 1.55f, 0.7f);
-  const Vec3 target = eye(7.0f, 1.0f, -0.2f);
+  const Vec3 start = eye(1.0f, 1.55f, 0.7f);
+  const Vec3 target = eye(9.0f, 0.9f, -0.2f);
   const Index camera = builder.add_camera(start, target, 60);
   builder.add_camera_path(camera, {{0, start, target},
-                                   {4, eye(0.5f, 1.6f, 0.9f), eye(9, 1.0f, 0)},
-                                   {7, eye(4, 1.6f, 1.0f), eye(12, 1.2f, 0)},
+                                   {4, eye(3.0f, 1.6f, 0.9f), eye(10, 1.0f, 0)},
+                                   {7, eye(5.5f, 1.6f, 1.0f), eye(12, 1.2f, 0)},
                                    {10, eye(8, 1.6f, 0), eye(18, 1.6f, 0)}});
   return builder.take();
 }

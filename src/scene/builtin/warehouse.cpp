@@ -1,6 +1,6 @@
-// Fourteen by ten narrow, high storage bays with 420 lamps. From any place only the lamps of one bay, and a few through
-// openings, are visible, while those behind the walls are nearly as close: choosing lamps without regard to visibility
-// wastes most shadow rays.
+// A hall, and beside it 16 by 16 narrow, high storage bays with a lamp each. From any place of a bay only its own lamp,
+// and perhaps one through an opening, is visible, while those behind the walls are nearly as close: choosing lamps
+// without regard to visibility, or with lists for cells as wide as a bay, wastes most shadow rays.
 #include <string>
 #include <vector>
 
@@ -13,23 +13,24 @@
 namespace relume {
 namespace {
 
-constexpr int kColumns = 14;  // of bays, along x
-constexpr int kRows = 10;     // along z
-constexpr float kBay = 4.4f;  // metres from wall to wall
-constexpr float kHeight = 7;
-constexpr float kWall = 0.3f;  // thickness
+constexpr int kColumns = 16;  // of bays, along x
+constexpr int kRows = 16;     // along z
+constexpr float kBay = 3;     // metres from wall to wall
+constexpr float kHeight = 6;
+constexpr float kWall = 0.2f;  // thickness
 constexpr float kWidth = kColumns * kBay;
 constexpr float kDepth = kRows * kBay;
-constexpr Vec2 kDoor{1.5f, 2.3f};  // width, height
+constexpr float kHall = 48;        // width of the hall, at larger x
+constexpr Vec2 kDoor{1.1f, 2.1f};  // width, height
 
 /// The camera goes from the first of these bays through the second into the third.
-constexpr int kPath[3][2] = {{6, 5}, {6, 4}, {7, 4}};
+constexpr int kPath[3][2] = {{8, 8}, {8, 7}, {9, 7}};
 
 enum Side : uint32_t { west, north };  // of a bay: towards smaller x, and smaller z
 
 /// Whether bay (i, j) has an opening on that side.
 bool has_door(int i, int j, Side side) {
-  if (side == west ? i == 0 || i == kColumns : j == 0 || j == kRows) return false;
+  if (side == west ? i == 0 : j == 0 || j == kRows) return false;
   if (i == kPath[0][0] && j == kPath[0][1] && side == north) return true;
   if (i == kPath[2][0] && j == kPath[2][1] && side == west) return true;
   return hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 3u + side) % 5 < 2;
@@ -38,14 +39,14 @@ bool has_door(int i, int j, Side side) {
 /// Middle of that opening, along the wall from its corner.
 float door_offset(int i, int j, Side side) {
   const uint32_t h = hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), static_cast<uint32_t>(side));
-  return kBay / 2 + (to_unit_float(h) - 0.5f) * 1.2f;
+  return kBay / 2 + (to_unit_float(h) - 0.5f) * 0.8f;
 }
 
 Opening door_at(float middle) { return {{middle - kDoor.x / 2, middle + kDoor.x / 2}, {-0.01f, kDoor.y}}; }
 
 Mesh inner_walls() {
   Mesh mesh;
-  for (int i = 1; i < kColumns; ++i) {
+  for (int i = 1; i <= kColumns; ++i) {
     std::vector<Opening> doors;
     for (int j = 0; j < kRows; ++j) {
       if (has_door(i, j, west)) doors.push_back(door_at(static_cast<float>(j) * kBay + door_offset(i, j, west)));
@@ -98,7 +99,8 @@ void shelf_load(Mesh (&parts)[3]) {
 /// Shelves stand two high along the walls that have no opening.
 std::vector<Mat4> shelf_places() {
   std::vector<Mat4> places;
-  const float back = kBay / 2 - kWall / 2 - 0.5f;
+  constexpr float scale = 0.7f;
+  const float back = kBay / 2 - kWall / 2 - 0.5f * scale;
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       const bool closed[4] = {!has_door(i, j, north), !has_door(i, j, west), !has_door(i, j + 1, north),
@@ -107,9 +109,9 @@ std::vector<Mat4> shelf_places() {
         // Where two meet in a corner only the first stands; the camera begins at the south of its bay.
         if (!closed[side] || (side > 0 && closed[side - 1]) || (side == 3 && closed[0])) continue;
         if (side == 2 && i == kPath[0][0] && j == kPath[0][1]) continue;
-        for (const float y : {0.0f, 2.49f}) {
+        for (const float y : {0.0f, 2.5f * scale}) {
           places.push_back(translation(bay_middle(i, j, y)) * rotation_y(90.0f * static_cast<float>(side)) *
-                           translation({0, 0, -back}));
+                           translation({0, 0, -back}) * scaling(Vec3(scale)));
         }
       }
     }
@@ -117,18 +119,20 @@ std::vector<Mat4> shelf_places() {
   return places;
 }
 
-/// Three lamps a bay under the ceiling.
+/// One lamp a bay under the ceiling, and twelve in the hall.
 void add_lamps(SceneBuilder& builder) {
-  const Rgb colors[3] = {{205, 193, 176}, {234, 182, 117}, {152, 188, 229}};
+  const Rgb colors[3] = {{420, 396, 360}, {476, 373, 240}, {313, 385, 470}};
   Mesh lamps[3];
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       Mesh& mesh = lamps[hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), 11u) % 3];
-      for (const float z : {-1.3f, 0.0f, 1.3f}) {
-        const Vec3 middle = bay_middle(i, j, kHeight - 0.4f) + Vec3(0, 0, z);
-        append(mesh, quad(middle - Vec3(0.6f, 0, 0.06f), {1.2f, 0, 0}, {0, 0, 0.12f}));
-      }
+      append(mesh, quad(bay_middle(i, j, kHeight - 0.4f) - Vec3(0.4f, 0, 0.1f), {0.8f, 0, 0}, {0, 0, 0.2f}));
     }
+  }
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 middle(kWidth + (static_cast<float>(i % 4) + 0.5f) * kHall / 4, kHeight - 0.4f,
+                      (static_cast<float>(i / 4) + 0.5f) * kDepth / 3);
+    append(lamps[0], quad(middle - Vec3(0.6f, 0, 0.15f), {1.2f, 0, 0}, {0, 0, 0.3f}));
   }
   for (int k = 0; k < 3; ++k) {
     const std::string name = "lamps " + std::to_string(k);
@@ -154,16 +158,17 @@ void add_shelves(SceneBuilder& builder) {
 
 Scene build_warehouse() {
   SceneBuilder builder("warehouse");
-  const Index concrete = builder.add_material(lambert("concrete", {0.34f, 0.33f, 0.32f}));
-  const Index plaster = builder.add_material(lambert("plaster", {0.42f, 0.41f, 0.39f}));
-  const Index floor = builder.add_material(glossy("floor", {0.26f, 0.26f, 0.27f}, 0.45f));
-  builder.add("floor", quad({0, 0, kDepth}, {kWidth, 0, 0}, {0, 0, -kDepth}), floor);
-  builder.add("ceiling", quad({0, kHeight, 0}, {kWidth, 0, 0}, {0, 0, kDepth}), concrete);
+  const Index concrete = builder.add_material(lambert("concrete", {0.2f, 0.19f, 0.18f}));
+  const Index plaster = builder.add_material(lambert("plaster", {0.2f, 0.2f, 0.19f}));
+  const Index floor = builder.add_material(glossy("floor", {0.2f, 0.2f, 0.21f}, 0.45f));
+  constexpr float width = kWidth + kHall;
+  builder.add("floor", quad({0, 0, kDepth}, {width, 0, 0}, {0, 0, -kDepth}), floor);
+  builder.add("ceiling", quad({0, kHeight, 0}, {width, 0, 0}, {0, 0, kDepth}), concrete);
   Mesh outer;
-  append(outer, quad({0, 0, 0}, {kWidth, 0, 0}, {0, kHeight, 0}));
-  append(outer, quad({kWidth, 0, kDepth}, {-kWidth, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({0, 0, 0}, {width, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({width, 0, kDepth}, {-width, 0, 0}, {0, kHeight, 0}));
   append(outer, quad({0, 0, kDepth}, {0, 0, -kDepth}, {0, kHeight, 0}));
-  append(outer, quad({kWidth, 0, 0}, {0, 0, kDepth}, {0, kHeight, 0}));
+  append(outer, quad({width, 0, 0}, {0, 0, kDepth}, {0, kHeight, 0}));
   builder.add("outer walls", std::move(outer), plaster);
   builder.add("inner walls", inner_walls(), plaster);
   add_shelves(builder);
@@ -174,14 +179,14 @@ Scene build_warehouse() {
                         static_cast<float>(first[1]) * kBay);
   const Vec3 door_east(static_cast<float>(third[0]) * kBay, 1.6f,
                        static_cast<float>(third[1]) * kBay + door_offset(third[0], third[1], west));
-  const Vec3 start = bay_middle(first[0], first[1], 2.6f) + Vec3(0.5f, 0, 1.85f);
+  const Vec3 start = bay_middle(first[0], first[1], 2.4f) + Vec3(0.4f, 0, 1.3f);
   const Vec3 last = bay_middle(third[0], third[1], 1.7f);
   const Index camera = builder.add_camera(start, door_north, 62);
   builder.add_camera_path(camera, {{0, start, door_north},
-                                   {3, door_north + Vec3(0, 0, 1.2f), bay_middle(second[0], second[1], 1.7f)},
+                                   {3, door_north + Vec3(0, 0, 1), bay_middle(second[0], second[1], 1.7f)},
                                    {5, bay_middle(second[0], second[1], 1.7f), door_east},
                                    {7, door_east, last},
-                                   {10, last, last + Vec3(4, -0.2f, -2)}});
+                                   {10, last, last + Vec3(1.2f, -0.2f, -0.6f)}});
   return builder.take();
 }
 
