@@ -53,12 +53,20 @@ RELUME_HD inline Lanes square_root(const Lanes& a) {
   return lanes_detail::each([&](uint32_t i) { return std::sqrt(a[i]); });
 }
 
+/// a < b ? x : y.
+RELUME_HD inline Lanes select_less(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
+  return lanes_detail::each([&](uint32_t i) { return a[i] < b[i] ? x[i] : y[i]; });
+}
+
 #else
 
 using Lanes = float __attribute__((vector_size(4 * kLanes)));
 
 RELUME_HD_INLINE Lanes lanes_of(float x) { return Lanes{x, x, x, x, x, x, x, x}; }
 RELUME_HD_INLINE Lanes max(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
+RELUME_HD_INLINE Lanes select_less(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
+  return a < b ? x : y;
+}
 RELUME_HD_INLINE Lanes square_root(const Lanes& a) {
   Lanes result;
   for (uint32_t i = 0; i < kLanes; ++i) result[i] = std::sqrt(a[i]);
@@ -76,6 +84,22 @@ RELUME_HD_INLINE Lanes load_lanes(const float* from) {
   return lanes;
 }
 RELUME_HD_INLINE void store_lanes(float* to, const Lanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+
+/// Eight vectors one after another, by component.
+RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
+#if defined(__CUDACC__)
+  for (uint32_t i = 0; i < kLanes; ++i) {
+    for (uint32_t c = 0; c < 3; ++c) v[c].values[i] = from[3 * i + c];
+  }
+#else
+  const Lanes a = load_lanes(from);
+  const Lanes b = load_lanes(from + kLanes);
+  const Lanes c = load_lanes(from + 2 * kLanes);
+  v[0] = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1, 2, 3, 4, 5, 10, 13);
+  v[1] = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0, 1, 2, 3, 4, 8, 11, 14);
+  v[2] = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c, 0, 1, 2, 3, 4, 9, 12, 15);
+#endif
+}
 
 /// Sum of all lanes, in an order of its own.
 RELUME_HD_INLINE float sum_of(const Lanes& a) {

@@ -38,10 +38,10 @@ Case measure(const ExperimentContext& context, const std::string& name, int boun
   StudyOptions options{.techniques =
                            "path=estimator:path,bdpt=estimator:bdpt,all=estimator:bdpt,"
                            "bdpt.connection-roulette:0,path.russian-roulette:false",
-                       .spp = context.choose(16, 4),
+                       .spp = context.choose(8, 4),
                        .repetitions = 3,
-                       .reference_spp = 16};  // errors are not looked at
-  use_square(context, 256, options);
+                       .reference_spp = 2};  // errors are not looked at
+  use_square(context, 128, options);
   const Comparison c = study(context, built_in(name, bounces), options);
   return {name,
           bounces,
@@ -138,8 +138,8 @@ ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   result.claims.push_back(claim_vertex());
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(charts(cases));
-  result.setup = {{"Size", context.quick ? "40 × 40" : "256 × 256"},
-                  {"Time", fmt::format("medians of 3 × {} frames, in turns", context.choose(16, 4))},
+  result.setup = {{"Size", context.quick ? "40 × 40" : "128 × 128"},
+                  {"Time", fmt::format("medians of 3 × {} frames, in turns", context.choose(8, 4))},
                   {"Settings", "the defaults of each, but for \"all\": neither kind of roulette"}};
   return result;
 }

@@ -24,8 +24,8 @@ struct Case {
 
 /// Everybody is measured against bidirectional path tracing.
 StudyOptions options_of(const ExperimentContext& context, const std::string& techniques) {
-  StudyOptions options{.techniques = techniques, .repetitions = 3, .reference_spp = 1024};
-  use_square(context, 192, options);
+  StudyOptions options{.techniques = techniques, .repetitions = 3, .reference_spp = 512};
+  use_square(context, 160, options);
   options.common.emplace_back("estimator", "bdpt");
   return options;
 }
@@ -37,7 +37,7 @@ Case measure(const ExperimentContext& context, const std::string& name, Region r
   StudyOptions samples = options_of(context, kBoth);
   samples.spp = context.choose(16, 4);
   StudyOptions time = options_of(context, kBoth);
-  time.budget_s = 4;
+  time.budget_s = 2;
   return {name, std::move(region), study(context, scene, samples), study(context, scene, time)};
 }
 
@@ -159,11 +159,11 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
       if (!std::holds_alternative<ViewerBlock>(block)) result.blocks.push_back(std::move(block));
     }
   }
-  result.setup = {{"Size", context.quick ? "40 × 40" : "192 × 192"},
-                  {"Reference", context.quick ? "256 samples of bdpt" : "1024 samples of bdpt"},
+  result.setup = {{"Size", context.quick ? "40 × 40" : "160 × 160"},
+                  {"Reference", context.quick ? "256 samples of bdpt" : "512 samples of bdpt"},
                   {"Bounces", fmt::format("{}, with roulette", kBounces)},
                   {"Equal samples", context.quick ? "4" : "16"},
-                  {"Equal time", context.quick ? "0.4 s" : "4 s"}};
+                  {"Equal time", context.quick ? "0.2 s" : "2 s"}};
   return result;
 }
 

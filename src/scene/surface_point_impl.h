@@ -6,6 +6,10 @@
 namespace relume {
 namespace surface_detail {
 
+/// A copy by component. Copied as a whole, what was just written by component is read back from memory in larger
+/// pieces, for which the processor waits.
+RELUME_HD_INLINE Vec3 copy_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
 /// One triangle's data at a hit.
 struct TriangleAt {
   const Vertex* v[3];
@@ -118,7 +122,7 @@ RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt
   g.position = interpolate(p0, p1, p2, t.weights);
   // One bound for all components: Embree's own rounding follows the largest.
   g.error = gamma_bound(7) * max_component(abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
-  g.previous_position = g.position;
+  g.previous_position = copy_of(g.position);
   g.e1 = p1 - p0;
   g.e2 = p2 - p0;
   if (!instance.in_world_space) {
@@ -205,9 +209,9 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
   const Geometry g = geometry_at(instance, t);
 
-  sp.position = g.position;
+  sp.position = copy_of(g.position);
   sp.position_error = g.error;
-  sp.previous_position = g.previous_position;
+  sp.previous_position = copy_of(g.previous_position);
   sp.wo = -ray.direction;
   sp.barycentric = {hit.u, hit.v};
   sp.footprint = cone_width;

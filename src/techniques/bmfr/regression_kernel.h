@@ -25,8 +25,11 @@ struct BlockPixels {
   alignas(64) float normal[3][kBlockPixels];
   alignas(64) float position[3][kBlockPixels];
   alignas(64) float light[3][kBlockPixels];
-  alignas(64) float weight[kBlockPixels];  ///< 0: takes no part
-  float variance[kBlockPixels];            ///< of the luminance of the light; negative: not known
+  alignas(64) float fit[3][kBlockPixels];
+  alignas(64) float weight[kBlockPixels];    ///< 0: takes no part
+  alignas(64) float filtered[kBlockPixels];  ///< 1, or 0: shows no surface
+  alignas(64) float known[kBlockPixels];     ///< 1, or 0: the variance is not known
+  alignas(64) float variance[kBlockPixels];  ///< of the luminance of the light where it is known, else 0
 };
 
 /// What a fit leaves of the light is looked at in cells of this edge, pixels.
@@ -67,11 +70,13 @@ struct BlockRegressionKernel {
     if (!gather(x0, y0, pixels)) return;
     const BlockFit fit = solve(pixels);
     evaluate(fit, pixels);
-    if (detail > 0.0f) restore_details(x0, y0, pixels);
+    if (detail > 0.0f) restore_details(pixels);
     scatter(written, x0, y0, pixels);
   }
 
  private:
+  static constexpr float kFar = 1e30f;  ///< beyond every position, metres
+
   RELUME_HD static uint32_t start(uint32_t block, uint32_t shift, uint32_t size) {
     const uint32_t unshifted = block * kBlockSize;
     return unshifted < shift ? 0u : (unshifted - shift < size ? unshifted - shift : size);
@@ -84,33 +89,110 @@ struct BlockRegressionKernel {
 
   /// False if no pixel is to be fitted.
   RELUME_HD bool gather(uint32_t x0, uint32_t y0, BlockPixels& p) const {
-    Vec3 low(kInfinity);
-    Vec3 high(-kInfinity);
-    for (uint32_t i = 0; i < kBlockPixels; ++i) {
-      const uint32_t x = x0 + i % kBlockSize;
-      const uint32_t y = y0 + i / kBlockSize;
-      const uint32_t pixel = y * width + x;
-      const bool inside = x < width && y < height && is_filtered(albedo[pixel]);
-      const Vec3 where = inside ? position[pixel] : Vec3(0);
-      const Vec3 n = inside ? normal[pixel] : Vec3(0);
-      const uint32_t count = inside ? samples[pixel] : 0;
-      const Rgb value = count > 0 ? light[pixel] : Rgb(0);
-      for (int c = 0; c < 3; ++c) {
-        p.position[c][i] = where[c];
-        p.normal[c][i] = n[c];
-        p.light[c][i] = value[c];
-      }
-      p.weight[i] = count > 0 ? std::sqrt(static_cast<float>(count)) : 0.0f;
-      p.variance[i] = count < kKnownSamples
-                          ? -1.0f
-                          : relume::max(square[pixel] - sqr(luminance(value)), 0.0f) / static_cast<float>(count - 1);
-      if (!inside) continue;
-      low = glm::min(low, where);
-      high = glm::max(high, where);
-    }
+    const uint32_t columns = width - x0 < kBlockSize ? width - x0 : kBlockSize;
+    const uint32_t rows = height - y0 < kBlockSize ? height - y0 : kBlockSize;
+    if (columns < kBlockSize || rows < kBlockSize) p = BlockPixels{};
+    for (uint32_t y = 0; y < rows; ++y) gather_row((y0 + y) * width + x0, y * kBlockSize, columns, p);
+    Vec3 low;
+    Vec3 high;
+    for (int c = 0; c < 3; ++c) range_of(p, c, low[c], high[c]);
     if (!(low.x <= high.x)) return false;
     normalise(low, high, p);
     return true;
+  }
+
+  /// `count` pixels of the picture from `pixel` on, to those of the block from `first` on.
+  RELUME_HD void gather_row(uint32_t pixel, uint32_t first, uint32_t count, BlockPixels& p) const {
+    uint32_t i = 0;
+    for (; i + kLanes <= count; i += kLanes) {
+      float numbers[kLanes];
+      for (uint32_t k = 0; k < kLanes; ++k) numbers[k] = static_cast<float>(static_cast<int>(samples[pixel + i + k]));
+      const PixelLanes lanes(&position[pixel + i].x, &normal[pixel + i].x, &albedo[pixel + i].r, &light[pixel + i].r,
+                             numbers, &square[pixel + i]);
+      lanes.put(first + i, p);
+    }
+    if (i == count) return;
+    // What is left of pictures smaller than a block.
+    float values[4][3 * kLanes] = {};
+    float numbers[kLanes] = {};
+    float squares[kLanes] = {};
+    for (uint32_t k = 0; i + k < count; ++k) {
+      const uint32_t from = pixel + i + k;
+      for (uint32_t c = 0; c < 3; ++c) {
+        const auto component = static_cast<int>(c);
+        values[0][3 * k + c] = position[from][component];
+        values[1][3 * k + c] = normal[from][component];
+        values[2][3 * k + c] = albedo[from][component];
+        values[3][3 * k + c] = light[from][component];
+      }
+      numbers[k] = static_cast<float>(static_cast<int>(samples[from]));
+      squares[k] = square[from];
+    }
+    PixelLanes(values[0], values[1], values[2], values[3], numbers, squares).put(first + i, p);
+  }
+
+  /// kLanes pixels in a row.
+  struct PixelLanes {
+    Lanes position[3];
+    Lanes normal[3];
+    Lanes light[3];
+    Lanes filtered;
+    Lanes count;
+    Lanes square;
+
+    RELUME_HD_INLINE PixelLanes(const float* positions, const float* normals, const float* albedos, const float* lights,
+                                const float* counts, const float* squares)
+        : count(load_lanes(counts)), square(load_lanes(squares)) {
+      Lanes albedo[3];
+      load_vectors(positions, position);
+      load_vectors(normals, normal);
+      load_vectors(albedos, albedo);
+      load_vectors(lights, light);
+      const Lanes zero = lanes_of(0.0f);
+      filtered = select_less(max(max(albedo[0], albedo[1]), albedo[2]), lanes_of(kLeastAlbedo), zero, lanes_of(1.0f));
+      count = count * filtered;
+      for (int c = 0; c < 3; ++c) {
+        position[c] = position[c] * filtered;
+        normal[c] = normal[c] * filtered;
+        light[c] = select_less(zero, count, light[c], zero);
+      }
+    }
+
+    RELUME_HD_INLINE void put(uint32_t i, BlockPixels& p) const {
+      const Lanes zero = lanes_of(0.0f);
+      const Lanes one = lanes_of(1.0f);
+      for (int c = 0; c < 3; ++c) {
+        store_lanes(p.position[c] + i, position[c]);
+        store_lanes(p.normal[c] + i, normal[c]);
+        store_lanes(p.light[c] + i, light[c]);
+      }
+      const Lanes known = select_less(count, lanes_of(static_cast<float>(kKnownSamples)), zero, one);
+      const Lanes y = luminance_of(light);
+      store_lanes(p.filtered + i, filtered);
+      store_lanes(p.weight + i, square_root(count));
+      store_lanes(p.known + i, known);
+      store_lanes(p.variance + i, known * max(square - y * y, zero) / max(count - one, one));
+    }
+  };
+
+  /// Of a component of the positions of pixels that are filtered; low above high if there are none.
+  RELUME_HD static void range_of(const BlockPixels& p, int c, float& low, float& high) {
+    const Lanes one = lanes_of(1.0f);
+    const Lanes far = lanes_of(kFar);
+    Lanes highest = lanes_of(-kFar);
+    Lanes lowest_negated = highest;
+    for (uint32_t i = 0; i < kBlockPixels; i += kLanes) {
+      const Lanes x = load_lanes(p.position[c] + i);
+      const Lanes away = (one - load_lanes(p.filtered + i)) * far;
+      highest = max(highest, x - away);
+      lowest_negated = max(lowest_negated, lanes_of(0.0f) - x - away);
+    }
+    low = kFar;
+    high = -kFar;
+    for (uint32_t i = 0; i < kLanes; ++i) {
+      low = relume::min(low, -lowest_negated[i]);
+      high = relume::max(high, highest[i]);
+    }
   }
 
   /// Positions to [−1, 1].
@@ -151,7 +233,6 @@ struct BlockRegressionKernel {
     return regression.fit();
   }
 
-  /// Puts the fit in the place of the light.
   RELUME_HD static void evaluate(const BlockFit& fit, BlockPixels& p) {
     for (uint32_t i = 0; i < kBlockPixels; i += kLanes) {
       Lanes sums[3] = {lanes_of(0.0f), lanes_of(0.0f), lanes_of(0.0f)};
@@ -159,47 +240,53 @@ struct BlockRegressionKernel {
         const Lanes value = feature(p, f, i);
         for (int c = 0; c < 3; ++c) sums[c] = sums[c] + value * lanes_of(fit.coefficients[c][f]);
       }
-      for (int c = 0; c < 3; ++c) store_lanes(p.light[c] + i, sums[c]);
+      for (int c = 0; c < 3; ++c) store_lanes(p.fit[c] + i, sums[c]);
     }
   }
 
   /// Cell by cell: as far as the light differs from the fit by more than its noise explains, the difference is no
   /// noise, and is put back (Wiener's filter). What features cannot tell survives in this way: caustics, shadows,
   /// reflections.
-  RELUME_HD void restore_details(uint32_t x0, uint32_t y0, BlockPixels& p) const {
-    for (uint32_t cell = 0; cell < kBlockPixels / (kCellSize * kCellSize); ++cell) {
-      const uint32_t left = cell % (kBlockSize / kCellSize) * kCellSize;
-      const uint32_t top = cell / (kBlockSize / kCellSize) * kCellSize;
-      float differences = 0;
-      float variances = 0;
-      for (uint32_t k = 0; k < kCellSize * kCellSize; ++k) {
-        const uint32_t i = (top + k / kCellSize) * kBlockSize + left + k % kCellSize;
-        if (p.variance[i] < 0.0f) continue;
-        differences += sqr(luminance(left_over(x0, y0, i, p)));
-        variances += p.variance[i];
-      }
-      const float kept = differences > 0.0f ? 1.0f - detail * variances / differences : 0.0f;
-      if (!(kept > 0.0f)) continue;
-      for (uint32_t k = 0; k < kCellSize * kCellSize; ++k) {
-        const uint32_t i = (top + k / kCellSize) * kBlockSize + left + k % kCellSize;
-        if (p.variance[i] < 0.0f) continue;
-        const Rgb difference = left_over(x0, y0, i, p) * kept;
-        for (int c = 0; c < 3; ++c) p.light[c][i] += difference[c];
+  RELUME_HD void restore_details(BlockPixels& p) const {
+    for (uint32_t top = 0; top < kBlockSize; top += kCellSize) {
+      for (uint32_t left = 0; left < kBlockSize; left += kCellSize) restore_cell(top * kBlockSize + left, p);
+    }
+  }
+
+  /// The cell whose first pixel is `first`.
+  RELUME_HD void restore_cell(uint32_t first, BlockPixels& p) const {
+    static_assert(kCellSize == kLanes);
+    constexpr uint32_t kEnd = kCellSize * kBlockSize;
+    Lanes differences = lanes_of(0.0f);
+    Lanes variances = lanes_of(0.0f);
+    for (uint32_t i = first; i < first + kEnd; i += kBlockSize) {
+      Lanes left_over[3];
+      for (int c = 0; c < 3; ++c) left_over[c] = load_lanes(p.light[c] + i) - load_lanes(p.fit[c] + i);
+      const Lanes y = luminance_of(left_over) * load_lanes(p.known + i);
+      differences = differences + y * y;
+      variances = variances + load_lanes(p.variance + i);
+    }
+    const float all = sum_of(differences);
+    const float kept = all > 0.0f ? 1.0f - detail * sum_of(variances) / all : 0.0f;
+    if (!(kept > 0.0f)) return;
+    for (uint32_t i = first; i < first + kEnd; i += kBlockSize) {
+      const Lanes share_kept = lanes_of(kept) * load_lanes(p.known + i);
+      for (int c = 0; c < 3; ++c) {
+        const Lanes fit = load_lanes(p.fit[c] + i);
+        store_lanes(p.fit[c] + i, fit + (load_lanes(p.light[c] + i) - fit) * share_kept);
       }
     }
   }
 
-  /// Light that the fit, by now in the light's place, does not explain.
-  RELUME_HD Rgb left_over(uint32_t x0, uint32_t y0, uint32_t i, const BlockPixels& p) const {
-    const uint32_t pixel = (y0 + i / kBlockSize) * width + x0 + i % kBlockSize;
-    return light[pixel] - Rgb(p.light[0][i], p.light[1][i], p.light[2][i]);
+  RELUME_HD_INLINE static Lanes luminance_of(const Lanes (&rgb)[3]) {
+    return lanes_of(0.2126f) * rgb[0] + lanes_of(0.7152f) * rgb[1] + lanes_of(0.0722f) * rgb[2];
   }
 
   RELUME_HD void scatter(const Tile& written, uint32_t x0, uint32_t y0, const BlockPixels& p) const {
     for (uint32_t y = written.y0; y < written.y1; ++y) {
       for (uint32_t x = written.x0; x < written.x1; ++x) {
         const uint32_t i = (y - y0) * kBlockSize + x - x0;
-        const Rgb fit = glm::max(Rgb(p.light[0][i], p.light[1][i], p.light[2][i]), Rgb(0));
+        const Rgb fit = glm::max(Rgb(p.fit[0][i], p.fit[1][i], p.fit[2][i]), Rgb(0));
         Rgb& average = fitted[y * width + x];
         average = share < 1.0f ? average + (fit - average) * share : fit;
       }

@@ -64,12 +64,19 @@ RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* shar
   }
 }
 
+RELUME_HD inline bool has_narrow(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (is_narrow(bsdf.lobes[i])) return true;
+  }
+  return false;
+}
+
 }  // namespace feature_detail
 
 /// Invalid where lobes that are not narrow return half of the light or more: a filter can do with what they show.
 RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   NarrowStep step;
-  if (is_lambert(sp.bsdf) || sp.bsdf.empty()) return step;
+  if (!feature_detail::has_narrow(sp.bsdf)) return step;
   const float below_coat = coat_transmittance(sp.bsdf, sp.wo_local.z);
   Rgb total(0);
   Rgb largest(0);
@@ -114,21 +121,36 @@ struct FeatureTracer {
   const SceneView& scene;
   uint32_t max_steps = kMaxFeatureSteps;
 
-  RELUME_HD Feature trace(const Ray& camera_ray, Hit hit, uint32_t ray_id) const {
+  RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id) const {
     Feature f;
-    Ray ray = camera_ray;
+    if (!hit.valid()) {
+      reach_background(camera_ray, camera_ray, Rgb(1), 0, f);
+      return f;
+    }
     SurfacePoint sp;
+    make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
+    // Most pixels show a surface directly, and for them there is nothing to follow or to unfold.
+    if (!sp.front_face || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp);
+    f.position = sp.position;
+    f.previous = sp.previous_position;
+    f.normal = sp.frame.n;
+    f.albedo = is_lambert(sp.bsdf) ? sp.bsdf.lobes[0].color : relume::albedo(sp.bsdf, sp.wo_local.z);
+    f.emission = sp.emission;
+    f.depth = hit.t;
+    f.surface = sp.instance;
+    return f;
+  }
+
+ private:
+  /// From the primary hit, of which `sp` is the surface point, on.
+  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp) const {
+    Feature f;
     Rgb seen(1);
     Mat3 unfold(1);
     uint32_t path_id = 0;
     f.albedo = Rgb(1);
+    f.depth = hit.t;
     for (uint32_t step = 0;; ++step) {
-      if (!hit.valid()) {
-        reach_background(camera_ray, ray, seen, path_id, f);
-        return f;
-      }
-      f.depth += hit.t;
-      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, sp);
       absorb(sp, hit.t, seen, f.albedo);
       f.emission += seen * sp.emission;
       const NarrowStep next = step < max_steps ? narrow_step(sp) : NarrowStep{};
@@ -137,8 +159,14 @@ struct FeatureTracer {
       f.albedo *= next.albedo;
       path_id = hash(sp.instance, path_id + 1);
       if (next.reflected) unfold = unfold * reflection(sp.frame.n);
-      ray = sp.spawn_ray(next.wi);
+      const Ray ray = sp.spawn_ray(next.wi);
       hit = intersect(scene.accel, ray, hash(ray_id, step));
+      if (!hit.valid()) {
+        reach_background(camera_ray, ray, seen, path_id, f);
+        return f;
+      }
+      f.depth += hit.t;
+      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, sp);
     }
     f.albedo *= sp.bsdf.empty() ? Rgb(0) : relume::albedo(sp.bsdf, sp.wo_local.z);
     f.normal = unfold * sp.frame.n;
@@ -148,7 +176,6 @@ struct FeatureTracer {
     return f;
   }
 
- private:
   /// I − 2 n nᵀ.
   RELUME_HD static Mat3 reflection(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
 
@@ -209,14 +236,30 @@ struct FeatureKernel {
   View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
   View<uint32_t> surface;
   uint32_t max_steps = kMaxFeatureSteps;
+  bool camera_moved = true;  ///< false: it is where it was in the frame before
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * width + x;
     Sampler sampler = index.sampler(x, y);
     const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    write(y * width + x, ray, sampler.camera_ray_id());
+  }
+
+  /// Camera rays in packets.
+  void operator()(const Tile& tile) const {
+    for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
+      for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
+        CameraPacket packet;
+        packet.fill(scene.camera, index, x, y, tile);
+        for (int i = 0; i < packet.count; ++i) write(packet.y[i] * width + packet.x[i], packet.rays[i], packet.ids[i]);
+      }
+    }
+  }
+
+ private:
+  RELUME_HD_INLINE void write(uint32_t pixel, const Ray& ray, uint32_t ray_id) const {
     const FeatureTracer tracer{scene, max_steps};
-    const Feature f = tracer.trace(ray, hits[pixel], sampler.camera_ray_id());
+    const Feature f = tracer.trace(ray, hits[pixel], ray_id);
     position[pixel] = f.position;
     previous[pixel] = f.previous;
     normal[pixel] = f.normal;
@@ -224,9 +267,12 @@ struct FeatureKernel {
     emission[pixel] = f.emission;
     depth[pixel] = f.depth;
     surface[pixel] = f.surface;
-    motion[pixel] = f.surface == kNoSurface ? film_motion(scene, ray, {scene.previous_camera.position, ray.direction})
-                                            : film_motion(scene, ray_to(scene.camera, f.position),
-                                                          ray_to(scene.previous_camera, f.previous));
+    motion[pixel] = !camera_moved && f.previous == f.position ? Vec2(0) : motion_of(ray, f);
+  }
+
+  RELUME_HD Vec2 motion_of(const Ray& ray, const Feature& f) const {
+    return f.surface == kNoSurface ? film_motion_of_direction(scene, ray.direction)
+                                   : film_motion(scene, f.position, f.previous);
   }
 };
 

@@ -1,6 +1,7 @@
 #include "techniques/features/features_pass.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "techniques/features/picture_history.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
@@ -40,6 +41,7 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.motion = frame.view<Vec2>("feature-motion");
   kernel.surface = frame.view<uint32_t>("feature-surface");
   kernel.max_steps = mirrors_ ? std::min(static_cast<uint32_t>(max_bounces_), kMaxFeatureSteps) : 0u;
+  kernel.camera_moved = std::memcmp(&frame.scene.camera, &frame.scene.previous_camera, sizeof(CameraView)) != 0;
   kernel.width = frame.width();
   return frame.launch("features", kernel);
 }

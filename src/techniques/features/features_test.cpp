@@ -128,6 +128,65 @@ TEST(Features, LightTracingSeesNothingInMirrors) {
   for (uint32_t i = 0; i < kPixels; ++i) EXPECT_FALSE(frame.indirect(i));
 }
 
+/// What FeatureKernel writes.
+struct FeatureBuffers {
+  FeatureKernel kernel(const CompiledScene& scene, const std::vector<Hit>& hits) {
+    return {scene.view(),
+            kIndex,
+            view_of(hits),
+            mutable_view_of(position),
+            mutable_view_of(previous),
+            mutable_view_of(normal),
+            mutable_view_of(albedo),
+            mutable_view_of(emission),
+            mutable_view_of(depth),
+            mutable_view_of(motion),
+            mutable_view_of(surface),
+            kMaxFeatureSteps,
+            true,
+            kWidth};
+  }
+
+  static constexpr SampleIndex kIndex{3, 0, 5, false};
+  std::vector<Vec3> position = std::vector<Vec3>(kPixels);
+  std::vector<Vec3> previous = position;
+  std::vector<Vec3> normal = position;
+  std::vector<Rgb> albedo = position;
+  std::vector<Rgb> emission = position;
+  std::vector<float> depth = std::vector<float>(kPixels);
+  std::vector<Vec2> motion = std::vector<Vec2>(kPixels);
+  std::vector<uint32_t> surface = std::vector<uint32_t>(kPixels);
+};
+
+TEST(Features, TilesShowWhatSinglePixelsShow) {
+  for (const char* name : {"cornell-mirror", "mine"}) {
+    const CompiledScene scene(find_builtin_scene(name)->build(), CompileOptions{.width = kWidth, .height = kHeight});
+    std::vector<Hit> hits(kPixels);
+    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, FeatureBuffers::kIndex,
+                                    mutable_view_of(hits), kWidth};
+    FeatureBuffers single;
+    FeatureBuffers tiles;
+    const FeatureKernel one = single.kernel(scene, hits);
+    FeatureKernel many = tiles.kernel(scene, hits);
+    many.camera_moved = false;
+    for (uint32_t y = 0; y < kHeight; ++y) {
+      for (uint32_t x = 0; x < kWidth; ++x) {
+        primary(x, y);
+        one(x, y);
+      }
+    }
+    many(Tile{0, 0, kWidth, kHeight});
+    EXPECT_EQ(single.position, tiles.position);
+    EXPECT_EQ(single.previous, tiles.previous);
+    EXPECT_EQ(single.normal, tiles.normal);
+    EXPECT_EQ(single.albedo, tiles.albedo);
+    EXPECT_EQ(single.emission, tiles.emission);
+    EXPECT_EQ(single.depth, tiles.depth);
+    EXPECT_EQ(single.surface, tiles.surface);
+    EXPECT_EQ(single.motion, tiles.motion);  // none, whether it is computed or known
+  }
+}
+
 TEST(Features, DemodulationDividesByTheAlbedo) {
   const Rgb light = demodulate(Rgb(0.4f, 0.3f, 0.1f), Rgb(0.1f, 0, 0), Rgb(0.5f, 0.25f, 0));
   EXPECT_NEAR(light.r, 0.6f, 1e-6f);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "backend/launch.h"
+#include "core/lanes.h"
 #include "core/vec.h"
 #include "core/view.h"
 
@@ -95,34 +96,29 @@ struct ConvergeKernel {
     finish(y * width + x, sum);
   }
 
-  /// Host: looks at each pixel once.
+  /// Host: looks at each pixel once, and adds up rows of the tile, which become vector code.
   void operator()(const Tile& tile) const {
-    constexpr uint32_t kEdge = kTileSize + 2 * kReach;
-    const uint32_t x0 = tile.x0 > kReach ? tile.x0 - kReach : 0;
-    const uint32_t y0 = tile.y0 > kReach ? tile.y0 - kReach : 0;
-    const uint32_t x1 = tile.x1 + kReach < width ? tile.x1 + kReach : width;
-    const uint32_t y1 = tile.y1 + kReach < height ? tile.y1 + kReach : height;
-    Difference rows[kEdge][kTileSize];
-    for (uint32_t v = y0; still && v < y1; ++v) {
-      Difference pixels[kEdge];
-      for (uint32_t u = x0; u < x1; ++u) pixels[u - x0] = at(v * width + u);
-      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
-        Difference& row = rows[v - y0][x - tile.x0];
-        for (uint32_t u = x > kReach ? x - kReach : 0; u <= x + kReach && u < width; ++u) row += pixels[u - x0];
-      }
+    SumsOfRow sums[kTileSize] = {};
+    for (uint32_t j = 0; still && j < kEdge; ++j) {
+      const uint32_t y = tile.y0 + j - kReach;  // beyond the height if it lies above the picture
+      if (y >= height) continue;
+      const SumsOfRow row = row_around(tile.x0, y);
+      for (uint32_t t = j > 2 * kReach ? j - 2 * kReach : 0; t <= j && t < kTileSize; ++t)
+        sums[t].add(row.squared, row.variance, row.most_squared, row.most_variance);
     }
     for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      const SumsOfRow& row = sums[y - tile.y0];
       for (uint32_t x = tile.x0; x < tile.x1; ++x) {
-        Difference sum;
-        for (uint32_t v = y > kReach ? y - kReach : 0; still && v <= y + kReach && v < height; ++v)
-          sum += rows[v - y0][x - tile.x0];
-        finish(y * width + x, sum);
+        const uint32_t i = x - tile.x0;
+        finish(y * width + x, {row.squared[i], row.variance[i], row.most_squared[i], row.most_variance[i]});
       }
     }
   }
 
  private:
   static constexpr uint32_t kReach = 2;
+  static constexpr uint32_t kEdge = kTileSize + 2 * kReach;
+  static constexpr uint32_t kPaddedEdge = (kEdge + kLanes - 1) / kLanes * kLanes;
   static constexpr uint32_t kKnownSamples = 4;  ///< from which their variance counts as known
 
   /// Sums over pixels. The one that differs most is told apart: it may be a firefly.
@@ -141,14 +137,79 @@ struct ConvergeKernel {
     }
   };
 
+  /// A Difference for each pixel in a row of a tile.
+  struct SumsOfRow {
+    float squared[kTileSize];
+    float variance[kTileSize];
+    float most_squared[kTileSize];
+    float most_variance[kTileSize];
+
+    RELUME_HD_INLINE void add(const float* squares, const float* variances, const float* most_squares,
+                              const float* most_variances) {
+      for (uint32_t i = 0; i < kTileSize; i += kLanes) {
+        store_lanes(squared + i, load_lanes(squared + i) + load_lanes(squares + i));
+        store_lanes(variance + i, load_lanes(variance + i) + load_lanes(variances + i));
+        const Lanes most = load_lanes(most_squared + i);
+        const Lanes other = load_lanes(most_squares + i);
+        store_lanes(most_variance + i,
+                    select_less(most, other, load_lanes(most_variances + i), load_lanes(most_variance + i)));
+        store_lanes(most_squared + i, select_less(most, other, other, most));
+      }
+    }
+  };
+
+  /// Of kTileSize pixels from (x0, y) on, each with those beside it.
+  SumsOfRow row_around(uint32_t x0, uint32_t y) const {
+    float squares[kPaddedEdge] = {};
+    float variances[kPaddedEdge] = {};
+    float most_variances[kPaddedEdge] = {};
+    const bool inside_picture = x0 >= kReach && x0 - kReach + kPaddedEdge <= width;
+    for (uint32_t i = 0; inside_picture && i < kPaddedEdge; i += kLanes)
+      at(y * width + x0 + i - kReach, squares + i, variances + i, most_variances + i);
+    for (uint32_t i = inside_picture ? kEdge
+                      : x0 < kReach  ? kReach - x0
+                                     : 0;
+         i < kEdge && x0 + i - kReach < width; ++i) {
+      const Difference d = at(y * width + x0 + i - kReach);
+      squares[i] = d.squared;
+      variances[i] = d.variance;
+      most_variances[i] = d.most_variance;
+    }
+    SumsOfRow row = {};
+    for (uint32_t k = 0; k <= 2 * kReach; ++k) row.add(squares + k, variances + k, squares + k, most_variances + k);
+    return row;
+  }
+
   /// Stratified samples spread less about their mean than their variance tells: about as n^(−3/2) rather than n⁻¹.
   RELUME_HD Difference at(uint32_t pixel) const {
     if (samples[pixel] < kKnownSamples) return {};
-    const auto n = static_cast<float>(samples[pixel]);
+    const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
     const float gain = stratified ? std::sqrt(static_cast<float>(kKnownSamples) / n) : 1.0f;
     const float squared = sqr(luminance(mean[pixel] - picture[pixel]));
     const float variance = m2[pixel] / (n * (n - 1.0f));
     return {squared, gain * variance, squared, (1.0f - gain) * variance};
+  }
+
+  /// The same for kLanes pixels from `pixel` on.
+  void at(uint32_t pixel, float* squares, float* variances, float* most_variances) const {
+    float counts[kLanes];
+    for (uint32_t k = 0; k < kLanes; ++k) counts[k] = static_cast<float>(static_cast<int>(samples[pixel + k]));
+    const Lanes least = lanes_of(static_cast<float>(kKnownSamples));
+    const Lanes one = lanes_of(1.0f);
+    const Lanes known = select_less(load_lanes(counts), least, lanes_of(0.0f), one);
+    const Lanes n = max(load_lanes(counts), least);
+    const Lanes gain = stratified ? square_root(least / n) : one;
+    Lanes of_mean[3];
+    Lanes of_picture[3];
+    load_vectors(&mean[pixel].r, of_mean);
+    load_vectors(&picture[pixel].r, of_picture);
+    const Lanes difference = lanes_of(0.2126f) * (of_mean[0] - of_picture[0]) +
+                             lanes_of(0.7152f) * (of_mean[1] - of_picture[1]) +
+                             lanes_of(0.0722f) * (of_mean[2] - of_picture[2]);
+    const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)));
+    store_lanes(squares, known * (difference * difference));
+    store_lanes(variances, gain * variance);
+    store_lanes(most_variances, (one - gain) * variance);
   }
 
   RELUME_HD void finish(uint32_t pixel, const Difference& around) const {

@@ -1,29 +1,10 @@
 // The first vertex of every path: camera rays, traced in coherent packets, and what auxiliary buffers show of it.
 #pragma once
 
-#include "backend/launch.h"
-#include "sampling/sample_index.h"
 #include "scene/surface_point.h"
+#include "techniques/primary_hits/camera_packet.h"
 
 namespace relume {
-
-/// Camera ray through the point `jitter` of pixel (x, y), without a lens.
-RELUME_HD_INLINE Ray pinhole_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, const Vec2& jitter) {
-  return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, Vec2(0));
-}
-
-/// Camera ray through a random point of pixel (x, y); uses the first two dimensions.
-RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
-  const Vec2 jitter = sampler.next_2d();
-  const Vec2 u_lens = sampler.next_2d();
-  return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, u_lens);
-}
-
-/// The same ray where nothing else will be drawn from the sampler.
-RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
-  if (camera.lens_radius > 0.0f) return camera_ray(camera, x, y, sampler);
-  return pinhole_camera_ray(camera, x, y, sampler.first_2d());
-}
 
 /// Finds the primary hit of every pixel.
 struct PrimaryHitsKernel {
@@ -42,67 +23,53 @@ struct PrimaryHitsKernel {
   /// Packets of two rows.
   void operator()(const Tile& tile) const {
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
-      for (uint32_t x = tile.x0; x < tile.x1; x += kPacketSize / 2) packet(x, y, tile);
-    }
-  }
-
- private:
-  void packet(uint32_t x0, uint32_t y0, const Tile& tile) const {
-    constexpr uint32_t kColumns = kPacketSize / 2;
-    float jitter_x[kPacketSize];
-    float jitter_y[kPacketSize];
-    uint32_t ids[kPacketSize];
-    // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
-    const uint32_t frame = index.scramble_frame();
-    for (uint32_t k = 0; k < kPacketSize; ++k) {
-      const Sampler sampler =
-          Sampler::independent(index.seed, x0 + k % kColumns, y0 + k / kColumns, frame, index.sample);
-      const Vec2 u = sampler.first_2d();
-      jitter_x[k] = u.x;
-      jitter_y[k] = u.y;
-      ids[k] = sampler.camera_ray_id();
-    }
-    Ray rays[kPacketSize];
-    uint32_t pixels[kPacketSize];
-    Hit found[kPacketSize];
-    int count = 0;
-    for (uint32_t k = 0; k < kPacketSize; ++k) {
-      const uint32_t x = x0 + k % kColumns;
-      const uint32_t y = y0 + k / kColumns;
-      if (x >= tile.x1 || y >= tile.y1) continue;
-      if (camera.lens_radius > 0.0f) {
-        Sampler sampler = index.sampler(x, y);
-        rays[count] = camera_ray(camera, x, y, sampler);
-      } else {
-        rays[count] = pinhole_camera_ray(camera, x, y, {jitter_x[k], jitter_y[k]});
+      for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
+        CameraPacket packet;
+        packet.fill(camera, index, x, y, tile);
+        Hit found[kPacketSize];
+        intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
+        for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
       }
-      ids[count] = ids[k];
-      pixels[count] = y * width + x;
-      ++count;
     }
-    intersect_packet(accel, rays, ids, found, count, true);
-    for (int i = 0; i < count; ++i) hits[pixels[i]] = found[i];
   }
 };
 
 /// No surface: the camera ray left the scene.
 inline constexpr uint32_t kNoSurface = 0xffffffffu;
 
-/// Ray of a pinhole camera towards a point.
-RELUME_HD inline Ray ray_to(const CameraView& camera, const Vec3& p) {
-  if (camera.projection == Projection::orthographic) return {p, -camera.axes.n, kInfinity};
-  return {camera.position, glm::normalize(p - camera.position), kInfinity};
+/// Film position at which a point is seen, through the middle of a lens. False if it lies behind the camera.
+RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, Vec2* film) {
+  if (camera.projection == Projection::perspective) {
+    const Vec3 local = camera.axes.to_local(p - camera.position);
+    if (local.z >= 0.0f) return false;
+    const float scale = -1.0f / local.z;
+    *film = camera_detail::film_from_ndc(camera, Vec2(local) * scale / camera.half_extent);
+    return true;
+  }
+  film->x = kInfinity;
+  const bool orthographic = camera.projection == Projection::orthographic;
+  film_position(camera,
+                orthographic ? Ray{p, -camera.axes.n, kInfinity}
+                             : Ray{camera.position, glm::normalize(p - camera.position), kInfinity},
+                film);
+  return is_finite(film->x);
 }
 
-/// Pixels from where `before` met the previous frame's film to where `now` meets this one's; zero if one of them did
-/// not.
-RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Ray& now, const Ray& before) {
-  Vec2 here(kInfinity);  // stays so behind the camera
-  Vec2 there(kInfinity);
-  film_position(scene.camera, now, &here);
-  film_position(scene.previous_camera, before, &there);
+/// Pixels from where the previous frame showed `before` to where this one shows `now`; zero where one of them lies
+/// behind its camera.
+RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
+  Vec2 here;
+  Vec2 there;
+  if (!film_position_of(scene.camera, now, &here) || !film_position_of(scene.previous_camera, before, &there))
+    return Vec2(0);
   const Vec2 difference = here - there;
   return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(0);
+}
+
+/// The same for what is infinitely far away in this direction.
+RELUME_HD inline Vec2 film_motion_of_direction(const SceneView& scene, const Vec3& direction) {
+  if (scene.camera.projection == Projection::orthographic) return Vec2(0);
+  return film_motion(scene, scene.camera.position + direction, scene.previous_camera.position + direction);
 }
 
 /// What the primary hit shows, for filters, histories and auxiliary outputs. Pixels that see no surface get zeros,
@@ -130,7 +97,7 @@ struct SurfaceKernel {
       position[pixel] = previous[pixel] = normal[pixel] = Vec3(0);
       albedo[pixel] = Rgb(0);
       depth[pixel] = 0.0f;
-      motion[pixel] = film_motion(scene, ray, Ray{scene.previous_camera.position, ray.direction, kInfinity});
+      motion[pixel] = film_motion_of_direction(scene, ray.direction);
       return;
     }
     SurfacePoint sp;
@@ -140,8 +107,7 @@ struct SurfaceKernel {
     normal[pixel] = sp.frame.n;
     albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
     depth[pixel] = hit.t;
-    motion[pixel] =
-        film_motion(scene, ray_to(scene.camera, sp.position), ray_to(scene.previous_camera, sp.previous_position));
+    motion[pixel] = film_motion(scene, sp.position, sp.previous_position);
   }
 };
 

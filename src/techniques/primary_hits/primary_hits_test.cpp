@@ -42,6 +42,32 @@ TEST(PrimaryHits, PacketsFindWhatSingleRaysFind) {
   }
 }
 
+TEST(PrimaryHits, PacketsHoldTheRaysOfSinglePixels) {
+  const CompiledScene scene = compile("cornell");
+  const SampleIndex index{3, 0, 5, false};
+  for (int kind = 0; kind < 4; ++kind) {
+    CameraView camera = scene.view().camera;
+    if (kind == 1) camera.lens_radius = 0.1f;
+    if (kind == 2) camera.projection = Projection::orthographic;
+    if (kind == 3) camera.projection = Projection::panoramic;
+    uint32_t seen = 0;
+    for (uint32_t y = 0; y < kHeight; y += 2) {
+      for (uint32_t x = 0; x < kWidth; x += CameraPacket::kColumns) {
+        CameraPacket packet;
+        packet.fill(camera, index, x, y, Tile{0, 0, kWidth, kHeight});
+        for (int i = 0; i < packet.count; ++i, ++seen) {
+          Sampler sampler = index.sampler(packet.x[i], packet.y[i]);
+          const Ray ray = lone_camera_ray(camera, packet.x[i], packet.y[i], sampler);
+          ASSERT_EQ(packet.rays[i].origin, ray.origin) << kind;
+          ASSERT_EQ(packet.rays[i].direction, ray.direction) << kind;
+          ASSERT_EQ(packet.ids[i], sampler.camera_ray_id());
+        }
+      }
+    }
+    EXPECT_EQ(seen, kWidth * kHeight);
+  }
+}
+
 TEST(PrimaryHits, HitsLieOnTheirRays) {
   const CompiledScene scene = compile("cornell");
   std::vector<Hit> hits;

@@ -55,6 +55,7 @@ struct BackwardReprojection {
       return result;
     const float wx = fx - x0;
     const float wy = fy - y0;
+    if (wx == 0.0f && wy == 0.0f) return single_tap(pixel, static_cast<int>(x0), static_cast<int>(y0));
     float sum = 0.0f;
     for (int k = 0; k < 4; ++k) {
       const int px = static_cast<int>(x0) + (k & 1);
@@ -69,7 +70,8 @@ struct BackwardReprojection {
     }
     constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
     result.valid = sum > kLeastWeight;
-    for (float& w : result.weights) w = result.valid ? w / sum : 0.0f;
+    const float scale = result.valid ? 1.0f / sum : 0.0f;
+    for (float& w : result.weights) w *= scale;
     return result;
   }
 
@@ -99,6 +101,16 @@ struct BackwardReprojection {
   }
 
  private:
+  /// taps() where nothing moves, or by whole pixels.
+  RELUME_HD BackwardTaps single_tap(uint32_t pixel, int x, int y) const {
+    BackwardTaps result;
+    if (x < 0 || y < 0) return result;
+    result.pixels[0] = static_cast<uint32_t>(y) * width + static_cast<uint32_t>(x);
+    result.valid = same_surface(pixel, result.pixels[0]);
+    result.weights[0] = result.valid ? 1.0f : 0.0f;
+    return result;
+  }
+
   RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
     if (instance[pixel] != previous_instance[other]) return false;
     if (instance[pixel] == 0xffffffffu) return true;  // the background
