@@ -318,7 +318,7 @@ TEST(PictureHistory, TilesConvergeAsSinglePixelsDo) {
     p.shown[i] = Rgb(uniform(generator), uniform(generator), 1);
     p.before[i] = Rgb(1);
     p.m2[i] = 40.0f * uniform(generator);
-    p.samples[i] = i % 7 + 2;
+    p.samples[i] = i % 40 + 2;
   }
   ConvergeKernel kernel = p.converge();
   kernel.stratified = true;

@@ -119,7 +119,8 @@ struct ConvergeKernel {
   static constexpr uint32_t kReach = 2;
   static constexpr uint32_t kEdge = kTileSize + 2 * kReach;
   static constexpr uint32_t kPaddedEdge = (kEdge + kLanes - 1) / kLanes * kLanes;
-  static constexpr uint32_t kKnownSamples = 4;  ///< from which their variance counts as known
+  static constexpr uint32_t kKnownSamples = 4;     ///< from which their variance counts as known
+  static constexpr float kStratifiedSamples = 16;  ///< beyond which they are believed to be
 
   /// Sums over pixels. The one that differs most is told apart: it may be a firefly.
   struct Difference {
@@ -180,11 +181,12 @@ struct ConvergeKernel {
     return row;
   }
 
-  /// Stratified samples spread less about their mean than their variance tells: about as n^(−3/2) rather than n⁻¹.
+  /// Stratified samples spread less about their mean than their variance tells: about as n^(−3/2) rather than n⁻¹. Few
+  /// samples are not believed to: what one of eight has found is not stratified.
   RELUME_HD Difference at(uint32_t pixel) const {
     if (samples[pixel] < kKnownSamples) return {};
     const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
-    const float gain = stratified ? std::sqrt(static_cast<float>(kKnownSamples) / n) : 1.0f;
+    const float gain = stratified && n > kStratifiedSamples ? std::sqrt(kStratifiedSamples / n) : 1.0f;
     const float squared = sqr(luminance(mean[pixel] - picture[pixel]));
     const float variance = m2[pixel] / (n * (n - 1.0f));
     return {squared, gain * variance, squared, (1.0f - gain) * variance};
@@ -198,7 +200,8 @@ struct ConvergeKernel {
     const Lanes one = lanes_of(1.0f);
     const Lanes known = select_less(load_lanes(counts), least, lanes_of(0.0f), one);
     const Lanes n = max(load_lanes(counts), least);
-    const Lanes gain = stratified ? square_root(least / n) : one;
+    const Lanes many = lanes_of(kStratifiedSamples);
+    const Lanes gain = stratified ? square_root(many / max(n, many)) : one;
     Lanes of_mean[3];
     Lanes of_picture[3];
     load_vectors(&mean[pixel].r, of_mean);
