@@ -15,6 +15,9 @@ namespace {
 constexpr const char* kPaper = "[Sun20 §5.1]";
 constexpr int kBounces = 8;
 
+/// Without the lamp, whose edges are as noisy with every estimator, and brighter than all the rest.
+const Region kAboveWater = {"walls above the water", 0.05, 0.2, 0.95, 0.6};
+
 struct Case {
   std::string scene;
   Region region;  ///< what the claim is about
@@ -101,7 +104,7 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
                           fmt::format("path tracing's MSE over its own: {}", short_number(mirror)), "at least 0.8",
                           mirror >= 0.8));
   const auto [water_path, water_bdpt] = compare("cornell-water");
-  const Region walls{"walls and ceiling", 0, 0, 1, 0.6};
+  const Region& walls = kAboveWater;
   const double water = region_mse(contender_named(water_path, "path").image, water_path.reference.image, walls) /
                        region_mse(contender_named(water_bdpt, "bdpt").image, water_bdpt.reference.image, walls);
   claims.push_back(judged("ten-frames-water", "[Sun20 §5.1.2]",
@@ -141,8 +144,8 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   std::vector<Case> cases;
   cases.push_back(measure(context, "cornell-spheres", {"caustic on the floor", 0.55, 0.82, 0.95, 0.97}));
   cases.push_back(measure(context, "cornell-mirror", {"mirror", 0.2, 0.2, 0.8, 0.7}));
-  cases.push_back(measure(context, "cornell-water", {"walls and ceiling", 0, 0, 1, 0.6}));
-  cases.push_back(measure(context, "cornell-glass", {"floor", 0.1, 0.8, 0.9, 1}));
+  cases.push_back(measure(context, "cornell-water", kAboveWater));
+  cases.push_back(measure(context, "cornell-glass", {"floor before the spheres", 0.1, 0.85, 0.9, 0.97}));
   cases.push_back(measure(context, "lamp-room", {"picture"}));
   cases.push_back(measure(context, "door", {"picture"}));
   ExperimentResult result;
