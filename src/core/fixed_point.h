@@ -41,6 +41,13 @@ RELUME_HD inline uint64_t atomic_load(const uint64_t* source) {
 #endif
 }
 
+/// Asks for memory that will be read or written soon. No effect but on the time that takes.
+RELUME_HD inline void prefetch([[maybe_unused]] const void* address) {
+#if !RELUME_DEVICE_CODE
+  __builtin_prefetch(address);
+#endif
+}
+
 /// Stores `desired` if the word is `expected`; returns what was there before.
 RELUME_HD inline uint64_t atomic_compare_exchange(uint64_t* target, uint64_t expected, uint64_t desired) {
 #if RELUME_DEVICE_CODE

@@ -17,6 +17,7 @@ namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.3]";
 constexpr float kConstants[] = {0, 0.1f, 1, 10, 100, 1000, 10000};
+constexpr int kReferenceSpp = 2048;
 
 RenderSettings settings_of(const ExperimentContext& context, const ExperimentScene& scene, CacheChoice cache) {
   RenderSettings settings = scene.settings;
@@ -29,7 +30,7 @@ RenderSettings settings_of(const ExperimentContext& context, const ExperimentSce
 std::vector<FrameAverages> measure_depths(const ExperimentContext& context, const ExperimentScene& scene,
                                           const Reference& reference) {
   std::vector<FrameAverages> list;
-  const FramePlanOfAverages plan{.skip = context.choose(48, 8), .count = context.choose(64, 4), .repetitions = 2};
+  const FramePlanOfAverages plan{.skip = context.choose(32, 8), .count = context.choose(48, 4), .repetitions = 2};
   for (const float constant : kConstants) {
     CacheContender contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
     contender.settings.apg.variance_constant = constant;
@@ -141,7 +142,7 @@ ViewerBlock pictures(const std::vector<Arrival>& list, const Image& reference) {
 
 ExperimentResult run_apg_depth(const ExperimentContext& context) {
   const ExperimentScene corridor = built_in("corridor", 10);
-  const Reference reference = make_reference(context, corridor, context.choose(8192, 256));
+  const Reference reference = make_reference(context, corridor, context.choose(kReferenceSpp, 256));
   const std::vector<FrameAverages> depths = measure_depths(context, corridor, reference);
   const std::vector<Arrival> arrivals{measure_arrival(context, corridor, "path", CacheChoice::none, reference),
                                       measure_arrival(context, corridor, "psf", CacheChoice::psf, reference),
@@ -151,8 +152,8 @@ ExperimentResult run_apg_depth(const ExperimentContext& context) {
   result.claims = {claim_depth(depths), claim_arrival(arrivals[2]), claim_error(arrivals[0], arrivals[3])};
   result.blocks = {depth_chart(depths), arrival_chart(arrivals), pictures(arrivals, reference.image)};
   result.setup = {{"Scene", "corridor, 10 bounces"},
-                  {"Size", context.quick ? "64 × 36" : "320 × 180"},
-                  {"Reference", context.quick ? "256 samples" : "8192 samples"}};
+                  common_setup(context).front(),
+                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 256))}};
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include "experiments/all.h"
 #include "experiments/frame_averages.h"
 #include "experiments/study.h"
+#include "experiments/trace.h"
 
 namespace relume {
 namespace {
@@ -73,9 +74,9 @@ void measure_walk(const ExperimentContext& context, const char* name, int bounce
   const Comparison c = study(context, built_in(name, bounces),
                              {.techniques = kContenders,
                               .spp = 1,
-                              .times_s = frame_times(context.choose(24, 3)),
+                              .times_s = frame_times(context.choose(12, 3)),
                               .repetitions = 3,
-                              .reference_spp = context.choose(1024, 64)});
+                              .reference_spp = context.choose(128, 64)});
   const double psf = mse_of(c, "psf") / mse_of(c, "path");
   const double apsf = mse_of(c, "apsf") / mse_of(c, "path");
   result.claims.push_back(judged(fmt::format("walk-{}", name), kPaper,
@@ -92,7 +93,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
   ExperimentResult result;
   for (const ExperimentScene& scene : cache_scenes(context)) {
     const Comparison c =
-        study(context, scene, {.techniques = kContenders, .spp = context.choose(32, 16), .repetitions = 5});
+        study(context, scene, {.techniques = kContenders, .spp = context.choose(24, 16), .repetitions = 5});
     if (scene.name == "cornell" || scene.name == "Sponza") {
       claim_first_frame(c, result.claims);
       claim_accumulation(c, result.claims);
@@ -108,7 +109,8 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
                                        "at most 0.5", kNoSponza));
   }
   measure_walk(context, "corridor", 10, result);
-  result.setup = {{"Samples", "1 a pixel and frame"},
+  result.setup = {common_setup(context).front(),
+                  {"Samples", "1 a pixel and frame"},
                   {"Bounces", "6; corridor: 10"},
                   {"Settings", "the defaults of each technique"},
                   {"Repetitions", "median of 5; of the walk, 3"}};

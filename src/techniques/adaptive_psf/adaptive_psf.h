@@ -26,14 +26,14 @@ struct AdaptivePsf {
     return mean > 0.0f ? v / sqr(mean) : 0.0f;
   }
 
-  /// Decides about the path of a pixel whose filter vertex has just been reached: fills survival, blend and culled.
+  /// Decides about the path of a pixel whose filter vertex has just been reached: fills slot, survival, blend, culled.
   /// False if the path is not to be followed; the pixel then shows its cell, whatever the blend would have asked for,
   /// since there is no path to blend with. Paths that a delta lobe may need always survive. `u` in [0, 1).
   RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u) const {
     if (!enabled) return true;
-    const uint32_t slot = grid.find(grid.keys.address(pixel.point));
+    if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
     // The cell's own moments: whoever shares the key must come to the same probability.
-    const CellMoments cell = grid.own_moments(slot);
+    const CellMoments cell = grid.own_moments(pixel.slot);
     const float v = variance(grid, cell);
     const bool known = v < kInfinity;
     pixel.survival = known && !pixel.divided

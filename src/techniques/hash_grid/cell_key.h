@@ -13,10 +13,11 @@ namespace relume {
 
 /// A point as keys see it. Compact, so that a pass can store it for a later one, which then finds the same cell.
 struct CellPoint {
-  Vec3 position{0};        ///< after the jitter, metres, world space
-  uint32_t normal = 0;     ///< quantised
-  uint32_t direction = 0;  ///< to the viewer, quantised; 0: not told apart
-  uint16_t layer = 0;      ///< whatever else must not mix: depths, lobes
+  Vec3 position{0};         ///< after the jitter, metres, world space
+  uint32_t normal = 0;      ///< quantised
+  uint32_t direction = 0;   ///< to the viewer, quantised; 0: not told apart
+  uint16_t layer = 0;       ///< whatever else must not mix: depths, lobes
+  uint16_t coarsening = 0;  ///< levels above the one that the place asks for
 };
 
 /// 2^exponent, for exponents of normal floating-point numbers.
@@ -64,18 +65,27 @@ struct CellKeys {
     return static_cast<int>(float_bits(edge * kSqrt2) >> 23) - 127;
   }
 
+  /// Level of a point's own cell.
+  RELUME_HD int level_of(const CellPoint& p) const {
+    return level_of_detail(p.position) + static_cast<int>(p.coarsening);
+  }
+
   /// Moves `p` by up to half a cell along each axis of its tangent plane. The level of what comes out is found anew.
-  RELUME_HD Vec3 jittered(const Vec3& p, const Vec3& ng, const Vec2& u) const {
+  RELUME_HD Vec3 jittered(const Vec3& p, const Vec3& ng, const Vec2& u, int coarsening = 0) const {
     if (!jitter) return p;
-    const float edge = power_of_two(level_of_detail(p));
+    const float edge = power_of_two(level_of_detail(p) + coarsening);
     const Frame tangent = make_frame(ng);
     return p + ((u.x - 0.5f) * edge) * tangent.t + ((u.y - 0.5f) * edge) * tangent.b;
   }
 
-  /// `u` in [0, 1)² for the jitter. The direction to the viewer counts if `directional`.
-  RELUME_HD CellPoint point(const SurfacePoint& sp, const Vec2& u, uint16_t layer, bool directional) const {
-    return {jittered(sp.position, sp.ng, u), bins(sp.frame.n, normal_bins),
-            directional ? bins(sp.wo, direction_bins) : 0u, layer};
+  /// `u` in [0, 1)² for the jitter. The direction to the viewer counts if `directional`. Cells that are coarser than
+  /// the place asks for tell geometric normals apart, in steps twice as large: what normal maps add is finer than they
+  /// are.
+  RELUME_HD CellPoint point(const SurfacePoint& sp, const Vec2& u, uint16_t layer, bool directional,
+                            uint16_t coarsening = 0) const {
+    const uint32_t normal = coarsening == 0 ? bins(sp.frame.n, normal_bins) : bins(sp.ng, (normal_bins + 1) / 2);
+    return {jittered(sp.position, sp.ng, u, coarsening), normal, directional ? bins(sp.wo, direction_bins) : 0u, layer,
+            coarsening};
   }
 
   /// Components rounded to steps of 1/count: axis-aligned directions fall into the middle of their bins.
@@ -89,8 +99,7 @@ struct CellKeys {
   /// Address of the cell that holds `p`, `coarser` levels above its own. Cells that stand in for thin ones are separate
   /// from the ordinary cells of their level, because they get their samples with another probability.
   RELUME_HD CellAddress address(const CellPoint& p, int coarser = 0) const {
-    const int level = level_of_detail(p.position) + coarser;
-    return address_at(glm::dvec3(p.position), p, level, coarser);
+    return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser);
   }
 
   /// Address of the cell at `position` that has all else in common with `p`.

@@ -124,6 +124,26 @@ TEST(CellKey, EveryPointOfAFlatPatchIsInOneOfFewCells) {
   EXPECT_LE(cells.size(), 169u);
 }
 
+TEST(CellKey, CoarsenedPointsShareLargerCells) {
+  CellKeys k = keys();
+  k.jitter = false;
+  SurfacePoint sp{};
+  sp.ng = Vec3(0, 0, -1);
+  std::set<uint64_t> cells[3];
+  for (int i = 0; i < 64 * 64; ++i) {
+    sp.position = Vec3(static_cast<float>(i % 64) * 1e-3f, static_cast<float>(i / 64) * 1e-3f, 1.0f);
+    // A normal map: in fine cells it counts, in coarse ones it does not.
+    sp.frame = make_frame(glm::normalize(Vec3(i % 2 == 0 ? 0.4f : -0.4f, 0, -1)));
+    for (uint16_t coarsening = 0; coarsening < 3; ++coarsening) {
+      const CellPoint p = k.point(sp, Vec2(0.5f), 2, false, coarsening);
+      EXPECT_EQ(k.level_of(p), k.level_of_detail(sp.position) + coarsening);
+      cells[coarsening].insert(k.address(p).fingerprint);
+    }
+  }
+  EXPECT_GT(cells[0].size(), 5 * cells[1].size());
+  EXPECT_GT(cells[1].size(), 2 * cells[2].size());
+}
+
 TEST(CellKey, FarFromTheOriginToo) {
   CellKeys k = keys();
   k.camera = Vec3(1e6f, 0, 1e6f);

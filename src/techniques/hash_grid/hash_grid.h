@@ -15,6 +15,9 @@ inline constexpr uint32_t kNoCell = 0xffffffffu;
 /// Slots that are looked at before a key counts as absent or is dropped.
 inline constexpr uint32_t kMaxProbes = 256;
 
+/// Slots over which the cells of one voxel spread; a power of two.
+inline constexpr uint32_t kHomeSlots = 64;
+
 /// Events that the program reports.
 struct HashGridCounters {
   uint64_t dropped = 0;    ///< samples without a place in the table
@@ -45,9 +48,28 @@ struct HashGridView {
     return static_cast<uint32_t>((static_cast<uint64_t>(home) * fingerprints.size) >> 32);
   }
 
+  /// Where probing begins. Cells of one voxel, which share a home, begin at different slots close by: at curved or
+  /// bumpy surfaces there are many of them, and each would be probed past all the others.
+  RELUME_HD uint32_t first_slot(const CellAddress& address) const {
+    const uint32_t slot = slot_of(address.home) + (static_cast<uint32_t>(address.fingerprint) & (kHomeSlots - 1));
+    return slot < fingerprints.size ? slot : slot % fingerprints.size;
+  }
+
+  /// Send for what will be read of a cell soon, or added to: it is rarely near, and who adds cannot go on meanwhile.
+  RELUME_HD void send_for_moments(const CellAddress& address) const {
+    const uint32_t slot = first_slot(address);
+    prefetch(&fingerprints[slot]);
+    prefetch(&histories[slot].moments);
+  }
+  RELUME_HD void send_for_sums(const CellAddress& address) const {
+    const uint32_t slot = first_slot(address);
+    prefetch(&fingerprints[slot]);
+    prefetch(&sums[slot]);
+  }
+
   /// Slot of a cell that is in the table, else kNoCell.
   RELUME_HD uint32_t find(const CellAddress& address) const {
-    uint32_t slot = slot_of(address.home);
+    uint32_t slot = first_slot(address);
     for (uint32_t i = 0; i < probe_limit(); ++i) {
       const uint64_t found = atomic_load(&fingerprints[slot]);
       if (found == address.fingerprint) return slot;
@@ -59,7 +81,7 @@ struct HashGridView {
 
   /// Slot of a cell, made if necessary; kNoCell if there is no room. `made` becomes true for whoever made it.
   RELUME_HD uint32_t find_or_insert(const CellAddress& address, bool& made) const {
-    uint32_t slot = slot_of(address.home);
+    uint32_t slot = first_slot(address);
     for (uint32_t i = 0; i < probe_limit(); ++i) {
       uint64_t found = atomic_load(&fingerprints[slot]);
       if (found == 0) {
@@ -77,15 +99,15 @@ struct HashGridView {
   }
 
   /// Adds a sample to the cell of `p` and, at random, to the coarser ones that stand in for it. Samples of one cell
-  /// must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1). Returns
-  /// the cell's slot, or kNoCell if the sample was left out.
-  RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u) const {
+  /// must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1). `slot`: of
+  /// the cell of `p`, if it is known to have one. Returns it, or kNoCell if the sample was left out.
+  RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell) const {
     if (!is_finite(value)) {
       atomic_add(&counters->nonfinite, uint64_t{1});
       return kNoCell;
     }
     bool made = false;
-    const uint32_t slot = find_or_insert(keys.address(p), made);
+    if (slot == kNoCell) slot = find_or_insert(keys.address(p), made);
     if (slot == kNoCell) {
       atomic_add(&counters->dropped, uint64_t{1});
       return kNoCell;
@@ -164,7 +186,7 @@ struct HashGridView {
 
   /// A cell that is new where the level has changed goes on from what the other level knows of its middle.
   RELUME_HD void choose_parent(const CellPoint& p, uint32_t slot) const {
-    const int level = keys.level_of_detail(p.position);
+    const int level = keys.level_of(p);
     const glm::dvec3 middle = keys.middle(p.position, level);
     for (int other = level + 1; other >= level - 1; other -= 2) {
       const uint32_t parent = find(keys.address_at(middle, p, other, 0));
@@ -177,7 +199,7 @@ struct HashGridView {
 
   /// The eight cells around the corner nearest to `p`, its own among them.
   RELUME_HD CellMoments neighbourhood(const CellPoint& p) const {
-    const int level = keys.level_of_detail(p.position);
+    const int level = keys.level_of(p);
     const glm::i64vec3 corner(glm::floor(keys.grid_position(glm::dvec3(p.position), level) - 0.5));
     CellMoments sum;
     for (int i = 0; i < 8; ++i) {

@@ -178,6 +178,24 @@ TEST(HashGrid, FollowsTheNumberOfCells) {
   EXPECT_EQ(before[0].mean.b, 1.0f);
 }
 
+TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
+  // Bumpy surfaces: 24 normals in each of 500 voxels, a table that is a third full.
+  HashGrid grid(plain(), 9000);
+  Backend backend(1);
+  const HashGridView v = grid.view(camera());
+  const float edge = std::exp2(static_cast<float>(v.keys.level_of_detail(point(0).position)));
+  for (uint32_t i = 0; i < 500 * 24; ++i) {
+    CellPoint p = point(0);
+    p.position.x = edge * static_cast<float>(i / 24 % 25);
+    p.position.y = edge * static_cast<float>(i / 24 / 25);
+    p.normal = 1 + i % 24;
+    v.insert(p, Rgb(1), 1.0f, 0.5f);
+  }
+  grid.advance(backend);
+  EXPECT_GT(grid.statistics().occupancy, 0.25f);
+  EXPECT_LT(grid.statistics().mean_probes, 6.0f);  // 12.5 and more if all began at one slot
+}
+
 TEST(HashGrid, ComesBackFromACheckpoint) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;

@@ -74,7 +74,7 @@ struct MaintainCellsKernel {
  private:
   RELUME_HD void treat(uint32_t slot, HashGridCensus& part) const {
     if (slot >= grid.fingerprints.size || grid.fingerprints[slot] == 0) return;
-    const uint32_t home = grid.slot_of(grid.homes[slot]);
+    const uint32_t home = grid.first_slot({grid.fingerprints[slot], grid.homes[slot]});
     part.displacements += slot >= home ? slot - home : slot + grid.fingerprints.size - home;
     ++part.taken;
     CellSums& sums = grid.sums[slot];

@@ -2,6 +2,8 @@
 // ch. 9 and 10). The steps are functions of their own; the kernel at the end strings them together.
 #pragma once
 
+#include <concepts>
+
 #include "sampling/mis.h"
 #include "techniques/direction_sampler.h"
 #include "techniques/light_selector.h"
@@ -209,9 +211,16 @@ struct NoObserver {
   RELUME_HD void finished(const PathState&) {}
 };
 
+/// An observer that is asked once more after arrived(), whether the path goes on: arrived() sends for what this looks
+/// up, and hosts reach the vertices of many paths in between.
+template <typename Observer>
+concept DecidesLater = requires(Observer& observer, PathState& path) {
+  { observer.goes_on(path) } -> std::same_as<bool>;
+};
+
 /// Two observers of one path.
 template <typename A, typename B>
-struct BothObservers {
+requires(!DecidesLater<A> && !DecidesLater<B>) struct BothObservers {
   A a;
   B b;
 
@@ -284,6 +293,9 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
     if (!arrive(c, hit, previous, sp, path, observer)) break;
+    if constexpr (DecidesLater<Observer>) {
+      if (!observer.goes_on(path)) break;
+    }
     if (Connection connection; connect(c, sp, path, sampler, connection)) {
       ++path.rays;
       const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);

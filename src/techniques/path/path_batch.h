@@ -80,6 +80,7 @@ inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
     filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], observers[i]); });
+    if constexpr (DecidesLater<Observer>) filter(b, [&](uint32_t i) { return observers[i].goes_on(b.paths[i]); });
     connect_all(c, points, b, observers);
     filter(b, [&](uint32_t i) {
       const BsdfSample s = c.directions.sample(points[i], b.samplers[i]);

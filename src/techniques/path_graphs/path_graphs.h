@@ -16,6 +16,7 @@ struct PathGraphContext {
   float variance_constant = 0.1f;                       ///< variance that a path may bring; in units of the measure
   VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: to the square of what the first cell shows
   float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel
+  uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
 };
 
 /// What a path graph does at the vertices of one path. Between two vertices that have cells ("anchors"), the path's
@@ -33,23 +34,37 @@ class PathGraph : public NoObserver {
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
-    const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
-    if (!d.filtered) return true;
+    demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
+    if (!demodulation_.filtered) return true;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);
-    const CellPoint point = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), d.glossy);
     const bool first = !pixel_.filtered;
-    if (first && !begin(point, d, path)) return false;
+    point_ = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), demodulation_.glossy,
+                               first ? uint16_t{0} : context_->deep_coarsening);
+    address_ = grid().keys.address(point_);
+    grid().send_for_moments(address_);
+    return true;
+  }
+
+  RELUME_HD bool goes_on(PathState& path) {
+    const Demodulation& d = demodulation_;
+    if (!d.filtered) return true;
+    const bool first = !pixel_.filtered;
+    const uint32_t slot = grid().find(address_);
+    if (first && !begin(slot, path)) return false;
     if (!first) advance(path);
     before_ = now_;
-    const CellMoments cell = grid().moments(point);
+    const CellMoments cell = grid().moments(point_, slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
     if (!grid().thin(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
-      if (now_.share <= 0.0f && !goes_on(d)) return false;
+      if (now_.share <= 0.0f && !is_followed(d)) return false;
     }
     has_own_ = now_.share > 0.0f || feeds_;
-    if (has_own_) own_ = {point, Rgb(0), Rgb(1), sample_weight()};
+    if (has_own_) {
+      own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight()};
+      grid().send_for_sums(address_);
+    }
     at_anchor_ = true;
     albedo_ = d.albedo;
     raised_ = d.raised;
@@ -87,12 +102,14 @@ class PathGraph : public NoObserver {
   }
 
  private:
-  /// A sample for a cell. While the cell of the next anchor is unknown it waits for the rest of the path.
+  /// A sample for a cell. While the cell of the next anchor is unknown it waits for the rest of the path. Without
+  /// initial values: a path has room for many and uses few.
   struct Sample {
     CellPoint point;
-    Rgb value{0};
-    Rgb transport{1};  ///< from radiance that leaves the current anchor to the sample
-    float weight = 1;
+    uint32_t slot;  ///< of the cell, if it has one already
+    Rgb value;
+    Rgb transport;  ///< from radiance that leaves the current anchor to the sample
+    float weight;
   };
   static constexpr uint32_t kMaxOpen = 8;
 
@@ -104,12 +121,14 @@ class PathGraph : public NoObserver {
 
   RELUME_HD const HashGridView& grid() const { return context_->filter.grid; }
 
-  RELUME_HD bool begin(const CellPoint& point, const Demodulation& d, PathState& path) {
+  RELUME_HD bool begin(uint32_t slot, PathState& path) {
+    const Demodulation& d = demodulation_;
     pixel_.filtered = true;
     pixel_.divided = d.has_delta;
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
-    pixel_.point = point;
+    pixel_.point = point_;
+    pixel_.slot = slot;
     arriving_ = path.throughput;
     path.radiance = Rgb(0);
     path.first_throughput = 1.0f;
@@ -177,7 +196,7 @@ class PathGraph : public NoObserver {
   }
 
   /// Whether a path that no longer counts is followed: to feed cells, or because a delta lobe may lead past the cell.
-  RELUME_HD bool goes_on(const Demodulation& d) {
+  RELUME_HD bool is_followed(const Demodulation& d) {
     if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < context_->feed;
     decided_ = true;
     return feeds_ || d.has_delta;
@@ -187,7 +206,8 @@ class PathGraph : public NoObserver {
   RELUME_HD float sample_weight() const { return (now_.share > 0.0f ? 1.0f : 1.0f / context_->feed) / pixel_.survival; }
 
   RELUME_HD void insert(const Sample& sample) const {
-    grid().insert(sample.point, sample.value, sample.weight, filter_random(*index_, x_, y_, 2u + sample.point.layer));
+    grid().insert(sample.point, sample.value, sample.weight, filter_random(*index_, x_, y_, 2u + sample.point.layer),
+                  sample.slot);
   }
 
   const PathGraphContext* context_ = nullptr;
@@ -195,6 +215,10 @@ class PathGraph : public NoObserver {
   uint32_t x_ = 0;
   uint32_t y_ = 0;
   FilteredPixel pixel_;
+  // Of the vertex that was reached last.
+  Demodulation demodulation_;
+  CellPoint point_;
+  CellAddress address_;
   Rgb contribution_{0};
   Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
   Rgb albedo_{1};    ///< ρ of the last anchor

@@ -15,6 +15,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   kernel.graph.variance_constant = settings_.variance_constant;
   kernel.graph.measure = settings_.variance;
   kernel.graph.feed = settings_.feed;
+  kernel.graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
   return trace_into_cells(frame, kernel);
 }
 

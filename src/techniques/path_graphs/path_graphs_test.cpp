@@ -176,6 +176,18 @@ TEST(PathGraph, TerminatesLaterTheLargerTheConstant) {
   }
 }
 
+TEST(PathGraph, CoarserCellsBeyondTheFirstVertexAreFewer) {
+  uint64_t before = ~uint64_t{0};
+  for (const int coarsening : {0, 1, 2}) {
+    CachedFrameSettings settings = small(CacheKind::apg, 32);
+    settings.apg.deep_coarsening = coarsening;
+    CachedFrames frames(build("cornell"), settings);
+    for (int i = 0; i < 6; ++i) frames.render();
+    EXPECT_LT(frames.grid().statistics().cells, before) << coarsening;
+    before = frames.grid().statistics().cells;
+  }
+}
+
 TEST(PathGraph, TracesFewerRaysTheFewerPathsFeed) {
   uint64_t before = 0;
   for (const float feed : {0.0f, 0.3f, 1.0f}) {

@@ -16,6 +16,11 @@ SettingList describe(PathGraphSettings& s) {
        &s.feed,
        "Share of the paths that go on after a cell has taken over, to feed the cells of the vertices beyond",
        {.min = 0, .max = 1}},
+      {"deep-coarsening",
+       &s.deep_coarsening,
+       "Doublings of the edge of cells beyond a path's first vertex: nobody sees them directly, and of small ones few "
+       "would know anything",
+       {.min = 0, .max = 4, .biases = true}},
   };
 }
 

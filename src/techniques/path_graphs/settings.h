@@ -10,6 +10,7 @@ struct PathGraphSettings {
   float variance_constant = 0.1f;
   VarianceMeasure variance = VarianceMeasure::relative;
   float feed = 0.25f;
+  int deep_coarsening = 1;
 };
 
 /// Names without the prefix "apg.".

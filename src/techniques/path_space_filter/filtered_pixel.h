@@ -13,7 +13,7 @@ struct FilteredPixel {
   Rgb traced{0};             ///< this frame's own estimate of what the cell stands for
   Rgb seen{0};               ///< emission at the end of the camera ray; part of `unfiltered`
   CellPoint point;           ///< where in the grid
-  uint32_t slot = kNoCell;   ///< of the cell, if a sample went there
+  uint32_t slot = kNoCell;   ///< of the cell, if it is known to have one
   float blend = 1;           ///< share of the cell; the rest is traced
   float survival = 1;        ///< probability with which the path was followed
   uint16_t termination = 0;  ///< bounce, from 1, at which the path ceased to count; 0: nothing to trace

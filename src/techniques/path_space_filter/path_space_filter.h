@@ -43,6 +43,7 @@ class FilterVertex : public NoObserver {
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
     pixel_.point = context_->grid.keys.point(sp, u_, 0, d.glossy);
+    context_->grid.send_for_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.raised;
     path.radiance = Rgb(0);
     path.throughput = d.inverse();
@@ -73,7 +74,7 @@ class FilterVertex : public NoObserver {
     if (!apart_) sample_ = path.radiance;
     if (apart_) pixel_.unfiltered += path.radiance;
     if (pixel_.culled) return;
-    pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u);
+    pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u, pixel_.slot);
     if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
   }
 
@@ -178,7 +179,7 @@ struct ResolveCellsKernel {
   RELUME_HD void write_cell(uint32_t i, const FilteredPixel& p, const CellAddress& address, uint32_t slot) const {
     write(layers.identity, i,
           hash(static_cast<uint32_t>(address.fingerprint), static_cast<uint32_t>(address.fingerprint >> 32)));
-    write(layers.level, i, static_cast<float>(grid.keys.level_of_detail(p.point.position)));
+    write(layers.level, i, static_cast<float>(grid.keys.level_of(p.point)));
     write(layers.age, i, slot == kNoCell ? 0.0f : static_cast<float>(grid.histories[slot].frames));
     if (!layers.occupancy.empty()) layers.occupancy[i] = grid.occupancy(address);
   }

@@ -99,8 +99,12 @@ class CachedFrames {
         break;
       case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
       case CacheKind::apsf_apg:
-        const PathGraphContext graph{filter, adaptive, settings_.apg.variance_constant, settings_.apg.variance,
-                                     settings_.apg.feed};
+        const PathGraphContext graph{filter,
+                                     adaptive,
+                                     settings_.apg.variance_constant,
+                                     settings_.apg.variance,
+                                     settings_.apg.feed,
+                                     static_cast<uint16_t>(settings_.apg.deep_coarsening)};
         run("trace", PathGraphKernel{context, graph, index, hits, {}, pixels, rays, width()});
         break;
     }
