@@ -32,9 +32,10 @@ TEST_F(WarehouseLists, HoldNearlyAllThatIsVisibleAndFarFromAllThereIs) {
   int visible = 0;
   int missed = 0;
   for (int i = 0; i < 16000; ++i) {
-    // Places in the air of rooms, and every light: what arrives must be on the list.
-    const Vec3 p(45 * random.next(), 0.5f + 4 * random.next(), 45 * random.next());
+    // Places in the air about and below every lamp, in its bay and behind the walls: what arrives must be on the list.
     const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
+    const Vec3 lamp = lights.lights[id].triangle.position(Vec2(1.0f / 3));
+    const Vec3 p = lamp + Vec3(5 * random.next() - 2.5f, -0.5f - 4 * random.next(), 5 * random.next() - 2.5f);
     const LightSample s = sample_li(lights, id, p, random.next_2d());
     if (!s.valid() || occluded(scene_.view().accel, {p, s.wi, 0.999f * s.distance}, 0)) continue;
     ++visible;
