@@ -89,7 +89,8 @@ struct Selectors {
     c.regions = view_of(buckets);
     c.entries = view_of(entries);
     c.bucket_size = 8;
-    c.all = {view_of(all)};
+    explored.build(lights, Vec3(0), {}, 3);
+    c.all = explored.grid();
     c.infinite = make_infinite_lights(lights, infinite, true);
     c.ltc = ltc_table();
     c.columns = {view_of(columns), lights.first_infinite};
@@ -101,6 +102,7 @@ struct Selectors {
   std::vector<AliasEntry> infinite;
   LightTreeData tree;
   std::vector<AliasEntry> all;
+  ExplorationTables explored;
   std::vector<float> columns;
   std::vector<uint32_t> first;
   std::vector<LightId> ids;
