@@ -156,10 +156,10 @@ struct HashGridView {
 
   RELUME_HD bool thin(const CellMoments& m) const { return m.count < min_count; }
 
-  /// Share of taken slots among those around a home: how crowded that part of the table is.
+  /// Share of taken slots among those where probing begins: how crowded that part of the table is.
   RELUME_HD float occupancy(const CellAddress& address) const {
     constexpr uint32_t kWindow = 8;  // one line of a processor's cache
-    const uint32_t first = slot_of(address.home) & ~(kWindow - 1);
+    const uint32_t first = first_slot(address) & ~(kWindow - 1);
     uint32_t taken = 0;
     uint32_t count = 0;
     for (; count < kWindow && first + count < fingerprints.size; ++count)
