@@ -116,7 +116,7 @@ class CachedFrames {
     grid_.advance(backend_);
     run("resolve",
         ResolveCellsKernel{
-            grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}});
+            grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}, {}});
   }
 
  private:
