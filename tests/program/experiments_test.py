@@ -4,7 +4,6 @@
 
 import json
 import os
-import re
 import unittest
 
 from program import ProgramTest
@@ -30,7 +29,7 @@ class Experiments(ProgramTest):
                     if claim["verdict"] != "not measured":
                         self.assertRegex(claim["measured"], r"\d")
                 self.assertIn("</html>", (self.folder / f"out/{name}.html").read_text())
-                self.assertIn(f'href="{name}.html"', re.sub(r"\\", "", index))
+                self.assertIn(f"{name}.html", index)
 
 
 if __name__ == "__main__":
