@@ -99,7 +99,7 @@ void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSou
     case CacheChoice::apg: add<PathGraphPass>(pipeline, settings.apg, nullptr, source, cells); break;
     case CacheChoice::apsf_apg: add<PathGraphPass>(pipeline, settings.apg, &settings.apsf, source, cells); break;
   }
-  add<ResolveCellsPass>(pipeline, source, cells);
+  add<ResolveCellsPass>(pipeline, source, cells, settings.denoise != DenoiseChoice::none);
 }
 
 /// Changes that the history does not survive.

@@ -19,7 +19,7 @@ const std::vector<Preset>& presets() {
        R"({"history": "reproject"})"},
       {"combination", "Both: keeps what it can, and samples what is new or noisy [Schalk18]",
        R"({"allocation": "adaptive", "history": "reproject"})"},
-      {"interactive", "A moving camera at one sample a pixel: the best of all combinations that were measured",
+      {"interactive", "A moving camera at one sample a pixel: path space filtering, a light tree and a denoiser",
        R"({"estimator": "path", "lights": "light-tree", "guide": "bsdf", "cache": "psf", "allocation": "uniform",
            "history": "accumulate", "denoise": "svgf"})"},
       {"caustics", "Light through glass and off mirrors: paths from both ends",

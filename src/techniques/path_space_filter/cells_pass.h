@@ -48,7 +48,9 @@ class CellsPass final : public Pass {
 /// Shows the cells. Owns the layers that say what they are like.
 class ResolveCellsPass final : public Pass {
  public:
-  ResolveCellsPass(const PathSource& source, CellsPass& cells) : source_(source), cells_(cells) {}
+  /// `denoised`: a denoiser sets emission apart, which then has to be what this pass shows of it.
+  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool denoised)
+      : source_(source), cells_(cells), denoised_(denoised) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -57,6 +59,7 @@ class ResolveCellsPass final : public Pass {
  private:
   PathSource source_;
   CellsPass& cells_;
+  bool denoised_;
   View<const FilteredPixel> pixels_;  ///< of the last frame
 };
 
