@@ -26,15 +26,15 @@ endif()
 # relume_not_hot(TARGET...): nothing in these is hot, and less optimisation builds faster.
 function(relume_not_hot)
   foreach(target ${ARGN})
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>)
   endforeach()
 endfunction()
 
 # What most sources include, compiled once for a target. The preset `ci` does without
 # (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that each file still has to include what it uses.
 set(RELUME_PRECOMPILED
-  <algorithm> <cmath> <cstdint> <filesystem> <functional> <memory> <span> <string> <string_view> <vector>
-  <core/error.h> <core/vec.h>)
+  <algorithm> <chrono> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <stop_token> <string>
+  <string_view> <vector> <core/error.h> <core/vec.h>)
 
 # What every target of the project compiles with.
 add_library(relume_flags INTERFACE)
