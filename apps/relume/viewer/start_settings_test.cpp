@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "render/build_pipeline.h"
+#include "render/presets.h"
+
 namespace relume::viewer {
 namespace {
 
@@ -31,6 +34,42 @@ TEST(StartSettings, AreTheUsersWhereTheySpeakOfTechniques) {
   scene.scene_json = R"({"guide": "cdq"})";
   EXPECT_EQ(resolve_start(scene).render.denoise, plain.denoise);
   EXPECT_EQ(resolve_start(scene).render.guide, GuideChoice::cdq);
+}
+
+TEST(Presets, MeanTheSameWhateverWasChosenBefore) {
+  for (const Preset& before : presets()) {
+    const Settings first = apply_preset(resolve_start({}), "", "", std::string(before.name));
+    for (const Preset& preset : presets()) {
+      Settings applied = apply_preset(first, "", "", std::string(preset.name));
+      EXPECT_NO_THROW(check_combination(applied.render)) << preset.name << " after " << before.name;
+      Settings fresh = resolve({.preset = std::string(preset.name)});
+      fresh.render.path.max_bounces = applied.render.path.max_bounces;
+      const SettingList a = describe(applied.render);
+      const SettingList b = describe(fresh.render);
+      for (size_t i = 0; i < a.size(); ++i)
+        EXPECT_EQ(to_string(a[i]), to_string(b[i])) << a[i].name << " of " << preset.name << " after " << before.name;
+    }
+  }
+}
+
+TEST(Presets, KeepThePictureAndWhatTheSceneAsksFor) {
+  Settings current;
+  current.render.width = 123;
+  current.render.camera = "side";
+  current.render.path.max_bounces = 5;
+  current.scene.env = "none";
+  current.output.exposure = 2;
+  current.stop.spp = 7;
+  const Settings settings = apply_preset(current, R"({"psf.cell-size": 3})", "scene", "paper-003");
+  EXPECT_EQ(settings.render.width, 123);
+  EXPECT_EQ(settings.render.camera, "side");
+  EXPECT_EQ(settings.render.path.max_bounces, 5);
+  EXPECT_EQ(settings.scene.env, "none");
+  EXPECT_EQ(settings.output.exposure, 2);
+  EXPECT_EQ(settings.stop.spp, 7);
+  EXPECT_EQ(settings.render.psf.grid.cell_size, 3);
+  EXPECT_EQ(settings.render.cache, CacheChoice::psf);
+  EXPECT_EQ(apply_preset(current, "", "", "preview").render.path.max_bounces, 3);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "render/presets.h"
 #include "scene_source.h"
 #include "settings/settings_json.h"
+#include "viewer/start_settings.h"
 
 namespace relume::viewer {
 namespace {
@@ -148,11 +149,9 @@ void change_setting(State& state, int side, const std::string& name, const std::
 }
 
 void apply_preset(State& state, int side, const std::string& name) {
-  Settings wanted = state.settings[static_cast<size_t>(side)];
-  const StopSettings stop = wanted.stop;
-  settings_from_json(describe(wanted), require_preset(name).json, "preset " + name);
-  wanted.stop = stop;  // a preset's number of samples is for pictures that end
-  take_settings(state, side, wanted);
+  const Settings& current = state.settings[static_cast<size_t>(side)];
+  const LoadedScene& loaded = *state.document->loaded();
+  take_settings(state, side, apply_preset(current, loaded.scene.settings_json, loaded.name, name));
 }
 
 PlacedCamera current_camera(const State& state) {
