@@ -4,6 +4,17 @@
 #include "viewer/settings_panel.h"
 
 namespace relume::viewer {
+namespace {
+
+/// Is `technique` a choice's name, or one of several in it ("apsf+apg")?
+bool names(std::string_view choice, std::string_view technique) {
+  if (choice == technique) return true;
+  const size_t plus = choice.find('+');
+  return plus != std::string_view::npos &&
+         (choice.substr(0, plus) == technique || choice.substr(plus + 1) == technique);
+}
+
+}  // namespace
 
 std::string refusal(const Settings& settings, const std::string& setting, std::string_view choice) {
   Settings wanted = settings;
@@ -21,14 +32,19 @@ std::string takes_effect_with(const Settings& settings, const std::string& setti
   if (dot == std::string::npos) return {};
   const std::string technique = setting.substr(0, dot);
   RenderSettings render = settings.render;
+  if (technique == "path") return {};  // holds for every estimator
+  if (technique == "psf")              // what all caches have in common
+    return render.cache == CacheChoice::none ? "cache = psf" : std::string();
+  if (technique == "octree" && render.lights != LightSelectionChoice::vlc && render.guide != GuideChoice::cdq)
+    return "lights = vlc or guide = cdq";
   std::string wanted;
   for (const Setting& slot : describe_slots(render)) {
     const auto* choice = std::get_if<ChoiceRef>(&slot.value);
     if (!choice) continue;
     for (size_t i = 0; i < choice->names.size(); ++i) {
-      if (choice->names[i] != technique) continue;
+      if (!names(choice->names[i], technique)) continue;
       if (*choice->value == static_cast<int>(i)) return {};
-      wanted = slot.name + " = " + technique;
+      if (wanted.empty()) wanted = slot.name + " = " + technique;
     }
   }
   return wanted;
