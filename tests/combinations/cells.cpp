@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::string_view kBackward = "reproject (backward)";
 
-/// How far a choice may move the mean of the small Cornell box. Each technique's page says where its bias comes from
-/// and its own tests hold it closer; here it only must not lose or invent light.
+/// How far a choice may move the mean of the test's small box. Each technique's page says where its bias comes from;
+/// its own tests look closer. Here it must not lose or invent light.
 double stated_bias(const std::string& slot, const std::string& value) {
   static const std::map<std::string, double> kBiases = {
       {"cache=psf", 0.02},      {"cache=apsf", 0.02},        {"cache=apg", 0.03},
@@ -26,14 +26,15 @@ double stated_bias(const std::string& slot, const std::string& value) {
   return found == kBiases.end() ? 0 : found->second;
 }
 
-std::string_view symbol(Cell cell) {
-  switch (cell) {
-    case Cell::unbiased: return "●";
-    case Cell::biased: return "◐";
-    case Cell::needs_library: return "◌";
-    case Cell::refused: break;
+bool needs_library(const Choice& a, const Choice& b) { return a.value == "oidn" || b.value == "oidn"; }
+
+std::string bias_list() {
+  std::string text;
+  for (const Choice& choice : all_choices()) {
+    if (choice.bias <= 0) continue;
+    text += fmt::format("{}`{}={}` {:.0f} %", text.empty() ? "" : ", ", choice.slot, choice.value, 100 * choice.bias);
   }
-  return "–";
+  return text;
 }
 
 }  // namespace
@@ -74,37 +75,44 @@ std::string refusal(const RenderSettings& settings) {
   }
 }
 
-Cell cell_of(const Choice& a, const Choice& b) {
-  if (a.value == "oidn" || b.value == "oidn") return Cell::needs_library;
-  if (!refusal(combine({}, a, b)).empty()) return Cell::refused;
-  return a.bias + b.bias > 0 ? Cell::biased : Cell::unbiased;
-}
-
-std::string combination_table() {
+std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds) {
   const std::vector<Choice>& choices = all_choices();
+  std::vector<std::string> reasons;
+  const auto symbol = [&](const Choice& a, const Choice& b) {
+    if (needs_library(a, b)) return "◌";
+    if (const std::string reason = refusal(combine({}, a, b)); !reason.empty()) {
+      if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end()) reasons.push_back(reason);
+      return "–";
+    }
+    if (!holds(a, b)) return "✗";
+    return a.bias + b.bias > 0 ? "◐" : "●";
+  };
   std::string text =
       "# What combines with what\n\n"
-      "Every choice of every slot with every choice of every other, all else at its default. Written by the test "
-      "`combinations`, which renders each\ncell and compares its mean with a reference; "
-      "`RELUME_WRITE=1` in its environment writes this file anew.\n\n"
-      "● runs, right in the mean · ◐ runs, with the bias that the technique's page states · ◌ needs a library that "
-      "Debian 12 does not have ·\n– refused at start, for the reasons below\n\n|  |";
+      "Every choice of every slot with every choice of every other, all else at its default. "
+      "`RELUME_WRITE=1 combinations_tests` renders each cell,\nan open Cornell box with three lamps under a sky, the "
+      "camera moving once, compares its mean with path tracing's, and writes this file.\n\n"
+      "● right in the mean · ◐ right but for a bias · ✗ wrong · ◌ needs a library that Debian 12 does not have · – "
+      "refused "
+      "at start, for the\nreasons below\n\n"
+      "How far the mean may be off with a bias (two biased choices: the sum): " +
+      bias_list() + ".\n\n|  |";
   for (size_t i = 0; i < choices.size(); ++i) text += fmt::format(" {} |", i + 1);
   text += "\n|---|";
   for (size_t i = 0; i < choices.size(); ++i) text += "---|";
-  std::vector<std::string> reasons;
+  std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   for (size_t row = 0; row < choices.size(); ++row) {
     text += fmt::format("\n| {} `{}={}` |", row + 1, choices[row].slot, choices[row].value);
     for (size_t column = 0; column < choices.size(); ++column) {
-      if (choices[row].slot == choices[column].slot) {
-        text += "  |";
-        continue;
+      std::string& cell = symbols[row * choices.size() + column];
+      if (column < row) {
+        cell = symbols[column * choices.size() + row];
+      } else if (choices[row].slot != choices[column].slot) {
+        cell = fmt::format(" {} |", symbol(choices[row], choices[column]));
+      } else {
+        cell = "  |";
       }
-      const Cell cell = cell_of(choices[row], choices[column]);
-      text += fmt::format(" {} |", symbol(cell));
-      if (cell != Cell::refused) continue;
-      const std::string reason = refusal(combine({}, choices[row], choices[column]));
-      if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end()) reasons.push_back(reason);
+      text += cell;
     }
   }
   text += "\n\n## Refused\n\n";

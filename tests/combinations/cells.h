@@ -1,6 +1,7 @@
 // Every choice of every slot against every choice of every other: what runs, and with what bias.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,7 @@ RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b
 /// Why the program refuses the settings; empty if it does not.
 std::string refusal(const RenderSettings& settings);
 
-/// What a cell of the table shows: it runs without bias, with bias, is refused, or needs a library.
-enum class Cell { unbiased, biased, refused, needs_library };
-Cell cell_of(const Choice& a, const Choice& b);
-
-/// docs/combinations.md as it should be.
-std::string combination_table();
+/// docs/combinations.md, where `holds` says whether a cell's rendering showed the right mean.
+std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds);
 
 }  // namespace relume::support

@@ -7,16 +7,20 @@
 #include <fstream>
 #include <sstream>
 
+#include <fmt/format.h>
+
 #include "combinations/cells.h"
 #include "core/vec.h"
+#include "render/session.h"
 #include "scene/builtin.h"
 #include "support/measure.h"
 
 namespace relume::support {
 namespace {
 
-constexpr int kSize = 20;    // pixels
-constexpr int kFrames = 24;  // enough for what learns to have learnt
+constexpr int kSize = 20;         // pixels
+constexpr int kFramesBefore = 8;  // before the camera moves
+constexpr int kFrames = 24;       // after it has
 constexpr int kSeeds = 10;
 constexpr double kStandardErrors = 4.5;  // 300 cells: false alarms in 1 of 500 runs, were seeds not fixed
 
@@ -26,14 +30,46 @@ struct Mean {
   double error = 0;
 };
 
+/// The Cornell box, open at the front to a sky, with two lamps besides its own: some light of every kind to choose
+/// from.
+const Scene& test_scene() {
+  static const Scene scene = [] {
+    Scene s = find_builtin_scene("cornell")->build();
+    s.environment.kind = EnvironmentKind::constant;
+    s.environment.color = Rgb(0.3f, 0.4f, 0.5f);
+    for (const float x : {-0.6f, 0.6f}) {
+      Node lamp;
+      lamp.transform.translation = Vec3(x, 1.5f, 0.3f);
+      lamp.light = static_cast<Index>(s.lights.size());
+      PunctualLight light;
+      light.intensity = Rgb(0.3f, 0.25f, 0.2f);
+      s.lights.push_back(light);
+      s.nodes.push_back(lamp);
+    }
+    return s;
+  }();
+  return scene;
+}
+
+/// The picture after the camera has moved sideways, so that histories have something to carry over.
+Image picture_after_a_move(const RenderSettings& settings, int frames) {
+  Session session(test_scene(), settings);
+  for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
+  PlacedCamera camera = session.scene().camera();
+  camera.to_world[3] += 0.1f * camera.to_world[0];
+  session.set_camera(camera);
+  for (int i = 0; i < frames; ++i) session.render_frame();
+  EXPECT_EQ(session.statistics().nonfinite_samples, 0u);
+  return session.image();
+}
+
 Mean mean_over_seeds(const RenderSettings& settings, int frames, int seeds) {
-  static const Scene scene = find_builtin_scene("cornell")->build();
   double sum = 0;
   double squares = 0;
   for (int seed = 0; seed < seeds; ++seed) {
     RenderSettings s = settings;
     s.seed = static_cast<uint32_t>(1 + seed);
-    const double mean = static_cast<double>(luminance(estimate_of(render(scene, s, frames)).mean));
+    const double mean = static_cast<double>(luminance(estimate_of(picture_after_a_move(s, frames)).mean));
     sum += mean;
     squares += mean * mean;
   }
@@ -46,19 +82,19 @@ const Mean& reference() {
   return mean;
 }
 
-void check_cell(const Choice& a, const Choice& b) {
-  SCOPED_TRACE(a.slot + "=" + a.value + " with " + b.slot + "=" + b.value);
+/// Renders a cell. What is wrong with it, in words; empty if it shows the right mean or is refused with a remedy.
+std::string problem_of(const Choice& a, const Choice& b) {
   RenderSettings settings = combine(small_settings(kSize, kSize), a, b);
   settings.static_lists.rays = 64;  // what they are prepared with would take longer than all else together
-  if (const std::string reason = refusal(settings); !reason.empty()) {
-    EXPECT_NE(reason.find("use "), std::string::npos) << "does not say what would work: " << reason;
-    return;
-  }
+  settings.octree = {.collapse = 32, .split = 64, .scale = false};  // many regions for few pixels
+  if (const std::string reason = refusal(settings); !reason.empty())
+    return reason.find("use ") == std::string::npos ? "does not say what would work: " + reason : "";
   const Mean mean = mean_over_seeds(settings, kFrames, kSeeds);
   const double allowed =
       (a.bias + b.bias) * reference().value + kStandardErrors * std::hypot(mean.error, reference().error);
-  EXPECT_NEAR(mean.value, reference().value, allowed)
-      << 100 * (mean.value / reference().value - 1) << " %, standard error " << 100 * mean.error / reference().value;
+  if (std::fabs(mean.value - reference().value) <= allowed) return {};
+  return fmt::format("{:+.2f} % with a standard error of {:.2f} %", 100 * (mean.value / reference().value - 1),
+                     100 * std::hypot(mean.error, reference().error) / reference().value);
 }
 
 /// A choice against all choices of the slots after its own.
@@ -68,7 +104,9 @@ TEST_P(Combinations, RightInTheMeanOrRefused) {
   bool after = false;
   for (const Choice& other : all_choices()) {
     after = after || other == GetParam();
-    if (after && other.slot != GetParam().slot) check_cell(GetParam(), other);
+    if (!after || other.slot == GetParam().slot) continue;
+    EXPECT_EQ(problem_of(GetParam(), other), "")
+        << GetParam().slot << "=" << GetParam().value << " with " << other.slot << "=" << other.value;
   }
 }
 
@@ -79,12 +117,17 @@ std::string choice_name(const ::testing::TestParamInfo<Choice>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(All, Combinations, ::testing::ValuesIn(all_choices()), choice_name);
 
+/// Written from what rendering every cell showed; compared without, for then each cell has a test of its own.
 TEST(CombinationTable, IsTheOneInTheDocumentation) {
   const char* file = RELUME_SOURCE_DIR "/docs/combinations.md";
-  if (std::getenv("RELUME_WRITE")) std::ofstream(file) << combination_table();
+  if (std::getenv("RELUME_WRITE")) {
+    const auto holds = [](const Choice& a, const Choice& b) { return problem_of(a, b).empty(); };
+    std::ofstream(file) << combination_table(holds);
+  }
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
-  EXPECT_EQ(text.str(), combination_table()) << "run it with RELUME_WRITE=1";
+  EXPECT_EQ(text.str(), combination_table([](const Choice&, const Choice&) { return true; }))
+      << "run it with RELUME_WRITE=1";
 }
 
 }  // namespace
