@@ -81,7 +81,7 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
        describe_caches(s.render)},
       {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
       {"Denoisers", "Of the filters over the picture.", describe_denoisers(s.render)},
-      {"Slots", "One technique each; any combination that has a meaning runs.", describe_slots(s.render)},
+      {"Slots", "One technique each; docs/combinations.md says what combines.", describe_slots(s.render)},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
   };
 }
