@@ -37,12 +37,14 @@ void estimate_error(const Image& a, const Image& b, Reference& reference) {
   double relative = 0;
   uint64_t count = 0;
   reference.image = Image(a.width, a.height);
+  reference.squared_error = Image(a.width, a.height);
   for (size_t i = 0; i < a.pixels.size(); ++i) {
     const Rgb mean = 0.5f * (a.pixels[i] + b.pixels[i]);
     reference.image.pixels[i] = mean;
     const Rgb difference = a.pixels[i] - b.pixels[i];
     if (!is_finite(difference)) continue;
     ++count;
+    reference.squared_error.pixels[i] = 0.25f * difference * difference;
     for (int c = 0; c < 3; ++c) {
       const double square = double(difference[c]) * difference[c] / 4;
       squared += square;

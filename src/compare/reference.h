@@ -19,6 +19,8 @@ struct Reference {
   Image image;
   double mse = 0;      ///< expected, of the reference against the truth: a quarter of the MSE between its halves
   double rel_mse = 0;  ///< likewise
+  /// Of the same in each pixel and channel: a quarter of the squared difference between the halves. Empty: not known.
+  Image squared_error = {};
   int spp = 0;         ///< 0: a file from elsewhere, whose error is not known
   bool cached = false;
   double render_s = 0;         ///< in this run

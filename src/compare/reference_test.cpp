@@ -83,6 +83,10 @@ TEST_F(ReferenceTest, StatesItsOwnError) {
   for (int i = 0; i < 512; ++i) session.render_frame();
   const double distance = compute_metrics(session.image(), reference->image, {.flip = false}).mse;
   EXPECT_GT(reference->mse, 0);
+  double by_pixel = 0;
+  for (const Rgb& e : reference->squared_error.pixels) by_pixel += (e.x + e.y + e.z) / 3.0;
+  EXPECT_NEAR(by_pixel / static_cast<double>(reference->squared_error.pixels.size()), reference->mse,
+              1e-5 * reference->mse);
   // 1 296 values, and low-discrepancy points do better than 1/n: a factor of two is what the estimate must keep.
   EXPECT_GT(distance, 0.5 * reference->mse);
   EXPECT_LT(distance, 2.5 * reference->mse);

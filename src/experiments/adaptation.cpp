@@ -21,17 +21,18 @@ size_t Adaptation::adapted_after(double share, size_t window) const {
 }
 
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
-                              int frames, const Image& reference, const PictureRegion& region,
+                              int frames, const Reference& reference, const PictureRegion& region,
                               const std::function<void(Session&, int)>& before) {
   std::vector<std::vector<double>> by_frame(static_cast<size_t>(frames));
   Adaptation result{name, {}, {}, {}};
+  const double noise = reference_noise(reference, region);
   for (int run = 0; run < runs; ++run) {
     session.restart(run + 1);
     for (int frame = 0; frame < frames; ++frame) {
       context.check_stop();
       if (before) before(session, frame);
       session.render_frame();
-      by_frame[static_cast<size_t>(frame)].push_back(frame_mse(session.image(), reference, region));
+      by_frame[static_cast<size_t>(frame)].push_back(frame_mse(session.image(), reference.image, region) - noise);
     }
     context.report(name, (run + 1.0) / runs);
   }

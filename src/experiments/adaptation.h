@@ -13,7 +13,7 @@ namespace relume {
 /// Mean over the runs of each frame's MSE.
 struct Adaptation {
   std::string name;
-  std::vector<double> mse;             ///< by frame
+  std::vector<double> mse;             ///< by frame, without the reference's noise
   std::vector<double> standard_error;  ///< of that
   Image last;                          ///< the last frame of the last run
 
@@ -27,7 +27,7 @@ struct Adaptation {
 /// Runs a session `runs` times with different seeds; `before` is called with the number of the frame before each of
 /// `frames` frames. `region`: of the picture, in which errors count. Throws ExperimentStopped.
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
-                              int frames, const Image& reference, const PictureRegion& region,
+                              int frames, const Reference& reference, const PictureRegion& region,
                               const std::function<void(Session&, int frame)>& before = {});
 
 /// Curves of MSE against frames, the first of which is number `first_frame`.

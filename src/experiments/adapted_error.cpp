@@ -26,11 +26,11 @@ double render(Session& session) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void measure_frame(Running& r, const Image& reference, const std::vector<PictureRegion>& regions) {
+void measure_frame(Running& r, const Reference& reference, const std::vector<PictureRegion>& regions) {
   r.result.frame_s.push_back(render(r.session));
   r.result.last = r.session.image();
   for (size_t i = 0; i < regions.size(); ++i)
-    r.result.mse[i].push_back(frame_mse(r.result.last, reference, regions[i]));
+    r.result.mse[i].push_back(frame_mse(r.result.last, reference.image, regions[i]) - reference_noise(reference, regions[i]));
 }
 
 AdaptedError finish(Running& r, int frames) {
@@ -66,8 +66,17 @@ double frame_mse(const Image& frame, const Image& reference, const PictureRegion
   return sum / (3.0 * static_cast<double>(std::max<size_t>(region.pixels(), 1)));
 }
 
+double reference_noise(const Reference& reference, const PictureRegion& region) {
+  double sum = 0;
+  for (size_t p = 0; p < reference.squared_error.pixels.size(); ++p) {
+    if (region.mask[p] == 0) continue;
+    for (int c = 0; c < 3; ++c) sum += static_cast<double>(reference.squared_error.pixels[p][c]);
+  }
+  return sum / (3.0 * static_cast<double>(std::max<size_t>(region.pixels(), 1)));
+}
+
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
-                                          const std::vector<AdaptedContender>& contenders, const Image& reference,
+                                          const std::vector<AdaptedContender>& contenders, const Reference& reference,
                                           const std::vector<PictureRegion>& regions, const AdaptedOptions& options) {
   std::vector<Running> running;
   for (const AdaptedContender& contender : contenders) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "compare/reference.h"
 #include "experiments/experiment.h"
 #include "experiments/scenes.h"
 #include "io/image.h"
@@ -29,6 +30,9 @@ PictureRegion whole_picture(int width, int height);
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
 double frame_mse(const Image& frame, const Image& reference, const PictureRegion& region);
 
+/// What the reference's own noise adds to frame_mse(), by its estimate; 0 if that is not known.
+double reference_noise(const Reference& reference, const PictureRegion& region);
+
 struct AdaptedContender {
   std::string name;
   RenderSettings settings;
@@ -42,7 +46,7 @@ struct AdaptedOptions {
 
 struct AdaptedError {
   std::string name;
-  std::vector<std::vector<double>> mse;                ///< by region, by measured frame
+  std::vector<std::vector<double>> mse;                ///< by region, by measured frame; without the reference's noise
   std::vector<double> frame_s;                         ///< seconds of each measured frame
   std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean of the measured frames
   std::vector<PassFigure> figures;                     ///< after the last frame
@@ -55,7 +59,7 @@ struct AdaptedError {
 /// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
 /// disturbs the machine disturbs all alike. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
-                                          const std::vector<AdaptedContender>& contenders, const Image& reference,
+                                          const std::vector<AdaptedContender>& contenders, const Reference& reference,
                                           const std::vector<PictureRegion>& regions, const AdaptedOptions& options);
 
 /// A quotient with a 95 % interval from the spread of the frames (delta method).

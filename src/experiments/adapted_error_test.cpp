@@ -18,6 +18,15 @@ TEST(AdaptedError, CountsThePixelsOfARegionOnly) {
   EXPECT_DOUBLE_EQ(frame_mse(frame, reference, whole_picture(2, 1)), (1.0 + 4 + 9 + 2700) / 6);
 }
 
+TEST(AdaptedError, TheReferencesNoiseIsThatOfTheRegion) {
+  Reference reference;
+  EXPECT_EQ(reference_noise(reference, whole_picture(2, 1)), 0);
+  reference.squared_error = Image(2, 1);
+  reference.squared_error.pixels = {Rgb(1, 2, 3), Rgb(30)};
+  EXPECT_DOUBLE_EQ(reference_noise(reference, {"left", {1, 0}}), 2);
+  EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2, 1)), 16);
+}
+
 TEST(AdaptedError, RatiosHaveIntervalsThatNarrowWithFrames) {
   std::vector<double> a;
   std::vector<double> b;
@@ -46,8 +55,8 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   RenderSettings cache = settings;
   cache.lights = LightSelectionChoice::vlc;
   const std::vector<AdaptedError> errors =
-      measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, Image(16, 12), {whole_picture(16, 12)},
-                      {.warm_up = 1, .frames = 3, .seed = 1});
+      measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)},
+                      {whole_picture(16, 12)}, {.warm_up = 1, .frames = 3, .seed = 1});
   ASSERT_EQ(errors.size(), 2u);
   for (const AdaptedError& e : errors) {
     EXPECT_EQ(e.mse[0].size(), 3u);

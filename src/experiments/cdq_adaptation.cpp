@@ -27,7 +27,7 @@ struct Case {
 
 /// What is to be seen after the change, and where errors count.
 struct Goal {
-  Image reference;
+  Reference reference;
   PictureRegion surfaces;
 };
 
@@ -59,7 +59,7 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
 
 Goal goal_after(const ExperimentContext& context, ExperimentScene scene, float degrees) {
   scene.settings.time_s = degrees / kDegreesPerSecond;
-  return {make_reference(context, scene, context.choose(2048, 256)).image, surfaces_of(context, scene)};
+  return {make_reference(context, plainly_sampled(scene), context.choose(2048, 256)), surfaces_of(context, scene)};
 }
 
 const Case& find(const std::vector<Case>& cases, float degrees, int bits, int migrations) {

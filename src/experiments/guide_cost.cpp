@@ -35,7 +35,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   add("vlc", LightSelectionChoice::vlc, GuideChoice::bsdf);
   add("vlc, cdq", LightSelectionChoice::vlc, GuideChoice::cdq);
   const AdaptedOptions options{.warm_up = context.choose(16, 2), .frames = context.choose(32, 4)};
-  return {scene.name, measure_adapted(context, scene, list, Image(settings.width, settings.height), {}, options)};
+  return {scene.name, measure_adapted(context, scene, list, {}, {}, options)};
 }
 
 bool prepares(const std::string& pass) {

@@ -56,7 +56,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   }
   const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};
   result.errors = measure_adapted(context, scene, contenders(context, scene.settings, departures && !context.quick),
-                                  reference.image, result.regions, options);
+                                  reference, result.regions, options);
   result.pictures = adapted_pictures(scene.name, result.errors, reference.image);
   return result;
 }

@@ -9,7 +9,6 @@
 #include "experiments/all.h"
 #include "experiments/learning_scenes.h"
 #include "experiments/moving_error.h"
-#include "experiments/trace.h"
 #include "render/presets.h"
 #include "report/pictures.h"
 #include "settings/settings_json.h"
@@ -186,9 +185,11 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
                                          picture_layer_kinds(), std::move(sets)});
   result.setup = {{"Camera", "turns by 10° from view to view; two views are measured, in each of two repetitions"},
                   {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
-                  {"Bounces", "6; 2 in `warehouse` and `mine`"}};
-  const auto common = common_setup(context);
-  result.setup.insert(result.setup.end(), common.begin(), common.end());
+                  {"Bounces", "6; 2 in `warehouse` and `mine`"},
+                  {"Size", context.quick ? "64 × 36" : "192 × 108"},
+                  {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "
+                                            "and taken off MSE, not FLIP",
+                                            options.reference_spp)}};
   return result;
 }
 

@@ -48,7 +48,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(2048, 256));
   const AdaptedOptions options{.warm_up = context.choose(128, 8), .frames = context.choose(256, 8)};
   SceneResult result{scene.name, {}, {}};
-  result.errors = measure_adapted(context, scene, contenders(context, scene), reference.image,
+  result.errors = measure_adapted(context, scene, contenders(context, scene), reference,
                                   {surfaces_of(context, scene)}, options);
   result.pictures = adapted_pictures(scene.name, result.errors, reference.image);
   return result;

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/learning_scenes.h"
 #include "experiments/trace.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
@@ -17,7 +18,7 @@ struct Walk {
   const ExperimentContext& context;
   const ExperimentScene& scene;
   const MovingOptions& options;
-  const std::vector<Image>& references;
+  const std::vector<Reference>& references;
   TimedSession timed;
 
   float view_deg(int view) const { return options.step_deg * static_cast<float>(view); }
@@ -48,21 +49,23 @@ struct Walk {
 
   void measure(int view, MovingError& error) {
     error.last = timed.session().image();
-    const Metrics m = compute_metrics(error.last, references[static_cast<size_t>(view)], {.tone_map = ToneMap::agx});
+    const Reference& reference = references[static_cast<size_t>(view)];
+    const Metrics m = compute_metrics(error.last, reference.image, {.tone_map = ToneMap::agx});
     const double weight = 1.0 / (options.views * options.repetitions);
-    error.mse += m.mse * weight;
-    error.rel_mse += m.rel_mse * weight;
+    // Chance may leave less than nothing, of which there are no ratios.
+    error.mse += std::max(m.mse - reference.mse, 0.1 * m.mse) * weight;
+    error.rel_mse += std::max(m.rel_mse - reference.rel_mse, 0.1 * m.rel_mse) * weight;
     error.flip += m.flip * weight;
   }
 };
 
-std::vector<Image> render_references(const ExperimentContext& context, const ExperimentScene& scene,
+std::vector<Reference> render_references(const ExperimentContext& context, const ExperimentScene& scene,
                                      const MovingOptions& options) {
-  std::vector<Image> references;
-  ExperimentScene seen = scene;
+  std::vector<Reference> references;
+  ExperimentScene seen = plainly_sampled(scene);
   for (int view = 0; view < options.views; ++view) {
     seen.camera = turned(scene, options.step_deg * static_cast<float>(view));
-    references.push_back(make_reference(context, seen, options.reference_spp).image);
+    references.push_back(make_reference(context, seen, options.reference_spp));
   }
   return references;
 }
@@ -71,11 +74,11 @@ std::vector<Image> render_references(const ExperimentContext& context, const Exp
 
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options) {
-  const std::vector<Image> references = render_references(context, scene, options);
+  const std::vector<Reference> references = render_references(context, scene, options);
   RenderSettings first = contenders.front().settings;
   set_size(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
-  MovingErrors result{scene.name, {}, references.back()};
+  MovingErrors result{scene.name, {}, references.back().image};
   const double rounds = (1.0 + options.repetitions) * static_cast<double>(contenders.size());
   double done = 0;
   for (const MovingContender& contender : contenders) {

@@ -25,7 +25,8 @@ struct MovingOptions {
   FrameClock clock = {};  ///< empty: wall_clock()
 };
 
-/// Means over views and repetitions, between the shown picture and a reference of the same view.
+/// Means over views and repetitions, between the shown picture and a reference of the same view, whose own noise is
+/// taken off MSE and relMSE.
 struct MovingError {
   std::string name;
   int frames = 0;       ///< from one view to the next

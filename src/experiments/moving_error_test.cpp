@@ -55,6 +55,13 @@ TEST(MovingError, EverybodyEndsAtTheReferencesView) {
   EXPECT_GT(compute_metrics(mirrored, errors.reference, {.flip = false}).rel_mse, 2 * clean.rel_mse);
 }
 
+TEST(MovingError, KeepsTheReferencesNoiseOut) {
+  // With four samples a pixel, noise of the reference is a good part of what a denoised picture differs by.
+  const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
+  const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 512, .clock = rays_clock});
+  EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);
+}
+
 TEST(MovingError, IsTheSameTwice) {
   const MovingOptions options{.frames = 4, .views = 1, .repetitions = 2, .reference_spp = 16, .clock = rays_clock};
   const MovingErrors a = measure(options);

@@ -13,7 +13,7 @@ constexpr const char* kPaper = "[Dittebrandt20 §7.2]";
 
 ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   const ExperimentScene scene = builtin_scene("warehouse");
-  const Reference reference = make_reference(context, scene, context.choose(2048, 256));
+  const Reference reference = make_reference(context, plainly_sampled(scene), context.choose(2048, 256));
   const PictureRegion surfaces = surfaces_of(context, scene);
   RenderSettings settings = scene.settings;
   set_size(context, settings);
@@ -23,11 +23,11 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   session.set_camera(scene.camera);
   const int runs = context.choose(16, 2);
   const Adaptation tree =
-      measure_adaptation(context, "light tree", session, runs, context.choose(8, 4), reference.image, surfaces);
+      measure_adaptation(context, "light tree", session, runs, context.choose(8, 4), reference, surfaces);
   settings.lights = LightSelectionChoice::vlc;
   session.set_settings(settings);
   const Adaptation cache =
-      measure_adaptation(context, "vlc", session, runs, context.choose(64, 8), reference.image, surfaces);
+      measure_adaptation(context, "vlc", session, runs, context.choose(64, 8), reference, surfaces);
 
   ExperimentResult result;
   const size_t after = cache.adapted_after(0.1);
