@@ -21,7 +21,7 @@ struct Reference {
   double rel_mse = 0;  ///< likewise
   /// Of the same in each pixel and channel: a quarter of the squared difference between the halves. Empty: not known.
   Image squared_error = {};
-  int spp = 0;         ///< 0: a file from elsewhere, whose error is not known
+  int spp = 0;  ///< 0: a file from elsewhere, whose error is not known
   bool cached = false;
   double render_s = 0;         ///< in this run
   SurfaceMotion surface = {};  ///< what the pixels show, and how it moved since `previous_time_s`

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/learning_scenes.h"
 #include "report/pictures.h"
 
 namespace relume {
@@ -16,9 +17,15 @@ using Clock = std::chrono::steady_clock;
 /// A contender under way.
 struct Running {
   Session session;
+  bool learns = false;
   std::vector<PassTime> passes_before = {};
+  std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the present block
   AdaptedError result = {};
 };
+
+bool learns(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
 
 double render(Session& session) {
   const Clock::time_point start = Clock::now();
@@ -26,24 +33,48 @@ double render(Session& session) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void measure_frame(Running& r, const Reference& reference, const std::vector<PictureRegion>& regions) {
+void measure_frame(Running& r, const Reference& reference, const std::vector<PictureRegion>& regions, int block) {
   r.result.frame_s.push_back(render(r.session));
   r.result.last = r.session.image();
-  for (size_t i = 0; i < regions.size(); ++i)
-    r.result.mse[i].push_back(frame_mse(r.result.last, reference.image, regions[i]) - reference_noise(reference, regions[i]));
+  for (size_t i = 0; i < regions.size(); ++i) {
+    r.mse[i].push_back(frame_mse(r.result.last, reference.image, regions[i]));
+    if (r.mse[i].size() < static_cast<size_t>(block)) continue;
+    r.result.mse[i].push_back(mean(r.mse[i]) - reference_noise(reference, regions[i]));
+    r.mse[i].clear();
+  }
 }
 
-AdaptedError finish(Running& r, int frames) {
-  const Statistics& statistics = r.session.statistics();
-  for (const PassTime& pass : statistics.passes) {
+/// Adds what passes took since `passes_before` to the contender's sums.
+void add_pass_times(Running& r) {
+  auto& sums = r.result.pass_s;
+  for (const PassTime& pass : r.session.statistics().passes) {
     double seconds = pass.seconds;
     for (const PassTime& before : r.passes_before) {
       if (before.name == pass.name) seconds -= before.seconds;
     }
-    r.result.pass_s.emplace_back(pass.name, seconds / frames);
+    const auto sum = std::find_if(sums.begin(), sums.end(), [&](const auto& s) { return s.first == pass.name; });
+    if (sum == sums.end()) {
+      sums.emplace_back(pass.name, seconds);
+    } else {
+      sum->second += seconds;
+    }
   }
-  r.result.figures = statistics.figures;
-  return std::move(r.result);
+}
+
+std::vector<Running> begin(const ExperimentScene& scene, const std::vector<AdaptedContender>& contenders,
+                           size_t regions, int seed) {
+  std::vector<Running> running;
+  for (const AdaptedContender& contender : contenders) {
+    RenderSettings settings = contender.settings;
+    settings.history = HistoryChoice::none;
+    settings.seed = seed;
+    running.push_back({Session(Scene(scene.scene), settings), learns(settings)});
+    running.back().session.set_camera(scene.camera);
+    running.back().mse.resize(regions);
+    running.back().result.name = contender.name;
+    running.back().result.mse.resize(regions);
+  }
+  return running;
 }
 
 }  // namespace
@@ -78,31 +109,30 @@ double reference_noise(const Reference& reference, const PictureRegion& region) 
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<AdaptedContender>& contenders, const Reference& reference,
                                           const std::vector<PictureRegion>& regions, const AdaptedOptions& options) {
-  std::vector<Running> running;
-  for (const AdaptedContender& contender : contenders) {
-    RenderSettings settings = contender.settings;
-    settings.history = HistoryChoice::none;
-    settings.seed = options.seed;
-    running.push_back({Session(Scene(scene.scene), settings)});
-    running.back().session.set_camera(scene.camera);
-    running.back().result.name = contender.name;
-    running.back().result.mse.resize(regions.size());
-  }
+  std::vector<Running> running = begin(scene, contenders, regions.size(), options.seed);
   const int all = options.warm_up + options.frames;
-  for (int frame = 0; frame < all; ++frame) {
+  for (int i = 0; i < options.sessions * all; ++i) {
+    const int session = i / all;
+    const int frame = i % all;
     for (Running& r : running) {
       context.check_stop();
+      if (r.learns && frame == 0 && session > 0) r.session.restart(options.seed + session);
       if (frame < options.warm_up) {
-        render(r.session);
+        if (r.learns || i == 0) render(r.session);
         continue;
       }
       if (frame == options.warm_up) r.passes_before = r.session.statistics().passes;
-      measure_frame(r, reference, regions);
+      measure_frame(r, reference, regions, options.block);
+      if (frame + 1 == all) add_pass_times(r);
     }
-    context.report(scene.name, (frame + 1.0) / all);
+    context.report(scene.name, (i + 1.0) / (options.sessions * all));
   }
   std::vector<AdaptedError> results;
-  for (Running& r : running) results.push_back(finish(r, options.frames));
+  for (Running& r : running) {
+    for (auto& [pass, seconds] : r.result.pass_s) seconds /= options.sessions * options.frames;
+    r.result.figures = r.session.statistics().figures;
+    results.push_back(std::move(r.result));
+  }
   return results;
 }
 
@@ -111,11 +141,19 @@ ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& 
   const double mean_b = mean(b);
   ErrorRatio ratio;
   ratio.value = mean_b > 0 ? mean_a / mean_b : 0;
+  ratio.interval = {ratio.value, ratio.value, 0};
+  if (a.size() < 2 || b.size() < 2 || !(mean_a > 0 && mean_b > 0)) return ratio;
   const auto relative_variance = [](const std::vector<double>& values, double m) {
     const double s = standard_deviation(values);
-    return m > 0 ? s * s / (m * m * static_cast<double>(values.size())) : 0.0;
+    return s * s / (m * m * static_cast<double>(values.size()));
   };
-  const double spread = std::exp(1.96 * std::sqrt(relative_variance(a, mean_a) + relative_variance(b, mean_b)));
+  const double var_a = relative_variance(a, mean_a);
+  const double var_b = relative_variance(b, mean_b);
+  const double freedom_a = static_cast<double>(a.size() - 1);
+  const double freedom_b = static_cast<double>(b.size() - 1);
+  const double sum = var_a + var_b;
+  const double freedom = sum > 0 ? sum * sum / (var_a * var_a / freedom_a + var_b * var_b / freedom_b) : freedom_a;
+  const double spread = std::exp(student_t(std::max<size_t>(static_cast<size_t>(freedom), 1)) * std::sqrt(sum));
   ratio.interval = {ratio.value / spread, ratio.value * spread, 0.95};
   return ratio;
 }
@@ -133,6 +171,15 @@ std::string to_text(const ErrorRatio& ratio) {
   return fmt::format("{:.3g}× ({:.3g} to {:.3g})", ratio.value, ratio.interval.low, ratio.interval.high);
 }
 
+Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
+                    const std::vector<ErrorRatio>& ratios, double least) {
+  std::vector<const char*> verdicts;
+  for (const ErrorRatio& ratio : ratios) verdicts.push_back(verdict_of(ratio.interval, least));
+  return with_verdict(std::move(id), std::move(paper), std::move(claim), std::move(measured),
+                      fmt::format("{}at least {:.2g}×, by the interval", ratios.size() > 1 ? "each " : "", least),
+                      verdict_of_all(verdicts));
+}
+
 PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference) {
   const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
   PictureSet set{.label = label, .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
@@ -148,12 +195,23 @@ PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedE
   return set;
 }
 
+AdaptedOptions adapted_options(const ExperimentContext& context) {
+  return {.warm_up = context.choose(128, 8),
+          .frames = context.choose(64, 4),
+          .sessions = context.choose(4, 2),
+          .block = context.choose(32, 2)};
+}
+
 std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context) {
-  return {{"Size", context.quick ? "64 × 36" : "192 × 108"},
-          {"Path", "two indirect rays, as in the paper"},
-          {"Reference", context.quick ? "256 samples" : "2048 samples"},
-          {"Frames", context.quick ? "8 to warm up, 8 measured" : "128 to warm up, 256 measured"},
-          {"Times", "contenders take turns frame by frame"}};
+  const AdaptedOptions o = adapted_options(context);
+  std::vector<std::pair<std::string, std::string>> setup = learning_setup(context);
+  setup.emplace_back("Frames", fmt::format("{} sessions with seeds of their own, {} frames to adapt and {} measured in "
+                                           "each; what does not learn goes on in one session",
+                                           o.sessions, o.warm_up, o.frames));
+  setup.emplace_back("Intervals", fmt::format("95 %, from the means of {} blocks of {} frames",
+                                              o.sessions * o.frames / o.block, o.block));
+  setup.emplace_back("Times", "contenders take turns frame by frame");
+  return setup;
 }
 
 }  // namespace relume

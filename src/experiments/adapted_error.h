@@ -38,15 +38,20 @@ struct AdaptedContender {
   RenderSettings settings;
 };
 
+/// Several sessions with seeds of their own, one after the other.
 struct AdaptedOptions {
-  int warm_up = 128;  ///< frames that are not measured
-  int frames = 256;
-  int seed = 1;
+  int warm_up = 128;  ///< frames in which a session adapts, before those that are measured
+  int frames = 64;    ///< measured in each session
+  int sessions = 4;
+  /// Frames whose mean counts as one value: what a frame has learned goes into the next, so that single ones do not
+  /// tell how far the mean is off. Divides `frames`.
+  int block = 32;
+  int seed = 1;  ///< of the first session
 };
 
 struct AdaptedError {
   std::string name;
-  std::vector<std::vector<double>> mse;                ///< by region, by measured frame; without the reference's noise
+  std::vector<std::vector<double>> mse;                ///< by region, by block of frames; without the reference's noise
   std::vector<double> frame_s;                         ///< seconds of each measured frame
   std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean of the measured frames
   std::vector<PassFigure> figures;                     ///< after the last frame
@@ -57,12 +62,14 @@ struct AdaptedError {
 };
 
 /// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
-/// disturbs the machine disturbs all alike. Throws ExperimentStopped.
+/// disturbs the machine disturbs all alike. What learns nothing from frames has no need to start again or to adapt: of
+/// it a single session is rendered, after one frame for what it prepares. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<AdaptedContender>& contenders, const Reference& reference,
                                           const std::vector<PictureRegion>& regions, const AdaptedOptions& options);
 
-/// A quotient with a 95 % interval from the spread of the frames (delta method).
+/// A quotient with a 95 % interval from the spread of independent values (delta method in logarithms, Student's t with
+/// Welch's degrees of freedom).
 struct ErrorRatio {
   double value = 0;
   Interval interval;
@@ -75,10 +82,16 @@ ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t
 /// "10.3× (9.8 to 10.9)".
 std::string to_text(const ErrorRatio& ratio);
 
+/// A claim that every ratio is at least `least`, by their intervals; `threshold` is made of it.
+Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
+                    const std::vector<ErrorRatio>& ratios, double least);
+
 /// The reference and the last frame of each.
 PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
 
-/// What such experiments say of their protocol.
+/// 128 frames to adapt and four times 64 measured; few in a quick run.
+AdaptedOptions adapted_options(const ExperimentContext& context);
+/// What experiments with measure_adapted() and adapted_options() say of their protocol.
 std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context);
 
 }  // namespace relume

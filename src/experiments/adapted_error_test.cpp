@@ -27,23 +27,32 @@ TEST(AdaptedError, TheReferencesNoiseIsThatOfTheRegion) {
   EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2, 1)), 16);
 }
 
-TEST(AdaptedError, RatiosHaveIntervalsThatNarrowWithFrames) {
-  std::vector<double> a;
-  std::vector<double> b;
-  for (int i = 0; i < 16; ++i) {
-    a.push_back(8 + (i % 2 == 0 ? 1 : -1));
-    b.push_back(2 + (i % 2 == 0 ? -0.2 : 0.2));
-  }
-  const ErrorRatio few = error_ratio(a, b);
-  EXPECT_DOUBLE_EQ(few.value, 4);
-  EXPECT_LT(few.interval.low, 4);
-  EXPECT_GT(few.interval.high, 4);
-  for (int i = 0; i < 2; ++i) {
-    a.insert(a.end(), a.begin(), a.end());
-    b.insert(b.end(), b.begin(), b.end());
-  }
-  const ErrorRatio many = error_ratio(a, b);
-  EXPECT_NEAR(std::log(few.interval.high / 4) / std::log(many.interval.high / 4), 2, 0.1);  // four times as many
+TEST(AdaptedError, RatiosHaveStudentsIntervals) {
+  // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom are little more than those of the second.
+  const std::vector<double> a{101, 99, 101, 99};
+  const std::vector<double> b{21, 19, 22, 18};
+  const double sigma_a = std::sqrt(4.0 / 3 / 4) / 100;
+  const double sigma_b = std::sqrt(10.0 / 3 / 4) / 20;
+  const ErrorRatio ratio = error_ratio(a, b);
+  EXPECT_DOUBLE_EQ(ratio.value, 5);
+  const double spread = std::exp(3.182 * std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b));
+  EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
+  EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
+  EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
+}
+
+TEST(AdaptedError, VerdictsFollowIntervals) {
+  const auto verdict = [](std::vector<ErrorRatio> ratios) {
+    return judged_ratios("a", "[X §1]", "c", "m", ratios, 5).verdict;
+  };
+  const ErrorRatio above{7, {5.1, 9, 0.95}};
+  const ErrorRatio around{7, {4.9, 9, 0.95}};
+  const ErrorRatio below{3, {2, 4.9, 0.95}};
+  EXPECT_EQ(verdict({above}), kVerdictHolds);
+  EXPECT_EQ(verdict({above, around}), kVerdictUndecided);
+  EXPECT_EQ(verdict({above, around, below}), kVerdictFails);
+  EXPECT_STREQ(verdict_of({1.5, 2.5, 0.95}, 1, 2), kVerdictUndecided);
+  EXPECT_STREQ(verdict_of({2.1, 2.5, 0.95}, 1, 2), kVerdictFails);
 }
 
 TEST(AdaptedError, MeasuresWhatEachContenderShows) {
@@ -56,11 +65,12 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   cache.lights = LightSelectionChoice::vlc;
   const std::vector<AdaptedError> errors =
       measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)},
-                      {whole_picture(16, 12)}, {.warm_up = 1, .frames = 3, .seed = 1});
+                      {whole_picture(16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
   ASSERT_EQ(errors.size(), 2u);
   for (const AdaptedError& e : errors) {
-    EXPECT_EQ(e.mse[0].size(), 3u);
-    EXPECT_NE(e.mse[0][1], e.mse[0][2]);  // single frames, not their mean
+    ASSERT_EQ(e.mse[0].size(), 4u);  // two blocks a session
+    EXPECT_EQ(e.frame_s.size(), 8u);
+    EXPECT_NE(e.mse[0][1], e.mse[0][3]);  // other seeds
     EXPECT_GT(e.mean_mse(), 0);
     EXPECT_GT(e.median_s(), 0);
     EXPECT_FALSE(e.pass_s.empty());
@@ -70,14 +80,38 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
 }
 
 TEST(Adaptation, EndsWhereTheCurveStaysNearItsPlateau) {
-  Adaptation a;
-  a.mse = {9, 5, 3, 1.05, 1.05, 1.05, 1, 1, 1, 1, 1, 1};
+  Adaptation a{"a", {{9, 5, 3, 1.05, 1.05, 1.05, 1, 1, 1, 1, 1, 1}}};
   EXPECT_DOUBLE_EQ(a.plateau(4), 1);
-  EXPECT_EQ(a.adapted_after(0.1, 1), 3u);
-  EXPECT_EQ(a.adapted_after(0.01, 1), 6u);
-  EXPECT_EQ(a.adapted_after(0.1, 3), 3u);
-  a.mse[5] = 4;  // a relapse
-  EXPECT_EQ(a.adapted_after(0.1, 1), 6u);
+  EXPECT_EQ(a.adapted_after(0.1), 3u);
+  EXPECT_EQ(a.adapted_after(0.01), 6u);
+  a.runs[0][5] = 4;  // a relapse
+  EXPECT_EQ(a.adapted_after(0.1), 6u);
+}
+
+TEST(Adaptation, IsThatOfTheFrameItself) {
+  // The mean of frames 1 to 3 is near the plateau, frame 1 is not.
+  EXPECT_EQ((Adaptation{"a", {{9, 1.25, 1, 1, 1, 1, 1, 1}}}.adapted_after(0.1)), 2u);
+}
+
+TEST(Adaptation, ForgivesWhatIsNoise) {
+  // One run in eight is off at frame 5, by as much as its standard error.
+  Adaptation a{"a", std::vector<std::vector<double>>(8, {9, 5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1})};
+  a.runs[0][5] = 2;
+  EXPECT_EQ(a.adapted_after(0.1), 2u);
+  EXPECT_EQ(a.adapted_interval(0.1).high, 2);
+  for (std::vector<double>& run : a.runs) run[5] = 2;  // all are: no noise
+  EXPECT_EQ(a.adapted_after(0.1), 6u);
+}
+
+TEST(Adaptation, HasAnIntervalOverTheRuns) {
+  Adaptation a{"a", {}};
+  for (int run = 0; run < 8; ++run) {
+    a.runs.emplace_back(16, 1.0);
+    for (int frame = 0; frame < 2 + run; ++frame) a.runs.back()[static_cast<size_t>(frame)] = 5;
+  }
+  const Interval interval = a.adapted_interval(0.1);
+  EXPECT_LT(interval.low, static_cast<double>(a.adapted_after(0.1)));
+  EXPECT_EQ(interval.high, 9);  // the slowest run's
 }
 
 TEST(LearningScenes, TellTheMinesRegionsApart) {

@@ -59,7 +59,8 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
 
 Goal goal_after(const ExperimentContext& context, ExperimentScene scene, float degrees) {
   scene.settings.time_s = degrees / kDegreesPerSecond;
-  return {make_reference(context, plainly_sampled(scene), context.choose(2048, 256)), surfaces_of(context, scene)};
+  return {make_reference(context, plainly_sampled(scene), learning_reference_spp(context)),
+          surfaces_of(context, scene)};
 }
 
 const Case& find(const std::vector<Case>& cases, float degrees, int bits, int migrations) {
@@ -69,35 +70,41 @@ const Case& find(const std::vector<Case>& cases, float degrees, int bits, int mi
 }
 
 void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, std::vector<Claim>& claims) {
-  const size_t one = find(cases, degrees, 128, 1).adaptation.adapted_after(0.1);
-  claims.push_back(judged(
+  const Adaptation& one = find(cases, degrees, 128, 1).adaptation;
+  const Interval after_one = one.adapted_interval(0.1);
+  claims.push_back(with_verdict(
       fmt::format("readapts-{:.0f}", degrees), kPaper,
       fmt::format("After {:.0f}° 128 bits readapt in about {} frames with one migration a frame.", degrees, frames),
-      fmt::format("within 10 % of the plateau after {} frames", one), fmt::format("at most {}", frames),
-      one <= frames));
-  const size_t many = find(cases, degrees, 128, 8).adaptation.adapted_after(0.1);
-  claims.push_back(judged(fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]",
-                          "Several migrations a frame readapt faster.",
-                          fmt::format("{} frames with eight, {} with one", many, one), "fewer, or both none",
-                          many < one || (many == 0 && one == 0)));
+      fmt::format("within 10 % of the plateau after {} frames", adapted_text(one, 0.1, 0)),
+      fmt::format("at most {}, by the interval", frames), verdict_of(after_one, 0, static_cast<double>(frames))));
+  const Adaptation& many = find(cases, degrees, 128, 8).adaptation;
+  const Interval after_many = many.adapted_interval(0.1);
+  const char* verdict = after_many.high < after_one.low                    ? kVerdictHolds
+                        : many.adapted_after(0.1) > one.adapted_after(0.1) ? kVerdictFails
+                                                                           : kVerdictUndecided;
+  claims.push_back(with_verdict(
+      fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]", "Several migrations a frame readapt faster.",
+      fmt::format("{} frames with eight, {} with one", adapted_text(many, 0.1, 0), adapted_text(one, 0.1, 0)),
+      "fewer; undecided if the intervals overlap", verdict));
 }
 
-void claim_bits(const std::vector<Case>& cases, double bsdf, std::vector<Claim>& claims) {
+void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vector<Claim>& claims) {
   std::string measured;
   for (const int bits : {32, 64, 96, 128}) {
     const double plateau = find(cases, 36, bits, 1).adaptation.plateau(16);
     measured += fmt::format("{}{} bits {:.3g}", measured.empty() ? "" : ", ", bits, plateau);
   }
-  const double few = find(cases, 36, 64, 1).adaptation.plateau(16);
-  const double many = find(cases, 36, 128, 1).adaptation.plateau(16);
-  claims.push_back(judged("bits", kPaper, "More than 64 bits do not lower the error much.", "MSE " + measured,
-                          "64 bits within 15 % of 128", few <= 1.15 * many));
-  const double peak = find(cases, 36, 128, 1).adaptation.mse.front();
+  const Adaptation& many = find(cases, 36, 128, 1).adaptation;
+  const ErrorRatio ratio = error_ratio(find(cases, 36, 64, 1).adaptation.plateaus(16), many.plateaus(16));
+  claims.push_back(with_verdict("bits", kPaper, "More than 64 bits do not lower the error much.",
+                                fmt::format("MSE {}; 64 bits over 128: {}", measured, to_text(ratio)),
+                                "64 bits at most 1.15× of 128, by the interval", verdict_of(ratio.interval, 0, 1.15)));
+  const ErrorRatio peak = error_ratio(many.at(0), bsdf.plateaus(bsdf.runs.front().size()));
   claims.push_back(
-      judged("bounded", kPaper,
-             "Right after 36° the error exceeds that of the BSDF's directions, which bound it by their share.",
-             fmt::format("{:.2f} of the BSDF's MSE ({:.3g})", peak / bsdf, bsdf), "between 1 and 2.2",
-             peak > bsdf && peak < 2.2 * bsdf));
+      with_verdict("bounded", kPaper,
+                   "Right after 36° the error exceeds that of the BSDF's directions, which bound it by their share.",
+                   fmt::format("{} of the BSDF's MSE", to_text(peak)), "between 1 and 2.2, by the interval",
+                   verdict_of(peak.interval, 1, 2.2)));
 }
 
 ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
@@ -108,14 +115,14 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
   Session session(Scene(scene.scene), settings);
   session.set_camera(scene.camera);
   std::vector<Case> cases;
-  double bsdf = 0;
+  Adaptation bsdf;
   for (const float degrees : {9.0f, 36.0f}) {
     const Goal goal = goal_after(context, scene, degrees);
     if (degrees > 20) {
       RenderSettings plain = settings;
       plain.time_s = degrees / kDegreesPerSecond;
       session.set_settings(plain);
-      bsdf = measure_adaptation(context, "BSDF", session, 2, 8, goal.reference, goal.surfaces).plateau(8);
+      bsdf = measure_adaptation(context, "BSDF", session, context.choose(16, 2), 4, goal.reference, goal.surfaces);
     }
     for (const int bits : {32, 64, 96, 128})
       cases.push_back(measure(context, session, settings, goal, degrees, bits, 1));
@@ -135,9 +142,9 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
         fmt::format("The lamp turns by {:.0f}°", degrees),
         "Error of single frames after the change; bands are 95 % intervals of the mean over the runs.", list, 0));
   }
-  result.setup = adapted_setup(context);
-  result.setup.emplace_back(
-      "Runs", fmt::format("{} seeds, each adapted for {} frames first", context.choose(16, 2), context.choose(128, 8)));
+  result.setup = learning_setup(context);
+  result.setup.emplace_back("Runs", fmt::format("{} seeds; each has {} frames to adapt and {} after the change",
+                                                context.choose(16, 2), context.choose(128, 8), context.choose(64, 8)));
   return result;
 }
 

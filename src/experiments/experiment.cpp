@@ -1,5 +1,8 @@
 #include "experiments/experiment.h"
 
+#include <algorithm>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -34,8 +37,24 @@ const Experiment& require_experiment(std::string_view name) {
 
 Claim judged(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
              bool holds) {
-  return {std::move(id),       std::move(paper),     std::move(claim),
-          std::move(measured), std::move(threshold), holds ? kVerdictHolds : kVerdictFails};
+  return with_verdict(std::move(id), std::move(paper), std::move(claim), std::move(measured), std::move(threshold),
+                      holds ? kVerdictHolds : kVerdictFails);
+}
+
+const char* verdict_of(const Interval& value, double least, double most) {
+  if (value.low >= least && value.high <= most) return kVerdictHolds;
+  return value.high < least || value.low > most ? kVerdictFails : kVerdictUndecided;
+}
+
+const char* verdict_of_all(const std::vector<const char*>& parts) {
+  const auto is = [](std::string_view verdict) { return [verdict](const char* part) { return part == verdict; }; };
+  if (std::any_of(parts.begin(), parts.end(), is(kVerdictFails))) return kVerdictFails;
+  return std::all_of(parts.begin(), parts.end(), is(kVerdictHolds)) ? kVerdictHolds : kVerdictUndecided;
+}
+
+Claim with_verdict(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
+                   const char* verdict) {
+  return {std::move(id), std::move(paper), std::move(claim), std::move(measured), std::move(threshold), verdict};
 }
 
 Claim unmeasured(std::string id, std::string paper, std::string claim, std::string threshold, std::string reason) {

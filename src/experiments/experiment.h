@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "metrics/statistics.h"
 #include "report/page.h"
 
 namespace relume {
@@ -60,6 +62,13 @@ const Experiment& require_experiment(std::string_view name);
 /// A claim whose verdict follows from `holds`.
 Claim judged(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
              bool holds);
+/// Whether a value lies from `least` to `most`: holds or fails if its whole interval does, else it is undecided.
+const char* verdict_of(const Interval& value, double least, double most = std::numeric_limits<double>::infinity());
+/// Of a claim with several parts: fails if one fails, holds if all hold.
+const char* verdict_of_all(const std::vector<const char*>& parts);
+/// A claim with one of the kVerdict constants.
+Claim with_verdict(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
+                   const char* verdict);
 /// A claim for which something is missing; `reason` says what.
 Claim unmeasured(std::string id, std::string paper, std::string claim, std::string threshold, std::string reason);
 

@@ -34,7 +34,8 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   add("static lists", LightSelectionChoice::static_lists, GuideChoice::bsdf);
   add("vlc", LightSelectionChoice::vlc, GuideChoice::bsdf);
   add("vlc, cdq", LightSelectionChoice::vlc, GuideChoice::cdq);
-  const AdaptedOptions options{.warm_up = context.choose(16, 2), .frames = context.choose(32, 4)};
+  const AdaptedOptions options{
+      .warm_up = context.choose(16, 2), .frames = context.choose(32, 4), .sessions = 1, .block = 1};
   return {scene.name, measure_adapted(context, scene, list, {}, {}, options)};
 }
 

@@ -183,13 +183,14 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   result.blocks.emplace_back(table(scenes));
   result.blocks.emplace_back(ViewerBlock{"Pictures", "What is shown at the last view, while the camera turns.",
                                          picture_layer_kinds(), std::move(sets)});
-  result.setup = {{"Camera", "turns by 10° from view to view; two views are measured, in each of two repetitions"},
-                  {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
-                  {"Bounces", "6; 2 in `warehouse` and `mine`"},
-                  {"Size", context.quick ? "64 × 36" : "192 × 108"},
-                  {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "
-                                            "and taken off MSE, not FLIP",
-                                            options.reference_spp)}};
+  result.setup = {
+      {"Camera", "turns by 10° from view to view; two views are measured, in each of two repetitions"},
+      {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
+      {"Bounces", "6; 2 in `warehouse` and `mine`"},
+      {"Size", context.quick ? "64 × 36" : "192 × 108"},
+      {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "
+                                "and taken off MSE, not FLIP",
+                                options.reference_spp)}};
   return result;
 }
 

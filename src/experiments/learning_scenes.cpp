@@ -109,6 +109,15 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
   return scene;
 }
 
+int learning_reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
+
+std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
+  return {{"Size", context.quick ? "64 × 36" : "192 × 108"},
+          {"Path", "two indirect rays, as in the paper"},
+          {"Reference", std::to_string(learning_reference_spp(context)) +
+                            " samples a pixel with the light tree; its own noise is known and taken off every MSE"}};
+}
+
 PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
   ExperimentScene lights = plainly_sampled(scene);
   lights.settings.path.max_bounces = 0;

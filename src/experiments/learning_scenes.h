@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "experiments/adapted_error.h"
@@ -23,6 +24,11 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
 /// The scene with the light selection that references are rendered with: the light tree, which learns nothing, and has
 /// far less noise than power where lamps are many.
 ExperimentScene plainly_sampled(ExperimentScene scene);
+
+/// Samples a pixel of references in experiments on learning.
+int learning_reference_spp(const ExperimentContext& context);
+/// What these experiments have in common, for ExperimentResult::setup.
+std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context);
 
 /// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
 /// single samples differ by all of their brightness, and no choice of lights or directions changes that.

@@ -60,7 +60,7 @@ struct Walk {
 };
 
 std::vector<Reference> render_references(const ExperimentContext& context, const ExperimentScene& scene,
-                                     const MovingOptions& options) {
+                                         const MovingOptions& options) {
   std::vector<Reference> references;
   ExperimentScene seen = plainly_sampled(scene);
   for (int view = 0; view < options.views; ++view) {

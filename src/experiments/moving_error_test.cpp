@@ -58,7 +58,7 @@ TEST(MovingError, EverybodyEndsAtTheReferencesView) {
 TEST(MovingError, KeepsTheReferencesNoiseOut) {
   // With four samples a pixel, noise of the reference is a good part of what a denoised picture differs by.
   const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
-  const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 512, .clock = rays_clock});
+  const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
   EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);
 }
 

@@ -21,6 +21,7 @@ std::string count_text(const std::vector<Claim>& claims) {
     return std::count_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.verdict == verdict; });
   };
   std::string text = fmt::format("{} of {} claims hold", count(kVerdictHolds), claims.size());
+  if (const auto undecided = count(kVerdictUndecided); undecided > 0) text += fmt::format(", {} undecided", undecided);
   if (const auto open = count(kVerdictOpen); open > 0) text += fmt::format(", {} not measured", open);
   return text;
 }

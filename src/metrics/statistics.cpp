@@ -8,14 +8,6 @@
 namespace relume {
 namespace {
 
-/// Quantile 0.975 of Student's t distribution.
-double student_t(size_t degrees_of_freedom) {
-  constexpr std::array<double, 10> kSmall{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
-  if (degrees_of_freedom <= kSmall.size()) return kSmall[degrees_of_freedom - 1];
-  const double v = static_cast<double>(degrees_of_freedom);
-  return 1.95996 * (1 + 1.2104 / v + 1.4402 / (v * v));  // Cornish-Fisher: within 0.2 % from 11 on
-}
-
 /// Probability that fewer than `k` of `n` fair coins show heads.
 double binomial_below(size_t n, size_t k) {
   double term = std::pow(0.5, static_cast<double>(n));
@@ -44,6 +36,13 @@ Interval median_interval(std::vector<double> values, double confidence) {
   size_t k = 1;  // the pair is the k-th smallest and the k-th largest value
   while (2 * (k + 1) <= n && 1 - 2 * binomial_below(n, k + 1) >= confidence) ++k;
   return {values[k - 1], values[n - k], n < 2 ? 0 : 1 - 2 * binomial_below(n, k)};
+}
+
+double student_t(size_t degrees_of_freedom) {
+  constexpr std::array<double, 10> kSmall{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
+  if (degrees_of_freedom <= kSmall.size()) return kSmall[degrees_of_freedom - 1];
+  const double v = static_cast<double>(degrees_of_freedom);
+  return 1.95996 * (1 + 1.2104 / v + 1.4402 / (v * v));  // Cornish-Fisher: within 0.2 % from 11 on
 }
 
 double mean(const std::vector<double>& values) {

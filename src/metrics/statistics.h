@@ -1,6 +1,7 @@
 // Statistics of few repeated measurements.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace relume {
@@ -21,6 +22,9 @@ Interval median_interval(std::vector<double> values, double confidence = 0.95);
 
 /// Interval of the mean of normally distributed values, by Student's t at 95 %. A single value has confidence 0.
 Interval mean_interval(const std::vector<double>& values);
+
+/// Quantile 0.975 of Student's t distribution. Requires at least one degree of freedom.
+double student_t(size_t degrees_of_freedom);
 
 double mean(const std::vector<double>& values);
 /// Root of the unbiased variance; 0 below two values.

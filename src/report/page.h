@@ -105,6 +105,7 @@ struct Claim {
 };
 inline constexpr const char* kVerdictHolds = "holds";
 inline constexpr const char* kVerdictFails = "does not hold";
+inline constexpr const char* kVerdictUndecided = "undecided";  ///< the bound lies within the measured interval
 inline constexpr const char* kVerdictOpen = "not measured";
 
 struct ClaimBlock {

@@ -8,7 +8,7 @@ import unittest
 
 from program import ProgramTest
 
-VERDICTS = {"holds", "does not hold", "not measured"}
+VERDICTS = {"holds", "does not hold", "undecided", "not measured"}
 
 
 class Experiments(ProgramTest):
