@@ -1,6 +1,7 @@
 // A hall, and beside it 16 by 16 narrow, high storage bays with a lamp each. From any place of a bay only its own lamp,
 // and perhaps one through an opening, is visible, while those behind the walls are nearly as close: choosing lamps
-// without regard to visibility, or with lists for cells as wide as a bay, wastes most shadow rays.
+// without regard to visibility wastes most shadow rays, and so do lists for cells wider than a bay (a static list's
+// cell is 4 m wide by default).
 #include <string>
 #include <vector>
 
