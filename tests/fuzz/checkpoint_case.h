@@ -13,20 +13,34 @@
 
 namespace relume::fuzz {
 
-/// A triangle that turns, a camera and uniform light.
+inline Mesh triangle(std::string name) {
+  return {.name = std::move(name),
+          .positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
+          .normals = {},
+          .tangents = {},
+          .uv0 = {},
+          .uv1 = {},
+          .colors = {},
+          .triangles = {{0, 1, 2}}};
+}
+
+/// A triangle that turns, one that shines on it, a camera and uniform light.
 inline Scene turning_triangle() {
   Scene scene;
-  scene.meshes.push_back(Mesh{.name = "triangle",
-                              .positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
-                              .normals = {},
-                              .tangents = {},
-                              .uv0 = {},
-                              .uv1 = {},
-                              .colors = {},
-                              .triangles = {{0, 1, 2}}});
-  Node triangle;
-  triangle.meshes = {0};
-  const Index node = scene.add_node(std::move(triangle));
+  scene.meshes.push_back(triangle("triangle"));
+  Node first;
+  first.meshes = {0};
+  const Index node = scene.add_node(std::move(first));
+  Material shining;
+  shining.emission = Rgb(3);
+  shining.double_sided = true;
+  scene.materials.push_back(shining);
+  scene.meshes.push_back(triangle("lamp"));
+  scene.meshes.back().material = 0;
+  Node lamp;
+  lamp.meshes = {1};
+  lamp.transform.translation = {0.5f, 0.5f, 2};
+  scene.add_node(std::move(lamp));
   scene.cameras.emplace_back();
   Node camera;
   camera.camera = 0;
@@ -41,13 +55,42 @@ inline Scene turning_triangle() {
   return scene;
 }
 
-inline Session checkpoint_session(HistoryChoice history) {
-  RenderSettings settings;
-  settings.width = 4;
-  settings.height = 3;
-  settings.threads = 1;
-  settings.history = history;
-  return Session(turning_triangle(), settings);
+/// What keeps a state of its own: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
+inline constexpr int kCheckpointCases = 9;
+
+inline RenderSettings checkpoint_settings(int which) {
+  RenderSettings s;
+  s.width = 4;
+  s.height = 3;
+  s.threads = 1;
+  s.path.max_bounces = 2;
+  switch (which) {
+    case 1: s.history = HistoryChoice::reproject; break;
+    case 2:
+      s.lights = LightSelectionChoice::vlc;
+      s.vlc.memory = 3;
+      s.guide = GuideChoice::cdq;
+      s.octree.scale = false;
+      s.octree.split = 8;
+      s.octree.collapse = 4;
+      break;
+    case 3:
+      s.lights = LightSelectionChoice::static_lists;
+      s.static_lists.rays = 64;
+      s.static_lists.cell_size = 1;
+      break;
+    case 4: s.cache = CacheChoice::psf; break;
+    case 5: s.cache = CacheChoice::apsf_apg; break;
+    case 6: s.denoise = DenoiseChoice::bmfr; break;
+    case 7: s.denoise = DenoiseChoice::svgf; break;
+    case 8: s.allocation = AllocationChoice::adaptive; break;
+    default: break;  // accumulates
+  }
+  return s;
+}
+
+inline Session checkpoint_session(int which) {
+  return Session(turning_triangle(), checkpoint_settings(which % kCheckpointCases));
 }
 
 inline std::string contents(const std::filesystem::path& file) {

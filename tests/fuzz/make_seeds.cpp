@@ -66,10 +66,9 @@ void write_settings(const fs::path& folder) {
 
 void write_checkpoints(const fs::path& folder) {
   const fs::path whole = folder / "whole.checkpoint";
-  for (const int choice : {0, 1}) {
-    relume::Session session = relume::fuzz::checkpoint_session(choice == 0 ? relume::HistoryChoice::accumulate
-                                                                           : relume::HistoryChoice::reproject);
-    for (int i = 0; i < 2; ++i) session.render_frame();
+  for (int choice = 0; choice < relume::fuzz::kCheckpointCases; ++choice) {
+    relume::Session session = relume::fuzz::checkpoint_session(choice);
+    for (int i = 0; i < 3; ++i) session.render_frame();
     session.save_checkpoint(whole);
     std::string checkpoint = relume::fuzz::contents(whole);
     checkpoint.resize(checkpoint.size() - sizeof(uint64_t));  // without its checksum

@@ -30,6 +30,20 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
   };
 }
 
+bool is_quadtree(const DirectionalQuadtree& tree) {
+  const uint32_t groups = tree.bit_count / 4;
+  if (tree.bits.rank(tree.bit_count) != groups - 1) return false;
+  uint32_t depths[BitField::kWords * 8] = {1};
+  uint32_t next = 1;  // group that the next inner node's children are
+  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+    if (!tree.bits.get(bit)) continue;
+    // Parents come first, or the way up would go in circles.
+    if (bit / 4 >= next || depths[bit / 4] >= kMaxQuadtreeDepth) return false;
+    depths[next++] = depths[bit / 4] + 1;
+  }
+  return true;
+}
+
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   const uint32_t bit_count = 32 * (1 + static_cast<uint32_t>(settings_.bits));
   const uint32_t regions = octree_.tree().leaf_slots();
@@ -45,9 +59,8 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
             octree_.groups(), trees, {settings_.stability, static_cast<uint32_t>(settings_.migrations)}, {&moved_, 1}},
         octree_.previous().leaf_slots(), 1);
     const std::vector<uint32_t>& previous = octree_.tree().links().previous;
-    for (uint32_t i = 0; i < regions; ++i) {
-      if (previous[i] != kNoRegion) next_trees.store(i, trees.load(previous[i]));
-    }
+    for (uint32_t i = 0; i < regions; ++i)
+      next_trees.store(i, previous[i] != kNoRegion ? trees.load(previous[i]) : uniform_quadtree(bit_count));
   } else {
     for (uint32_t i = 0; i < regions; ++i) next_trees.store(i, uniform_quadtree(bit_count));
   }
@@ -59,6 +72,15 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
 }
 
 void DirectionalQuadtreePass::save(std::ostream& out) const { write_vector(out, words_); }
-void DirectionalQuadtreePass::load(std::istream& in) { read_vector(in, words_); }
+
+void DirectionalQuadtreePass::load(std::istream& in) {
+  read_vector(in, words_);
+  const QuadtreeArray trees{mutable_view_of(words_), 32 * (1 + static_cast<uint32_t>(settings_.bits))};
+  bool valid = words_.size() % trees.words_per_tree() == 0;
+  for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
+  if (valid) return;
+  words_.clear();
+  in.setstate(std::ios::failbit);
+}
 
 }  // namespace relume

@@ -9,6 +9,10 @@
 
 namespace relume {
 
+/// Whether the bits are a tree: as many inner nodes as there are groups of children, each ahead of its children, none
+/// deeper than leaves are split. All that pathways through a tree rely on.
+bool is_quadtree(const DirectionalQuadtree& tree);
+
 class DirectionalQuadtreePass final : public Pass {
  public:
   DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree)

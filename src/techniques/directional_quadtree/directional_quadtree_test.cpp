@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "core/stream_io.h"
 #include "techniques/directional_quadtree/adapt_quadtree.h"
+#include "techniques/directional_quadtree/directional_quadtree_pass.h"
 #include "testing/histogram.h"
 #include "testing/random.h"
 
@@ -299,6 +302,52 @@ TEST(QuadtreeArray, StoresWhatItLoads) {
       for (uint32_t w = 0; w < BitField::kWords; ++w) EXPECT_EQ(array.load(i).bits.words[w], expected.bits.words[w]);
     }
   }
+}
+
+TEST(Quadtree, IsToldFromOtherBits) {
+  for (const uint32_t bits : {32u, 64u, 96u, 128u}) {
+    DirectionalQuadtree tree = uniform_quadtree(bits);
+    EXPECT_TRUE(is_quadtree(tree));
+    testing::Random random(bits);
+    for (int i = 0; i < 200; ++i) {  // whatever adaption makes of it
+      const uint32_t place = pack_square(random.next_2d());
+      adapt(tree, [&](uint32_t) { return DirectionSample{place, 1.0f}; }, 1, {0.1f, 4});
+      ASSERT_TRUE(is_quadtree(tree)) << bits << ' ' << i;
+    }
+    tree.bits.words[0] = 0xffffffffu;
+    EXPECT_FALSE(is_quadtree(tree));
+    EXPECT_FALSE(is_quadtree({BitField{}, bits}));
+    // As many inner nodes as there should be, but the first is among its own children.
+    DirectionalQuadtree circle{BitField{}, bits};
+    for (uint32_t i = 0; i + 1 < bits / 4; ++i) circle.bits.set(4 + i);
+    EXPECT_FALSE(is_quadtree(circle));
+  }
+  // A chain that goes deeper than any leaf is split.
+  DirectionalQuadtree chain{BitField{}, 128};
+  for (uint32_t i = 0; i < 31; ++i) chain.bits.set(4 * i);
+  EXPECT_FALSE(is_quadtree(chain));
+}
+
+TEST(DirectionalQuadtreePass, RefusesCheckpointsWithWhatIsNoTree) {
+  const OctreeSettings octree_settings;
+  const OctreePass octree(octree_settings);
+  const DirectionalQuadtreeSettings settings;  // 128 bits
+  const auto loads = [&](const std::vector<uint32_t>& words) {
+    std::stringstream file;
+    write_vector(file, words);
+    DirectionalQuadtreePass pass(settings, octree);
+    pass.load(file);
+    return static_cast<bool>(file);
+  };
+  std::vector<uint32_t> words(8);
+  const QuadtreeArray trees{mutable_view_of(words), 128};
+  trees.store(0, uniform_quadtree(128));
+  trees.store(1, uniform_quadtree(128));
+  EXPECT_TRUE(loads(words));
+  EXPECT_FALSE(loads({words.begin(), words.end() - 1}));
+  EXPECT_FALSE(loads(std::vector<uint32_t>(8, 0xffffffffu)));
+  words[5] = 0xffffffffu;  // in the second
+  EXPECT_FALSE(loads(words));
 }
 
 }  // namespace

@@ -253,6 +253,11 @@ TEST(Octree, ComesBackFromAFileAndRefusesDamage) {
     EXPECT_TRUE(in.fail()) << at;
     EXPECT_EQ(other.leaf_count(), 8u);
   }
+  std::string damaged = bytes;
+  damaged.replace(0, 16, 16, '\xff');  // place and scale are no numbers
+  std::stringstream in(damaged);
+  other.load(in);
+  EXPECT_TRUE(in.fail());
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ void OctreeTree::load(std::istream& in) {
   read_value(in, corner_);
   read_value(in, scale_);
   read_vector(in, nodes_);
-  if (!is_breadth_first(nodes_)) {
+  if (!is_breadth_first(nodes_) || !is_finite(corner_) || !is_finite(scale_) || !(scale_ > 0)) {
     *this = OctreeTree(Vec3(0), 1.0f);
     return in.setstate(std::ios::failbit);
   }

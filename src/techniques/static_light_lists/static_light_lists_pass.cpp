@@ -7,12 +7,21 @@
 namespace relume {
 namespace {
 
+/// Cells of the grid, or a number above `most`: their product may be more than 32 bits hold.
+uint64_t cell_count(const LightGrid& grid, uint64_t most) {
+  uint64_t count = 1;
+  for (int axis = 0; axis < 3 && count <= most; ++axis) count *= grid.cells[axis];
+  return count;
+}
+
 /// Whether every cell's list stands where it can be read and names lights that there are.
 bool is_consistent(const LightListData& data, uint32_t lights) {
   if (data.first.empty()) return data.ids.empty();
+  if (!is_finite(data.grid.corner) || !is_finite(data.grid.cell_size) || !(data.grid.cell_size > 0)) return false;
+  if (cell_count(data.grid, data.first.size()) + 1 != data.first.size()) return false;
   const bool sorted = std::is_sorted(data.first.begin(), data.first.end());
   const bool known = std::all_of(data.ids.begin(), data.ids.end(), [&](LightId id) { return id < lights; });
-  return sorted && known && data.first.size() == size_t{data.grid.count()} + 1 && data.first.back() == data.ids.size();
+  return sorted && known && data.first.back() == data.ids.size();
 }
 
 }  // namespace

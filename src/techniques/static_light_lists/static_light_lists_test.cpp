@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
+#include <sstream>
 #include <vector>
 
+#include "core/stream_io.h"
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "techniques/static_light_lists/build_lists.h"
+#include "techniques/static_light_lists/static_light_lists_pass.h"
 #include "testing/random.h"
 
 namespace relume {
@@ -66,6 +70,34 @@ TEST(StaticLightLists, SceneWithoutLightsHasNone) {
   const CompiledScene scene(find_builtin_scene("mine")->build(), {});
   Backend backend(1);
   EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
+}
+
+TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
+  const StaticLightListsSettings settings;
+  const LightSelectionSettings selection;
+  const auto loads = [&](const LightListData& data) {
+    std::stringstream file;
+    write_value(file, uint32_t{3});  // lights
+    write_value(file, 0.0f);
+    write_value(file, uint32_t{4096});
+    write_value(file, data.grid.corner);
+    write_value(file, data.grid.cell_size);
+    write_value(file, data.grid.cells);
+    write_vector(file, data.first);
+    write_vector(file, data.ids);
+    StaticLightListsPass pass(settings, selection);
+    pass.load(file);
+    return static_cast<bool>(file);
+  };
+  LightListData data{{Vec3(0), 1, UVec3(2, 1, 1)}, {0, 1, 2}, {1, 2}};
+  EXPECT_TRUE(loads(data));
+  data.ids = {1, 3};
+  EXPECT_FALSE(loads(data));
+  data.ids = {1, 2};
+  data.grid.cell_size = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(loads(data));
+  // Its product is 65536 in 32 bits.
+  EXPECT_FALSE(loads({{Vec3(0), 1, UVec3(65537, 65536, 1)}, std::vector<uint32_t>(65537, 0), {}}));
 }
 
 }  // namespace

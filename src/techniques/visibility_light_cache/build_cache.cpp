@@ -5,6 +5,12 @@
 #include "core/stream_io.h"
 
 namespace relume {
+namespace {
+
+/// Lights on all lists together, at most: places among them are numbers of 32 bits.
+constexpr uint64_t kMostListed = uint64_t{1} << 31;
+
+}  // namespace
 
 void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, uint32_t light_count,
                         const CacheBuildOptions& options) {
@@ -92,10 +98,16 @@ void LightCaches::load(std::istream& in) {
   read_vector(in, lists_);
   read_vector(in, lights_);
   entries_.clear();
-  const auto inside = [this](const LightList& list) {
+  uint64_t listed = 0;
+  const auto inside = [&](const LightList& list) {
+    listed += list.count;
     return list.first <= lights_.size() && list.count <= lights_.size() - list.first;
   };
-  if (in && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside)) return;
+  // The eight parts of a region that was split share its list; more would let sums of lengths grow beyond all bounds.
+  if (in && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside) &&
+      listed <= std::min<uint64_t>(8 * uint64_t{lights_.size()}, kMostListed)) {
+    return;
+  }
   *this = {};
   in.setstate(std::ios::failbit);
 }

@@ -48,6 +48,8 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
     options.memory = static_cast<uint32_t>(settings_.memory);
     caches_.build(frame.backend, octree_.previous(), octree_.groups(), frame.scene.lights.first_infinite, options);
     caches_.populate(frame.backend, octree_.tree());
+  } else {
+    caches_ = {};
   }
   frame.backend.run("vlc.exploration", [&] { build_tables(frame); });
   return true;

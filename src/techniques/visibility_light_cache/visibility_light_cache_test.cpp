@@ -7,6 +7,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/stream_io.h"
 #include "scene/testing/light_scene.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/exploration.h"
@@ -201,6 +202,20 @@ TEST_F(Caches, GoWithTheLeaves) {
     other.load(in);
     for (uint32_t region = 0; region < other.buckets().size; ++region) other.list(region);
   }
+}
+
+TEST_F(Caches, RefuseListsThatOverlapMoreThanASplitMakesThem) {
+  const auto loads = [](size_t regions) {
+    std::stringstream file;
+    write_vector(file, std::vector<LightBuckets>(regions));
+    write_vector(file, std::vector<LightList>(regions, {0, 10}));
+    write_vector(file, std::vector<uint32_t>(10, CachedLight::pack(1, 0)));
+    LightCaches caches;
+    caches.load(file);
+    return static_cast<bool>(file);
+  };
+  EXPECT_TRUE(loads(8));
+  EXPECT_FALSE(loads(9));
 }
 
 TEST_F(Caches, DoNotDependOnThreads) {
