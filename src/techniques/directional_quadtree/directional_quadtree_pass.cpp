@@ -46,10 +46,7 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
 
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   const uint32_t bit_count = 32 * (1 + static_cast<uint32_t>(settings_.bits));
-  const uint32_t regions = octree_.tree().leaf_slots();
-  std::vector<uint32_t> next(size_t{regions} * (bit_count / 32));
   const QuadtreeArray trees{mutable_view_of(words_), bit_count};
-  const QuadtreeArray next_trees{mutable_view_of(next), bit_count};
   const bool same_size = octree_.has_samples() && words_.size() == octree_.previous().leaf_slots() * (bit_count / 32);
   moved_ = 0;
   if (same_size) {
@@ -58,17 +55,24 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
         AdaptQuadtreesKernel{
             octree_.groups(), trees, {settings_.stability, static_cast<uint32_t>(settings_.migrations)}, {&moved_, 1}},
         octree_.previous().leaf_slots(), 1);
-    const std::vector<uint32_t>& previous = octree_.tree().links().previous;
-    for (uint32_t i = 0; i < regions; ++i)
-      next_trees.store(i, previous[i] != kNoRegion ? trees.load(previous[i]) : uniform_quadtree(bit_count));
-  } else {
-    for (uint32_t i = 0; i < regions; ++i) next_trees.store(i, uniform_quadtree(bit_count));
   }
-  words_ = std::move(next);
+  frame.backend.run("cdq.populate", [&] { populate(bit_count, same_size); });
   directions_.quadtrees = {mutable_view_of(words_), bit_count};
   directions_.bsdf_fraction = settings_.bsdf_fraction;
   directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
   return true;
+}
+
+void DirectionalQuadtreePass::populate(uint32_t bit_count, bool keep) {
+  const uint32_t regions = octree_.tree().leaf_slots();
+  std::vector<uint32_t> next(size_t{regions} * (bit_count / 32));
+  const QuadtreeArray trees{mutable_view_of(words_), bit_count};
+  const QuadtreeArray next_trees{mutable_view_of(next), bit_count};
+  const std::vector<uint32_t>& previous = octree_.tree().links().previous;
+  const DirectionalQuadtree uniform = uniform_quadtree(bit_count);
+  for (uint32_t i = 0; i < regions; ++i)
+    next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
+  words_ = std::move(next);
 }
 
 void DirectionalQuadtreePass::save(std::ostream& out) const { write_vector(out, words_); }

@@ -24,7 +24,9 @@ class DirectionalQuadtreePass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool adapts() const override { return true; }
   size_t memory_bytes() const override { return words_.size() * sizeof(uint32_t); }
-  std::vector<PassFigure> figures() const override { return {{"migrations", static_cast<double>(moved_)}}; }
+  std::vector<PassFigure> figures() const override {
+    return {{"migrations", static_cast<double>(moved_)}, {"quadtree-bytes", static_cast<double>(memory_bytes())}};
+  }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
@@ -32,6 +34,9 @@ class DirectionalQuadtreePass final : public Pass {
   const DirectionSampler& directions() const { return directions_; }
 
  private:
+  /// Trees for the leaves of the present octree: those that they stem from if `keep`, else uniform ones.
+  void populate(uint32_t bit_count, bool keep);
+
   const DirectionalQuadtreeSettings& settings_;
   const OctreePass& octree_;
   DirectionSampler directions_;

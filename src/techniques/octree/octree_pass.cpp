@@ -81,7 +81,7 @@ bool OctreePass::run(const FrameContext& frame) {
     previous_ = std::move(tree_);
     tree_ = std::move(next);
   }
-  depths_ = tree_->leaf_depths();
+  frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
   stream_.resize(frame.pixels(), vertices);  // another size leaves this frame's regions without samples
   recording_ = {tree_->view(),  stream_.samples(), vertices,
                 frame.pixels(), settings_.jitter,  hash(frame.index.seed, frame.number, kJitterSeed)};
@@ -110,7 +110,8 @@ bool RegionViewPass::run(const FrameContext& frame) {
 }
 
 size_t OctreePass::memory_bytes() const {
-  return stream_.memory_bytes() + (tree_ ? tree_->memory_bytes() : 0) + (previous_ ? previous_->memory_bytes() : 0);
+  return stream_.memory_bytes() + depths_.capacity() + (tree_ ? tree_->memory_bytes() : 0) +
+         (previous_ ? previous_->memory_bytes() : 0);
 }
 
 std::vector<PassFigure> OctreePass::figures() const {
@@ -119,7 +120,8 @@ std::vector<PassFigure> OctreePass::figures() const {
           {"leaf-slots", static_cast<double>(tree_->leaf_slots())},
           {"depth", static_cast<double>(tree_->depth())},
           {"samples", static_cast<double>(stream_.groups().order.size)},
-          {"tree-bytes", static_cast<double>(tree_->memory_bytes())}};
+          {"tree-bytes", static_cast<double>(tree_->memory_bytes() + depths_.capacity())},
+          {"place-bytes", static_cast<double>(stream_.place_bytes())}};
 }
 
 void OctreePass::save(std::ostream& out) const {

@@ -126,7 +126,8 @@ void OctreeTree::load(std::istream& in) {
 
 OctreeTree OctreeTree::adapted(Backend& backend, View<const uint32_t> counts,
                                const OctreeThresholds& thresholds) const {
-  const std::vector<uint8_t> depths = depths_of(nodes_);
+  std::vector<uint8_t> depths;
+  backend.run("octree.mark", [&] { depths = depths_of(nodes_); });
   std::vector<uint8_t> split(nodes_.size());
   std::vector<uint8_t> collapse(nodes_.size());
   OctreeThresholds limits = thresholds;
@@ -153,8 +154,10 @@ void OctreeTree::augment(Backend& backend, const OctreeTree& previous, View<cons
          OctreeLeafLinksKernel{view(), previous.view(), view_of(links_.parents), counts,
                                mutable_view_of(links_.neighbours), mutable_view_of(links_.previous)},
          leaf_slots(), 1);
-  const std::vector<uint8_t> depths = depths_of(nodes_);
-  depth_ = 1u + *std::max_element(depths.begin(), depths.end());
+  backend.run("octree.augment", [&] {
+    const std::vector<uint8_t> depths = depths_of(nodes_);
+    depth_ = 1u + *std::max_element(depths.begin(), depths.end());
+  });
 }
 
 }  // namespace relume

@@ -52,6 +52,8 @@ class SampleStream {
   SampleGroupsView groups() const;
 
   size_t memory_bytes() const;
+  /// Of what each region has: where its records stand, and how many.
+  size_t place_bytes() const;
   /// The records; grouping is not kept.
   void save(std::ostream& out) const;
   void load(std::istream& in);
@@ -61,7 +63,6 @@ class SampleStream {
   std::vector<uint32_t> order_;
   std::vector<uint32_t> offsets_;
   std::vector<uint32_t> counts_;
-  std::vector<uint32_t> chunk_starts_;  ///< by chunk and region
 };
 
 }  // namespace relume

@@ -34,12 +34,15 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.old_lights = view_of(lights_);
   merge.light_count = light_count;
   merge.memory = options.memory;
-  uint32_t total = 0;
-  for (uint32_t i = 0; i < regions; ++i) {
-    places[i] = total;
-    total += merge.bound(i);
-  }
-  std::vector<uint32_t> lights(total);
+  std::vector<uint32_t> lights;
+  backend.run("vlc.merge", [&] {
+    uint32_t total = 0;
+    for (uint32_t i = 0; i < regions; ++i) {
+      places[i] = total;
+      total += merge.bound(i);
+    }
+    lights.resize(total);
+  });
   merge.places = view_of(places);
   merge.lights = mutable_view_of(lights);
   merge.lists = mutable_view_of(lists);
@@ -50,12 +53,14 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
          CountBucketsKernel{view_of(lists), view_of(lights), view_of(buckets_), options.bucket_size, options.hysteresis,
                             mutable_view_of(buckets)},
          regions, 1);
-  uint32_t entries = 0;
-  for (LightBuckets& b : buckets) {
-    b.first = entries;
-    entries += b.count * options.bucket_size;
-  }
-  entries_.resize(entries);
+  backend.run("vlc.buckets", [&] {
+    uint32_t entries = 0;
+    for (LightBuckets& b : buckets) {
+      b.first = entries;
+      entries += b.count * options.bucket_size;
+    }
+    entries_.resize(entries);
+  });
   launch(backend, "vlc.buckets",
          FillBucketsKernel{view_of(lists), view_of(lights), view_of(buckets), options.bucket_size,
                            mutable_view_of(entries_), mutable_view_of(dropped)},
@@ -82,10 +87,11 @@ void LightCaches::populate(Backend& backend, const OctreeTree& next) {
   });
 }
 
-size_t LightCaches::memory_bytes() const {
-  return buckets_.size() * sizeof(LightBuckets) + lists_.size() * sizeof(LightList) +
-         (entries_.size() + lights_.size()) * sizeof(uint32_t);
+size_t LightCaches::region_bytes() const {
+  return buckets_.capacity() * sizeof(LightBuckets) + lists_.capacity() * sizeof(LightList);
 }
+
+size_t LightCaches::entry_bytes() const { return (entries_.capacity() + lights_.capacity()) * sizeof(uint32_t); }
 
 void LightCaches::save(std::ostream& out) const {
   write_vector(out, buckets_);

@@ -49,7 +49,9 @@ class LightCaches {
   }
   /// Lights for which there was no room in the last build.
   uint64_t dropped() const { return dropped_; }
-  size_t memory_bytes() const;
+  /// Of what each leaf slot has, and of the lights that they know.
+  size_t region_bytes() const;
+  size_t entry_bytes() const;
 
   /// What the next build() takes over from this one: bucket counts and what is remembered.
   void save(std::ostream& out) const;

@@ -107,11 +107,13 @@ std::vector<PassFigure> VisibilityLightCachePass::figures() const {
   return {{"regions", static_cast<double>(regions)},
           {"lights-a-region", static_cast<double>(lights) / n},
           {"buckets-a-region", static_cast<double>(buckets) / n},
-          {"dropped", static_cast<double>(caches_.dropped())}};
+          {"dropped", static_cast<double>(caches_.dropped())},
+          {"cache-bytes", static_cast<double>(caches_.region_bytes())},
+          {"entry-bytes", static_cast<double>(caches_.entry_bytes())}};
 }
 
 size_t VisibilityLightCachePass::memory_bytes() const {
-  return caches_.memory_bytes() + all_.memory_bytes() + sizeof(AliasEntry) * infinite_.size() +
+  return caches_.region_bytes() + caches_.entry_bytes() + all_.memory_bytes() + sizeof(AliasEntry) * infinite_.size() +
          sizeof(float) * columns_.size();
 }
 
