@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cstring>
 
+#include <unistd.h>
+
 namespace relume {
 namespace {
 
 /// Slots a cell: the table is at most half full, so that probing stays short.
 constexpr uint64_t kSlotsPerCell = 4;
 constexpr uint32_t kMinSlots = 1024;
+
+constexpr uint64_t kSlotBytes = sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory);
 
 uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintenanceRow - 1) / kMaintenanceRow); }
 
@@ -27,19 +31,35 @@ T take(std::span<const std::byte>& bytes) {
 }
 
 /// What goes into a checkpoint: the number of slots, counters, and each cell.
-constexpr size_t kSavedHeaderBytes = 2 * sizeof(uint32_t) + sizeof(HashGridCounters) + 2 * sizeof(uint64_t);
+constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 3 * sizeof(uint64_t);
 constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
 
 }  // namespace
 
-HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells)
-    : settings_(settings), first_slots_(wanted_slots(expected_cells)) {
+uint64_t open_slot_limit(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
+  const uint64_t wanted = std::max(pixels * depths * kSlotsPerCell, uint64_t{1} << 20);
+  return std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, std::min(wanted, uint64_t{kMostSlots}));
+}
+
+uint64_t physical_memory_bytes() {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, uint64_t open_limit)
+    : expected_cells_(expected_cells) {
+  configure(settings, open_limit);
   allocate(first_slots_);
 }
 
+void HashGrid::configure(const HashGridSettings& settings, uint64_t open_limit) {
+  settings_ = settings;
+  const uint64_t limit = settings.max_cells > 0 ? static_cast<uint64_t>(settings.max_cells) : open_limit;
+  limit_ = static_cast<uint32_t>(std::clamp(limit, uint64_t{1}, uint64_t{kMostSlots}));
+  first_slots_ = wanted_slots(expected_cells_);
+}
+
 uint32_t HashGrid::wanted_slots(uint64_t live) const {
-  const auto largest = static_cast<uint64_t>(settings_.max_cells);
-  return static_cast<uint32_t>(std::min(std::max(live * kSlotsPerCell, uint64_t{kMinSlots}), largest));
+  return static_cast<uint32_t>(std::min(std::max(live * kSlotsPerCell, uint64_t{kMinSlots}), uint64_t{limit_}));
 }
 
 void HashGrid::allocate(uint32_t slots) {
@@ -92,9 +112,14 @@ void HashGrid::adjust_size(Backend& backend) {
   // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
   const uint64_t slots = fingerprints_.size();
   const uint32_t wanted = wanted_slots(census_.live);
-  const bool crowded = census_.taken * 2 > slots && (wanted > slots || census_.live * 2 < census_.taken);
+  // Cleaning takes a pass over the table: it has to free some of it, and less if new cells find no room.
+  const uint64_t dead = census_.taken - census_.live;
+  const bool lost = counters_.dropped > dropped_before_;
+  const bool worthwhile = dead * (lost ? 64 : 8) >= slots;
+  const bool crowded = census_.taken * 2 > slots && (wanted > slots || worthwhile);
   const bool spacious = uint64_t{wanted} * 8 < slots && wanted >= first_slots_;
-  if (crowded || spacious) rebuild(backend, wanted);
+  if (crowded || spacious || slots > limit_) rebuild(backend, wanted);
+  dropped_before_ = counters_.dropped;
 }
 
 void HashGrid::clear() {
@@ -133,7 +158,7 @@ HashGridStatistics HashGrid::statistics() const {
   s.nonfinite = counters_.nonfinite;
   s.changed = census_.changed;
   s.rebuilds = rebuilds_;
-  s.memory_bytes = s.slots * (sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory));
+  s.memory_bytes = s.slots * kSlotBytes;
   return s;
 }
 
@@ -143,7 +168,7 @@ std::vector<std::byte> HashGrid::save() const {
   std::vector<std::byte> bytes(kSavedHeaderBytes + taken * kSavedCellBytes);
   std::span<std::byte> rest = bytes;
   put(rest, static_cast<uint32_t>(fingerprints_.size()));
-  put(rest, first_slots_);
+  put(rest, expected_cells_);
   put(rest, counters_);
   put(rest, evicted_);
   put(rest, inherited_);
@@ -156,21 +181,20 @@ std::vector<std::byte> HashGrid::save() const {
   return bytes;
 }
 
-uint64_t HashGrid::largest_save(const HashGridSettings& settings) {
-  return kSavedHeaderBytes + static_cast<uint64_t>(settings.max_cells) * kSavedCellBytes;
-}
-
 bool HashGrid::load(std::span<const std::byte> bytes) {
   if (bytes.size() < kSavedHeaderBytes || (bytes.size() - kSavedHeaderBytes) % kSavedCellBytes != 0) return false;
   const size_t cells = (bytes.size() - kSavedHeaderBytes) / kSavedCellBytes;
   const auto slots = take<uint32_t>(bytes);
-  const auto first_slots = take<uint32_t>(bytes);
-  if (slots == 0 || slots > static_cast<uint32_t>(settings_.max_cells) || cells > slots) return false;
-  first_slots_ = first_slots;
-  allocate(slots);
+  const auto expected_cells = take<uint64_t>(bytes);
+  if (slots == 0 || slots > uint32_t{kMostSlots} || cells > slots || expected_cells > uint64_t{kMostSlots})
+    return false;
+  expected_cells_ = expected_cells;
+  first_slots_ = wanted_slots(expected_cells_);
+  allocate(std::min(slots, limit_));
   counters_ = take<HashGridCounters>(bytes);
   evicted_ = take<uint64_t>(bytes);
   inherited_ = take<uint64_t>(bytes);
+  census_ = {};
   const HashGridView v = view({});
   for (size_t i = 0; i < cells; ++i) {
     const auto fingerprint = take<uint64_t>(bytes);
@@ -178,8 +202,15 @@ bool HashGrid::load(std::span<const std::byte> bytes) {
     const auto history = take<CellHistory>(bytes);
     bool made = false;
     const uint32_t slot = v.find_or_insert({fingerprint, home}, made);
-    if (slot != kNoCell) histories_[slot] = history;
+    if (slot == kNoCell) {
+      ++counters_.dropped;
+      continue;
+    }
+    histories_[slot] = history;
+    ++census_.taken;
+    census_.live += history.empty() ? 0u : 1u;
   }
+  dropped_before_ = counters_.dropped;
   return true;
 }
 

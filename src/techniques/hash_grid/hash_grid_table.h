@@ -29,16 +29,26 @@ struct HashGridStatistics {
   size_t memory_bytes = 0;
 };
 
+/// Most slots of a table whose settings leave that open, for a picture whose paths have `depths` vertices with cells:
+/// four for each of them, within an eighth of `memory_bytes`. A frame makes about one cell a vertex at most, and
+/// half-full tables are quick.
+uint64_t open_slot_limit(uint64_t pixels, uint64_t depths, uint64_t memory_bytes);
+
+/// Of this machine.
+uint64_t physical_memory_bytes();
+
 class HashGrid {
  public:
-  /// `expected_cells`: a guess at how many there will be; the size follows what is found.
-  HashGrid(const HashGridSettings& settings, uint64_t expected_cells);
+  /// `expected_cells`: a guess at how many there will be; the size follows what is found. `open_limit`: slots at most
+  /// if the settings leave that open.
+  HashGrid(const HashGridSettings& settings, uint64_t expected_cells, uint64_t open_limit = kDefaultLimit);
 
   /// An empty table of the smallest size.
   HashGrid() : HashGrid(HashGridSettings{}, 0) {}
 
-  /// Takes new settings on. Cells whose keys they change are evicted in time.
-  void configure(const HashGridSettings& settings) { settings_ = settings; }
+  /// Takes new settings on. Cells whose keys they change are evicted in time; a table above its limit shrinks when
+  /// clear() or adjust_size() is called next.
+  void configure(const HashGridSettings& settings, uint64_t open_limit = kDefaultLimit);
 
   /// For the kernels of a frame. `camera` sets the level of detail.
   HashGridView view(const CameraView& camera);
@@ -57,21 +67,26 @@ class HashGrid {
   void clear();
 
   HashGridStatistics statistics() const;
+  /// Slots at most.
+  uint32_t limit() const { return limit_; }
 
   /// Everything that later frames depend on.
   std::vector<std::byte> save() const;
-  /// The state that save() gave. False, and nothing changes, if the bytes are no such state.
+  /// The state that save() gave. False, and nothing changes, if the bytes are no such state. Cells that have no room
+  /// within the limit are dropped and counted.
   bool load(std::span<const std::byte> bytes);
-  /// No state that save() gives has more bytes.
-  static uint64_t largest_save(const HashGridSettings& settings);
 
  private:
+  static constexpr uint64_t kDefaultLimit = 1 << 23;
+
   void allocate(uint32_t slots);
   void rebuild(Backend& backend, uint32_t slots);
   uint32_t wanted_slots(uint64_t live) const;
 
   HashGridSettings settings_;
-  uint32_t first_slots_;
+  uint64_t expected_cells_;
+  uint32_t limit_ = 0;        ///< slots at most
+  uint32_t first_slots_ = 0;  ///< of an empty table
   std::vector<uint64_t> fingerprints_;
   std::vector<uint32_t> homes_;
   std::vector<uint32_t> parents_;
@@ -83,6 +98,7 @@ class HashGrid {
   uint64_t evicted_ = 0;
   uint64_t inherited_ = 0;
   uint64_t rebuilds_ = 0;
+  uint64_t dropped_before_ = 0;  ///< when the size was adjusted last
 };
 
 }  // namespace relume

@@ -49,8 +49,10 @@ SettingList describe(HashGridSettings& s) {
        {.min = 0, .max = 100, .biases = true}},
       {"max-cells",
        &s.max_cells,
-       "Largest size of the table; what has no room is dropped and reported",
-       {.min = 64, .max = 1 << 28, .biases = true}},
+       "Largest size of the table; what has no room is dropped and reported. 0: four slots for each pixel and each "
+       "vertex "
+       "of its path that has cells, within an eighth of the machine's memory",
+       {.min = 0, .max = kMostSlots, .biases = true}},
   };
 }
 

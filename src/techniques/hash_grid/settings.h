@@ -6,6 +6,9 @@
 
 namespace relume {
 
+/// No table has more slots.
+inline constexpr int kMostSlots = 1 << 28;
+
 struct HashGridSettings {
   float cell_size = 8;  ///< edge of a cell in footprints of a pixel
   bool jitter = true;
@@ -18,7 +21,7 @@ struct HashGridSettings {
   ThinCells thin_cells = ThinCells::coarser;
   float clamp = 0;
   float change_detection = 4;
-  int max_cells = 1 << 23;
+  int max_cells = 0;  ///< slots of the table at most; 0: as picture and memory ask for
 };
 
 SettingList describe(HashGridSettings& settings);

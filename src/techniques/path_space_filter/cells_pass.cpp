@@ -1,5 +1,6 @@
 #include "techniques/path_space_filter/cells_pass.h"
 
+#include <algorithm>
 #include <istream>
 #include <ostream>
 
@@ -22,10 +23,12 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
-  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_));
+  const uint64_t limit = open_slot_limit(frame.pixels(), depths_, physical_memory_bytes());
+  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), limit);
   ready_ = true;
-  grid_.configure(settings_.grid);
+  grid_.configure(settings_.grid, limit);
   if (includes(frame.changes, Change::settings)) grid_.clear();
+  grid_.adjust_size(frame.backend);  // the limit may be another one now
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
   filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
@@ -41,7 +44,7 @@ std::vector<PassFigure> CellsPass::figures() const {
           {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
           {"evicted", static_cast<double>(s.evicted)},     {"changed", static_cast<double>(s.changed)},
           {"dropped", static_cast<double>(s.dropped)},     {"saturated", static_cast<double>(s.saturated)},
-          {"nonfinite", static_cast<double>(s.nonfinite)}};
+          {"nonfinite", static_cast<double>(s.nonfinite)}, {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 
 std::vector<std::string> CellsPass::warnings() const {
@@ -51,7 +54,7 @@ std::vector<std::string> CellsPass::warnings() const {
     list.push_back(fmt::format(
         "{} samples found no room among the cells and were dropped, so another run may differ in its bits; if it was "
         "not only in the first frames, raise psf.max-cells (now {})",
-        s.dropped, settings_.grid.max_cells));
+        s.dropped, grid_.limit()));
   }
   if (s.nonfinite > 0)
     list.push_back(fmt::format("{} samples for cells were not finite and were left out", s.nonfinite));
@@ -71,11 +74,14 @@ void CellsPass::load(std::istream& in) {
   uint64_t size = 0;
   in.read(reinterpret_cast<char*>(&watched_frames), sizeof watched_frames);
   in.read(reinterpret_cast<char*>(&size), sizeof size);
-  const uint64_t largest = HashGrid::largest_save(settings_.grid);
-  if (!in || size > largest) return in.setstate(std::ios::failbit);
-  std::vector<std::byte> bytes(size);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  grid_.configure(settings_.grid);
+  // Piece by piece: a size that is wrong ends with the file, and not with the memory.
+  std::vector<std::byte> bytes;
+  while (in && bytes.size() < size) {
+    const size_t piece = std::min<uint64_t>(size - bytes.size(), 1 << 20);
+    bytes.resize(bytes.size() + piece);
+    in.read(reinterpret_cast<char*>(bytes.data() + bytes.size() - piece), static_cast<std::streamsize>(piece));
+  }
+  grid_.configure(settings_.grid, open_slot_limit(kMostSlots, 1, physical_memory_bytes()));
   if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
   watched_frames_ = watched_frames;
   ready_ = true;
