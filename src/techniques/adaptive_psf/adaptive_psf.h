@@ -39,7 +39,7 @@ struct AdaptivePsf {
     pixel.survival = known && !pixel.divided
                          ? relume::max(survival(survival_function, survival_thresholds, v), survival_floor)
                          : 1.0f;
-    pixel.blend = known ? blend(blend_function, blend_thresholds, v) : 1.0f;
+    pixel.blend = blend(blend_function, blend_thresholds, v);
     pixel.culled = u >= pixel.survival;
     if (pixel.culled) pixel.blend = 1.0f;
     return !pixel.culled;

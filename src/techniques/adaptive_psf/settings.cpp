@@ -37,8 +37,9 @@ SettingList describe(AdaptivePsfSettings& s) {
        "few dark ones look certain, and cells that get no more stay dark",
        {.min = 1, .max = 1 << 20, .biases = true}},
       {"blend",
-       choice(s.blend, {"zero", "one", "step", "one-over-square"}),
-       "Share of the cell in a pixel whose path was followed: none, all, or all but between the thresholds",
+       choice(s.blend, {"automatic", "zero", "one", "step", "one-over-square"}),
+       "Share of the cell in a pixel whose path was followed: none, all, or all but between the thresholds; automatic: "
+       "all with apsf, none with apsf+apg, where the path graph decides what cells show",
        {.biases = true}},
       {"blend-v0",
        &s.blend_v0,
@@ -56,10 +57,10 @@ SettingList describe(AdaptivePsfSettings& s) {
 
 void check(const AdaptivePsfSettings& settings) { make_adaptive_psf(settings); }
 
-AdaptivePsf make_adaptive_psf(const AdaptivePsfSettings& s) {
+AdaptivePsf make_adaptive_psf(const AdaptivePsfSettings& s, BlendFunction automatic) {
   AdaptivePsf a;
   a.survival_function = s.survival;
-  a.blend_function = s.blend;
+  a.blend_function = s.blend == BlendFunction::automatic ? automatic : s.blend;
   a.measure = s.variance;
   a.survival_thresholds = checked("survival", s.survival_v0, s.survival_v1);
   a.blend_thresholds = checked("blend", s.blend_v0, s.blend_v1);

@@ -46,7 +46,13 @@ RELUME_HD inline float one_over_square_blend(const VarianceThresholds& t, float 
 }
 
 enum class SurvivalFunction : int { one, linear, smooth_linear };
-enum class BlendFunction : int { zero, one, step, one_over_square };
+enum class BlendFunction : int {
+  automatic,  ///< one where paths are plain ones, zero where they are path graphs, which read cells themselves
+  zero,
+  one,
+  step,
+  one_over_square
+};
 enum class VarianceMeasure : int {
   relative,  ///< variance over squared mean: thresholds do not depend on how bright the scene is
   absolute   ///< squared radiance, as in the thesis
@@ -62,10 +68,11 @@ RELUME_HD inline float survival(SurvivalFunction function, const VarianceThresho
   return 1.0f;
 }
 
-/// Weight of the cell, the rest being the path's, where the cell's variance is `v`.
+/// Weight of the cell, the rest being the path's, where the cell's variance is `v`; infinite if it is not known.
 RELUME_HD inline float blend(BlendFunction function, const VarianceThresholds& t, float v) {
   switch (function) {
     case BlendFunction::zero: return 0.0f;
+    case BlendFunction::automatic:
     case BlendFunction::one: return 1.0f;
     case BlendFunction::step: return step_blend(t, v);
     case BlendFunction::one_over_square: return one_over_square_blend(t, v);

@@ -12,8 +12,8 @@ namespace relume {
 /// What the vertices of all paths share.
 struct PathGraphContext {
   FilterContext filter;
-  AdaptivePsf primary;                                  ///< survival and blend at the first vertex, if enabled
-  float variance_constant = 0.1f;                       ///< variance that a path may bring; in units of the measure
+  AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
+  float variance_constant = 0.1f;  ///< variance that a path may bring; in units of the measure
   VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: to the square of what the first cell shows
   float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser

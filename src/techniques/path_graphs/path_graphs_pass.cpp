@@ -10,7 +10,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   PathGraphKernel kernel;
   kernel.context = make_path_context(source_, frame);
   kernel.graph.filter = cells_.filter();
-  kernel.graph.primary = make_adaptive_psf(primary_ ? *primary_ : AdaptivePsfSettings{});
+  kernel.graph.primary = make_adaptive_psf(primary_ ? *primary_ : AdaptivePsfSettings{}, BlendFunction::zero);
   kernel.graph.primary.enabled = primary_ != nullptr;
   kernel.graph.variance_constant = settings_.variance_constant;
   kernel.graph.measure = settings_.variance;

@@ -83,7 +83,8 @@ class CachedFrames {
     context.max_bounces = settings_.max_bounces;
     context.russian_roulette = settings_.russian_roulette;
     FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness)};
-    AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf);
+    const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
+    AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
     const auto hits = view_of(hits_);
     const auto pixels = mutable_view_of(pixels_);
     const auto rays = mutable_view_of(rays_);
