@@ -30,7 +30,7 @@ RenderSettings settings_of(const ExperimentContext& context, const ExperimentSce
 std::vector<FrameAverages> measure_depths(const ExperimentContext& context, const ExperimentScene& scene,
                                           const Reference& reference) {
   std::vector<FrameAverages> list;
-  const FramePlanOfAverages plan{.skip = context.choose(32, 8), .count = context.choose(48, 4), .repetitions = 2};
+  const FramePlanOfAverages plan{.skip = context.choose(32, 8), .count = context.choose(32, 4), .repetitions = 3};
   for (const float constant : kConstants) {
     CacheContender contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
     contender.settings.apg.variance_constant = constant;

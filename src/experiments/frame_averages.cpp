@@ -88,8 +88,8 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
                              const Reference& reference) {
   TimedSession session(scene.scene, contender.settings);
   session.session().set_camera(scene.camera);
-  FrameSums all;
-  Ensemble ensemble;
+  std::vector<Image> means;
+  std::vector<double> variances;
   FrameAverages result{.name = contender.name};
   std::vector<double> frame_s;
   for (int repetition = 0; repetition < plan.repetitions; ++repetition) {
@@ -99,21 +99,20 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
       context.check_stop();
       session.render_frame();
       if (frame < plan.skip) continue;
-      const Image image = session.session().image();
-      sums.add(image);
-      all.add(image);
+      sums.add(session.session().image());
       result.termination += mean_termination(session.session());
     }
     frame_s.insert(frame_s.end(), session.frame_s().begin() + plan.skip, session.frame_s().end());
-    ensemble.add(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
+    means.push_back(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
+    variances.push_back(sums.variance());
     context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
   }
-  const ErrorSplit split = ensemble.split(reference.image, reference.mse);
-  result.bias2 = split.bias2;
-  result.bias2_error = split.bias2_error;
-  result.variance = all.variance();
-  result.termination /= all.count;
+  result.bias2 = squared_bias(means, reference.image, reference.mse);
+  result.variance = mean_estimate(variances);
+  result.termination /= plan.count * plan.repetitions;
   result.frame_s = median(std::move(frame_s));
+  Ensemble ensemble;
+  for (const Image& mean : means) ensemble.add(mean);
   result.average = ensemble.mean();
   return result;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compare/reference.h"
+#include "experiments/estimate.h"
 #include "experiments/experiment.h"
 #include "experiments/scenes.h"
 #include "io/image.h"
@@ -25,16 +26,15 @@ std::vector<CacheContender> cache_contenders(const ExperimentContext& context, c
 std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context);
 
 struct FramePlanOfAverages {
-  int skip = 64;    ///< frames before the first that counts: cells have settled
-  int count = 256;  ///< frames that count, in each repetition
-  int repetitions = 3;
+  int skip = 64;        ///< frames before the first that counts: cells have settled
+  int count = 256;      ///< frames that count, in each repetition
+  int repetitions = 6;  ///< at least three
 };
 
 struct FrameAverages {
   std::string name;
-  double bias2 = 0;        ///< mean square difference of the average frame from the reference, without noise
-  double bias2_error = 0;  ///< its standard error
-  double variance = 0;     ///< of a frame
+  Estimate bias2 = {};     ///< mean square difference of the average frame from the reference, without noise
+  Estimate variance = {};  ///< of a frame
   double termination = 0;  ///< mean bounce at which paths cease to count; 0 without cells
   double frame_s = 0;      ///< median
   Image average = {};
