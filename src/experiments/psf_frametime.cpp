@@ -1,4 +1,5 @@
-// [Schipek22 §6.2]: time of a frame of one sample a pixel, with two and with ten levels of indirection.
+// [Schipek22 §6.2]: time of a frame of one sample a pixel, with two and with ten levels of indirection; and what psf
+// and apg take in Sponza with six.
 #include <algorithm>
 #include <ctime>
 
@@ -7,7 +8,6 @@
 #include "compare/timed_session.h"
 #include "experiments/all.h"
 #include "experiments/frame_averages.h"
-#include "experiments/trace.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -15,43 +15,95 @@ namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.2]";
 
+/// Smaller pictures say little of time: what a frame takes besides its pixels weighs too much.
+constexpr int kWidth = 480;
+constexpr int kHeight = 270;
+
+/// What frames of one contender took and had.
+struct FrameFigures {
+  std::string name;
+  double frame_ms = 0;                                 ///< median of processor time
+  std::vector<std::pair<std::string, double>> passes;  ///< ms a frame, of a clock on the wall
+  double rays = 0;                                     ///< a pixel
+  double cells = 0;
+  double table_mb = 0;
+  double probes = 0;
+};
+
 struct Timing {
   std::string scene;
   int bounces = 0;
-  std::vector<std::string> names;
-  std::vector<double> frame_ms;                                     ///< medians of processor time
-  std::vector<std::vector<std::pair<std::string, double>>> passes;  ///< ms a frame, of a clock on the wall
+  std::vector<FrameFigures> list;
   double of(std::string_view name) const {
-    return frame_ms[static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin())];
+    return std::find_if(list.begin(), list.end(), [&](const FrameFigures& f) { return f.name == name; })->frame_ms;
   }
 };
+
+/// Frames that do not count: cells fill, and their variance comes to be believed.
+int skipped_frames(const ExperimentContext& context) { return context.choose(24, 2); }
+int counted_frames(const ExperimentContext& context) { return context.choose(16, 3); }
 
 /// Seconds that all threads of this program have worked: other programs hardly count.
 double processor_time(const Session&) { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces) {
-  Timing result{scene.name, bounces, {}, {}, {}};
-  const int skip = context.choose(24, 4);
-  const int count = context.choose(100, 8);
+double figure_of(const Session& session, std::string_view name) {
+  for (const PassFigure& figure : session.statistics().figures) {
+    if (figure.name == name) return figure.value;
+  }
+  return 0;
+}
+
+FrameFigures figures_of(std::string name, const TimedSession& session, int skip, uint64_t rays) {
+  FrameFigures f{.name = std::move(name), .passes = session.passes()};
+  f.frame_ms = 1000 * median({session.frame_s().begin() + skip, session.frame_s().end()});
+  for (auto& [pass, seconds] : f.passes) seconds *= 1000.0 / session.frames();
+  f.rays = static_cast<double>(rays) / (static_cast<double>(session.frames()) - skip) / (kWidth * kHeight);
+  f.cells = figure_of(session.session(), "cells.cells");
+  f.table_mb = figure_of(session.session(), "cells.bytes") / 1e6;
+  f.probes = figure_of(session.session(), "cells.probes");
+  return f;
+}
+
+/// Contenders take turns frame by frame.
+Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
+               std::vector<CacheContender> contenders) {
+  Timing result{scene.name, bounces, {}};
+  const int skip = skipped_frames(context);
+  const int count = skip + counted_frames(context);
   std::vector<std::unique_ptr<TimedSession>> sessions;
-  for (CacheContender& contender : cache_contenders(context, scene)) {
+  for (CacheContender& contender : contenders) {
     contender.settings.path.max_bounces = bounces;
+    contender.settings.width = kWidth;
+    contender.settings.height = kHeight;
     context.check_stop();
     sessions.push_back(std::make_unique<TimedSession>(scene.scene, contender.settings, processor_time));
     sessions.back()->session().set_camera(scene.camera);
-    result.names.push_back(contender.name);
   }
-  for (int frame = 0; frame < skip + count; ++frame) {
-    context.check_stop();
-    for (auto& session : sessions) session->render_frame();
-    context.report(fmt::format("{}, {} bounces", scene.name, bounces), (frame + 1.0) / (skip + count));
+  std::vector<uint64_t> rays(sessions.size(), 0);
+  for (int frame = 0; frame < count; ++frame) {
+    for (size_t i = 0; i < sessions.size(); ++i) {
+      context.check_stop();
+      const uint64_t before = sessions[i]->rays();
+      sessions[i]->render_frame();
+      if (frame >= skip) rays[i] += sessions[i]->rays() - before;
+    }
+    context.report(fmt::format("{}, {} bounces", scene.name, bounces), (frame + 1.0) / count);
   }
-  for (auto& session : sessions) {
-    result.frame_ms.push_back(1000 * median({session->frame_s().begin() + skip, session->frame_s().end()}));
-    result.passes.push_back(session->passes());
-    for (auto& [name, seconds] : result.passes.back()) seconds *= 1000.0 / session->frames();
-  }
+  for (size_t i = 0; i < sessions.size(); ++i)
+    result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, rays[i]));
   return result;
+}
+
+/// Path tracing, psf, apsf, and apg with cells beyond the first vertex as fine as those at it, and coarser.
+std::vector<CacheContender> cost_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  std::vector<CacheContender> list = cache_contenders(context, scene);
+  for (const int coarsening : {0, 2}) {
+    CacheContender contender{fmt::format("apg, deep-coarsening {}", coarsening), list.front().settings};
+    contender.settings.cache = CacheChoice::apg;
+    contender.settings.apg.deep_coarsening = coarsening;
+    list.push_back(std::move(contender));
+  }
+  return list;
 }
 
 TableBlock table(const std::vector<Timing>& timings) {
@@ -61,19 +113,42 @@ TableBlock table(const std::vector<Timing>& timings) {
       "scene, bounces",
       {},
       {}};
-  for (const std::string& name : timings.front().names) block.columns.push_back({name});
+  for (const FrameFigures& f : timings.front().list) block.columns.push_back({f.name});
   for (const Timing& t : timings) {
     TableRow row{.name = fmt::format("{}, {}", t.scene, t.bounces), .cells = {}};
-    for (const double ms : t.frame_ms)
-      row.cells.push_back({fmt::format("{:.1f}", ms), ms, fmt::format("{:.2f}×", ms / t.frame_ms.front())});
+    for (const FrameFigures& f : t.list) {
+      row.cells.push_back({fmt::format("{:.1f}", f.frame_ms), f.frame_ms,
+                           fmt::format("{:.2f}×", f.frame_ms / t.list.front().frame_ms)});
+    }
     block.rows.push_back(std::move(row));
+  }
+  return block;
+}
+
+TableBlock cost_table(const Timing& t) {
+  TableBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces),
+                   "Processor time as above; the rest in the last frame.",
+                   "technique",
+                   {{"time over path tracing's", "", Better::lower},
+                    {"ms", "", Better::lower},
+                    {"rays a pixel", "", Better::lower},
+                    {"cells"},
+                    {"table", "MB"},
+                    {"probes"}},
+                   {}};
+  const auto cell = [](double value, int digits) { return TableCell{fmt::format("{:.{}f}", value, digits), value}; };
+  for (const FrameFigures& f : t.list) {
+    const double ratio = f.frame_ms / t.list.front().frame_ms;
+    block.rows.push_back({.name = f.name,
+                          .cells = {cell(ratio, 2), cell(f.frame_ms, 0), cell(f.rays, 2), cell(f.cells, 0),
+                                    cell(f.table_mb, 0), cell(f.probes, 1)}});
   }
   return block;
 }
 
 BarBlock bars(const Timing& t) {
   BarBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces), "Mean by pass, by a clock on the wall.", "ms", {}};
-  for (size_t i = 0; i < t.names.size(); ++i) block.bars.push_back({t.names[i], t.passes[i]});
+  for (const FrameFigures& f : t.list) block.bars.push_back({f.name, f.passes});
   return block;
 }
 
@@ -109,16 +184,34 @@ Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& ma
                 measured + " beyond path tracing's with 2 and with 10 bounces", "more with 10 in every scene", holds);
 }
 
+/// The share that caches add in Sponza, with six bounces.
+void measure_cost(const ExperimentContext& context, const ExperimentScene& scene, ExperimentResult& result) {
+  const Timing t = measure(context, scene, 6, cost_contenders(context, scene));
+  for (const char* name : {"psf", "apg"}) {
+    const double ratio = t.of(name) / t.of("path");
+    result.claims.push_back(judged(fmt::format("cost-{}", name), kPaper,
+                                   fmt::format("{}, 6 bounces: {} adds at most 20 % to path tracing's frame: filling, "
+                                               "eviction and filtering.",
+                                               scene.name, name),
+                                   fmt::format("{:.2f} of path tracing's time", ratio), "at most 1.2", ratio <= 1.2));
+  }
+  result.blocks.emplace_back(cost_table(t));
+}
+
 ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   std::vector<Timing> few;
   std::vector<Timing> many;
+  ExperimentResult result;
   for (const ExperimentScene& scene : cache_scenes(context)) {
-    few.push_back(measure(context, scene, 2));
-    many.push_back(measure(context, scene, 10));
+    few.push_back(measure(context, scene, 2, cache_contenders(context, scene)));
+    many.push_back(measure(context, scene, 10, cache_contenders(context, scene)));
+    if (scene.name == "Sponza") measure_cost(context, scene, result);
   }
+  if (context.scene_folder.empty())
+    result.claims.push_back(
+        unmeasured("cost-psf", kPaper, "Sponza, 6 bounces: psf adds at most 20 %.", "at most 1.2", kNoSponza));
   std::vector<Timing> all = few;
   all.insert(all.end(), many.begin(), many.end());
-  ExperimentResult result;
   result.claims.push_back(claim_ratio("primary-faster", "apsf is faster than path tracing.", all, "apsf", "path", 0, 1,
                                       "ratio below 1 everywhere"));
   result.claims.push_back(claim_ratio("filter-cost",
@@ -130,10 +223,10 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   result.claims.push_back(claim_ratio("graph-with-primary", "apg is faster together with apsf.", all, "apg+apsf", "apg",
                                       0, 1, "ratio below 1 everywhere"));
   result.claims.push_back(claim_growth(few, many));
-  result.blocks.emplace_back(table(all));
+  result.blocks.insert(result.blocks.begin(), table(all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
-  result.setup = {common_setup(context).front(),
-                  {"Frames", context.quick ? "8 after 4 others" : "100 after 24 others"},
+  result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", kWidth, kHeight)},
+                  {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
                   {"Settings", "the defaults of each technique"}};
   return result;
 }
