@@ -9,6 +9,7 @@
 #include "experiments/frame_averages.h"
 #include "experiments/study.h"
 #include "experiments/trace.h"
+#include "render/session.h"
 
 namespace relume {
 namespace {
@@ -18,6 +19,7 @@ constexpr const char* kPaper = "[Schipek22 §6.1]";
 /// Caches show single frames and what their cells know; "accumulated" is path tracing with a history.
 constexpr const char* kContenders =
     "path=cache:none,history:none,accumulated=cache:none,history:accumulate,psf=cache:psf,history:none,"
+    "psf-no-edge-rays=cache:psf,history:none,psf.edge-rays:0,"
     "psf-accumulated=cache:psf,history:accumulate,apsf=cache:apsf,history:none,apg=cache:apg,history:none,"
     "apg+apsf=cache:apsf+apg,history:none";
 
@@ -46,6 +48,77 @@ void claim_first_frame(const Comparison& c, std::vector<Claim>& claims) {
                                       "tracing.",
                                       c.options.scene_name),
                           fmt::format("{:.3f} of path tracing's", ratio), "at most 0.5", ratio <= 0.5));
+}
+
+/// Whether nothing emits light in a pixel or beside it.
+std::vector<bool> away_from_lamps(const ExperimentContext& context, const ExperimentScene& scene) {
+  RenderSettings settings = scene.settings;
+  set_size(context, settings);
+  settings.auxiliary = true;
+  settings.path.max_bounces = 0;
+  Session session(scene.scene, settings);
+  session.set_camera(scene.camera);
+  for (int i = 0; i < 64; ++i) session.render_frame();
+  const Image image = session.image();
+  std::vector<bool> away(image.pixels.size(), true);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (is_black(image.at(x, y))) continue;
+      for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u)
+          away[static_cast<size_t>(v * image.width + u)] = false;
+      }
+    }
+  }
+  return away;
+}
+
+/// MSE of first frames, over all pixels and over those away from lamps.
+struct FirstFrames {
+  double all = 0;
+  double away = 0;
+};
+
+FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene& scene, const RenderSettings& settings,
+                         const Image& reference, const std::vector<bool>& away) {
+  const int count = context.choose(16, 4);
+  const auto pixels_away = static_cast<double>(std::count(away.begin(), away.end(), true));
+  Session session(scene.scene, settings);
+  session.set_camera(scene.camera);
+  FirstFrames sums;
+  for (int seed = 1; seed <= count; ++seed) {
+    context.check_stop();
+    session.restart(seed);
+    session.render_frame();
+    const Image image = session.image();
+    for (size_t i = 0; i < away.size(); ++i) {
+      const auto error = static_cast<double>(length_squared(image.pixels[i] - reference.pixels[i])) / (3 * count);
+      sums.all += error / static_cast<double>(away.size());
+      if (away[i]) sums.away += error / pixels_away;
+    }
+  }
+  return sums;
+}
+
+/// Which part of the gain comes from the filter, and which from the camera rays at edges of lamps.
+void claim_filter_alone(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Claim>& claims) {
+  const Reference reference = make_reference(context, scene);
+  const std::vector<bool> away = away_from_lamps(context, scene);
+  const std::vector<CacheContender> contenders = cache_contenders(context, scene);
+  RenderSettings settings = contenders[1].settings;
+  const FirstFrames path = first_frames(context, scene, contenders[0].settings, reference.image, away);
+  const FirstFrames psf = first_frames(context, scene, settings, reference.image, away);
+  settings.psf.edge_rays = 0;
+  const FirstFrames plain = first_frames(context, scene, settings, reference.image, away);
+  claims.push_back(judged(
+      "first-frame-filter-" + scene.name, kPaper,
+      fmt::format("{}: away from lamps, where it traces no camera rays of its own, psf at least halves the MSE of path "
+                  "tracing too.",
+                  scene.name),
+      fmt::format("{:.3f} of path tracing's MSE without the pixels at lamps ({:.3f} with psf.edge-rays 0); of whole "
+                  "pictures {:.3f}, and {:.3f} with psf.edge-rays 0",
+                  psf.away / path.away, plain.away / path.away, psf.all / path.all, plain.all / path.all),
+      "at most 0.5", psf.away <= 0.5 * path.away));
 }
 
 void claim_accumulation(const Comparison& c, std::vector<Claim>& claims) {
@@ -96,6 +169,7 @@ ExperimentResult run_psf_error(const ExperimentContext& context) {
         study(context, scene, {.techniques = kContenders, .spp = context.choose(24, 16), .repetitions = 5});
     if (scene.name == "cornell" || scene.name == "Sponza") {
       claim_first_frame(c, result.claims);
+      claim_filter_alone(context, scene, result.claims);
       claim_accumulation(c, result.claims);
     }
     claim_similar(c, result.claims);
