@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "metrics/statistics.h"
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "scene/builtin/shapes.h"
@@ -75,12 +76,13 @@ struct Flicker {
 
 /// The camera walks over the floor. Levels change where an edge of a cell, in pixels, is between two powers of two.
 /// `disturbed`: something moves in every frame, out of sight, so that all cells look for changes.
-Flicker walk(CacheChoice cache, bool disturbed = false) {
+Flicker walk(CacheChoice cache, bool disturbed = false, int seed = 0) {
   constexpr int kWidth = 160;
   constexpr int kHeight = 96;
   RenderSettings s = settings_of(cache, kWidth, kHeight);
   s.lights = LightSelectionChoice::uniform;  // a third of the light each: noise
   s.path.max_bounces = 1;
+  s.seed = seed;
   const Scene scene = floor_and_box();
   const Index box = node_named(scene, "box");
   Transform transform = scene.nodes[static_cast<size_t>(box)].transform;
@@ -128,9 +130,17 @@ Flicker walk(CacheChoice cache, bool disturbed = false) {
 TEST_P(CachesInTime, BordersBetweenLevelsDoNotFlicker) {
   const double plain = walk(CacheChoice::none).near_borders;
   for (const bool disturbed : {false, true}) {
-    const Flicker filtered = walk(GetParam(), disturbed);
-    EXPECT_LT(filtered.near_borders, 1.1 * filtered.elsewhere) << disturbed;
-    EXPECT_LT(filtered.near_borders, plain) << disturbed;
+    std::vector<double> ratios;
+    for (int seed = 1; seed <= 4; ++seed) {
+      const Flicker filtered = walk(GetParam(), disturbed, seed);
+      ratios.push_back(filtered.near_borders / filtered.elsewhere);
+      EXPECT_LT(filtered.near_borders, plain) << disturbed;
+    }
+    const double noise = standard_deviation(ratios) / std::sqrt(static_cast<double>(ratios.size()));
+    // Measured: 0.72 to 0.79 ± 0.16 (psf, apsf), 0.997 ± 0.005 (apg), 1.036 ± 0.020 (apsf+apg). There new cells cull
+    // nobody, so all their pixels show path graphs where elsewhere some show quieter cells.
+    const double most = GetParam() == CacheChoice::apsf_apg ? 1.08 : 1.0;
+    EXPECT_LT(mean(ratios), most) << disturbed << " ± " << 2 * noise;
   }
 }
 

@@ -81,6 +81,28 @@ class Outputs(ProgramTest):
         for channel in channels:
             self.assertIn(f" {channel} from ", info)
 
+    def test_cells_show_as_layers_and_in_the_statistics(self):
+        # What pixels of the box show after 12 frames: the least and the most of each layer.
+        bounds = {"identity": (0, 1 << 32), "level": (-8, 2), "count": (0, 4096), "age": (0, 12), "variance": (0, 1e4),
+                  "survival": (0, 1), "blend": (0, 1), "termination": (0, 9), "occupancy": (0, 1)}
+        names = ",".join(f"cell-{name}" for name in bounds)
+        self.succeed("render", "cornell", "-o", "out.exr", "--width", "96", "--height", "72", "--spp", "12", "--cache", "apsf+apg",
+                     "--history", "none", "--apsf.min-samples", "16", "--aov", names, "--stats", "s.json")
+        channels = {c["name"].split(".")[0]: c for c in json.loads(self.succeed("info", "out.exr", "--json").stdout)["channels"]}
+        for name, (low, high) in bounds.items():
+            channel = channels[f"cell-{name}"]
+            self.assertGreaterEqual(channel["min"], low, name)
+            self.assertLessEqual(channel["max"], high, name)
+            self.assertLess(channel["min"], channel["max"], name)  # a layer that nobody wrote is the same everywhere
+        self.assertEqual(channels["cell-age"]["max"], 12)
+        figures = json.loads((self.folder / "s.json").read_text())["figures"]
+        self.assertTrue(0 < figures["resolve.culled"] < 1, figures)
+        self.assertGreaterEqual(figures["cells.probes"], 1)
+        self.assertLess(figures["cells.probes"], 16)
+        self.assertGreater(figures["cells.cells"], 50)
+        self.assertGreater(figures["cells.occupancy"], 0)
+        self.assertEqual(figures["cells.dropped"], 0)
+
     def test_metadata_says_how_it_was_made(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "3", "--seed", "5", "--lights", "uniform", "--max-bounces", "4")
         strings = exr_strings(self.folder / "out.exr")
