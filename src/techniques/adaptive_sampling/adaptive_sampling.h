@@ -28,10 +28,11 @@ struct AdaptiveAllocationKernel {
   View<const Rgb> mean;
   View<const Rgb> m2;
   View<const uint32_t> samples;
-  View<float> probability;    ///< of a sample once τ is 0; 0: not known yet
-  View<float> noise;          ///< eq. 12, for display
-  View<uint32_t> allocation;  ///< 0 or 1
-  uint32_t iteration = 0;     ///< frames since the last change
+  View<float> probability;     ///< of a sample once τ is 0; 0: not known yet
+  View<float> noise;           ///< eq. 12, for display
+  View<uint32_t> allocation;   ///< 0 or 1
+  uint32_t iteration = 0;      ///< frames since the last change
+  bool scene_changed = false;  ///< lights or objects, since the frame before
   uint32_t min_samples = 4;
   uint32_t max_samples = 32;
   uint32_t seed = 0;
@@ -42,6 +43,7 @@ struct AdaptiveAllocationKernel {
     const uint32_t pixel = y * width + x;
     const uint32_t n = samples[pixel];
     noise[pixel] = adaptive_noise(m2[pixel], mean[pixel], n);
+    if (scene_changed) probability[pixel] = 0.0f;  // settled for another picture
     if (iteration == max_samples) probability[pixel] = known_probability(n);
     allocation[pixel] = ready(x, y, pixel, n) ? 1u : 0u;
   }
@@ -52,13 +54,17 @@ struct AdaptiveAllocationKernel {
     return clamp(static_cast<float>(n) / static_cast<float>(max_samples), least, 1.0f);
   }
   RELUME_HD bool ready(uint32_t x, uint32_t y, uint32_t pixel, uint32_t n) const {
-    if (iteration >= max_samples) {
-      constexpr uint32_t kSalt = 0x7ed55d16u;
-      return to_unit_float(hash(hash(seed ^ kSalt, x, y), frame)) < probability[pixel];
-    }
+    if (iteration >= max_samples) return drawn(x, y, probability[pixel]);
     if (n < min_samples) return true;
-    if (probability[pixel] > 0.0f) return false;  // taken along by reprojection: others need samples first
+    const bool settled = probability[pixel] > 0.0f;
+    // While things move, this is iteration 0 in every frame: pixels that waited for later ones would be frozen.
+    if (iteration == 0) return !settled || drawn(x, y, probability[pixel]);
+    if (settled) return false;  // taken along by reprojection: others need samples first
     return noise[pixel] >= adaptive_threshold(iteration, min_samples, max_samples);
+  }
+  RELUME_HD bool drawn(uint32_t x, uint32_t y, float share) const {
+    constexpr uint32_t kSalt = 0x7ed55d16u;
+    return to_unit_float(hash(hash(seed ^ kSalt, x, y), frame)) < share;
   }
 };
 

@@ -41,6 +41,7 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
   kernel.noise = frame.view<float>("sampling-noise");
   kernel.allocation = frame.view<uint32_t>("allocation");
   kernel.iteration = frame.since_change;
+  kernel.scene_changed = includes(frame.changes, Change::lights | Change::geometry);
   kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
   kernel.max_samples = static_cast<uint32_t>(std::max(settings_.max_samples, settings_.min_samples + 1));
   kernel.seed = frame.index.seed;

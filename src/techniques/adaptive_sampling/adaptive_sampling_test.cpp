@@ -12,7 +12,7 @@ struct Pixels {
       : mean(n, Rgb(1)), m2(n, Rgb(0)), samples(n, 0), probability(n, 0), noise(n, 0), allocation(n, 0) {}
 
   /// Samples given in one frame.
-  uint32_t allocate(uint32_t iteration, uint32_t frame = 0) {
+  uint32_t allocate(uint32_t iteration, uint32_t frame = 0, bool scene_changed = false) {
     AdaptiveAllocationKernel k;
     k.mean = view_of(mean);
     k.m2 = view_of(m2);
@@ -21,6 +21,7 @@ struct Pixels {
     k.noise = mutable_view_of(noise);
     k.allocation = mutable_view_of(allocation);
     k.iteration = iteration;
+    k.scene_changed = scene_changed;
     k.min_samples = 4;
     k.max_samples = 32;
     k.seed = 5;
@@ -99,6 +100,26 @@ TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
   p.probability = {0.6f, 0.0f};
   p.allocate(10);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
+}
+
+// A view that keeps moving never gets past iteration 0.
+TEST(AdaptiveSampling, NothingIsFrozenWhileTheViewMoves) {
+  // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
+  Pixels p(4000);
+  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.probability.begin(), p.probability.end(), 0.25f);
+  EXPECT_NEAR(p.allocate(0), 1000, 5 * 27);
+  std::fill(p.probability.begin(), p.probability.end(), 0.0f);  // not known yet: all
+  EXPECT_EQ(p.allocate(0), 4000u);
+}
+
+TEST(AdaptiveSampling, ProbabilitiesDoNotOutliveAChangeOfTheScene) {
+  Pixels p(2);
+  p.samples = {20, 20};
+  p.probability = {0.25f, 1.0f};
+  p.allocate(0, 0, true);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 1}));
+  EXPECT_EQ(p.probability, (std::vector<float>{0, 0}));
 }
 
 TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
