@@ -106,7 +106,8 @@ struct Frame {
   std::vector<uint32_t> instance;
   std::vector<uint32_t> samples;
   std::vector<uint32_t> kept;
-  std::vector<uint32_t> fate;  ///< of the pixels of the frame before
+  std::vector<uint32_t> reason;
+  std::vector<uint32_t> fate;  ///< of the pixels of the frame before; forward
 };
 
 Frame frame_of(const Session& session) {
@@ -116,12 +117,13 @@ Frame frame_of(const Session& session) {
           copy_of<uint32_t>(session, "surface-instance"),
           copy_of<uint32_t>(session, "samples"),
           copy_of<uint32_t>(session, "history-kept"),
+          copy_of<uint32_t>(session, "history-reason"),
           copy_of<uint32_t>(session, "history-fate")};
 }
 
 /// The sequence with one sample a pixel and frame, and at last `rest` more frames in which nothing moves.
-std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int rest = 0, int scale = 1) {
-  Session session(scene, settings_of(history, seed, scale));
+std::vector<Frame> play(const Scene& scene, const RenderSettings& settings, int rest = 0) {
+  Session session(scene, settings);
   std::vector<Frame> frames;
   for (int frame = 0; frame < kFrames; ++frame) {
     session.set_time(time_of(frame));
@@ -145,6 +147,10 @@ std::vector<Image> references(const Scene& scene, int spp) {
     images.push_back(session.image());
   }
   return images;
+}
+
+std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int rest = 0, int scale = 1) {
+  return play(scene, settings_of(history, seed, scale), rest);
 }
 
 // --- What is kept is explained
@@ -194,6 +200,23 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
     }
   }
   return result;
+}
+
+/// Every pixel of the last frame says why it has a history or not, with one of `reasons` of ReprojectionFate. Most go
+/// on; each reason occurs, but for the rare ones of light that changed much (7) and of a sample on another surface
+/// (10).
+void expect_reasons(const std::vector<Frame>& frames, const std::vector<uint32_t>& reasons) {
+  std::vector<int> count(11, 0);
+  for (size_t f = 1; f < frames.size(); ++f) {
+    for (size_t i = 0; i < frames[f].kept.size(); ++i) {
+      const uint32_t reason = frames[f].reason[i];
+      ASSERT_TRUE(std::find(reasons.begin(), reasons.end(), reason) != reasons.end()) << reason;
+      ASSERT_EQ(frames[f].kept[i], reason == 1 || reason == 10 ? 1u : 0u) << reason;
+      ++count[reason];
+    }
+  }
+  for (const uint32_t reason : reasons) EXPECT_TRUE(count[reason] > 0 || reason == 7 || reason == 10) << reason;
+  EXPECT_GT(count[1], kWidth * kHeight * kFrames / 4);
 }
 
 void expect_explained(const MovingScene& moving) {
@@ -366,6 +389,14 @@ TEST(Motion, AdaptivePixelsFollowTheLamp) {
 }
 
 TEST(Motion, HistoriesAreExplained) { expect_explained(box()); }
+TEST(Motion, PixelsSayWhyTheyHaveAHistory) {
+  RenderSettings s = settings_of(HistoryChoice::reproject, 1);
+  // Nothing came to lie here, or did and was occluded, view dependent, mixed, relit. No material is near-specular.
+  expect_reasons(play(box().scene, s), {0, 1, 3, 4, 6, 7, 10});
+  s.reproject.method = ReprojectionMethod::backward;
+  expect_reasons(play(box().scene, s), {1, 2, 9});  // it was off screen, or another surface was there
+}
+
 TEST(Motion, ObjectsLeaveNoTrails) { expect_no_ghosts(box()); }
 TEST(Motion, NothingIsStuckWhenEverythingRests) { expect_no_stuck_pixels(box()); }
 

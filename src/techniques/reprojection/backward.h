@@ -4,6 +4,7 @@
 
 #include "core/vec.h"
 #include "core/view.h"
+#include "techniques/reprojection/reprojection_fate.h"
 
 namespace relume {
 
@@ -43,6 +44,14 @@ struct BackwardReprojection {
   uint32_t width = 0;
   uint32_t height = 0;
 
+  /// Whether one of the four pixels around where pixel (x, y) was lies in the picture.
+  RELUME_HD bool was_in_picture(uint32_t x, uint32_t y) const {
+    const Vec2& way = motion[y * width + x];
+    const float x0 = std::floor(static_cast<float>(x) - way.x);
+    const float y0 = std::floor(static_cast<float>(y) - way.y);
+    return x0 >= -1.0f && y0 >= -1.0f && x0 < static_cast<float>(width) && y0 < static_cast<float>(height);
+  }
+
   /// Bilinear taps around where pixel (x, y) was; those on another surface are left out.
   RELUME_HD BackwardTaps taps(uint32_t x, uint32_t y) const {
     BackwardTaps result;
@@ -51,8 +60,7 @@ struct BackwardReprojection {
     const float fy = static_cast<float>(y) - motion[pixel].y;
     const float x0 = std::floor(fx);
     const float y0 = std::floor(fy);
-    if (!(x0 >= -1.0f && y0 >= -1.0f && x0 < static_cast<float>(width) && y0 < static_cast<float>(height)))
-      return result;
+    if (!was_in_picture(x, y)) return result;
     const float wx = fx - x0;
     const float wy = fy - y0;
     if (wx == 0.0f && wy == 0.0f) return single_tap(pixel, static_cast<int>(x0), static_cast<int>(y0));
@@ -130,6 +138,7 @@ struct BackwardHistoryKernel {
   View<float> m2;
   View<uint32_t> samples;
   View<uint32_t> kept;
+  View<uint32_t> reasons;  ///< ReprojectionFate
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * reprojection.width + x;
@@ -140,9 +149,17 @@ struct BackwardHistoryKernel {
     }
     if (!taps.valid) count = 0;
     kept[pixel] = count > 0;
+    reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
     samples[pixel] = count;
     mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
     m2[pixel] = count > 0 ? taps.fetch(m2_before) : 0.0f;
+  }
+
+ private:
+  RELUME_HD ReprojectionFate reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
+    if (count > 0) return ReprojectionFate::kept;
+    if (taps.valid) return ReprojectionFate::empty;
+    return reprojection.was_in_picture(x, y) ? ReprojectionFate::other_surface : ReprojectionFate::off_screen;
   }
 };
 

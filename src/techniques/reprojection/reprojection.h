@@ -3,22 +3,10 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "techniques/reprojection/reprojection_fate.h"
 #include "techniques/reprojection/stored_sample.h"
 
 namespace relume {
-
-/// What became of a pixel of the frame before.
-enum class ReprojectionFate : uint32_t {
-  empty,           ///< it held nothing, or the background
-  kept,            ///< a pixel of this frame goes on with it
-  off_screen,      ///< its surface is not in the picture any more
-  occluded,        ///< something is in front of it now
-  view_dependent,  ///< eq. 15: it would look too different from here
-  near_specular,   ///< a mirror, or glass
-  mixed,           ///< it saw more than one surface
-  relit,           ///< its light has moved, or is hidden now, or was and is not
-  covered,         ///< another one that is nearer, or came first, took its place
-};
 
 /// Where a pixel's content comes from: the pixel's index, or kNoSource.
 inline constexpr uint32_t kNoSource = 0xffffffffu;
@@ -29,12 +17,25 @@ RELUME_HD inline uint64_t claim_of(float depth, uint32_t stored_sample) {
   return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
 }
 
+/// Where no claim stands, the nearest of those that were refused says why: larger than every claim.
+inline constexpr uint64_t kRefused = uint64_t{1} << 63;
+RELUME_HD inline uint64_t refusal_of(float depth, ReprojectionFate fate) {
+  return kRefused | claim_of(depth, static_cast<uint32_t>(fate));
+}
+RELUME_HD inline bool is_claim(uint64_t claim) { return claim < kRefused; }
+
+/// What the smallest claim on a pixel says of it.
+RELUME_HD inline ReprojectionFate reason_of(uint64_t claim) {
+  if (is_claim(claim)) return ReprojectionFate::kept;
+  return claim == kNoClaim ? ReprojectionFate::empty : static_cast<ReprojectionFate>(static_cast<uint32_t>(claim));
+}
+
 /// Every pixel of the frame before tries to find its place in this one.
 struct ClaimKernel {
   SceneView scene;
   View<const StoredSample> stored;  ///< capacity a pixel
   View<const StoredPixel> pixels;
-  View<uint64_t> claims;  ///< a pixel; kNoClaim
+  View<uint64_t> claims;  ///< a pixel; kNoClaim at first
   View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
   View<const Rgb> mean;   ///< of the frame before
   View<uint32_t> limits;  ///< samples that its history may count for, because light has changed
@@ -55,7 +56,7 @@ struct ClaimKernel {
     for (uint32_t k = 0; k < capacity; ++k) {
       const uint32_t sample = pixel * capacity + k;
       if (!stored[sample].valid()) break;
-      const ReprojectionFate f = pixels[pixel].mixed ? ReprojectionFate::mixed : claim(sample, pixels[pixel], claimed);
+      const ReprojectionFate f = claim(sample, pixels[pixel], claimed);
       if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
     }
     fates[pixel] = fate;
@@ -85,6 +86,22 @@ struct ClaimKernel {
     // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
     if (!lights_changed && claimed.has(target)) return ReprojectionFate::kept;
 
+    const float depth = ray.t_max;
+    const ReprojectionFate fate = judge(index, pixel, p, ray);
+    if (fate == ReprojectionFate::kept) {
+      claimed.targets[claimed.count++] = target;
+      atomic_min(&claims[target], claim_of(depth, index));
+    } else {
+      atomic_min(&claims[target], refusal_of(depth, fate));
+    }
+    return fate;
+  }
+
+  /// Whether a stored sample, whose surface is at `p`, may bring its history to where `ray` sees it.
+  RELUME_HD ReprojectionFate judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
+                                   const Ray& ray) const {
+    if (pixel.mixed) return ReprojectionFate::mixed;
+    const StoredSample& sample = stored[index];
     SurfacePoint sp;
     const float depth = ray.t_max;
     make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
@@ -92,9 +109,6 @@ struct ClaimKernel {
     if (view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
     if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
     if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
-
-    claimed.targets[claimed.count++] = target;
-    atomic_min(&claims[target], claim_of(depth, index));
     return ReprojectionFate::kept;
   }
 
@@ -225,6 +239,7 @@ struct SourceKernel {
   View<uint32_t> limits;
   View<uint32_t> sources;  ///< pixel of the frame before
   View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
+  View<uint32_t> reasons;  ///< ReprojectionFate of the pixel where it is
   uint32_t capacity = 1;
   uint32_t width = 0;
 
@@ -232,10 +247,11 @@ struct SourceKernel {
     const uint32_t pixel = y * width + x;
     for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
     pixels[pixel] = StoredPixel{};
-    kept[pixel] = claims[pixel] != kNoClaim;
+    kept[pixel] = is_claim(claims[pixel]);
+    reasons[pixel] = static_cast<uint32_t>(reason_of(claims[pixel]));
     sources[pixel] = kNoSource;
     limits[pixel] = 0;
-    if (claims[pixel] == kNoClaim) return;
+    if (!is_claim(claims[pixel])) return;
     const auto sample = static_cast<uint32_t>(claims[pixel]);
     sources[pixel] = sample / capacity;
     limits[pixel] = limits_before[sample / capacity];

@@ -52,17 +52,27 @@ PassDeclaration ReprojectionPass::declaration() const {
   if (settings_.method == ReprojectionMethod::backward)
     reads.insert(reads.end(), {"surface-motion", "surface-previous", "surface-position", "surface-normal",
                                "surface-depth", "surface-instance"});
+  const auto shown = [](const char* name, const char* help) {
+    return BufferDescription{.name = name, .type = BufferType::u32, .help = help, .display = BufferDisplay::value};
+  };
+  const bool forward = settings_.method == ReprojectionMethod::forward;
+  std::vector<BufferDescription> owns{
+      shown("history-kept", "1 where this frame's pixel goes on with a history, 0 where it begins anew"),
+      shown("history-reason", forward
+                                  ? "why, of this frame's pixel: 1 kept, 10 kept but ended by a sample elsewhere, 0 "
+                                    "nothing came to lie here; what did was 3 occluded, 4 view dependent, 5 near "
+                                    "specular, 6 several surfaces, 7 relit"
+                                  : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
+                                    "another surface was seen where it was")};
+  if (forward) {
+    owns.push_back(
+        shown("history-fate",
+              "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
+              "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+  }
   return {.name = "reproject",
           .stage = Stage::history,
-          .owns = {{.name = "history-kept",
-                    .type = BufferType::u32,
-                    .help = "1 where this frame's pixel goes on with a history, 0 where it begins anew",
-                    .display = BufferDisplay::value},
-                   {.name = "history-fate",
-                    .type = BufferType::u32,
-                    .help = "what became of the pixel of the frame before: 1 kept, 2 off screen, 3 occluded, 4 view "
-                            "dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered",
-                    .display = BufferDisplay::value}},
+          .owns = std::move(owns),
           .reads = std::move(reads),
           .writes = {"mean", "m2", "samples"}};
 }
@@ -74,8 +84,8 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   if (includes(frame.changes, kEnds) || frame.number == 0) {
     std::fill(stored_.begin(), stored_.end(), StoredSample{});
     std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
-    for (const char* name : {"history-kept", "history-fate"}) {
-      const View<uint32_t> values = frame.view<uint32_t>(name);
+    for (const BufferDescription& buffer : declaration().owns) {
+      const View<uint32_t> values = frame.view<uint32_t>(buffer.name);
       std::fill(values.begin(), values.end(), 0u);
     }
     return true;
@@ -160,6 +170,7 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
   source.limits = mutable_view_of(limits_);
   source.sources = mutable_view_of(sources_);
   source.kept = frame.view<uint32_t>("history-kept");
+  source.reasons = frame.view<uint32_t>("history-reason");
   source.capacity = capacity_;
   source.width = frame.width();
   launch(frame.backend, "reproject", source, frame.width(), frame.height());
@@ -200,6 +211,7 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
   kernel.m2 = frame.view<float>("m2");
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.kept = frame.view<uint32_t>("history-kept");
+  kernel.reasons = frame.view<uint32_t>("history-reason");
   launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
 }
 
@@ -264,6 +276,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");
   kernel.allocation = frame.view<const uint32_t>("allocation");
   kernel.radiance = frame.view<const Rgb>("radiance");
+  kernel.reasons = frame.view<uint32_t>("history-reason");
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.mean = frame.view<Rgb>("mean");
   kernel.m2 = frame.view<float>("m2");

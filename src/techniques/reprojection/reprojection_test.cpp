@@ -10,7 +10,6 @@
 
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
-#include "techniques/reprojection/backward.h"
 
 namespace relume {
 namespace {
@@ -42,6 +41,7 @@ struct Stage {
     store.hits = view_of(hits);
     store.first_vertices = view_of(vertices);
     store.radiance = view_of(radiance);
+    store.reasons = mutable_view_of(reasons);
     store.samples = mutable_view_of(samples);
     store.mean = mutable_view_of(mean);
     store.m2 = mutable_view_of(m2);
@@ -96,6 +96,7 @@ struct Stage {
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
   std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
   std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
+  std::vector<uint32_t> reasons = std::vector<uint32_t>(kPixels);
   std::vector<uint32_t> limits = std::vector<uint32_t>(kPixels);
 };
 
@@ -134,7 +135,7 @@ TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
   stage.claim(10.0f, false);
   EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
   for (uint32_t i = 0; i < kPixels; ++i) {
-    if (stage.claims[i] == kNoClaim) continue;
+    if (!is_claim(stage.claims[i])) continue;
     const auto source = static_cast<uint32_t>(stage.claims[i]);
     const Vec3 p = surface_position(stage.scene.view(), stage.stored[source].hit).now;
     Vec2 film;
@@ -172,6 +173,48 @@ TEST(Reprojection, MirrorsAreNeverTakenAlong) {
   stage.claim(10.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
   EXPECT_GT(stage.count(ReprojectionFate::near_specular), 0);
+}
+
+// The paper refuses materials, not lobes.
+TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
+  Scene scene = cornell_of(0.05f, 0.0f);
+  for (Material& m : scene.materials) m.specular = 1.0f;
+  Stage stage(std::move(scene));
+  stage.render();
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::near_specular), static_cast<int>(kPixels) / 2);
+}
+
+TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
+  const auto reasons = [](Stage& stage, ReprojectionFate reason) {
+    return std::count_if(stage.claims.begin(), stage.claims.end(), [&](uint64_t c) { return reason_of(c) == reason; });
+  };
+  Stage mirrors(cornell_of(0.05f, 1.0f));
+  mirrors.render();
+  mirrors.claim(10.0f, false);
+  EXPECT_EQ(reasons(mirrors, ReprojectionFate::near_specular), mirrors.count(ReprojectionFate::near_specular));
+  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  Stage stage(cornell());
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world[3] += 1.2f * camera.to_world[0];
+  stage.scene.set_camera(camera);
+  stage.claim(10.0f, false);
+  EXPECT_GT(reasons(stage, ReprojectionFate::kept), 0);
+  EXPECT_GT(reasons(stage, ReprojectionFate::occluded), 0);
+  EXPECT_GT(reasons(stage, ReprojectionFate::empty), 0);
+  EXPECT_EQ(reasons(stage, ReprojectionFate::off_screen), 0);
+}
+
+TEST(Reprojection, AClaimWinsOverEveryRefusal) {
+  std::vector<uint64_t> claim{kNoClaim};
+  atomic_min(&claim[0], refusal_of(5.0f, ReprojectionFate::relit));
+  atomic_min(&claim[0], refusal_of(1.0f, ReprojectionFate::occluded));
+  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::occluded);
+  EXPECT_FALSE(is_claim(claim[0]));
+  atomic_min(&claim[0], claim_of(9.0f, 4));
+  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::kept);
 }
 
 TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
@@ -227,7 +270,7 @@ TEST(Reprojection, FollowsAnObjectThatMoves) {
   stage.claim(10.0f, false);
   int shifted = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
-    if (stage.claims[i] != kNoClaim && static_cast<uint32_t>(stage.claims[i]) != i) ++shifted;
+    if (is_claim(stage.claims[i]) && static_cast<uint32_t>(stage.claims[i]) != i) ++shifted;
   }
   EXPECT_GT(shifted, 5);
   EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
@@ -304,6 +347,7 @@ TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
   EXPECT_EQ(stage.samples[other], 1u);
   EXPECT_EQ(stage.mean[other], stage.radiance[other]);
   EXPECT_EQ(stage.pixels[other].mixed, 1u);
+  EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::ended));
 }
 
 TEST(FirstVertex, AccountsForWhatThePathReflects) {
@@ -329,36 +373,6 @@ TEST(FirstVertex, AccountsForWhatThePathReflects) {
     }
   }
   EXPECT_GT(checked, 100);
-}
-
-TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
-  constexpr uint32_t kWidth = 4;
-  std::vector<Vec2> motion(16, Vec2(0.5f, 0));
-  std::vector<Vec3> position(16, Vec3(0));
-  const std::vector<Vec3> normal(16, Vec3(0, 0, 1));
-  const std::vector<float> depth(16, 1.0f);
-  const std::vector<uint32_t> instance(16, 7);
-  std::vector<uint32_t> before(16, 7);
-  before[5] = 8;
-  std::vector<float> values(16);
-  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
-  const BackwardReprojection reprojection{view_of(motion),
-                                          view_of(position),
-                                          view_of(normal),
-                                          view_of(depth),
-                                          view_of(instance),
-                                          view_of(position),
-                                          view_of(normal),
-                                          view_of(before),
-                                          {},
-                                          kWidth,
-                                          4};
-  const View<const float> old = view_of(values);
-  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
-  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
-  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
-  motion[0] = Vec2(9, 0);
-  EXPECT_FALSE(reprojection.taps(0, 0).valid);
 }
 
 }  // namespace

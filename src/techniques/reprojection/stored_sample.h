@@ -3,6 +3,7 @@
 
 #include "core/octahedral.h"
 #include "techniques/path/first_vertex.h"
+#include "techniques/reprojection/reprojection_fate.h"
 
 namespace relume {
 
@@ -71,6 +72,7 @@ struct StoreKernel {
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
   View<const Rgb> radiance;         ///< of this frame
+  View<uint32_t> reasons;           ///< ReprojectionFate
   View<uint32_t> samples;           ///< that the pixel keeps, this one included
   View<Rgb> mean;
   View<float> m2;
@@ -95,6 +97,7 @@ struct StoreKernel {
       samples[i] = pixel.fresh_samples;
       mean[i] = pixel.fresh;
       m2[i] = pixel.fresh_m2;
+      reasons[i] = static_cast<uint32_t>(ReprojectionFate::ended);
       forget(pixel, samples_of_pixel);
     }
     if (elsewhere) pixel.mixed = 1;

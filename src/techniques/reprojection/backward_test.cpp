@@ -1,0 +1,82 @@
+#include "techniques/reprojection/backward.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kWidth = 4;
+
+/// A plane that moves to the right by half a pixel; where pixel 5 was, another surface was seen.
+struct Plane {
+  BackwardReprojection reprojection() const {
+    return {view_of(motion),
+            view_of(position),
+            view_of(normal),
+            view_of(depth),
+            view_of(instance),
+            view_of(position),
+            view_of(normal),
+            view_of(before),
+            {},
+            kWidth,
+            4};
+  }
+
+  std::vector<Vec2> motion = std::vector<Vec2>(16, Vec2(0.5f, 0));
+  std::vector<Vec3> position = std::vector<Vec3>(16, Vec3(0));
+  std::vector<Vec3> normal = std::vector<Vec3>(16, Vec3(0, 0, 1));
+  std::vector<float> depth = std::vector<float>(16, 1.0f);
+  std::vector<uint32_t> instance = std::vector<uint32_t>(16, 7);
+  std::vector<uint32_t> before = {7, 7, 7, 7, 7, 8, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7};
+};
+
+TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
+  Plane plane;
+  std::vector<float> values(16);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  const View<const float> old = view_of(values);
+  const BackwardReprojection reprojection = plane.reprojection();
+  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
+  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
+  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
+  plane.motion[0] = Vec2(9, 0);
+  EXPECT_FALSE(reprojection.taps(0, 0).valid);
+}
+
+TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
+  Plane plane;
+  plane.motion[0] = Vec2(9, 0);
+  plane.motion[1] = Vec2(-1, -1);  // was where pixel 6 is, which knew nothing
+  plane.motion[2] = Vec2(1, -1);   // was where pixel 5 is, another surface
+  const std::vector<Rgb> mean(16, Rgb(3));
+  const std::vector<float> m2(16, 1.0f);
+  std::vector<uint32_t> samples(16, 9);
+  samples[6] = 0;
+  std::vector<Rgb> mean_now(16);
+  std::vector<float> m2_now(16);
+  std::vector<uint32_t> samples_now(16);
+  std::vector<uint32_t> kept(16);
+  std::vector<uint32_t> reasons(16);
+  const BackwardHistoryKernel kernel{plane.reprojection(),
+                                     view_of(mean),
+                                     view_of(m2),
+                                     view_of(samples),
+                                     mutable_view_of(mean_now),
+                                     mutable_view_of(m2_now),
+                                     mutable_view_of(samples_now),
+                                     mutable_view_of(kept),
+                                     mutable_view_of(reasons)};
+  for (uint32_t x = 0; x < kWidth; ++x) kernel(x, 0);
+  const ReprojectionFate expected[] = {ReprojectionFate::off_screen, ReprojectionFate::empty,
+                                       ReprojectionFate::other_surface, ReprojectionFate::kept};
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(static_cast<ReprojectionFate>(reasons[i]), expected[i]) << i;
+    EXPECT_EQ(kept[i], i == 3 ? 1u : 0u) << i;
+  }
+}
+
+}  // namespace
+}  // namespace relume
