@@ -117,6 +117,14 @@ std::string choice_name(const ::testing::TestParamInfo<Choice>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(All, Combinations, ::testing::ValuesIn(all_choices()), choice_name);
 
+TEST(CombinationTable, SlotsWithABiasedChoiceDeclareIt) {
+  RenderSettings settings;
+  const SettingList slots = describe_slots(settings);
+  for (const Choice& choice : all_choices()) {
+    EXPECT_TRUE(choice.bias == 0 || require_setting(slots, choice.slot, "").traits.biases) << choice.slot;
+  }
+}
+
 /// Written from what rendering every cell showed; compared without, for then each cell has a test of its own.
 TEST(CombinationTable, IsTheOneInTheDocumentation) {
   const char* file = RELUME_SOURCE_DIR "/docs/combinations.md";

@@ -57,9 +57,10 @@ RELUME_HD inline bool near_specular(const Lobe& lobe) {
   return true;
 }
 
+/// One such lobe is enough, as the paper refuses materials: a smooth coat over a diffuse base mirrors the room, and the
+/// mean that is kept cannot be taken apart into both.
 RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    // A dielectric's smooth coat over a diffuse base keeps the base's look; without one, nothing else is left.
     if (near_specular(bsdf.lobes[i])) return true;
   }
   return false;
