@@ -13,13 +13,13 @@ namespace relume::cli {
 /// What the loop needs of a session; tests put something else in its place.
 struct FrameSource {
   std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
-  std::function<uint32_t()> sample_count;             ///< Session::sample_count
+  std::function<uint32_t()> sample_count;             ///< Session::picture_frames
   std::function<double()> estimated_error;            ///< Session::estimated_error
 };
 
 /// Whichever comes first; 0: does not count.
 struct StopCriteria {
-  uint32_t samples = 0;  ///< a pixel, those of a loaded checkpoint included
+  uint32_t samples = 0;  ///< a pixel of this picture (frames, where allocation differs), a loaded checkpoint's included
   double time_s = 0;     ///< of this loop
   double error = 0;
 };

@@ -112,7 +112,10 @@ class RenderJob {
     });
     StopReason reason = StopReason::samples;
     for (size_t i = first_picture_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
-      if (i > first_picture_) session_->set_time(frame_time_s(i));
+      if (i > first_picture_) {
+        session_->set_time(frame_time_s(i));
+        session_->begin_picture();  // even if nothing has moved
+      }
       reason = render_picture(i, interrupts.token());
     }
     if (video_) video_->finish();
@@ -193,7 +196,7 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const StopCriteria criteria = stop_criteria(settings_.stop);
   const FrameSource source{
       .render_frame = [this](std::stop_token token) { return session_->render_frame(std::move(token)); },
-      .sample_count = [this] { return session_->sample_count(); },
+      .sample_count = [this] { return session_->picture_frames(); },
       .estimated_error = [this] { return session_->estimated_error(); },
   };
   last_checkpoint_s_ = now_s();

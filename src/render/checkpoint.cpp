@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '3'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '4'};
 
 /// FNV-1a of bytes, however they are cut into pieces.
 class Checksum {
@@ -177,7 +177,8 @@ bool plausible(const Counters& counters) {
   const SettingList list = describe(settings);
   const SettingTraits& time = require_setting(list, "scene-time", "").traits;
   const auto in_range = [&](float time_s) { return time_s >= time.min && time_s <= time.max; };
-  return counters.since_change <= counters.frames && in_range(counters.time_s) && in_range(counters.previous_time_s);
+  return counters.since_change <= counters.frames && counters.picture_frames <= counters.frames &&
+         counters.picture_paths <= counters.paths && in_range(counters.time_s) && in_range(counters.previous_time_s);
 }
 
 }  // namespace

@@ -13,13 +13,15 @@ namespace relume {
 
 /// Where a session stands.
 struct Counters {
-  uint32_t frames = 0;        ///< complete ones
-  uint32_t since_change = 0;  ///< of them, since anything changed
-  uint32_t epoch = 0;         ///< edits that came after a frame: each has random numbers of its own
-  float time_s = 0;           ///< of the animation
-  float previous_time_s = 0;  ///< in the frame before
+  uint32_t frames = 0;          ///< complete ones
+  uint32_t since_change = 0;    ///< of them, since anything changed
+  uint32_t epoch = 0;           ///< edits that came after a frame: each has random numbers of its own
+  float time_s = 0;             ///< of the animation
+  float previous_time_s = 0;    ///< in the frame before
+  uint32_t picture_frames = 0;  ///< `frames` when the picture that is being made began
   uint64_t paths = 0;
   uint64_t rays = 0;
+  uint64_t picture_paths = 0;  ///< `paths` then
 };
 
 /// What must agree between the render that wrote a checkpoint and the one that continues it, and the counters.

@@ -28,13 +28,23 @@ class CheckpointTest : public ::testing::Test {
 };
 
 TEST_F(CheckpointTest, GivesTheCountersBack) {
-  write({.frames = 7, .since_change = 3, .epoch = 2, .time_s = 1e6f, .previous_time_s = 0, .paths = 4, .rays = 9});
+  write({.frames = 7,
+         .since_change = 3,
+         .epoch = 2,
+         .time_s = 1e6f,
+         .previous_time_s = 0,
+         .picture_frames = 6,
+         .paths = 4,
+         .rays = 9,
+         .picture_paths = 1});
   const Counters counters = read();
   EXPECT_EQ(counters.frames, 7u);
   EXPECT_EQ(counters.since_change, 3u);
   EXPECT_EQ(counters.epoch, 2u);
   EXPECT_EQ(counters.time_s, 1e6f);
   EXPECT_EQ(counters.previous_time_s, 0.0f);
+  EXPECT_EQ(counters.picture_frames, 6u);
+  EXPECT_EQ(counters.picture_paths, 1u);
   EXPECT_EQ(counters.paths, 4u);
   EXPECT_EQ(counters.rays, 9u);
 }
@@ -50,6 +60,13 @@ TEST_F(CheckpointTest, RefusesTimesThatNoSessionHas) {
 
 TEST_F(CheckpointTest, RefusesMoreFramesSinceAChangeThanAtAll) {
   write({.frames = 2, .since_change = 3});
+  EXPECT_THROW(read(), Error);
+}
+
+TEST_F(CheckpointTest, RefusesMoreInAPictureThanAtAll) {
+  write({.frames = 2, .picture_frames = 3});
+  EXPECT_THROW(read(), Error);
+  write({.paths = 2, .picture_paths = 3});
   EXPECT_THROW(read(), Error);
 }
 

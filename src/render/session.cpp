@@ -157,6 +157,20 @@ bool Session::render_frame(std::stop_token stop) {
 
 uint32_t Session::sample_count() const { return state_->changes == Change::none ? state_->counters.since_change : 0; }
 
+void Session::begin_picture() {
+  Counters& c = state_->counters;
+  c.picture_frames = c.frames;
+  c.picture_paths = c.paths;
+}
+
+uint32_t Session::picture_frames() const { return state_->counters.frames - state_->counters.picture_frames; }
+
+double Session::picture_samples() const {
+  const Counters& c = state_->counters;
+  const double pixels = double{1} * state_->buffers->width() * state_->buffers->height();
+  return static_cast<double>(c.paths - c.picture_paths) / pixels;
+}
+
 void Session::set_time(float time_s) {
   state_->settings.time_s = state_->counters.time_s = time_s;
   state_->changes |= state_->scene->set_time(time_s);

@@ -61,6 +61,13 @@ class Session {
   /// Frames since the last change: with uniform allocation, samples a pixel.
   uint32_t sample_count() const;
 
+  /// The next frame is the first of a picture of its own, whether anything has changed or not. Checkpoints know.
+  void begin_picture();
+  /// Frames since then, or since the session began.
+  uint32_t picture_frames() const;
+  /// Samples that a pixel got in them, mean over the pixels.
+  double picture_samples() const;
+
   /// What changes from one frame to the next. Histories keep what they can; without one, samples start anew.
   /// Times lie in the range of the setting "scene-time".
   void set_time(float time_s);

@@ -113,6 +113,28 @@ class Stopping(ProgramTest):
         for frame in range(6):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
 
+    def test_pictures_of_a_scene_at_rest_are_rendered(self):
+        for history in ("none", "accumulate", "reproject"):
+            arguments = ["render", "cornell", *SMALL, "--frames", "0-3", "--spp", "2", "--history", history]
+            self.succeed(*arguments, "-o", f"{history}.####.exr", "--stats", "s.json")
+            self.assertEqual(self.stats()["samples"], 4 * 24 * 18 * 2, history)
+            for frame in range(3):
+                self.assertGreater(self.metrics(f"{history}.{frame:04}.exr", f"{history}.{frame + 1:04}.exr")["mse"], 0, (history, frame))
+
+    def test_kill_and_resume_a_sequence_at_rest(self):
+        # No change tells where a picture begins: the checkpoint has to.
+        arguments = ["render", *ROOM, "--frames", "0-3", "--spp", "24", "--history", "reproject", "--allocation", "adaptive"]
+        process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(self.folder / "a.0001.exr", process)
+        time.sleep(0.1)  # into the next one
+        process.kill()
+        process.communicate(timeout=60)
+        self.succeed(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--threads", "1", timeout=240)
+        self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
+        for frame in range(4):
+            self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
+
 
 if __name__ == "__main__":
     unittest.main()
