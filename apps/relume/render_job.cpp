@@ -176,7 +176,8 @@ void RenderJob::load() {
   session_->load_checkpoint(options_.checkpoint);
   first_picture_ = picture_of_checkpoint();
   tell(verbosity_,
-       fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint, session_->sample_count(),
+       fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
+                   format_samples(session_->picture_samples()),
                    options_.frames.empty()
                        ? ""
                        : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
@@ -247,13 +248,13 @@ void RenderJob::write(size_t index, StopReason reason) {
     written_.push_back(file.string());
   }
   write_s_ += now_s() - start_s;
-  const uint32_t samples = session_->sample_count();
+  const std::string samples = format_samples(session_->picture_samples());
   const std::string what =
       is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
                           : file.string();
   tell(verbosity_,
        fmt::format("{} {} with {} sample{} a pixel", reason == StopReason::interrupted ? "interrupted; wrote" : "wrote",
-                   what, samples, samples == 1 ? "" : "s"));
+                   what, samples, samples == "1" ? "" : "s"));
 }
 
 Metadata RenderJob::metadata(size_t index) const {
@@ -266,7 +267,7 @@ Metadata RenderJob::metadata(size_t index) const {
       {"relume.scene_hash", fmt::format("{:016x}", session_->scene_hash())},
       {"relume.settings", settings_to_json(describe(settings))},
       {"relume.seed", std::to_string(settings.render.seed)},
-      {"relume.samples_per_pixel", std::to_string(session_->sample_count())},
+      {"relume.samples_per_pixel", format_samples(session_->picture_samples())},
       {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s_,
                                      statistics.build_s, statistics.render_s)},
   };
@@ -291,7 +292,7 @@ void RenderJob::report(StopReason reason) const {
       .scene = options_.scene,
       .width = settings_.render.width,
       .height = settings_.render.height,
-      .samples_per_pixel = session_->sample_count(),
+      .samples_per_pixel = session_->picture_samples(),
       .stopped_by = name_of(reason),
       .estimated_error = session_->estimated_error(),
       .load_s = load_s_,

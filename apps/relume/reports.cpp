@@ -1,5 +1,8 @@
 #include "reports.h"
 
+#include <cmath>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "metrics/metrics.h"
@@ -14,6 +17,8 @@ std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::er
 
 }  // namespace
 
+std::string format_samples(double samples) { return fmt::format("{}", std::round(samples * 100) / 100); }
+
 std::string to_json(const RunReport& report) {
   Json passes = Json::array();
   for (const auto& [name, seconds] : report.passes) passes.push_back({{"name", name}, {"seconds", seconds}});
@@ -24,7 +29,7 @@ std::string to_json(const RunReport& report) {
       {"scene", report.scene},
       {"width", report.width},
       {"height", report.height},
-      {"samples_per_pixel", report.samples_per_pixel},
+      {"samples_per_pixel", Json::parse(format_samples(report.samples_per_pixel))},
       {"stopped_by", report.stopped_by},
       {"estimated_error", report.estimated_error},
       {"load_s", report.load_s},

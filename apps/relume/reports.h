@@ -20,9 +20,9 @@ struct RunReport {
   std::string scene;
   int width = 0;
   int height = 0;
-  uint32_t samples_per_pixel = 0;  ///< of the last picture
-  std::string stopped_by;          ///< "samples", "time", "error", "interrupted"
-  double estimated_error = 0;      ///< of the last picture; infinite below two samples
+  double samples_per_pixel = 0;  ///< of the last picture, mean over its pixels
+  std::string stopped_by;        ///< "samples", "time", "error", "interrupted"
+  double estimated_error = 0;    ///< of the last picture; infinite below two samples
   double load_s = 0;
   double build_s = 0;
   double render_s = 0;
@@ -52,6 +52,9 @@ struct PictureReport {
   std::vector<Channel> channels;                                ///< of an EXR
   std::vector<std::pair<std::string, std::string>> attributes;  ///< of an EXR: name and text
 };
+
+/// A mean number of samples a pixel: "64", or "12.25" where it is not whole.
+std::string format_samples(double samples);
 
 /// An object with the members' names.
 std::string to_json(const RunReport& report);

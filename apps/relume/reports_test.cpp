@@ -35,6 +35,15 @@ TEST(Reports, RunHasTheNamesThatScriptsRelyOn) {
   expect_in("\"name\": \"trace\",\n      \"seconds\": 1.5", text);
 }
 
+TEST(Reports, SamplesAreWholeWhereTheyCan) {
+  EXPECT_EQ(format_samples(1), "1");
+  EXPECT_EQ(format_samples(1 << 20), "1048576");
+  EXPECT_EQ(format_samples(12.2468), "12.25");
+  RunReport report;
+  report.samples_per_pixel = 64;
+  expect_in("\"samples_per_pixel\": 64,", to_json(report));
+}
+
 TEST(Reports, MetricsHaveTheNamesThatScriptsRelyOn) {
   Metrics metrics;
   metrics.mse = 0.5;

@@ -29,6 +29,14 @@ class Stopping(ProgramTest):
         self.assertEqual(self.stats()["samples"], 24 * 18 * 7)
         self.assertEqual(self.stats()["stopped_by"], "samples")
 
+    def test_samples_that_adaptive_allocation_gives_are_counted(self):
+        done = self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "64", "--allocation", "adaptive", "--stats", "s.json")
+        mean = self.stats()["samples"] / (24 * 18)
+        self.assertLess(mean, 60)
+        self.assertAlmostEqual(self.stats()["samples_per_pixel"], mean, delta=0.01)
+        self.assertEqual(float(exr_strings(self.folder / "out.exr")["relume.samples_per_pixel"]), self.stats()["samples_per_pixel"])
+        self.assertIn(f"with {self.stats()['samples_per_pixel']:g} samples a pixel", done.stderr)
+
     def test_time(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--time", "1.5s", "--stats", "s.json")
         self.assertEqual(self.stats()["stopped_by"], "time")

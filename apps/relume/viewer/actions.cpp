@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "picture.h"
+#include "reports.h"
 #include "settings/settings_json.h"
 #include "version.h"
 #include "viewer/panels.h"
@@ -17,6 +18,14 @@ namespace {
 
 constexpr double kRecordInterval_s = 0.1;
 
+/// That a pixel keeps, mean over the pixels.
+std::string kept_samples(const Session& session) {
+  const View<const uint32_t> samples = session.buffers().view<const uint32_t>("samples");
+  double sum = 0;
+  for (const uint32_t n : samples) sum += n;
+  return cli::format_samples(sum / std::max(samples.size, 1u));
+}
+
 /// Metadata as `relume render` writes it.
 cli::Metadata metadata_of(const Session& session, const std::string& scene, Settings settings) {
   settings.render = session.settings();
@@ -24,7 +33,7 @@ cli::Metadata metadata_of(const Session& session, const std::string& scene, Sett
           {"relume.scene", scene},
           {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
           {"relume.settings", settings_to_json(describe(settings))},
-          {"relume.samples_per_pixel", std::to_string(session.sample_count())}};
+          {"relume.samples_per_pixel", kept_samples(session)}};
 }
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
@@ -130,7 +139,7 @@ void save_picture(State& state, const std::filesystem::path& file) {
         if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
         cli::write_picture(file, session, output, aovs, metadata_of(session, scene, settings));
         renderer->add_notice(
-            {false, fmt::format("wrote {} with {} samples a pixel", file.string(), session.sample_count())});
+            {false, fmt::format("wrote {} with {} samples a pixel", file.string(), kept_samples(session))});
       });
 }
 
