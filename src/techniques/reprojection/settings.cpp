@@ -20,7 +20,8 @@ SettingList describe(ReprojectionSettings& s) {
        {.min = 0, .max = 1000, .biases = true}},
       {"exposure",
        &s.exposure,
-       "Exposure at which the picture will be seen: display units are 2^exposure of radiance",
+       "Exposure at which the picture will be seen, for the bounds in display units: those are 2^this of radiance. It "
+       "is a setting of its own; --exposure and the viewer's exposure do not change it",
        {.min = -30, .max = 30, .unit = "stops"}},
       {"max-distance",
        &s.max_distance,
