@@ -336,58 +336,6 @@ void expect_no_stuck_pixels(const MovingScene& moving) {
   EXPECT_LE(*most, kRest + 1u + static_cast<uint32_t>(s.reproject.max_samples_changed));
 }
 
-// --- The same with adaptive allocation
-// --------------------------------------------------------------------------------
-
-/// Only the lamp moves, for a second.
-constexpr const char* kLamp = R"({
-  "scene": "builtin:cornell-closed",
-  "camera": {"fov_y_deg": 60, "eye": [1.9, 2.9, 2.2], "target": [1.28, 2.68, 1.44]},
-  "nodes": {"lamp": {"keys": [{"time": 0, "translation": [0, 0, 0]}, {"time": 1, "translation": [-0.9, -0.2, -0.6]}]}}
-})";
-
-double mean_luminance(const Image& image) {
-  double sum = 0;
-  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
-  return sum / static_cast<double>(image.pixels.size());
-}
-
-/// Frames at rest, so that probabilities are settled, and as many in which the lamp moves: the last one's mean over
-/// that of `truth`, minus one.
-double lag_behind_the_lamp(const Scene& scene, RenderSettings settings, int frames, const Image& truth) {
-  constexpr int kRest = 40;
-  double sum = 0;
-  for (int seed = 1; seed <= kSeeds; ++seed) {
-    settings.seed = seed;
-    Session session(scene, settings);
-    for (int i = 0; i < kRest; ++i) session.render_frame();
-    for (int i = 1; i <= frames; ++i) {
-      session.set_time(time_of(i));
-      session.render_frame();
-    }
-    sum += mean_luminance(session.image()) / mean_luminance(truth) - 1;
-  }
-  return sum / kSeeds;
-}
-
-// Pixels with a probability of their own waited for frames that never came while the lamp moved: 9 % too bright.
-TEST(Motion, AdaptivePixelsFollowTheLamp) {
-  constexpr int kMoving = 22;
-  const Scene scene = load(kLamp);
-  RenderSettings s = small_settings(64, 36);
-  s.path.max_bounces = 4;
-  s.time_s = time_of(kMoving);
-  s.seed = 1001;
-  const Image truth = render(scene, s, 256);
-  s.time_s = 0;
-  s.history = HistoryChoice::reproject;
-  const double alone = lag_behind_the_lamp(scene, s, kMoving, truth);
-  s.allocation = AllocationChoice::adaptive;
-  const double adaptive = lag_behind_the_lamp(scene, s, kMoving, truth);
-  std::cerr << "behind the lamp: " << alone << " by reprojection, " << adaptive << " with adaptive allocation\n";
-  EXPECT_LT(std::fabs(adaptive), 0.04);  // light by way of other surfaces lags, as in ObjectsLeaveNoTrails
-}
-
 TEST(Motion, HistoriesAreExplained) { expect_explained(box()); }
 TEST(Motion, PixelsSayWhyTheyHaveAHistory) {
   RenderSettings s = settings_of(HistoryChoice::reproject, 1);
