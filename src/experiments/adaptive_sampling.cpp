@@ -222,7 +222,7 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
   result.setup.insert(
       result.setup.end(),
       {{"Measure", "variance over the pixels of the distance to the reference's colour, both cut off at 1"},
-       {"Repetitions", "1; contenders take turns frame by frame"}});
+       {"Repetitions", "one sequence, by which every verdict is given; contenders take turns frame by frame"}});
   return result;
 }
 

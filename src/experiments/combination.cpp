@@ -119,10 +119,11 @@ ExperimentResult run_combination(const ExperimentContext& context) {
                                             &TracePoint::mse, "MSE"));
   }
   result.setup = common_setup(context);
-  result.setup.insert(result.setup.end(),
-                      {{"Turn", context.quick ? "100° in steps of 20°, 8 samples a step, one stored"
-                                              : "100° in steps of 5°, 64 samples a step, one stored"},
-                       {"Repetitions", "1; contenders take turns frame by frame"}});
+  result.setup.insert(
+      result.setup.end(),
+      {{"Turn", context.quick ? "100° in steps of 20°, 8 samples a step, one stored"
+                              : "100° in steps of 5°, 64 samples a step, one stored"},
+       {"Repetitions", "one sequence, by which every verdict is given; contenders take turns frame by frame"}});
   return result;
 }
 

@@ -182,4 +182,12 @@ std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees) 
   return camera;
 }
 
+std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
+  std::optional<PlacedCamera> camera = turned(scene, degrees);
+  if (aside_m == 0) return camera;
+  if (!camera) throw Error(scene.name + ": the camera can only be moved if the experiment places it");
+  camera->to_world[3] += aside_m * scene.camera->to_world[0];
+  return camera;
+}
+
 }  // namespace relume

@@ -40,6 +40,9 @@ ExperimentScene city_street();
 /// The scene's camera turned to the left by an angle about +Y. Throws Error for an angle if the scene has none of the
 /// experiment's own.
 std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees);
+/// The same, and moved to its own right (as it looks when it is not turned) by `aside_m`. Without the scene's camera
+/// both have to be 0.
+std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float degrees, float aside_m);
 
 inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where sponza/sponza.gltf is";
 

@@ -36,13 +36,18 @@ struct Runner {
   std::vector<float> map = {};
 };
 
+/// The camera when `degrees` of the way are left.
+std::optional<PlacedCamera> camera_on(const Turn& way, const ExperimentScene& scene, float degrees) {
+  return turned_aside(scene, -degrees, way.aside_m * degrees / way.total_deg);
+}
+
 /// Turns the camera and renders the steps before the last view.
 void turn(const ExperimentContext& context, Runner& runner, const ExperimentScene& scene, const Turn& turn) {
   Session& session = runner.session->session();
   const bool sees_steps = turn.step_deg > 0 && runner.contender->samples_per_step > 0;
   const int steps = sees_steps ? static_cast<int>(std::lround(turn.total_deg / turn.step_deg)) : 0;
   for (int i = 0; i < steps; ++i) {
-    session.set_camera(turned(scene, -turn.total_deg + static_cast<float>(i) * turn.step_deg));
+    session.set_camera(camera_on(turn, scene, turn.total_deg - static_cast<float>(i) * turn.step_deg));
     for (int k = 0; k < runner.contender->samples_per_step; ++k) {
       context.check_stop();
       runner.session->render_frame();
@@ -55,7 +60,7 @@ void restart(const ExperimentContext& context, Runner& runner, const ExperimentS
              int seed) {
   // Begins at the first view, so that the first frame knows of no motion.
   runner.session->session().set_camera(
-      turned(scene, way.step_deg > 0 && runner.contender->samples_per_step > 0 ? -way.total_deg : 0.0f));
+      camera_on(way, scene, way.step_deg > 0 && runner.contender->samples_per_step > 0 ? way.total_deg : 0.0f));
   runner.session->restart(seed);
   turn(context, runner, scene, way);
   runner.frames = 0;
@@ -138,7 +143,7 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
   }
   for (int repetition = 0; repetition < options.repetitions; ++repetition) {
     for (size_t i = 0; i < runners.size(); ++i) {
-      restart(context, runners[i], scene, options.turn, 1 + repetition);
+      restart(context, runners[i], scene, options.turn, options.first_seed + repetition);
       context.report(stage, (repetition + 0.6 * static_cast<double>(i + 1) / static_cast<double>(runners.size())) /
                                 options.repetitions);
     }

@@ -47,9 +47,9 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options) {
   if (context.parts_folder.empty()) return {};
-  std::string text =
-      fmt::format("{} {:016x} {} {} {} {} {}", context.program, scene_hash(scene.scene), options.turn.total_deg,
-                  options.turn.step_deg, options.frames, options.repetitions, options.picture_frame);
+  std::string text = fmt::format("{} {:016x} {} {} {} {} {} {} {}", context.program, scene_hash(scene.scene),
+                                 options.turn.total_deg, options.turn.step_deg, options.turn.aside_m, options.frames,
+                                 options.repetitions, options.first_seed, options.picture_frame);
   if (scene.camera) {
     for (int column = 0; column < 4; ++column) {
       const Vec4& v = scene.camera->to_world[column];

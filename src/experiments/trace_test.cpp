@@ -50,6 +50,18 @@ TEST(Trace, TurnsKeepThePlace) {
   EXPECT_NEAR(before.x * after.x + before.z * after.z, 0, 1e-6f);
 }
 
+TEST(Trace, TurnsAsideMoveTheEyeTheSameWayWhereverItLooks) {
+  const ExperimentScene box = closed_box();
+  EXPECT_EQ(turned_aside(box, 30, 0)->to_world, turned(box, 30)->to_world);
+  for (const float degrees : {0.0f, 90.0f}) {
+    const auto camera = turned_aside(box, degrees, 0.25f);
+    EXPECT_EQ(camera->to_world[0], turned(box, degrees)->to_world[0]);
+    const Vec3 way = Vec3(camera->to_world[3]) - Vec3(box.camera->to_world[3]);
+    EXPECT_NEAR(glm::dot(way, Vec3(box.camera->to_world[0])), 0.25f, 1e-6f);
+    EXPECT_NEAR(length_squared(way), 0.0625f, 1e-6f);
+  }
+}
+
 /// Measures the box twice as an experiment that was interrupted would.
 TEST(Trace, GoesOnFromWhatWasMeasured) {
   ExperimentContext context;
