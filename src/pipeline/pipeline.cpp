@@ -5,11 +5,50 @@
 #include <string>
 
 namespace relume {
+namespace {
+
+[[noreturn]] void fail(std::string_view pass, std::string_view buffer, const char* problem) {
+  throw std::logic_error("pass '" + std::string(pass) + "', buffer '" + std::string(buffer) + "': " + problem);
+}
+
+/// What a declaration allows.
+class DeclaredAccess final : public BufferAccess {
+ public:
+  explicit DeclaredAccess(const PassDeclaration& declaration)
+      : pass_(declaration.name), moves_surfaces_(declaration.moves_surfaces) {
+    for (const BufferDescription& buffer : declaration.owns) written_.push_back(buffer.name);
+    for (const auto* list : {&declaration.writes, &declaration.writes_if_any})
+      written_.insert(written_.end(), list->begin(), list->end());
+    for (const auto* list : {&declaration.reads, &declaration.reads_if_any})
+      read_.insert(read_.end(), list->begin(), list->end());
+  }
+  void check_read(std::string_view buffer) const override {
+    if (!has(read_, buffer) && !has(written_, buffer)) fail(pass_, buffer, "it reads what it does not declare");
+  }
+  void check_write(std::string_view buffer) const override {
+    if (!has(written_, buffer)) fail(pass_, buffer, "it writes what it does not declare");
+  }
+  void check_move(std::string_view buffer) const override {
+    if (!moves_surfaces_) fail(pass_, buffer, "it moves what it does not declare");
+  }
+
+ private:
+  static bool has(const std::vector<std::string>& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+  std::string pass_;
+  bool moves_surfaces_;
+  std::vector<std::string> read_;
+  std::vector<std::string> written_;
+};
+
+}  // namespace
 
 void Pipeline::add(std::unique_ptr<Pass> pass) {
-  const Stage stage = pass->declaration().stage;
+  const PassDeclaration declaration = pass->declaration();
   const auto after = std::find_if(passes_.begin(), passes_.end(),
-                                  [&](const auto& other) { return other->declaration().stage > stage; });
+                                  [&](const auto& other) { return other->declaration().stage > declaration.stage; });
+  access_.insert(access_.begin() + (after - passes_.begin()), std::make_unique<DeclaredAccess>(declaration));
   passes_.insert(after, std::move(pass));
 }
 
@@ -23,26 +62,32 @@ void Pipeline::check() const {
   const auto find = [&](std::string_view name) {
     return std::find_if(known.begin(), known.end(), [&](const Known& k) { return k.name == name; });
   };
-  const auto fail = [](const PassDeclaration& pass, std::string_view buffer, const char* problem) {
-    throw std::logic_error("pass '" + std::string(pass.name) + "', buffer '" + std::string(buffer) + "': " + problem);
-  };
   const std::vector<PassDeclaration> list = declarations();
   for (const PassDeclaration& pass : list) {
     for (const BufferDescription& b : pass.owns) {
-      if (find(b.name) != known.end()) fail(pass, b.name, "another pass owns it");
+      if (find(b.name) != known.end()) fail(pass.name, b.name, "another pass owns it");
       known.push_back({b.name, b.persistent || b.double_buffered, false});
     }
   }
   for (const PassDeclaration& pass : list) {
-    for (const std::string_view name : pass.reads) {
+    const auto read = [&](std::string_view name, bool optional) {
       const auto buffer = find(name);
-      if (buffer == known.end()) fail(pass, name, "it reads what no pass owns");
-      if (!buffer->lasting && !buffer->written) fail(pass, name, "it reads what no earlier pass has written");
-    }
-    for (const std::string_view name : pass.writes) {
-      if (find(name) == known.end()) fail(pass, name, "it writes what no pass owns");
-      find(name)->written = true;
-    }
+      if (buffer == known.end() && optional) return;
+      if (buffer == known.end()) fail(pass.name, name, "it reads what no pass owns");
+      if (!buffer->lasting && !buffer->written) fail(pass.name, name, "it reads what no earlier pass has written");
+    };
+    const auto write = [&](std::string_view name, bool optional) {
+      const auto buffer = find(name);
+      if (buffer != known.end()) {
+        buffer->written = true;
+      } else if (!optional) {
+        fail(pass.name, name, "it writes what no pass owns");
+      }
+    };
+    for (const std::string_view name : pass.reads) read(name, false);
+    for (const std::string_view name : pass.reads_if_any) read(name, true);
+    for (const std::string_view name : pass.writes) write(name, false);
+    for (const std::string_view name : pass.writes_if_any) write(name, true);
     for (const BufferDescription& b : pass.owns) find(b.name)->written = true;
   }
 }
@@ -54,7 +99,12 @@ void Pipeline::add_buffers(BufferTable& table) const {
 }
 
 bool Pipeline::run(const FrameContext& frame) {
-  return std::all_of(passes_.begin(), passes_.end(), [&](const auto& pass) { return pass->run(frame); });
+  FrameContext own = frame;
+  for (size_t i = 0; i < passes_.size(); ++i) {
+    own.access = access_[i].get();
+    if (!passes_[i]->run(own)) return false;
+  }
+  return true;
 }
 
 bool Pipeline::adapts() const {

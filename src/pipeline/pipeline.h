@@ -21,7 +21,8 @@ class Pipeline {
   /// Adds the buffers that the passes own.
   void add_buffers(BufferTable& table) const;
 
-  /// Runs one frame. False if a stop was requested first.
+  /// Runs one frame. False if a stop was requested first. Throws std::logic_error where a pass looks at a buffer that
+  /// it does not declare.
   bool run(const FrameContext& frame);
 
   bool adapts() const;
@@ -37,6 +38,7 @@ class Pipeline {
 
  private:
   std::vector<std::unique_ptr<Pass>> passes_;
+  std::vector<std::unique_ptr<BufferAccess>> access_;  ///< of each pass
 };
 
 }  // namespace relume

@@ -97,6 +97,74 @@ TEST_F(PipelineTest, RefusesBuffersWithoutOwnerOrWithTwo) {
   EXPECT_THROW(twice.check(), std::logic_error);
 }
 
+TEST_F(PipelineTest, AcceptsWhatIsReadOrWrittenOnlyWhereItExists) {
+  add({.name = "trace", .stage = Stage::trace, .reads_if_any = {"allocation"}});
+  add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {"adaptive-m2"}});
+  EXPECT_NO_THROW(pipeline_.check());
+  add({.name = "late", .stage = Stage::present, .owns = {{.name = "allocation"}}});
+  EXPECT_THROW(pipeline_.check(), std::logic_error);  // it exists, and is written too late
+}
+
+/// A pass that looks at a buffer, to read or to write it.
+class Reach final : public Pass {
+ public:
+  Reach(PassDeclaration declaration, bool write) : declaration_(std::move(declaration)), write_(write) {}
+  PassDeclaration declaration() const override { return declaration_; }
+  bool run(const FrameContext& frame) override {
+    return write_ ? !frame.view<float>("radiance").empty() : !frame.view<const float>("radiance").empty();
+  }
+
+ private:
+  PassDeclaration declaration_;
+  bool write_;
+};
+
+TEST(Pipeline, PassesSeeOnlyWhatTheyDeclare) {
+  const auto run = [](PassDeclaration declaration, bool write) {
+    Pipeline pipeline;
+    pipeline.add(std::make_unique<Reach>(std::move(declaration), write));
+    SceneView scene;
+    BufferTable buffers(2, 2);
+    buffers.add({.name = "radiance"});
+    Backend backend(1);
+    return pipeline.run(FrameContext{scene, buffers, backend, {}, 0, 0, Change::none, {}});
+  };
+  for (const bool write : {false, true}) {
+    EXPECT_THROW(run({.name = "nothing"}, write), std::logic_error);
+    EXPECT_TRUE(run({.name = "owner", .owns = {{.name = "radiance"}}}, write));
+    EXPECT_TRUE(run({.name = "writer", .writes = {"radiance"}}, write));
+    EXPECT_TRUE(run({.name = "writer", .writes_if_any = {"radiance"}}, write));
+  }
+  EXPECT_TRUE(run({.name = "reader", .reads = {"radiance"}}, false));
+  EXPECT_TRUE(run({.name = "reader", .reads_if_any = {"radiance"}}, false));
+  EXPECT_THROW(run({.name = "reader", .reads = {"radiance"}}, true), std::logic_error);
+}
+
+TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
+  struct Move final : Pass {
+    explicit Move(bool declares) : moves(declares) {}
+    PassDeclaration declaration() const override { return {.name = "move", .moves_surfaces = moves}; }
+    bool run(const FrameContext& frame) override {
+      int count = 0;
+      frame.for_each_surface_buffer([&](const Buffer&) { ++count; });
+      return count == 1;
+    }
+    bool moves;
+  };
+  const auto run = [](bool declares) {
+    Pipeline pipeline;
+    pipeline.add(std::make_unique<Move>(declares));
+    SceneView scene;
+    BufferTable buffers(2, 2);
+    buffers.add({.name = "mean", .follows_surface = true});
+    buffers.add({.name = "depth"});
+    Backend backend(1);
+    return pipeline.run(FrameContext{scene, buffers, backend, {}, 0, 0, Change::none, {}});
+  };
+  EXPECT_TRUE(run(true));
+  EXPECT_THROW(run(false), std::logic_error);
+}
+
 TEST_F(PipelineTest, AdaptsIfOnePassDoes) {
   add({.name = "trace"});
   EXPECT_FALSE(pipeline_.adapts());

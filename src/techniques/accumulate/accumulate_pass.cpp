@@ -38,7 +38,9 @@ PassDeclaration AccumulatePass::declaration() const {
                     .help = "samples that were not finite",
                     .persistent = true,
                     .display = BufferDisplay::value}},
-          .reads = {"radiance", "rays"}};
+          .reads = {"radiance", "rays"},
+          .reads_if_any = {"allocation"},
+          .writes_if_any = {"adaptive-m2"}};
 }
 
 bool AccumulatePass::run(const FrameContext& frame) {

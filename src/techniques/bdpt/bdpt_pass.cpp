@@ -13,7 +13,11 @@ PassDeclaration BdptPass::declaration() const {
   owns.push_back({.name = "splats",
                   .type = BufferType::fixed_rgb,
                   .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
-  return {.name = "trace", .stage = Stage::trace, .owns = std::move(owns), .reads = {"primary-hits"}};
+  return {.name = "trace",
+          .stage = Stage::trace,
+          .owns = std::move(owns),
+          .reads = {"primary-hits"},
+          .reads_if_any = {"allocation"}};
 }
 
 void BdptPass::prepare_emission(const FrameContext& frame) {

@@ -37,7 +37,8 @@ PassDeclaration BmfrPass::declaration() const {
                scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
                scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
                scratch("bmfr-age", BufferType::u32, "samples in that history")},
-      .reads = feature_buffers()};
+      .reads = feature_buffers(),
+      .reads_if_any = {"allocation"}};
 }
 
 bool BmfrPass::run(const FrameContext& frame) {

@@ -26,8 +26,11 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
 }
 
 PassDeclaration PathPass::declaration() const {
-  PassDeclaration declaration{
-      .name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+  PassDeclaration declaration{.name = "trace",
+                              .stage = Stage::trace,
+                              .owns = estimator_buffers(),
+                              .reads = {"primary-hits"},
+                              .reads_if_any = {"allocation"}};
   if (first_vertices_) {
     declaration.owns.push_back({.name = "first-vertices",
                                 .type = BufferType::record,
@@ -46,7 +49,7 @@ bool PathPass::run(const FrameContext& frame) {
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
   kernel.width = frame.width();
-  const View<FirstVertex> vertices = frame.view<FirstVertex>("first-vertices");
+  const View<FirstVertex> vertices = first_vertices_ ? frame.view<FirstVertex>("first-vertices") : View<FirstVertex>{};
   if (recording_) {
     return frame.launch("trace", RecordedPathKernel{kernel.context, kernel.index, kernel.hits, kernel.allocation,
                                                     kernel.radiance, kernel.rays, *recording_, vertices, kernel.width});

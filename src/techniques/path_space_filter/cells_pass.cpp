@@ -119,8 +119,11 @@ std::vector<PassFigure> ResolveCellsPass::figures() const {
 }
 
 PassDeclaration cell_paths_declaration() {
-  PassDeclaration declaration{
-      .name = "trace", .stage = Stage::trace, .owns = estimator_buffers(), .reads = {"primary-hits"}};
+  PassDeclaration declaration{.name = "trace",
+                              .stage = Stage::trace,
+                              .owns = estimator_buffers(),
+                              .reads = {"primary-hits"},
+                              .reads_if_any = {"allocation"}};
   declaration.owns.push_back({.name = "filtered-pixels",
                               .type = BufferType::record,
                               .help = "what each pixel leaves for the cells",

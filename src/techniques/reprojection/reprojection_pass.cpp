@@ -74,7 +74,8 @@ PassDeclaration ReprojectionPass::declaration() const {
           .stage = Stage::history,
           .owns = std::move(owns),
           .reads = std::move(reads),
-          .writes = {"mean", "m2", "samples"}};
+          .writes = {"mean", "m2", "samples"},
+          .moves_surfaces = forward};
 }
 
 bool ReprojectionPass::run(const FrameContext& frame) {
@@ -127,15 +128,13 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   claim_places(frame);
   take_over(frame);
   note_covered(frame);
-  for (const auto& buffer : frame.buffers.all()) {
-    const BufferDescription& description = buffer->description();
-    if (!description.follows_surface) continue;
-    if (description.type == BufferType::rgb32f) {
-      move_elements<Rgb>(frame, before_, *buffer, sources_);
+  frame.for_each_surface_buffer([&](const Buffer& buffer) {
+    if (buffer.description().type == BufferType::rgb32f) {
+      move_elements<Rgb>(frame, before_, buffer, sources_);
     } else {
-      move_elements<uint32_t>(frame, before_, *buffer, sources_);
+      move_elements<uint32_t>(frame, before_, buffer, sources_);
     }
-  }
+  });
 }
 
 void ReprojectionPass::claim_places(const FrameContext& frame) {
@@ -266,7 +265,8 @@ PassDeclaration StoreSamplesPass::declaration() const {
   return {.name = "store",
           .stage = Stage::present,
           .reads = {"primary-hits", "first-vertices", "radiance"},
-          .writes = {"mean", "m2", "samples"}};
+          .writes = {"mean", "m2", "samples", "history-reason"},
+          .reads_if_any = {"allocation"}};
 }
 
 bool StoreSamplesPass::run(const FrameContext& frame) {

@@ -22,7 +22,8 @@ PassDeclaration SvgfPass::declaration() const {
                denoiser_history("svgf-picture", BufferType::rgb32f, "filtered pictures, averaged"),
                denoised_buffer(),
                {.name = "svgf-shown", .type = BufferType::rgb32f, .help = "this frame's picture"}},
-      .reads = feature_buffers()};
+      .reads = feature_buffers(),
+      .reads_if_any = {"allocation"}};
 }
 
 bool SvgfPass::run(const FrameContext& frame) {
