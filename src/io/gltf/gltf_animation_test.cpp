@@ -83,6 +83,20 @@ TEST(GltfCamera, ReadsBothKinds) {
   EXPECT_EQ(scene.nodes[2].camera, kNone);
 }
 
+TEST(GltfCamera, NamesAShapeThatThePictureDoesNotHave) {
+  const auto warnings = [](double ratio) {
+    GltfBuilder file;
+    file.add("cameras", {{"type", "perspective"},
+                         {"name", "a"},
+                         {"perspective", {{"yfov", 0.5}, {"znear", 0.1}, {"aspectRatio", ratio}}}});
+    for (int i = 0; i < 2; ++i) file.add_root({{"camera", 0}});
+    return file.load().warnings;
+  };
+  ASSERT_EQ(warnings(1.5).size(), 1u);
+  EXPECT_TRUE(mentions(warnings(1.5), "aspectRatio 1.5 is not used"));
+  EXPECT_TRUE(warnings(1.7777).empty());  // as pictures are if nothing else is said
+}
+
 TEST(GltfLights, ReadsAllTypes) {
   GltfBuilder file;
   file.doc["extensions"]["KHR_lights_punctual"]["lights"] = {

@@ -10,6 +10,16 @@
 namespace relume::gltf {
 namespace {
 
+/// Pictures have the shape that --width and --height give them: 16:9 unless they say something else.
+void warn_of_aspect_ratio(Document& document, const Camera& camera, float ratio) {
+  constexpr float kDefault = 16.0f / 9.0f;
+  if (!(ratio > 0) || !is_finite(ratio) || std::fabs(ratio / kDefault - 1) <= 0.01f) return;
+  document.warnings.add(
+      fmt::format("camera '{}': its aspectRatio {:.3g} is not used; give the picture that shape with --width and "
+                  "--height",
+                  camera.name, ratio));
+}
+
 Camera convert_camera(Document& document, const tinygltf::Camera& source, int index) {
   Camera camera;
   camera.name = source.name.empty() ? fmt::format("camera {}", index) : source.name;
@@ -22,6 +32,7 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
       document.warnings.add(fmt::format("camera '{}': ymag is 0; {} takes its place", camera.name, camera.half_height));
     return camera;
   }
+  warn_of_aspect_ratio(document, camera, to_float(source.perspective.aspectRatio));
   const float yfov = to_float(source.perspective.yfov);
   if (yfov > 0 && yfov < kPi) {
     camera.fov_y_rad = yfov;
