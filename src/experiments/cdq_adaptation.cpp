@@ -79,9 +79,9 @@ void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, s
       fmt::format("at most {}, by the interval", frames), verdict_of(after_one, 0, static_cast<double>(frames))));
   const Adaptation& many = find(cases, degrees, 128, 8).adaptation;
   const Interval after_many = many.adapted_interval(0.1);
-  const char* verdict = after_many.high < after_one.low                    ? kVerdictHolds
-                        : many.adapted_after(0.1) > one.adapted_after(0.1) ? kVerdictFails
-                                                                           : kVerdictUndecided;
+  const char* verdict = kVerdictUndecided;
+  if (after_many.high < after_one.low) verdict = kVerdictHolds;
+  if (after_many.low >= after_one.high) verdict = kVerdictFails;
   claims.push_back(with_verdict(
       fmt::format("faster-{:.0f}", degrees), "[Dittebrandt20 §8]", "Several migrations a frame readapt faster.",
       fmt::format("{} frames with eight, {} with one", adapted_text(many, 0.1, 0), adapted_text(one, 0.1, 0)),
@@ -124,10 +124,13 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
       session.set_settings(plain);
       bsdf = measure_adaptation(context, "BSDF", session, context.choose(16, 2), 4, goal.reference, goal.surfaces);
     }
-    for (const int bits : {32, 64, 96, 128})
-      cases.push_back(measure(context, session, settings, goal, degrees, bits, 1));
-    for (const int migrations : {2, 4, 8})
-      cases.push_back(measure(context, session, settings, goal, degrees, 128, migrations));
+    for (const int bits : {32, 64, 96, 128}) {
+      if (degrees > 20 || bits % 64 == 0) cases.push_back(measure(context, session, settings, goal, degrees, bits, 1));
+    }
+    for (const int migrations : {2, 4, 8}) {
+      if (degrees > 20 || migrations == 8)
+        cases.push_back(measure(context, session, settings, goal, degrees, 128, migrations));
+    }
   }
   ExperimentResult result;
   claim_speed(cases, 9, 10, result.claims);

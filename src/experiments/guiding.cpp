@@ -132,7 +132,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   ExperimentScene sampled = builtin_scene("mine");
   sampled.name = "mine, environment sampled";
   const SceneResult paper_result = measure(context, paper, true);
-  const SceneResult sampled_result = measure(context, sampled, true);
+  const SceneResult sampled_result = measure(context, sampled, false);
   std::vector<SceneResult> others;
   std::vector<const char*> names{"warehouse"};
   if (!context.quick) names = {"warehouse", "cover", "turntable", "slit"};

@@ -109,7 +109,7 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
   return scene;
 }
 
-int learning_reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
+int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 256); }
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
   return {{"Size", context.quick ? "64 × 36" : "192 × 108"},

@@ -56,9 +56,8 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, const
   if (extent == Extent::ways) return list;
   // Cells narrower than a bay of the warehouse (3 m), and more exploration for what their lists miss.
   for (const float cell : {0.0f, 2.0f, 1.0f}) {
-    for (const float exploration : {0.05f, 0.1f, 0.2f}) {
-      if (cell == 0 && exploration == base.static_lists.exploration) continue;  // above
-      if (cell == 1 && exploration != 0.1f) continue;                           // its lists take a minute
+    for (const float exploration : {0.1f, 0.2f}) {
+      if (cell == 1 && exploration != 0.1f) continue;  // its lists take a minute
       if (context.quick && !(cell == 2 && exploration == 0.1f)) continue;
       const std::string size = cell > 0 ? fmt::format("{:.0f} m", cell) : "4 m";
       RenderSettings& s = add(fmt::format("{}, {}, {:.0f} % exploration", kLists, size, 100 * exploration),
@@ -67,8 +66,6 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, const
       s.static_lists.exploration = exploration;
     }
   }
-  add("cdq, light tree", light_tree, GuideChoice::cdq);
-  add("cdq, static lists", static_lists, GuideChoice::cdq);
   add("cdq, vlc", vlc, GuideChoice::cdq);
   return list;
 }
