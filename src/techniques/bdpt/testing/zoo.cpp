@@ -27,7 +27,7 @@ Index add_zoo_texture(SceneBuilder& b, int size, const Value& value) {
   return b.add_texture(std::move(t));
 }
 
-void add_zoo_surfaces(SceneBuilder& b, bool smooth) {
+void add_zoo_surfaces(SceneBuilder& b, bool smooth, bool bent) {
   const auto at = [](const Vec3& p) {
     Transform t;
     t.translation = p;
@@ -40,8 +40,13 @@ void add_zoo_surfaces(SceneBuilder& b, bool smooth) {
   });
   // Texels larger than the footprints of cones, or camera subpaths would see smoother bumps than light subpaths do.
   const auto use_bumps = [&](Material& m) {
+    if (!bent) return;
     m.normal_texture.texture = bumps;
     m.normal_texture.scale = Vec2(0.5f);
+  };
+  const auto sphere = [&](float radius, int levels) {
+    const Mesh mesh = icosphere(radius, levels);
+    return bent ? mesh : flat_shaded(mesh);
   };
   Material floor = glossy("floor", {0.7f, 0.6f, 0.5f}, 0.4f);
   use_bumps(floor);
@@ -49,12 +54,12 @@ void add_zoo_surfaces(SceneBuilder& b, bool smooth) {
   Material wall = lambert("wall", {0.4f, 0.6f, 0.7f});
   use_bumps(wall);
   b.add("wall", quad({-2, 0, -2}, {4, 0, 0}, {0, 3, 0}), b.add_material(wall));
-  b.add("ball", icosphere(0.45f, 1), b.add_material(lambert("ball", {0.8f, 0.5f, 0.4f})), at({-1.1f, 0.5f, 0.3f}));
-  b.add("metal", icosphere(0.4f, 3), b.add_material(metal("metal", {0.9f, 0.8f, 0.5f}, 0.5f)), at({0, 0.4f, -0.7f}));
+  b.add("ball", sphere(0.45f, 1), b.add_material(lambert("ball", {0.8f, 0.5f, 0.4f})), at({-1.1f, 0.5f, 0.3f}));
+  b.add("metal", sphere(0.4f, 3), b.add_material(metal("metal", {0.9f, 0.8f, 0.5f}, 0.5f)), at({0, 0.4f, -0.7f}));
 
   Material rough = glass("rough glass", 1.5f, {0.7f, 0.9f, 0.6f}, 0.5f);
   rough.roughness = 0.5f;
-  b.add("rough glass", icosphere(0.35f, 3), b.add_material(rough), at({1.1f, 0.36f, 0.4f}));
+  b.add("rough glass", sphere(0.35f, 3), b.add_material(rough), at({1.1f, 0.36f, 0.4f}));
 
   Material pane = lambert("pane", {0.9f, 0.7f, 0.4f});
   pane.specular = 1;
@@ -146,9 +151,9 @@ Camera zoo_camera(ZooCamera kind) {
 
 }  // namespace
 
-Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth) {
+Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth, bool bent) {
   SceneBuilder b("zoo");
-  add_zoo_surfaces(b, smooth);
+  add_zoo_surfaces(b, smooth, bent);
   if (light == ZooLight::triangles || light == ZooLight::two_sided || light == ZooLight::textured ||
       light == ZooLight::mixed)
     add_zoo_lamp(b, light);

@@ -31,8 +31,9 @@ inline constexpr ZooCamera kZooCameras[] = {ZooCamera::pinhole, ZooCamera::thin_
                                             ZooCamera::panoramic};
 inline constexpr const char* kZooCameraNames[] = {"pinhole", "thin_lens", "orthographic", "panoramic"};
 
-/// `smooth`: with delta scattering too.
-Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth = true);
+/// `smooth`: with delta scattering too. `bent`: with shading normals that are not those of the surface, at which light
+/// tracing loses some light.
+Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth = true, bool bent = true);
 
 /// The inside of a sphere that shines and reflects, seen by a panoramic camera: every place sees every other.
 Scene make_closed_sphere(float albedo);
