@@ -56,6 +56,24 @@ double contrast_kept(const Image& image, const Image& reference, const Region& r
   return variance > 0 ? covariance / variance : 1;
 }
 
+double detail_kept(const Image& image, const Image& reference, const Region& region) {
+  const PixelRange r = pixels_of(reference, region);
+  double product = 0;
+  double energy = 0;
+  const auto add = [&](int x, int y, int u, int v) {
+    const auto step = [&](const Image& i) { return shown_luminance(i.at(u, v)) - shown_luminance(i.at(x, y)); };
+    product += step(image) * step(reference);
+    energy += step(reference) * step(reference);
+  };
+  for (int y = r.y0; y + 1 < r.y1; ++y) {
+    for (int x = r.x0; x + 1 < r.x1; ++x) {
+      add(x, y, x + 1, y);
+      add(x, y, x, y + 1);
+    }
+  }
+  return energy > 0 ? product / energy : 1;
+}
+
 double mean_mse_of(const Comparison& comparison, std::string_view name) {
   const ContenderResult& contender = contender_named(comparison, name);
   double sum = 0;

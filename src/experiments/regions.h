@@ -29,6 +29,10 @@ double region_mean(const Image& image, const Region& region);
 /// reference, both cut off at 1 as a display does. 1: all of it, 0: a flat picture. Noise leaves it as it is.
 double contrast_kept(const Image& image, const Image& reference, const Region& region);
 
+/// Which share of the reference's detail in the region an image has kept: the same of the differences between pixels
+/// side by side, and one above the other. Blur makes it small; noise leaves it as it is.
+double detail_kept(const Image& image, const Image& reference, const Region& region);
+
 /// Mean over the repetitions. A median would overlook what path tracing finds rarely and brightly.
 double mean_mse_of(const Comparison& comparison, std::string_view name);
 

@@ -43,5 +43,24 @@ TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
   EXPECT_EQ(contrast_kept(noisy, blurred, {"picture"}), 1);              // nothing to keep
 }
 
+TEST(Regions, DetailSurvivesNoiseButNotBlur) {
+  Image reference(64, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) reference.at(x, y) = Rgb((x / 2 + y / 2) % 2 == 0 ? 0.3f : 0.6f);
+  }
+  Image noisy = reference;
+  Image blurred = reference;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> noise(-0.15f, 0.15f);
+  for (Rgb& p : noisy.pixels) p += noise(random);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 1; x < 64; ++x) blurred.at(x, y) = 0.5f * (reference.at(x, y) + reference.at(x - 1, y));
+  }
+  EXPECT_NEAR(detail_kept(reference, reference, {"picture"}), 1.0, 1e-9);
+  EXPECT_NEAR(detail_kept(noisy, reference, {"picture"}), 1.0, 0.05);  // five standard errors
+  EXPECT_LT(detail_kept(blurred, reference, {"picture"}), 0.7);
+  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"picture"}), 1);  // nothing to keep
+}
+
 }  // namespace
 }  // namespace relume
