@@ -1,7 +1,6 @@
 #include "experiments/estimate.h"
 
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -75,17 +74,6 @@ const char* verdict_below(const Estimate& difference) {
   const double noise = 2 * difference.error();
   if (difference.value < -noise) return kVerdictHolds;
   return difference.value > noise ? kVerdictFails : kVerdictUndecided;
-}
-
-const char* verdict_of_all(const std::vector<const char*>& verdicts) {
-  const auto any = [&](const char* verdict) {
-    for (const char* v : verdicts) {
-      if (std::strcmp(v, verdict) == 0) return true;
-    }
-    return false;
-  };
-  if (any(kVerdictFails)) return kVerdictFails;
-  return any(kVerdictUndecided) ? kVerdictUndecided : kVerdictHolds;
 }
 
 std::string with_noise(const Estimate& estimate) {

@@ -32,9 +32,6 @@ Estimate squared_bias(const std::vector<Image>& repetitions, const Image& refere
 /// Whether something is negative: beyond two standard errors it is, or it is not; else that is undecided.
 const char* verdict_below(const Estimate& difference);
 
-/// The verdict on a claim that consists of several: one that fails decides, then one that is undecided.
-const char* verdict_of_all(const std::vector<const char*>& verdicts);
-
 /// "0.0012 ± 0.0001": two standard errors.
 std::string with_noise(const Estimate& estimate);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "experiments/experiment.h"
 #include "testing/random.h"
 
 namespace relume {
