@@ -133,7 +133,7 @@ Claim claim_scene(const MovingErrors& scene) {
 Claim claim_choice(const std::vector<MovingErrors>& scenes) {
   const std::vector<double> distances = distances_to_best(scenes);
   const size_t best = static_cast<size_t>(std::min_element(distances.begin(), distances.end()) - distances.begin());
-  return judged("best-choice", kOurs, "`interactive` is the best of all combinations, over all scenes.",
+  return judged("best-choice", kOurs, "`interactive` is the best of the combinations in the table, over all scenes.",
                 fmt::format("{:.2f} of the least MSE on average; the best is {} with {:.2f}", distances.front(),
                             scenes.front().contenders[best].name, distances[best]),
                 "within 10 % of the best", distances.front() <= 1.1 * distances[best]);
@@ -197,7 +197,7 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
 }  // namespace
 
 Experiment interactive_experiment() {
-  return {kInteractive, kOurs, "all combinations while the camera turns, at equal time; and presets", run_interactive};
+  return {kInteractive, kOurs, "sixty combinations while the camera turns, at equal time; and presets", run_interactive};
 }
 
 }  // namespace relume

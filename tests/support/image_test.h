@@ -14,6 +14,8 @@ struct ImageTestOptions {
   double significance = 1e-4;
   int block_size = 16;
   double block_tolerance = 0.005;  ///< of a block's mean
+  /// What the test can tell: the relative standard error of a block's difference, at most. Larger errors would hide.
+  double block_resolution = 0.05;
 };
 
 struct ImageTest {
