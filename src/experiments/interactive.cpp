@@ -197,7 +197,8 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
 }  // namespace
 
 Experiment interactive_experiment() {
-  return {kInteractive, kOurs, "sixty combinations while the camera turns, at equal time; and presets", run_interactive};
+  return {kInteractive, kOurs, "sixty combinations while the camera turns, at equal time; and presets",
+          run_interactive};
 }
 
 }  // namespace relume

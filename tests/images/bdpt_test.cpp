@@ -82,7 +82,7 @@ struct BuiltinCase {
 };
 
 const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 64},      {"cornell-closed", 32, 32, 0, 48, 24, 48},
-                              {"corridor", 24, 24, 0, 64, 32, 32},     {"warehouse", 32, 18, 0, 32, 16, 64},
+                              {"corridor", 24, 24, 0, 64, 32, 32},     {"warehouse", 32, 18, 0, 32, 16, 128},
                               {"turntable", 32, 18, 1.3f, 32, 16, 32}, {"slit", 32, 18, 0.7f, 48, 24, 48},
                               {"furnace", 24, 24, 0, 4, 4, 32}};
 

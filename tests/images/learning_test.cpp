@@ -101,7 +101,7 @@ std::string test_name(const ::testing::TestParamInfo<std::string_view>& info) {
 }
 
 /// The suite makes some four hundred comparisons.
-const ImageTestOptions kOptions{.significance = 2.5e-5};
+const ImageTestOptions kOptions{.significance = 2.5e-5, .resolution = 0.25};
 
 void check_all_ways(std::string_view scene, const Effort& effort) {
   const RenderSettings plain = plain_settings(scene, effort);
@@ -117,11 +117,10 @@ void check_all_ways(std::string_view scene, const Effort& effort) {
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick); }
-// Not lamp-room, nor the warehouse by the power of its lamps: light is found too rarely there for the few samples here
-// to be told from chance.
+// Not lamp-room, corridor and cornell-glass, nor the warehouse by the power of its lamps: light is found too rarely
+// there for the few samples here to be told from chance.
 INSTANTIATE_TEST_SUITE_P(Builtin, Learning,
-                         ::testing::Values("cornell", "cornell-glass", "corridor", "cover", "slit", "mine", "furnace"),
-                         test_name);
+                         ::testing::Values("cornell", "turntable", "cover", "slit", "mine", "furnace"), test_name);
 
 TEST(LearningAmongHiddenLamps, ShowsTheSame) {
   const RenderSettings plain = plain_settings("warehouse", kQuick);

@@ -85,6 +85,8 @@ void compare_blocks(const Moments& a, const Moments& b, const ImageTestOptions& 
   const int columns = (a.width + options.block_size - 1) / options.block_size;
   const int rows = (a.height + options.block_size - 1) / options.block_size;
   const double threshold = sidak(options.significance, 3.0 * columns * rows);
+  double light = 0;
+  double errors = 0;
   for (int i = 0; i < columns * rows * 3; ++i) {
     const int x0 = i / 3 % columns * options.block_size;
     const int y0 = i / 3 / columns * options.block_size;
@@ -96,12 +98,15 @@ void compare_blocks(const Moments& a, const Moments& b, const ImageTestOptions& 
       test.rejected_blocks += sa.mean > 0 ? 1 : 0;
       continue;
     }
+    const double error = std::sqrt(sa.variance / sa.count + sb.variance / sb.count);
+    light += sb.mean;
+    errors += error;
     const double difference = std::fabs(sa.mean - sb.mean) / sb.mean;
     test.worst_block = std::max(test.worst_block, difference);
-    test.block_resolution =
-        std::max(test.block_resolution, std::sqrt(sa.variance / sa.count + sb.variance / sb.count) / sb.mean);
+    test.block_resolution = std::max(test.block_resolution, error / sb.mean);
     if (difference > options.block_tolerance && welch_p(sa, sb) < threshold) ++test.rejected_blocks;
   }
+  if (light > 0) test.resolution = errors / light;
 }
 
 }  // namespace
@@ -138,7 +143,7 @@ ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& op
 void expect_same_picture(const std::string& name, const Moments& a, const Moments& b, const ImageTestOptions& options) {
   const ImageTest test = compare(a, b, options);
   ::testing::Test::RecordProperty("agreement", test.report());
-  EXPECT_LE(test.block_resolution, options.block_resolution) << name << ": too noisy to tell";
+  EXPECT_LE(test.resolution, options.resolution) << name << ": too noisy to tell";
   if (test.agree()) return;
   const std::filesystem::path folder = RELUME_TEST_RESULTS;
   std::filesystem::create_directories(folder);

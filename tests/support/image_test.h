@@ -14,8 +14,8 @@ struct ImageTestOptions {
   double significance = 1e-4;
   int block_size = 16;
   double block_tolerance = 0.005;  ///< of a block's mean
-  /// What the test can tell: the relative standard error of a block's difference, at most. Larger errors would hide.
-  double block_resolution = 0.05;
+  /// What the test must be able to tell: the most that `resolution` may be. Larger errors would hide.
+  double resolution = 0.2;
 };
 
 struct ImageTest {
@@ -25,6 +25,7 @@ struct ImageTest {
   int rejected_pixels = 0;
   double worst_block = 0;       ///< relative difference of means
   double block_resolution = 0;  ///< largest relative standard error of a block's difference
+  double resolution = 0;        ///< relative standard error of a block's difference, averaged by the blocks' light
   int rejected_blocks = 0;
 
   bool agree() const { return rejected_pixels == 0 && rejected_blocks == 0; }
