@@ -135,7 +135,8 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
       const auto before = session.passes();
       session.render_frame();
       for (const auto& [pass, seconds] : session.passes()) {
-        const auto old = std::find_if(before.begin(), before.end(), [&](const auto& p) { return p.first == pass; });
+        const auto old =
+            std::find_if(before.begin(), before.end(), [&wanted = pass](const auto& p) { return p.first == wanted; });
         if (i > 0) times[pass].push_back(1000 * (seconds - (old == before.end() ? 0 : old->second)));
       }
     }

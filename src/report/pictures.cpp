@@ -158,7 +158,8 @@ std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, con
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<Crop> crops;
-  for (const auto& [error, crop] : found) {
+  for (const auto& candidate : found) {
+    const Crop& crop = candidate.second;
     if (static_cast<int>(crops.size()) == count) break;
     const bool apart = std::none_of(crops.begin(), crops.end(), [&](const Crop& other) {
       return std::abs(other.x - crop.x) < 2 * size && std::abs(other.y - crop.y) < 2 * size;
