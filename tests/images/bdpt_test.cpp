@@ -79,6 +79,7 @@ struct BuiltinCase {
   int path;
   int bdpt;
   int light;
+  bool rare = false;  ///< path tracing finds much of the light rarely and brightly: blocks decide, not pixels
 };
 
 const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 64},      {"cornell-closed", 32, 32, 0, 48, 24, 48},
@@ -86,20 +87,19 @@ const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 64},      {"cornell
                               {"turntable", 32, 18, 1.3f, 32, 16, 32}, {"slit", 32, 18, 0.7f, 48, 24, 48},
                               {"furnace", 24, 24, 0, 4, 4, 32}};
 
-// Path tracing finds caustics rarely and brightly: with fewer samples its spread could not be told from 16 images.
 const BuiltinCase kSharp[] = {{"cornell", 32, 32, 0, 512, 256, 512},
                               {"cornell-closed", 32, 32, 0, 512, 256, 512},
                               {"cornell-spheres", 32, 32, 0, 1024, 64, 0},
                               {"cornell-mirror", 32, 32, 0, 1024, 64, 0},
-                              {"cornell-water", 32, 32, 0, 2048, 256, 0},
-                              {"cornell-glass", 32, 32, 0, 2048, 256, 0},
+                              {"cornell-water", 32, 32, 0, 2048, 256, 0, true},
+                              {"cornell-glass", 32, 32, 0, 2048, 256, 0, true},
                               {"corridor", 32, 32, 0, 256, 128, 256},
                               {"warehouse", 48, 27, 0, 128, 64, 256},
                               {"turntable", 48, 27, 1.3f, 256, 128, 256},
                               {"slit", 48, 27, 0.7f, 128, 64, 256},
                               {"door", 32, 24, 0, 256, 128, 0},
                               {"mine", 48, 27, 0, 128, 64, 0},
-                              {"lamp-room", 32, 24, 0, 1024, 64, 0}};
+                              {"lamp-room", 32, 24, 0, 1024, 64, 0, true}};
 
 std::string builtin_name(const ::testing::TestParamInfo<BuiltinCase>& info) {
   std::string name = info.param.scene;
@@ -116,7 +116,8 @@ TEST_P(BdptBuiltin, AgreesWithPathTracing) {
   settings.time_s = c.time_s;
   const Moments path = measure(scene, settings, c.path, kSeeds, 1);
   settings.estimator = EstimatorChoice::bdpt;
-  expect_same_picture(std::string("bdpt-") + c.scene, path, measure(scene, settings, c.bdpt, kSeeds, 1001));
+  expect_same_picture(std::string("bdpt-") + c.scene, path, measure(scene, settings, c.bdpt, kSeeds, 1001),
+                      {.pixels = !c.rare});
   if (c.light == 0) return;
   settings.estimator = EstimatorChoice::light;
   expect_same_picture(std::string("light-") + c.scene, path, measure(scene, settings, c.light, kSeeds, 2001));

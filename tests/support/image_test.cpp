@@ -134,7 +134,7 @@ ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& op
     }
     test.p.push_back(static_cast<float>(p));
     test.least_p = std::min(test.least_p, p);
-    test.rejected_pixels += p < test.pixel_threshold ? 1 : 0;
+    test.rejected_pixels += options.pixels && p < test.pixel_threshold ? 1 : 0;
   }
   compare_blocks(a, b, options, test);
   return test;

@@ -12,6 +12,9 @@ struct ImageTestOptions {
   /// Probability of rejecting equal pictures, for each of the two tests: 1 % over the hundred or so comparisons of the
   /// whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
   double significance = 1e-4;
+  /// Whether pixels count, not only blocks. Not where one side finds light so rarely that most of its images lack it:
+  /// the spread of 16 images says nothing of such a pixel then.
+  bool pixels = true;
   int block_size = 16;
   double block_tolerance = 0.005;  ///< of a block's mean
   /// What the test must be able to tell: the most that `resolution` may be. Larger errors would hide.
