@@ -4,17 +4,10 @@
 #include <cstring>
 
 #include "techniques/hash_grid/hash_grid_table.h"
+#include "techniques/hash_grid/testing/grid_camera.h"
 
 namespace relume {
 namespace {
-
-CameraView camera() {
-  CameraView c;
-  c.axes = make_frame(Vec3(0, 0, 1));
-  c.half_extent = Vec2(0.5f);
-  c.resolution = Vec2(1000);
-  return c;
-}
 
 HashGridSettings with_limit(int max_cells) {
   HashGridSettings s;
@@ -26,7 +19,7 @@ HashGridSettings with_limit(int max_cells) {
 
 /// One sample for each of `count` cells, from the cell numbered `first` on.
 void fill(HashGrid& grid, int first, int count) {
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   for (int i = first; i < first + count; ++i) {
     CellPoint p;
     p.position = Vec3(0, 0, 2);

@@ -5,18 +5,11 @@
 #include <cstring>
 #include <map>
 
+#include "techniques/hash_grid/testing/grid_camera.h"
 #include "testing/random.h"
 
 namespace relume {
 namespace {
-
-CameraView camera() {
-  CameraView c;
-  c.axes = make_frame(Vec3(0, 0, 1));
-  c.half_extent = Vec2(0.5f);
-  c.resolution = Vec2(1000);
-  return c;
-}
 
 CellPoint point(uint32_t i) {
   const Vec3 p(to_unit_float(hash(i, 1u)), to_unit_float(hash(i, 2u)), 2.0f);
@@ -39,7 +32,7 @@ struct FillKernel {
 };
 
 void fill(HashGrid& grid, Backend& backend, uint32_t rows, uint32_t first = 0) {
-  launch(backend, "fill", FillKernel{grid.view(camera()), first}, 64, rows);
+  launch(backend, "fill", FillKernel{grid.view(grid_camera()), first}, 64, rows);
 }
 
 HashGridSettings plain() {
@@ -60,7 +53,7 @@ TEST(HashGrid, MomentsOfEveryCellEqualBruteForce) {
     CellPoint p;
   };
   std::map<uint64_t, Sum> expected;
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   for (uint32_t i = 0; i < 64 * 256; ++i) {
     Sum& s = expected[v.keys.address(point(i)).fingerprint];
     s.value += glm::dvec3(value(i));
@@ -85,7 +78,7 @@ TEST(HashGrid, MomentsOfEveryCellEqualBruteForce) {
 
 /// All moments, found by key.
 std::vector<CellMoments> everything(HashGrid& grid, uint32_t count) {
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   std::vector<CellMoments> all;
   for (uint32_t i = 0; i < count; ++i) all.push_back(v.moments(point(i)));
   return all;
@@ -127,7 +120,7 @@ TEST(HashGrid, AFullTableDropsAndReports) {
   EXPECT_EQ(s.cells, 256u);
   EXPECT_GT(s.dropped, 0u);
   // What is in is right.
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   uint32_t found = 0;
   for (uint32_t i = 0; i < 64 * 256; ++i) {
     const CellMoments m = v.moments(point(i));
@@ -182,7 +175,7 @@ TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
   // Bumpy surfaces: 24 normals in each of 500 voxels, a table that is a third full.
   HashGrid grid(plain(), 9000);
   Backend backend(1);
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   const float edge = std::exp2(static_cast<float>(v.keys.level_of_detail(point(0).position)));
   for (uint32_t i = 0; i < 500 * 24; ++i) {
     CellPoint p = point(0);
@@ -227,7 +220,7 @@ TEST(HashGrid, RefusesWhatIsNoCheckpoint) {
 
 TEST(HashGrid, LeavesOutWhatIsNotFiniteAndClampsWhatIsTooLarge) {
   HashGrid grid(plain(), 64);
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   EXPECT_EQ(v.insert(point(0), Rgb(std::numeric_limits<float>::quiet_NaN()), 1, 0.9f), kNoCell);
   EXPECT_EQ(v.insert(point(0), Rgb(kInfinity), 1, 0.9f), kNoCell);
   EXPECT_NE(v.insert(point(0), Rgb(1e30f), 1, 0.9f), kNoCell);
@@ -240,11 +233,11 @@ TEST(HashGrid, ClampsFirefliesToAMultipleOfTheMean) {
   settings.clamp = 4;
   HashGrid grid(settings, 64);
   Backend backend(1);
-  for (int i = 0; i < 10; ++i) grid.view(camera()).insert(point(0), Rgb(1), 1, 0.9f);
+  for (int i = 0; i < 10; ++i) grid.view(grid_camera()).insert(point(0), Rgb(1), 1, 0.9f);
   grid.end_frame(backend);
-  grid.view(camera()).insert(point(0), Rgb(1000), 1, 0.9f);
+  grid.view(grid_camera()).insert(point(0), Rgb(1000), 1, 0.9f);
   grid.end_frame(backend);
-  EXPECT_NEAR(grid.view(camera()).moments(point(0)).mean.r, (10.0 + 4.0) / 11.0, 1e-5);
+  EXPECT_NEAR(grid.view(grid_camera()).moments(point(0)).mean.r, (10.0 + 4.0) / 11.0, 1e-5);
 }
 
 TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
@@ -253,17 +246,17 @@ TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
   Backend backend(1);
   for (const float scale : {0.5f, 2.0f}) {  // before the camera came here, the cell was twice as large, or half
     HashGrid grid(settings, 1 << 12);
-    CameraView before = camera();
+    CameraView before = grid_camera();
     before.resolution *= scale;
     // The middle of the new cell is what counts.
-    const CellKeys keys = grid.view(camera()).keys;
+    const CellKeys keys = grid.view(grid_camera()).keys;
     CellPoint p = point(0);
     p.position = Vec3(keys.middle(p.position, keys.level_of_detail(p.position)));
     for (int i = 0; i < 40; ++i) grid.view(before).insert(p, Rgb(3), 1, 0.9f);
     grid.end_frame(backend);
-    for (int i = 0; i < 16; ++i) grid.view(camera()).insert(p, Rgb(1), 1, 0.9f);
+    for (int i = 0; i < 16; ++i) grid.view(grid_camera()).insert(p, Rgb(1), 1, 0.9f);
     grid.end_frame(backend);
-    const CellMoments m = grid.view(camera()).moments(p);
+    const CellMoments m = grid.view(grid_camera()).moments(p);
     EXPECT_EQ(m.count, 32.0f);  // 16 of the 40, and its own
     EXPECT_NEAR(m.mean.r, 2.0f, 1e-6f);
     EXPECT_EQ(grid.statistics().inherited, 1u);
@@ -276,7 +269,7 @@ TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
   settings.min_count = 8;
   HashGrid grid(settings, 1 << 12);
   Backend backend(1);
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   // One sample a cell over a patch of several coarser cells, all of which pass on (u = 0).
   const float edge = std::exp2(static_cast<float>(v.keys.level_of_detail(point(0).position)));
   for (int y = 0; y < 16; ++y) {
@@ -287,20 +280,20 @@ TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
     }
   }
   grid.end_frame(backend);
-  const CellMoments m = grid.view(camera()).moments(point(0));
+  const CellMoments m = grid.view(grid_camera()).moments(point(0));
   EXPECT_GE(m.count, 8.0f);  // 4^2 cells make one that is two levels coarser
   EXPECT_EQ(m.mean, Rgb(2));
   // Without any sample of its own, too.
   CellPoint lone = point(0);
   lone.position += edge * Vec3(0.4f, 8.2f, 0);
-  EXPECT_GT(grid.view(camera()).moments(lone).count, 0.0f);
+  EXPECT_GT(grid.view(grid_camera()).moments(lone).count, 0.0f);
 }
 
 TEST(HashGrid, CoarserCellsGetTheirShare) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;
   HashGrid grid(settings, 1 << 12);
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   constexpr int kSamples = 80000;
   for (uint32_t i = 0; i < kSamples; ++i) v.insert(point(0), Rgb(1), 1, to_unit_float(hash(i)));
   double expected = kSamples;
@@ -316,7 +309,7 @@ TEST(HashGrid, ThinCellsPoolTheirNeighbours) {
   settings.thin_cells = ThinCells::neighbours;
   HashGrid grid(settings, 1 << 12);
   Backend backend(1);
-  const HashGridView v = grid.view(camera());
+  const HashGridView v = grid.view(grid_camera());
   const int level = v.keys.level_of_detail(point(0).position);
   const float edge = std::exp2(static_cast<float>(level));
   double sum = 0;
@@ -331,7 +324,7 @@ TEST(HashGrid, ThinCellsPoolTheirNeighbours) {
   const int dx = x.x - std::floor(x.x) < 0.5 ? -1 : 1;
   const int dy = x.y - std::floor(x.y) < 0.5 ? -1 : 1;
   for (const int i : {4, 4 + dx, 4 + 3 * dy, 4 + dx + 3 * dy}) sum += i;
-  const CellMoments m = grid.view(camera()).moments(point(0));
+  const CellMoments m = grid.view(grid_camera()).moments(point(0));
   EXPECT_EQ(m.count, 4.0f);
   EXPECT_NEAR(m.mean.r, sum / 4.0, 1e-5);
 }

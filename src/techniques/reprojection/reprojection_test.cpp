@@ -22,6 +22,13 @@ struct Stage {
   explicit Stage(Scene source, std::vector<Index> movable = {})
       : scene(std::move(source), {.width = kSize, .height = kSize, .movable = std::move(movable)}) {}
 
+  /// To the camera's right, metres.
+  void shift_camera(float distance) {
+    PlacedCamera camera = scene.camera();
+    camera.to_world[3] += distance * camera.to_world[0];
+    scene.set_camera(camera);
+  }
+
   void render() {
     std::fill(hits.begin(), hits.end(), Hit{});
     const SampleIndex index{1, 0, 3, false};
@@ -129,9 +136,7 @@ TEST(Reprojection, AStillCameraClaimsItsOwnPixels) {
 TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
   Stage stage(cornell());
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world[3] += 0.3f * camera.to_world[0];
-  stage.scene.set_camera(camera);
+  stage.shift_camera(0.3f);
   stage.claim(10.0f, false);
   EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
   for (uint32_t i = 0; i < kPixels; ++i) {
@@ -160,9 +165,7 @@ TEST(Reprojection, NoticesWhatIsHiddenNow) {
   // From far to the left, the tall box hides a part of the back wall that was seen before.
   Stage stage(cornell());
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world[3] += 1.2f * camera.to_world[0];
-  stage.scene.set_camera(camera);
+  stage.shift_camera(1.2f);
   stage.claim(10.0f, false);
   EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
 }
@@ -197,9 +200,7 @@ TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
   // From far to the left, the tall box hides a part of the back wall that was seen before.
   Stage stage(cornell());
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world[3] += 1.2f * camera.to_world[0];
-  stage.scene.set_camera(camera);
+  stage.shift_camera(1.2f);
   stage.claim(10.0f, false);
   EXPECT_GT(reasons(stage, ReprojectionFate::kept), 0);
   EXPECT_GT(reasons(stage, ReprojectionFate::occluded), 0);
@@ -221,9 +222,7 @@ TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
   const auto refused = [](float roughness, float max_error) {
     Stage stage(cornell_of(roughness, 1.0f));
     stage.render();
-    PlacedCamera camera = stage.scene.camera();
-    camera.to_world[3] += 0.5f * camera.to_world[0];
-    stage.scene.set_camera(camera);
+    stage.shift_camera(0.5f);
     stage.claim(max_error, false);
     return stage.count(ReprojectionFate::view_dependent);
   };
@@ -247,9 +246,7 @@ TEST(Reprojection, LambertNeverDependsOnTheView) {
   for (Material& m : scene.materials) m.specular = 0.0f;
   Stage stage(std::move(scene));
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world[3] += 0.5f * camera.to_world[0];
-  stage.scene.set_camera(camera);
+  stage.shift_camera(0.5f);
   stage.claim(1e-6f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
 }
