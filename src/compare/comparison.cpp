@@ -141,8 +141,11 @@ bool Comparing::measure_contenders() {
       if (repetition == 0) result_.contenders[i].image = std::move(pictures[i]);
     }
   }
-  for (size_t i = 0; i < sessions.size() && o.repetitions > 1; ++i)
-    result_.contenders[i].split = ensembles[i].split(references_.back().image, references_.back().mse);
+  const Reference& last = references_.back();
+  for (size_t i = 0; i < sessions.size(); ++i) {
+    result_.contenders[i].squared_error = ensembles[i].squared_error(last.image);
+    if (o.repetitions > 1) result_.contenders[i].split = ensembles[i].split(last.image, last.mse);
+  }
   return true;
 }
 

@@ -67,6 +67,7 @@ struct ContenderResult {
   std::vector<Repetition> repetitions = {};
   std::optional<ErrorSplit> split = {};  ///< of the last frame, from two repetitions on
   Image image = {};                      ///< of the first repetition, last frame
+  Image squared_error = {};              ///< at each pixel of the last frame, mean over the repetitions
 };
 
 struct Comparison {

@@ -34,7 +34,8 @@ double rays_of(const Comparison& c, std::string_view name) {
          pixels;
 }
 
-Case measure(const ExperimentContext& context, const std::string& name, int bounces) {
+Case measure(const ExperimentContext& context, ExperimentScene scene, int bounces) {
+  scene.settings.path.max_bounces = bounces;
   StudyOptions options{.techniques =
                            "path=estimator:path,bdpt=estimator:bdpt,all=estimator:bdpt,"
                            "bdpt.connection-roulette:0,path.russian-roulette:false",
@@ -42,8 +43,8 @@ Case measure(const ExperimentContext& context, const std::string& name, int boun
                        .repetitions = 3,
                        .reference_spp = 2};  // errors are not looked at
   use_square(context, 128, options);
-  const Comparison c = study(context, built_in(name, bounces), options);
-  return {name,
+  const Comparison c = study(context, scene, options);
+  return {scene.name,
           bounces,
           rays_of(c, "path"),
           rays_of(c, "bdpt"),
@@ -129,9 +130,14 @@ Claim claim_vertex() {
 ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   const std::vector<int> bounces = context.quick ? std::vector<int>{2, 4} : std::vector<int>{1, 2, 3, 4, 6, 8};
   std::vector<Case> cases;
-  for (const char* scene : {"cornell-closed", "cornell-spheres", "cornell-mirror", "cornell-water"}) {
+  const auto add = [&](const ExperimentScene& scene) {
     for (const int d : bounces) cases.push_back(measure(context, scene, d));
+  };
+  for (const char* name :
+       {"cornell-closed", "cornell-spheres", "cornell-mirror", "cornell-water", "cornell-glass", "door"}) {
+    add(built_in(name, bounces.front()));
   }
+  if (const std::optional<ExperimentScene> hall = sponza(context)) add(*hall);
   ExperimentResult result;
   claim_rays(cases, result.claims);
   result.claims.push_back(claim_time(cases));

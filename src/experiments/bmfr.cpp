@@ -112,7 +112,7 @@ Walk measure_walk(const ExperimentContext& context, const ExperimentScene& hall)
                        .times_s = frame_times(still + moving),
                        .repetitions = 3,
                        .reference_spp = 64};
-  if (!context.quick) options.common = {{"width", "320"}, {"height", "180"}};
+  if (!context.quick) options.common = {{"width", "480"}, {"height", "270"}};
   return {still, study(context, sponza_walk(hall, still, moving), options)};
 }
 
@@ -164,13 +164,13 @@ void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims
     const Comparison& c =
         std::find_if(stills.begin(), stills.end(), [&](const Still& s) { return s.scene == f.scene; })->comparison;
     const Image& reference = c.reference.image;
-    const double noisy = region_mse(contender_named(c, "none").image, reference, f.region);
+    const double noisy = region_mse(c, "none", f.region);
     std::string measured;
     bool holds = true;
     for (const char* name : kDenoisers) {
       const Image& image = contender_named(c, name).image;
       const double kept = contrast_kept(image, reference, f.region);
-      const double error = region_mse(image, reference, f.region) / noisy;
+      const double error = region_mse(c, name, f.region) / noisy;
       if (name == kDenoisers[0]) holds = kept >= 0.9 && error < 1;
       measured += fmt::format("{}{}: {:.0f} % of the contrast, {:.2f} of the MSE", measured.empty() ? "" : "; ", name,
                               100 * kept, error);
@@ -222,7 +222,7 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
                        .spp = 8,
                        .repetitions = 2,
                        .reference_spp = 1024};
-  if (!context.quick) options.common = {{"width", "320"}, {"height", "180"}};
+  if (!context.quick) options.common = {{"width", "480"}, {"height", "270"}};
   Comparison c = study(context, hall, options);
   const Image clean = independent_picture(context, hall, c.reference.image);
   double least = 1e9;

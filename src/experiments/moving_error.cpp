@@ -47,13 +47,15 @@ struct Walk {
     return 1000 * median({seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 4), seconds.end()});
   }
 
-  void measure(int view, MovingError& error) {
+  void measure(int view, int repetitions, MovingError& error) {
     error.last = timed.session().image();
     const Reference& reference = references[static_cast<size_t>(view)];
     const Metrics m = compute_metrics(error.last, reference.image, {.tone_map = ToneMap::agx});
-    const double weight = 1.0 / (options.views * options.repetitions);
+    const double weight = 1.0 / (options.views * repetitions);
     // Chance may leave less than nothing, of which there are no ratios.
-    error.mse += std::max(m.mse - reference.mse, 0.1 * m.mse) * weight;
+    const double mse = std::max(m.mse - reference.mse, 0.1 * m.mse);
+    error.mses.back() += mse / options.views;
+    error.mse += mse * weight;
     error.rel_mse += std::max(m.rel_mse - reference.rel_mse, 0.1 * m.rel_mse) * weight;
     error.flip += m.flip * weight;
   }
@@ -79,7 +81,13 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   set_size(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
   MovingErrors result{scene.name, {}, references.back().image};
-  const double rounds = (1.0 + options.repetitions) * static_cast<double>(contenders.size());
+  const auto repetitions_of = [&](const MovingContender& c) { return std::max(options.repetitions, c.repetitions); };
+  int most = 0;
+  double rounds = 0;
+  for (const MovingContender& contender : contenders) {
+    most = std::max(most, repetitions_of(contender));
+    rounds += 1 + repetitions_of(contender);
+  }
   double done = 0;
   for (const MovingContender& contender : contenders) {
     walk.begin(contender, 0);
@@ -89,14 +97,17 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   }
   const double leg_ms = options.frames * result.contenders.front().frame_ms;
   std::vector<std::vector<double>> frame_ms(contenders.size());
-  for (int repetition = 1; repetition <= options.repetitions; ++repetition) {
+  for (int repetition = 1; repetition <= most; ++repetition) {
     for (size_t i = 0; i < contenders.size(); ++i) {
+      const int repetitions = repetitions_of(contenders[i]);
+      if (repetition > repetitions) continue;
       MovingError& error = result.contenders[i];
       error.frames = std::max(1, static_cast<int>(std::lround(leg_ms / error.frame_ms)));
       walk.begin(contenders[i], repetition);
+      error.mses.push_back(0);
       for (int view = 0; view < options.views; ++view) {
         walk.turn_to(view, error.frames);
-        walk.measure(view, error);
+        walk.measure(view, repetitions, error);
       }
       frame_ms[i].push_back(walk.frame_ms());
       context.report(scene.name, ++done / rounds);

@@ -14,6 +14,7 @@ namespace relume {
 struct MovingContender {
   std::string name;
   RenderSettings settings;
+  int repetitions = 0;  ///< more of them than everybody has
 };
 
 struct MovingOptions {
@@ -34,6 +35,7 @@ struct MovingError {
   double mse = 0;
   double rel_mse = 0;
   double flip = 0;
+  std::vector<double> mses = {};  ///< of each repetition, mean over its views
   Image last = {};  ///< at the last view, of the last repetition
 };
 

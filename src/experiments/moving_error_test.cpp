@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "metrics/metrics.h"
+#include "metrics/statistics.h"
 
 namespace relume {
 namespace {
@@ -60,6 +61,21 @@ TEST(MovingError, KeepsTheReferencesNoiseOut) {
   const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
   const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
   EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);
+}
+
+TEST(MovingError, SomeHaveMoreRepetitions) {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
+  const ExperimentScene box = closed_box();
+  const MovingErrors errors = measure_moving(
+      context, box, {{.name = "four", .settings = box.settings, .repetitions = 4}, {"two", box.settings}},
+      {.frames = 2, .views = 2, .repetitions = 2, .reference_spp = 16, .clock = rays_clock});
+  ASSERT_EQ(errors.contenders[0].mses.size(), 4u);
+  ASSERT_EQ(errors.contenders[1].mses.size(), 2u);
+  for (const MovingError& e : errors.contenders) EXPECT_NEAR(mean(e.mses), e.mse, 1e-12) << e.name;
+  EXPECT_EQ(errors.contenders[0].mses[1], errors.contenders[1].mses[1]);
+  EXPECT_NE(errors.contenders[0].mses[2], errors.contenders[0].mses[1]);
 }
 
 TEST(MovingError, IsTheSameTwice) {

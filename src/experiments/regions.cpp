@@ -43,6 +43,17 @@ double region_mse(const Image& a, const Image& b, const Region& region) {
                    [&](size_t i) { return static_cast<double>(length_squared(a.pixels[i] - b.pixels[i])) / 3; });
 }
 
+double region_mse(const Comparison& comparison, std::string_view name, const Region& region) {
+  const auto mean_of = [&region](const Image& squares) {
+    return mean_over(squares, region, [&](size_t i) {
+      const Rgb& p = squares.pixels[i];
+      return (static_cast<double>(p.r) + static_cast<double>(p.g) + static_cast<double>(p.b)) / 3;
+    });
+  };
+  const Image& noise = comparison.reference.squared_error;
+  return mean_of(contender_named(comparison, name).squared_error) - (noise.pixels.empty() ? 0 : mean_of(noise));
+}
+
 double region_mean(const Image& image, const Region& region) {
   return mean_over(image, region, [&](size_t i) { return static_cast<double>(luminance(image.pixels[i])); });
 }

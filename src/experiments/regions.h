@@ -22,6 +22,9 @@ struct Region {
 /// Mean over the region of (a − b)², all channels. Both images have the same size, as everywhere here.
 double region_mse(const Image& a, const Image& b, const Region& region);
 
+/// The same of a contender's last frame, mean over its repetitions, without the reference's own noise.
+double region_mse(const Comparison& comparison, std::string_view name, const Region& region);
+
 /// Mean luminance of the region.
 double region_mean(const Image& image, const Region& region);
 

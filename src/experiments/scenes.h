@@ -19,6 +19,7 @@ struct ExperimentScene {
   Scene scene;
   std::optional<PlacedCamera> camera = {};  ///< at which a turn ends; empty: the scene's own
   RenderSettings settings = {};             ///< bounces
+  int scale = 1;                            ///< edges of its pictures over the usual ones, in a full run
 };
 
 /// A built-in scene as it is, with its camera path. Throws Error if there is none of that name.

@@ -237,7 +237,7 @@ ViewerBlock trace_viewer(std::string title, std::string text, std::vector<Pictur
 
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
   RenderSettings settings = scene.settings;
-  set_size(context, settings);
+  set_size(context, settings, scene.scale);
   if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
   ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder);
   const float time_s = settings.time_s;
@@ -248,9 +248,9 @@ Reference make_reference(const ExperimentContext& context, const ExperimentScene
   return std::move(*reference);
 }
 
-void set_size(const ExperimentContext& context, RenderSettings& settings) {
-  settings.width = context.choose(192, 64);
-  settings.height = context.choose(108, 36);
+void set_size(const ExperimentContext& context, RenderSettings& settings, int scale) {
+  settings.width = context.choose(192 * scale, 64);
+  settings.height = context.choose(108 * scale, 36);
 }
 
 std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context) {

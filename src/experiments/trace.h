@@ -87,8 +87,8 @@ ViewerBlock trace_viewer(std::string title, std::string text, std::vector<Pictur
 /// A reference for the last view, of `spp` samples a pixel; 0: what common_setup() says. Throws ExperimentStopped.
 Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
 
-/// 64×36 pixels in a quick run, else 192×108.
-void set_size(const ExperimentContext& context, RenderSettings& settings);
+/// 64×36 pixels in a quick run, else 192×108, `scale` times along each edge.
+void set_size(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
 
 /// What make_reference() and set_size() do, for ExperimentResult::setup.
 std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context);

@@ -26,6 +26,10 @@ class Ensemble {
   /// Mean of the repetitions.
   const Image& mean() const { return mean_; }
 
+  /// Squared distance of a repetition from the reference at each pixel, mean over the repetitions. Throws Error without
+  /// repetitions and if the sizes differ.
+  Image squared_error(const Image& reference) const;
+
   /// `reference_mse`: the reference's own expected MSE against the truth, which its noise adds to the distance of the
   /// means and which is subtracted, as is the noise of the mean of the repetitions. Throws Error below two
   /// repetitions and if the sizes differ.

@@ -22,7 +22,7 @@
 
 namespace relume {
 
-// The slots (docs/concepts): each enum lists the choices that exist; more join with their techniques.
+// The slots (docs/architecture.md): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path, bdpt, light };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };

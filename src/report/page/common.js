@@ -24,6 +24,9 @@ relume.draw = function (tag, attributes, ...children) {
   return element;
 };
 
+/// Text as children of an element; what stands between backquotes is code.
+relume.prose = (text) => (text || "").split("`").map((part, i) => (i % 2 === 1 ? relume.make("code", { text: part }) : part));
+
 relume.color = (index) => (index === undefined || index < 0 ? "var(--c-none)" : `var(--c${index % 9})`);
 relume.dot = (index) => relume.make("span", { class: "dot", style: `--dot: ${relume.color(index)}`, "aria-hidden": "true" });
 
@@ -53,6 +56,6 @@ relume.choice = function (label, names, index, choose) {
 relume.section = function (block, className) {
   const section = relume.make("section", { class: className, id: block.id });
   if (block.title) section.append(relume.make("h2", { text: block.title }));
-  if (block.text) section.append(relume.make("p", { text: block.text }));
+  if (block.text) section.append(relume.make("p", {}, ...relume.prose(block.text)));
   return section;
 };

@@ -1,7 +1,7 @@
 // Text, tables, claims, details, and the page as a whole.
 relume.blocks.text = function (block) {
   const section = relume.section(block, "lead");
-  if (block.points && block.points.length) section.append(relume.make("ul", {}, ...block.points.map((point) => relume.make("li", { text: point }))));
+  if (block.points && block.points.length) section.append(relume.make("ul", {}, ...block.points.map((point) => relume.make("li", {}, ...relume.prose(point)))));
   return section;
 };
 
@@ -56,9 +56,9 @@ relume.blocks.claims = function (block) {
   const kinds = { holds: "holds", "does not hold": "fails" };
   const rows = block.claims.map((claim) => relume.make("tr", { "data-claim": claim.id },
     relume.make("th", { scope: "row" }, claim.id, relume.make("div", { class: "note subtitle", text: claim.paper })),
-    relume.make("td", { text: claim.claim }),
-    relume.make("td", { text: claim.measured }),
-    relume.make("td", { text: claim.threshold }),
+    relume.make("td", {}, ...relume.prose(claim.claim)),
+    relume.make("td", {}, ...relume.prose(claim.measured)),
+    relume.make("td", {}, ...relume.prose(claim.threshold)),
     relume.make("td", {}, relume.make("span", { class: `verdict ${kinds[claim.verdict] || "open"}`, text: claim.verdict }))));
   section.append(relume.make("div", { class: "scroll" }, relume.make("table", { class: "claims" },
     relume.make("thead", {}, relume.make("tr", {}, ...["claim", "the paper says", "measured here", "counts as holding if", "verdict"].map((text) => relume.make("th", { scope: "col", text })))),
@@ -69,7 +69,7 @@ relume.blocks.claims = function (block) {
 relume.blocks.details = function (block) {
   const section = relume.section(block, "details-block");
   if (block.pairs && block.pairs.length) section.append(relume.make("div", { class: "scroll" }, relume.make("table", {}, relume.make("tbody", {},
-    ...block.pairs.map(([name, value]) => relume.make("tr", {}, relume.make("th", { scope: "row", text: name }), relume.make("td", { class: "text", text: value })))))));
+    ...block.pairs.map(([name, value]) => relume.make("tr", {}, relume.make("th", { scope: "row", text: name }), relume.make("td", { class: "text" }, ...relume.prose(value))))))));
   for (const part of block.parts || []) section.append(relume.make("details", {}, relume.make("summary", { text: part.title }), relume.make("pre", { text: part.text })));
   return section;
 };
