@@ -17,8 +17,8 @@ namespace {
 constexpr const char* kPaper = "[Dittebrandt20 §7.1]";
 
 constexpr const char* kOurs = "[relume]";
-constexpr const char* kCache = "vlc";                  // explores with a table for each cell of a grid
-constexpr const char* kPaperCache = "vlc, one table";  // as in the paper
+constexpr const char* kCache = "vlc";                        // with our extensions
+constexpr const char* kPaperCache = "vlc, as in the paper";  // one table for exploration, even buckets
 constexpr const char* kTree = "light tree";
 constexpr const char* kLists = "static lists";
 
@@ -32,15 +32,18 @@ struct SceneResult {
 /// How much is measured.
 enum class Extent {
   ways,   ///< each way to choose a light
-  tuned,  ///< also static lists with other settings, and guided directions
+  tuned,  ///< also static lists with other settings
 };
+
+/// Pictures of the warehouse in which regions get as many samples as in the paper's, or nearly.
+constexpr int kWarehouseScale = 3;
 
 std::vector<AdaptedContender> contenders(const ExperimentContext& context, const ExperimentScene& scene,
                                          Extent extent) {
   using enum LightSelectionChoice;
   std::vector<AdaptedContender> list;
   RenderSettings base = scene.settings;
-  set_size(context, base);
+  set_size(context, base, scene.scale);
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) -> RenderSettings& {
     list.push_back({std::move(name), base});
     list.back().settings.lights = lights;
@@ -51,22 +54,22 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, const
   add("power", power, GuideChoice::bsdf);
   add(kTree, light_tree, GuideChoice::bsdf);
   add(kLists, static_lists, GuideChoice::bsdf);
-  add(kPaperCache, vlc, GuideChoice::bsdf).vlc.exploration_cells = 1;
+  RenderSettings& paper = add(kPaperCache, vlc, GuideChoice::bsdf);
+  paper.vlc.exploration_cells = 1;
+  paper.vlc.even_buckets = 1;
+  paper.vlc.memory = 0;
   add(kCache, vlc, GuideChoice::bsdf);
   if (extent == Extent::ways) return list;
   // Cells narrower than a bay of the warehouse (3 m), and more exploration for what their lists miss.
-  for (const float cell : {0.0f, 2.0f, 1.0f}) {
-    for (const float exploration : {0.1f, 0.2f}) {
-      if (cell == 1 && exploration != 0.1f) continue;  // its lists take a minute
-      if (context.quick && !(cell == 2 && exploration == 0.1f)) continue;
-      const std::string size = cell > 0 ? fmt::format("{:.0f} m", cell) : "4 m";
-      RenderSettings& s = add(fmt::format("{}, {}, {:.0f} % exploration", kLists, size, 100 * exploration),
-                              static_lists, GuideChoice::bsdf);
-      s.static_lists.cell_size = cell;
-      s.static_lists.exploration = exploration;
-    }
+  const std::pair<float, float> tuned[] = {{2.0f, 0.1f}, {2.0f, 0.2f}, {0.0f, 0.2f}};
+  for (const auto& [cell, exploration] : tuned) {
+    if (context.quick && !(cell == 2 && exploration == 0.1f)) continue;
+    const std::string size = cell > 0 ? fmt::format("{:.0f} m", cell) : "4 m";
+    RenderSettings& s = add(fmt::format("{}, {}, {:.0f} % exploration", kLists, size, 100 * exploration), static_lists,
+                            GuideChoice::bsdf);
+    s.static_lists.cell_size = cell;
+    s.static_lists.exploration = exploration;
   }
-  add("cdq, vlc", vlc, GuideChoice::cdq);
   return list;
 }
 
@@ -185,9 +188,14 @@ void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
 
 ExperimentResult run_light_selection(const ExperimentContext& context) {
   std::vector<SceneResult> scenes;
-  scenes.push_back(measure(context, builtin_scene("warehouse"), Extent::tuned));
+  ExperimentScene warehouse = builtin_scene("warehouse");
+  if (!context.quick) warehouse.scale = kWarehouseScale;
+  scenes.push_back(measure(context, warehouse, Extent::tuned));
   const SceneResult field = measure(context, lamp_field(), Extent::ways);
   if (!context.quick) {
+    ExperimentScene small = builtin_scene("warehouse");
+    small.name = "warehouse, small";
+    scenes.push_back(measure(context, small, Extent::ways));
     for (const char* name : {"cover", "mine", "turntable", "slit"})
       scenes.push_back(measure(context, builtin_scene(name), Extent::ways));
   }
@@ -207,9 +215,13 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
       ViewerBlock{"Pictures", "One frame of one sample a pixel, adapted.", picture_layer_kinds(), std::move(pictures)});
   for (const SceneResult& scene : scenes) result.blocks.emplace_back(table(scene));
   result.setup = adapted_setup(context);
-  result.setup.emplace_back("vlc, one table",
-                            "explores as the paper does; `vlc` is our extension, with a table for each "
-                            "cell of a coarse grid over the lights");
+  if (!context.quick)
+    result.setup.emplace_back("Warehouse", fmt::format("{} times as large along each edge", kWarehouseScale));
+  result.setup.emplace_back(
+      "vlc, as in the paper",
+      "explores with one table, takes all buckets of a region alike and remembers nothing; `vlc` has "
+      "our extensions: a table for each cell of a coarse grid over the lights, buckets by what "
+      "their lights may send, and a memory of four frames");
   return result;
 }
 

@@ -88,6 +88,7 @@ struct Selectors {
     VisibilityLightCache& c = selector.cache;
     c.regions = view_of(buckets);
     c.entries = view_of(entries);
+    c.bucket_weights = view_of(bucket_weights);
     c.bucket_size = 8;
     explored.build(lights, Vec3(0), {}, 3);
     c.all = explored.grid();
@@ -108,6 +109,7 @@ struct Selectors {
   std::vector<LightId> ids;
   std::vector<LightBuckets> buckets;
   std::vector<uint32_t> entries;
+  std::vector<float> bucket_weights{0.7f, 0, 0.3f, 0};
 };
 
 /// Points that see the lamps well, at a grazing angle, from behind, through glass; and one without anything.

@@ -88,6 +88,7 @@ template __global__ void run(DeduplicateLightsKernel, uint32_t, uint32_t);
 template __global__ void run(MergeLightsKernel, uint32_t, uint32_t);
 template __global__ void run(CountBucketsKernel, uint32_t, uint32_t);
 template __global__ void run(FillBucketsKernel, uint32_t, uint32_t);
+template __global__ void run(BucketWeightsKernel, uint32_t, uint32_t);
 template __global__ void run(AdaptQuadtreesKernel, uint32_t, uint32_t);
 template __global__ void run(CellVisibilityKernel, uint32_t, uint32_t);
 template __global__ void run(PathSpaceFilterKernel, uint32_t, uint32_t);

@@ -12,14 +12,14 @@ constexpr uint64_t kMostListed = uint64_t{1} << 31;
 
 }  // namespace
 
-void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, uint32_t light_count,
-                        const CacheBuildOptions& options) {
+void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples,
+                        View<const LightGuess> lights, const CacheBuildOptions& options) {
   const uint32_t regions = tree.leaf_slots();
   std::vector<uint64_t> dropped{0};
   std::vector<uint32_t> seen(samples.order.size);
   std::vector<uint32_t> seen_counts(regions);
   launch(backend, "vlc.deduplicate",
-         DeduplicateLightsKernel{samples, light_count, options.max_samples, mutable_view_of(seen),
+         DeduplicateLightsKernel{samples, lights.size, options.max_samples, mutable_view_of(seen),
                                  mutable_view_of(seen_counts), mutable_view_of(dropped)},
          regions, 1);
 
@@ -32,25 +32,25 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.neighbours = view_of(tree.links().neighbours);
   merge.old_lists = view_of(lists_);
   merge.old_lights = view_of(lights_);
-  merge.light_count = light_count;
+  merge.light_count = lights.size;
   merge.memory = options.memory;
-  std::vector<uint32_t> lights;
+  std::vector<uint32_t> listed;
   backend.run("vlc.merge", [&] {
     uint32_t total = 0;
     for (uint32_t i = 0; i < regions; ++i) {
       places[i] = total;
       total += merge.bound(i);
     }
-    lights.resize(total);
+    listed.resize(total);
   });
   merge.places = view_of(places);
-  merge.lights = mutable_view_of(lights);
+  merge.lights = mutable_view_of(listed);
   merge.lists = mutable_view_of(lists);
   launch(backend, "vlc.merge", merge, regions, 1);
 
   std::vector<LightBuckets> buckets(regions);
   launch(backend, "vlc.buckets",
-         CountBucketsKernel{view_of(lists), view_of(lights), view_of(buckets_), options.bucket_size, options.hysteresis,
+         CountBucketsKernel{view_of(lists), view_of(listed), view_of(buckets_), options.bucket_size, options.hysteresis,
                             mutable_view_of(buckets)},
          regions, 1);
   backend.run("vlc.buckets", [&] {
@@ -60,14 +60,19 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
       entries += b.count * options.bucket_size;
     }
     entries_.resize(entries);
+    bucket_weights_.resize(entries / options.bucket_size);
   });
   launch(backend, "vlc.buckets",
-         FillBucketsKernel{view_of(lists), view_of(lights), view_of(buckets), options.bucket_size,
+         FillBucketsKernel{view_of(lists), view_of(listed), view_of(buckets), options.bucket_size,
                            mutable_view_of(entries_), mutable_view_of(dropped)},
+         regions, 1);
+  launch(backend, "vlc.buckets",
+         BucketWeightsKernel{tree.view(), view_of(tree.links().parents), view_of(buckets), view_of(entries_), lights,
+                             options.bucket_size, options.even_buckets, mutable_view_of(bucket_weights_)},
          regions, 1);
   buckets_ = std::move(buckets);
   lists_ = std::move(lists);
-  lights_ = std::move(lights);
+  lights_ = std::move(listed);
   dropped_ = dropped[0];
 }
 
@@ -91,7 +96,9 @@ size_t LightCaches::region_bytes() const {
   return buckets_.capacity() * sizeof(LightBuckets) + lists_.capacity() * sizeof(LightList);
 }
 
-size_t LightCaches::entry_bytes() const { return (entries_.capacity() + lights_.capacity()) * sizeof(uint32_t); }
+size_t LightCaches::entry_bytes() const {
+  return (entries_.capacity() + lights_.capacity()) * sizeof(uint32_t) + bucket_weights_.capacity() * sizeof(float);
+}
 
 void LightCaches::save(std::ostream& out) const {
   write_vector(out, buckets_);
@@ -104,6 +111,7 @@ void LightCaches::load(std::istream& in) {
   read_vector(in, lists_);
   read_vector(in, lights_);
   entries_.clear();
+  bucket_weights_.clear();
   uint64_t listed = 0;
   const auto inside = [&](const LightList& list) {
     listed += list.count;

@@ -8,6 +8,7 @@
 #include "backend/launch.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/sample_stream.h"
+#include "techniques/visibility_light_cache/bucket_weights.h"
 #include "techniques/visibility_light_cache/visibility_light_cache.h"
 
 namespace relume {
@@ -22,6 +23,7 @@ struct CacheBuildOptions {
   uint32_t max_samples = 4096;  ///< looked at in each region, spread evenly over what there is
   float hysteresis = 0.75f;     ///< share of a bucket that must suffice before there are fewer of them than before
   uint32_t memory = 0;          ///< frames for which lights are remembered that were not seen again
+  float even_buckets = 0.1f;    ///< share of the choice among buckets that is even
 };
 
 /// What one region knows, before it is sorted into buckets.
@@ -33,9 +35,9 @@ struct LightList {
 /// Caches by leaf slot.
 class LightCaches {
  public:
-  /// Replaces the caches of the leaves of `tree` by what `samples` saw of lights below `light_count`; those above are
-  /// at infinity, or gone since.
-  void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, uint32_t light_count,
+  /// Replaces the caches of the leaves of `tree` by what `samples` saw of `lights`, which are all finite ones; those
+  /// with larger ids are at infinity, or gone since.
+  void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightGuess> lights,
              const CacheBuildOptions& options);
 
   /// Leaves of `next` take on the caches of the leaves that they stem from.
@@ -43,6 +45,8 @@ class LightCaches {
 
   View<const LightBuckets> buckets() const { return view_of(buckets_); }
   View<const uint32_t> entries() const { return view_of(entries_); }
+  /// By bucket: those of a region begin at its first entry over the bucket size, and sum to one.
+  View<const float> bucket_weights() const { return view_of(bucket_weights_); }
   /// Known lights of a region, sorted by id (CachedLight).
   View<const uint32_t> list(uint32_t region) const {
     return {lights_.data() + lists_[region].first, lists_[region].count};
@@ -62,6 +66,7 @@ class LightCaches {
   std::vector<LightBuckets> buckets_;  ///< by leaf slot
   std::vector<LightList> lists_;       ///< by leaf slot
   std::vector<uint32_t> entries_;
+  std::vector<float> bucket_weights_;
   std::vector<uint32_t> lights_;
   uint64_t dropped_ = 0;
 };

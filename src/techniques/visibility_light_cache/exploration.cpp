@@ -21,23 +21,9 @@ Vec3 position_of(const Light& light) {
   return Vec3(0);
 }
 
-/// What the guesses see of a light.
-struct Candidate {
-  Vec3 position;
-  float watts;
-  bool changed;
-};
-
-std::vector<Candidate> candidates(const LightsView& lights) {
-  std::vector<Candidate> list(lights.first_infinite);
-  for (LightId i = 0; i < lights.first_infinite; ++i)
-    list[i] = {position_of(lights.lights[i]), luminance(power(lights, i)), lights.lights[i].changed};
-  return list;
-}
-
 /// Weights of an alias table; `near(light)` is the third guess.
 template <typename Near>
-std::vector<float> blend(const std::vector<Candidate>& lights, const ExplorationWeights& weights, const Near& near) {
+std::vector<float> blend(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, const Near& near) {
   std::vector<float> guesses[3];
   for (std::vector<float>& guess : guesses) guess.assign(lights.size(), 0.0f);
   for (size_t i = 0; i < lights.size(); ++i) {
@@ -58,11 +44,11 @@ std::vector<float> blend(const std::vector<Candidate>& lights, const Exploration
   return blended;
 }
 
-uint64_t fingerprint_of(const std::vector<Candidate>& lights, const ExplorationWeights& weights, uint32_t cells) {
+uint64_t fingerprint_of(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, uint32_t cells) {
   uint64_t h = cells + 1;
   const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
   for (const float w : {weights.energy, weights.change, weights.distance}) add(w);
-  for (const Candidate& light : lights) {
+  for (const LightGuess& light : lights) {
     for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
     add(light.watts);
     add(light.changed ? 1.0f : 0.0f);
@@ -85,26 +71,33 @@ UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
 
 }  // namespace
 
+std::vector<LightGuess> light_guesses(const LightsView& lights) {
+  std::vector<LightGuess> list(lights.first_infinite);
+  for (LightId i = 0; i < lights.first_infinite; ++i)
+    list[i] = {position_of(lights.lights[i]), luminance(power(lights, i)), lights.lights[i].changed};
+  return list;
+}
+
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights) {
   // Nearer than a hundredth of the scene is as good as here.
   const float nearest2 = sqr(0.01f * lights.bounds.radius);
-  return build_alias_table(blend(candidates(lights), weights, [&](const Candidate& light) {
+  return build_alias_table(blend(light_guesses(lights), weights, [&](const LightGuess& light) {
     return 1.0f / std::max(length_squared(light.position - camera), nearest2);
   }));
 }
 
 void ExplorationTables::build(const LightsView& lights, const Vec3& camera, const ExplorationWeights& weights,
                               uint32_t cells) {
-  const std::vector<Candidate> list = candidates(lights);
+  const std::vector<LightGuess> list = light_guesses(lights);
   Vec3 low(kInfinity);
   Vec3 high(-kInfinity);
-  for (const Candidate& light : list) {
+  for (const LightGuess& light : list) {
     low = glm::min(low, light.position);
     high = glm::max(high, light.position);
   }
   constexpr uint32_t kMostEntries = 1u << 18;
-  const bool emits = std::any_of(list.begin(), list.end(), [](const Candidate& light) { return light.watts > 0.0f; });
+  const bool emits = std::any_of(list.begin(), list.end(), [](const LightGuess& light) { return light.watts > 0.0f; });
   const bool apart = emits && max_component(high - low) > 0.0f;
   const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
   const uint32_t count = dims.x * dims.y * dims.z;
@@ -127,7 +120,7 @@ void ExplorationTables::build(const LightsView& lights, const Vec3& camera, cons
   tbb::parallel_for(0u, count, [&](uint32_t cell) {
     const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
     const Vec3 middle = low + edge * (at + Vec3(0.5f));
-    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const Candidate& light) {
+    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightGuess& light) {
       return light.watts / std::max(length_squared(light.position - middle), nearest2);
     }));
     std::copy(table.begin(), table.end(), entries_.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));

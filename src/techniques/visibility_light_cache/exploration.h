@@ -9,6 +9,16 @@
 
 namespace relume {
 
+/// What is known of a light without knowing the point that it shines on.
+struct LightGuess {
+  Vec3 position{0};
+  float watts = 0;  ///< luminance of the emitted power
+  bool changed = false;
+};
+
+/// Of all finite lights, by id.
+std::vector<LightGuess> light_guesses(const LightsView& lights);
+
 /// Shares of the three in the blend, up to their sum.
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light has its chance

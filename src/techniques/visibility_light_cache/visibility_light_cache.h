@@ -34,7 +34,8 @@ struct LightBuckets {
 
 struct VisibilityLightCache {
   View<const LightBuckets> regions;
-  View<const uint32_t> entries;  ///< CachedLight, `bucket_size` a bucket, sorted by id
+  View<const uint32_t> entries;      ///< CachedLight, `bucket_size` a bucket, sorted by id
+  View<const float> bucket_weights;  ///< by bucket: a region's begin at its first entry / bucket_size, and sum to one
   uint32_t bucket_size = 32;
   float exploration = 0.1f;  ///< share of samples among all lights
   ExplorationGrid all;       ///< over finite lights
@@ -57,10 +58,7 @@ struct VisibilityLightCache {
       chosen = all.at(sp.position).sample(u);
       if (buckets.count > 0) bucket = chosen.index % buckets.count;
     } else {
-      const float scaled = u * static_cast<float>(buckets.count);
-      bucket = smaller(static_cast<uint32_t>(scaled), buckets.count - 1);
-      chosen.u = clamp(scaled - static_cast<float>(bucket), 0.0f, kOneMinusEpsilon);
-      bucket = next_filled(buckets, bucket);
+      bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, chosen.u);
     }
     Weighed w;
     if (buckets.count > 0) weigh(sp, buckets, bucket, w);
@@ -92,29 +90,10 @@ struct VisibilityLightCache {
     float sum = 0;
   };
 
-  RELUME_HD static constexpr uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
-
   RELUME_HD LightBuckets buckets_of(const SurfacePoint& sp) const {
     return sp.region < regions.size ? regions[sp.region] : LightBuckets{};
   }
-  RELUME_HD bool filled(const LightBuckets& b, uint32_t bucket) const {
-    return entries[b.first + bucket * bucket_size] != CachedLight::kNone;
-  }
-  /// Empty buckets pass their turn on; not all are empty.
-  RELUME_HD uint32_t next_filled(const LightBuckets& b, uint32_t bucket) const {
-    while (!filled(b, bucket)) bucket = bucket + 1 == b.count ? 0 : bucket + 1;
-    return bucket;
-  }
-  /// Turns that lead to the bucket: its own and those of the empty ones before it.
-  RELUME_HD uint32_t turns(const LightBuckets& b, uint32_t bucket) const {
-    if (!filled(b, bucket)) return 0;
-    uint32_t count = 1;
-    for (uint32_t before = bucket == 0 ? b.count - 1 : bucket - 1; before != bucket && !filled(b, before);
-         before = before == 0 ? b.count - 1 : before - 1) {
-      ++count;
-    }
-    return count;
-  }
+  RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
 
   RELUME_HD void weigh(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket, Weighed& w) const {
     const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
@@ -136,7 +115,7 @@ struct VisibilityLightCache {
     float cached = 0;
     for (uint32_t i = 0; i < w.count; ++i) {
       if (w.ids[i] != light) continue;
-      cached = w.weights[i] / w.sum * (static_cast<float>(turns(buckets, bucket)) / static_cast<float>(buckets.count));
+      cached = w.weights[i] / w.sum * weights_of(buckets)[bucket];
     }
     return finite * (exploration * explored + (1.0f - exploration) * cached);
   }

@@ -22,9 +22,11 @@ struct World {
     stream.resize(8 * 4096, 1);
     for (uint32_t i = 0; i < 8 * 4096; ++i) stream.samples()[i] = {i % 8, (hash(i) % count) | kVisibleLight, 0, 0};
     stream.group(backend, 8);
-    caches.build(backend, tree, stream.groups(), count, {});
+    guesses = light_guesses(view);
+    caches.build(backend, tree, stream.groups(), view_of(guesses), {});
     cache.regions = caches.buckets();
     cache.entries = caches.entries();
+    cache.bucket_weights = caches.bucket_weights();
     cache.all = {view_of(all)};
     cache.infinite.first = count;
     cache.ltc = ltc_table();
@@ -37,6 +39,7 @@ struct World {
   Backend backend{1};
   OctreeTree tree;
   SampleStream stream;
+  std::vector<LightGuess> guesses;
   LightCaches caches;
   std::vector<AliasEntry> all;
   std::vector<float> columns;
@@ -62,7 +65,7 @@ BENCHMARK(bm_light_cache_sample)->ArgName("lights")->Arg(8)->Arg(32)->Arg(500);
 void bm_light_cache_build(benchmark::State& state) {
   const auto count = static_cast<uint32_t>(state.range(0));
   World world(count);
-  for (auto _ : state) world.caches.build(world.backend, world.tree, world.stream.groups(), count, {});
+  for (auto _ : state) world.caches.build(world.backend, world.tree, world.stream.groups(), view_of(world.guesses), {});
   state.SetItemsProcessed(state.iterations() * 8 * 4096);
 }
 BENCHMARK(bm_light_cache_build)->ArgName("lights")->Arg(8)->Arg(500)->Unit(benchmark::kMicrosecond);

@@ -20,6 +20,12 @@ SettingList describe(VisibilityLightCacheSettings& s) {
        &s.memory,
        "Frames for which a region remembers lights that it did not see again",
        {.min = 0, .max = CachedLight::kMaxAge - 1}},
+      {"even-buckets",
+       &s.even_buckets,
+       "Share of the choice among a region's buckets that is even; the rest goes by their lights' power and distance; "
+       "1: "
+       "the paper's",
+       {.min = 0.01, .max = 1}},
       {"energy-weight",
        &s.energy_weight,
        "Part of exploration that goes by the lights' power",
@@ -46,7 +52,9 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
     options.max_samples = static_cast<uint32_t>(settings_.max_samples);
     options.hysteresis = settings_.hysteresis;
     options.memory = static_cast<uint32_t>(settings_.memory);
-    caches_.build(frame.backend, octree_.previous(), octree_.groups(), frame.scene.lights.first_infinite, options);
+    options.even_buckets = settings_.even_buckets;
+    const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
+    caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(lights), options);
     caches_.populate(frame.backend, octree_.tree());
   } else {
     caches_ = {};
@@ -83,6 +91,7 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame) {
   VisibilityLightCache& view = selector_.cache;
   view.regions = caches_.buckets();
   view.entries = caches_.entries();
+  view.bucket_weights = caches_.bucket_weights();
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
   view.all = all_.grid();

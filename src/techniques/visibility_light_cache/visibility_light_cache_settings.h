@@ -10,11 +10,12 @@ struct VisibilityLightCacheSettings {
   float exploration = 0.1f;
   float hysteresis = 0.75f;
   int max_samples = 4096;
-  int memory = 0;
+  int memory = 4;
+  float even_buckets = 0.1f;
   float energy_weight = 1;
   float change_weight = 1;
   float distance_weight = 1;
-  int exploration_cells = 16;
+  int exploration_cells = 32;
 };
 
 SettingList describe(VisibilityLightCacheSettings& settings);

@@ -28,7 +28,7 @@ class Caches : public ::testing::Test {
     stream.resize(static_cast<uint32_t>(samples_.size()), 1);
     std::copy(samples_.begin(), samples_.end(), stream.samples().begin());
     stream.group(backend_, tree_.leaf_slots());
-    caches_.build(backend_, tree_, stream.groups(), kLights, options);
+    caches_.build(backend_, tree_, stream.groups(), view_of(lights_), options);
     options_ = options;
     samples_.clear();
   }
@@ -68,6 +68,7 @@ class Caches : public ::testing::Test {
 
   Backend backend_{2};
   OctreeTree tree_{Vec3(0), 2};
+  std::vector<LightGuess> lights_ = std::vector<LightGuess>(kLights);
   std::vector<VertexSample> samples_;
   LightCaches caches_;
   CacheBuildOptions options_;
@@ -95,8 +96,48 @@ TEST_F(Caches, LeaveOutLightsAtInfinityAndThoseThatAreGone) {
   SampleStream stream;
   stream.resize(1, 1);
   stream.group(backend_, tree_.leaf_slots());
-  caches_.build(backend_, tree_, stream.groups(), 7, options);
+  caches_.build(backend_, tree_, stream.groups(), {lights_.data(), 7}, options);
   EXPECT_TRUE(known(0).empty());
+}
+
+TEST_F(Caches, ShareSamplesAmongBucketsByWhatTheirLightsMaySend) {
+  CacheBuildOptions options;
+  options.bucket_size = 4;
+  // Region 0 is the cube from −1 to 0. Bucket 0 of four has a light in it, 1 one that is 20 m away; 2 is empty.
+  lights_[0] = {Vec3(-0.5f), 3.0f, false};
+  lights_[1] = {Vec3(-0.5f, -0.5f, -20.5f), 30.0f, false};
+  lights_[3] = {Vec3(-0.5f), 0.0f, false};
+  lights_[4] = lights_[0];
+  for (const LightId light : {0u, 1u, 3u, 4u, 5u, 7u, 8u, 9u, 11u, 12u, 13u, 15u}) see(0, light);
+  options.even_buckets = 0.5f;
+  build(options);
+  const LightBuckets b = caches_.buckets()[0];
+  ASSERT_EQ(b.count, 4u);
+  const float* weights = caches_.bucket_weights().data + b.first / options.bucket_size;
+  // Twice 3 W at the least distance, half of the diagonal (√3 / 2 m), against 30 W at 20 m.
+  const float near = 6 / 0.75f;
+  const float far = 30 / 400.0f;
+  EXPECT_NEAR(weights[0], 0.5f / 4 + 0.5f * near / (near + far), 1e-5f);
+  EXPECT_NEAR(weights[1], 0.5f / 4 + 0.5f * far / (near + far), 1e-5f);
+  EXPECT_EQ(weights[2], 0.0f);
+  EXPECT_NEAR(weights[3], 0.5f / 2, 1e-5f);  // its own turn and the empty one's; its lights are dark
+  for (const LightId light : {0u, 1u, 3u, 4u, 5u, 7u, 8u, 9u, 11u, 12u, 13u, 15u}) see(0, light);
+  options.even_buckets = 1;
+  build(options);
+  const float* even = caches_.bucket_weights().data + caches_.buckets()[0].first / options.bucket_size;
+  EXPECT_EQ(std::vector<float>(even, even + 4), (std::vector<float>{0.25f, 0.25f, 0.0f, 0.5f}));
+}
+
+TEST_F(Caches, PassTurnsOfEmptyBucketsOnRoundTheEnd) {
+  CacheBuildOptions options;
+  options.bucket_size = 2;
+  options.even_buckets = 1;
+  for (const LightId light : {0u, 8u, 2u, 10u, 4u, 12u}) see(0, light);  // buckets 0, 2 and 4 of eight
+  build(options);
+  const LightBuckets b = caches_.buckets()[0];
+  ASSERT_EQ(b.count, 8u);
+  const float* weights = caches_.bucket_weights().data + b.first / options.bucket_size;
+  EXPECT_EQ(std::vector<float>(weights, weights + 8), (std::vector<float>{0.5f, 0, 0.25f, 0, 0.25f, 0, 0, 0}));
 }
 
 TEST_F(Caches, PassLightsOnToFaceNeighboursOnly) {
@@ -234,7 +275,7 @@ TEST_F(Caches, DoNotDependOnThreads) {
   std::copy(samples.begin(), samples.end(), stream.samples().begin());
   stream.group(one, 8);
   LightCaches other;
-  other.build(one, tree_, stream.groups(), kLights, {});
+  other.build(one, tree_, stream.groups(), view_of(lights_), {});
   EXPECT_EQ(std::vector<uint32_t>(other.entries().begin(), other.entries().end()), entries);
 }
 
@@ -333,7 +374,9 @@ TEST(VisibilityLightCache, FavoursWhatItKnowsAndWhatMatters) {
   entries[1] = CachedLight::pack(4, 0);
   VisibilityLightCache cache;
   cache.regions = view_of(buckets);
+  const std::vector<float> bucket_weights{1};
   cache.entries = view_of(entries);
+  cache.bucket_weights = view_of(bucket_weights);
   cache.all = {view_of(all)};
   const AliasTable explored{view_of(all)};
   cache.infinite = make_infinite_lights(lights, infinite, true);
