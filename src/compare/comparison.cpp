@@ -192,7 +192,7 @@ void Comparing::note_limits() {
   }
   for (const ContenderResult& contender : result_.contenders) {
     const double mse = median_of(contender, [](const Repetition& r) { return r.mse; });
-    if (options().times_s.size() > 1 || mse > 10 * reference.mse) continue;
+    if (options().times_s.size() > 1 || !(reference.mse > 0 && mse > 0) || mse > 10 * reference.mse) continue;
     result_.notes.push_back(
         fmt::format("The reference's own noise is {:.0f} % of the MSE of {}; a larger --reference-spp gives more room.",
                     100 * reference.mse / mse, contender.name));

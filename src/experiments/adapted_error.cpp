@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -141,7 +142,9 @@ ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& 
   const double mean_b = mean(b);
   ErrorRatio ratio;
   ratio.value = mean_b > 0 ? mean_a / mean_b : 0;
-  ratio.interval = {ratio.value, ratio.value, 0};
+  // What is as near to the reference as the reference to the truth has no error to be told: nothing is decided.
+  ratio.interval = {0, std::numeric_limits<double>::infinity(), 0};
+  if (mean_b > 0) ratio.interval = {ratio.value, ratio.value, 0};
   if (a.size() < 2 || b.size() < 2 || !(mean_a > 0 && mean_b > 0)) return ratio;
   const auto relative_variance = [](const std::vector<double>& values, double m) {
     const double s = standard_deviation(values);

@@ -39,6 +39,9 @@ TEST(AdaptedError, RatiosHaveStudentsIntervals) {
   EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
   EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
   EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
+  // Below the reference's own noise there is no error to compare with.
+  const ErrorRatio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
+  EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
 }
 
 TEST(AdaptedError, VerdictsFollowIntervals) {

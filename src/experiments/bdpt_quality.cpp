@@ -147,7 +147,8 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   add("cornell-glass", {"floor before the spheres", 0.1, 0.85, 0.9, 0.97});
   add("lamp-room", {"picture"});
   add("door", {"picture"});
-  if (const std::optional<ExperimentScene> hall = sponza(context)) cases.push_back(measure(context, *hall, {"picture"}));
+  if (const std::optional<ExperimentScene> hall = sponza(context))
+    cases.push_back(measure(context, *hall, {"picture"}));
   ExperimentResult result;
   result.claims.push_back(claim_less_noise(cases));
   claim_frames(context, result.claims);

@@ -10,6 +10,7 @@
 #include "compare/timed_session.h"
 #include "experiments/all.h"
 #include "experiments/regions.h"
+#include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
 
@@ -99,9 +100,9 @@ struct Walk {
  private:
   /// Without the reference's own noise, for which that of the last frame's stands.
   double at(std::string_view name, int frame) const {
-    return median_of(contender_named(comparison, name),
-                     [&](const Repetition& r) { return r.curve[static_cast<size_t>(frame)].mse; }) -
-           comparison.reference.mse;
+    const double mse = median_of(contender_named(comparison, name),
+                                 [&](const Repetition& r) { return r.curve[static_cast<size_t>(frame)].mse; });
+    return without_noise(mse, comparison.reference.mse);
   }
 };
 

@@ -129,9 +129,10 @@ Claim claim_scene(const MovingErrors& scene) {
   }
   std::string id = scene.scene;
   std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return judged_ratios("beats-papers-" + id, kOurs,
-                       scene.scene + ": the preset `interactive` has less error than any single paper's, at equal time.",
-                       measured + " of its MSE", ratios, 1);
+  return judged_ratios(
+      "beats-papers-" + id, kOurs,
+      scene.scene + ": the preset `interactive` has less error than any single paper's, at equal time.",
+      measured + " of its MSE", ratios, 1);
 }
 
 Claim claim_choice(const std::vector<MovingErrors>& scenes) {
@@ -167,8 +168,9 @@ ExperimentScene cornell() {
 ExperimentResult run_interactive(const ExperimentContext& context) {
   std::vector<ExperimentScene> list{cornell(), builtin_scene("warehouse"), builtin_scene("mine")};
   if (std::optional<ExperimentScene> hall = sponza(context)) list.insert(list.begin(), std::move(*hall));
-  const MovingOptions options{
-      .frames = context.choose(12, 3), .repetitions = context.choose(kRepetitions, 1), .reference_spp = context.choose(1024, 16)};
+  const MovingOptions options{.frames = context.choose(12, 3),
+                              .repetitions = context.choose(kRepetitions, 1),
+                              .reference_spp = context.choose(1024, 16)};
   std::vector<MovingErrors> scenes;
   for (const ExperimentScene& scene : list)
     scenes.push_back(measure_moving(context, scene, contenders(context, scene), options));
@@ -188,7 +190,8 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   result.blocks.emplace_back(ViewerBlock{"Pictures", "What is shown at the last view, while the camera turns.",
                                          picture_layer_kinds(), std::move(sets)});
   result.setup = {
-      {"Camera", fmt::format("turns by 10° from view to view; two views are measured, in each of {} repetitions ({} of presets)",
+      {"Camera",
+       fmt::format("turns by 10° from view to view; two views are measured, in each of {} repetitions ({} of presets)",
                    kRepetitions, kPresetRepetitions)},
       {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
       {"Bounces", "6; 2 in `warehouse` and `mine`"},

@@ -52,11 +52,10 @@ struct Walk {
     const Reference& reference = references[static_cast<size_t>(view)];
     const Metrics m = compute_metrics(error.last, reference.image, {.tone_map = ToneMap::agx});
     const double weight = 1.0 / (options.views * repetitions);
-    // Chance may leave less than nothing, of which there are no ratios.
-    const double mse = std::max(m.mse - reference.mse, 0.1 * m.mse);
+    const double mse = without_noise(m.mse, reference.mse);
     error.mses.back() += mse / options.views;
     error.mse += mse * weight;
-    error.rel_mse += std::max(m.rel_mse - reference.rel_mse, 0.1 * m.rel_mse) * weight;
+    error.rel_mse += without_noise(m.rel_mse, reference.rel_mse) * weight;
     error.flip += m.flip * weight;
   }
 };

@@ -36,7 +36,7 @@ struct MovingError {
   double rel_mse = 0;
   double flip = 0;
   std::vector<double> mses = {};  ///< of each repetition, mean over its views
-  Image last = {};  ///< at the last view, of the last repetition
+  Image last = {};                ///< at the last view, of the last repetition
 };
 
 struct MovingErrors {

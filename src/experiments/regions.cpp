@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compare/comparison_page.h"
+#include "metrics/metrics.h"
 
 namespace relume {
 namespace {
@@ -51,7 +52,8 @@ double region_mse(const Comparison& comparison, std::string_view name, const Reg
     });
   };
   const Image& noise = comparison.reference.squared_error;
-  return mean_of(contender_named(comparison, name).squared_error) - (noise.pixels.empty() ? 0 : mean_of(noise));
+  return without_noise(mean_of(contender_named(comparison, name).squared_error),
+                       noise.pixels.empty() ? 0 : mean_of(noise));
 }
 
 double region_mean(const Image& image, const Region& region) {

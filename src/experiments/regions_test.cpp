@@ -24,6 +24,22 @@ TEST(Regions, AreCutOut) {
   EXPECT_NEAR(region_mse(image, Image(32, 32), {"picture"}), (0.64 + 3 * 0.04) / 4, 1e-6);
 }
 
+TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
+  Comparison comparison;
+  comparison.reference.image = Image(32, 32);
+  comparison.reference.squared_error = Image(32, 32);
+  comparison.contenders.push_back({.name = "noisy"});
+  comparison.contenders[0].squared_error = Image(32, 32);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      comparison.contenders[0].squared_error.at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
+      comparison.reference.squared_error.at(x, y) = Rgb(0.2f, 0, 0.1f);
+    }
+  }
+  EXPECT_NEAR(region_mse(comparison, "noisy", {"left", 0, 0, 0.5, 1}), 0.4, 1e-6);
+  EXPECT_NEAR(region_mse(comparison, "noisy", {"right", 0.5, 0, 1, 1}), 0.01, 1e-6);  // a tenth is left
+}
+
 TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
   const Image reference = quarter();
   Image noisy = reference;

@@ -190,4 +190,10 @@ std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float deg
   return camera;
 }
 
+void claim_without_sponza(const ExperimentContext& context, const char* paper, const std::vector<SponzaClaim>& missing,
+                          std::vector<Claim>& claims) {
+  if (!context.scene_folder.empty()) return;
+  for (const SponzaClaim& m : missing) claims.push_back(unmeasured(m.id, paper, m.claim, m.threshold, kNoSponza));
+}
+
 }  // namespace relume

@@ -47,4 +47,14 @@ std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float deg
 
 inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where sponza/sponza.gltf is";
 
+/// A claim about Sponza, which is not built in.
+struct SponzaClaim {
+  const char* id;
+  const char* claim;
+  const char* threshold;
+};
+/// Adds the claims as not measured if the context has no folder of scenes.
+void claim_without_sponza(const ExperimentContext& context, const char* paper, const std::vector<SponzaClaim>& missing,
+                          std::vector<Claim>& claims);
+
 }  // namespace relume

@@ -71,9 +71,8 @@ void restart(const ExperimentContext& context, Runner& runner, const ExperimentS
 
 TracePoint point_of(const Runner& runner, const Image& image, const TraceOptions& options) {
   const double mse = compute_metrics(image, *options.reference, {.flip = false}).mse;
-  // Chance may leave less than nothing, of which curves have no logarithm.
   return {static_cast<double>(runner.frames), runner.session->samples_per_pixel() - runner.samples_before,
-          runner.time_s, std::max(mse - options.reference_mse, 0.1 * mse), distance_spread(image, *options.reference)};
+          runner.time_s, without_noise(mse, options.reference_mse), distance_spread(image, *options.reference)};
 }
 
 void render(Runner& runner, const TraceOptions& options) {

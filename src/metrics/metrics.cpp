@@ -91,6 +91,8 @@ void check_same_size(const Image& a, const Image& b) {
   if (a.width <= 0 || a.height <= 0) throw Error("the images have no pixels; render them at a size above 0");
 }
 
+double without_noise(double mse, double reference_mse) { return std::max(mse - reference_mse, 0.1 * mse); }
+
 Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& options) {
   check_same_size(a, b);
   std::vector<Sums> rows(static_cast<size_t>(a.height));

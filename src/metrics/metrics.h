@@ -45,6 +45,10 @@ struct MetricOptions {
 /// The result does not depend on the number of threads. Throws Error if the sizes differ or no pixel is finite in both.
 Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& options = {});
 
+/// A measured MSE without what the reference's own noise adds to it: at least a tenth of what was measured, for chance
+/// may leave less than nothing, of which there are neither ratios nor logarithms.
+double without_noise(double mse, double reference_mse);
+
 /// Relative difference of block means, per channel: (mean a - mean b) / max(mean b, 0.001 · mean of all of b).
 struct BlockDifferences {
   int columns = 0;

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/image.h"
+#include "render/aov_reference.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
 #include "settings/settings_json.h"
@@ -114,7 +115,7 @@ std::string settings_reference() {
     }
     text += fmt::format("| `{}` | {} | {} |\n", preset.name, preset.summary, values);
   }
-  return text;
+  return text + aov_reference();
 }
 
 Settings resolve(const SettingSources& sources) {

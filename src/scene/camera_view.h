@@ -94,7 +94,9 @@ RELUME_HD inline bool film_position(const CameraView& c, const Ray& ray, Vec2* f
     case Projection::orthographic: ndc = Vec2(origin) / c.half_extent; break;
     case Projection::panoramic: {
       const float u = 0.5f + std::atan2(direction.x, -direction.z) * (0.5f * kInvPi);
-      *film = Vec2(u, std::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi) * c.resolution;
+      const float v = std::acos(clamp(direction.y, -1.0f, 1.0f)) * kInvPi;
+      // Straight down and behind, both are 1.
+      *film = glm::min(Vec2(u, v), Vec2(kOneMinusEpsilon)) * c.resolution;
       return true;
     }
   }

@@ -51,6 +51,22 @@ TEST(Camera, FilmPositionInvertsGenerate) {
   }
 }
 
+TEST(Camera, PanoramasEndBeforeTheirResolution) {
+  CameraView c = cameras()[3].view;
+  c.axes = make_frame(Vec3(0, 0, 1));
+  const Vec3 down = -c.axes.b;
+  const Vec3 back = c.axes.n;
+  for (const Vec3& direction : {down, back, glm::normalize(down + 1e-5f * c.axes.t),
+                                glm::normalize(back + 1e-9f * c.axes.t), glm::normalize(back - 1e-9f * c.axes.t)}) {
+    Vec2 film;
+    ASSERT_TRUE(film_position(c, {c.position, direction, kInfinity}, &film));
+    EXPECT_LT(film.x, c.resolution.x);
+    EXPECT_LT(film.y, c.resolution.y);
+    EXPECT_GE(film.x, 0.0f);
+    EXPECT_GE(film.y, 0.0f);
+  }
+}
+
 TEST(Camera, TheImageIsUprightAndNotMirrored) {
   for (const auto& [name, c] : cameras()) {
     const auto looks = [&](float x, float y) {

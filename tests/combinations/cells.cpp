@@ -91,7 +91,8 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
   std::string text =
       "# What combines with what\n\n"
       "Every choice of every slot with every choice of every other, all else at its default. "
-      "`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` renders each cell,\nan open Cornell box with three lamps under a sky, the "
+      "`RELUME_WRITE=1 build/release/tests/combinations_tests --gtest_filter='CombinationTable.*'` renders each "
+      "cell,\nan open Cornell box with three lamps under a sky, the "
       "camera moving once, compares its mean with path tracing's, and writes this file.\n\n"
       "● right in the mean · ◐ right but for a bias · ✗ wrong · ◌ needs a library that Debian 12 does not have · – "
       "refused "

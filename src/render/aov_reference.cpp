@@ -1,0 +1,67 @@
+#include "render/aov_reference.h"
+
+#include <map>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "render/build_pipeline.h"
+#include "settings/setting.h"
+
+namespace relume {
+namespace {
+
+struct Layer {
+  std::string help;
+  std::vector<std::string> choices;  ///< that bring it along; empty: every frame has it
+};
+
+using Layers = std::map<std::string, Layer>;
+
+/// Adds what a frame has with `settings` that it does not have by default.
+void add_layers(const RenderSettings& settings, const std::string& choice, Layers& layers) {
+  for (const PassDeclaration& pass : build_pipeline(settings).declarations()) {
+    for (const BufferDescription& b : pass.owns) {
+      if (b.display == BufferDisplay::hidden) continue;
+      const auto [at, is_new] = layers.try_emplace(b.name, Layer{b.help, {}});
+      if (choice.empty() || (!is_new && at->second.choices.empty())) continue;
+      at->second.choices.push_back(choice);
+    }
+  }
+}
+
+/// Every choice of every slot, all else at its default.
+Layers all_layers() {
+  Layers layers{{"variance", {"of the mean of a pixel's samples, luminance", {}}}};
+  RenderSettings plain;
+  plain.auxiliary = true;
+  add_layers(plain, "", layers);
+  RenderSettings names;
+  for (const Setting& slot : describe_slots(names)) {
+    for (const std::string_view value : std::get<ChoiceRef>(slot.value).names) {
+      if (value == "oidn") continue;  // not part of every build; it shows what other denoisers do
+      RenderSettings settings;
+      settings.cdq.view = true;
+      const SettingList slots = describe_slots(settings);
+      assign(require_setting(slots, slot.name, "layers"), value, slot.name);
+      add_layers(settings, fmt::format("`--{} {}`", slot.name, value), layers);
+    }
+  }
+  return layers;
+}
+
+}  // namespace
+
+std::string aov_reference() {
+  std::string text =
+      "\n## Layers\n\n"
+      "What `--aov` can write into an EXR beside the picture, and the viewer's inspector shows.\n\n"
+      "| `--aov` | shows | with |\n|---|---|---|\n";
+  for (const auto& [name, layer] : all_layers())
+    text += fmt::format("| `{}` | {} | {} |\n", name, layer.help, fmt::join(layer.choices, ", "));
+  return text;
+}
+
+}  // namespace relume
