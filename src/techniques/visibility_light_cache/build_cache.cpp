@@ -48,10 +48,19 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
   merge.lists = mutable_view_of(lists);
   launch(backend, "vlc.merge", merge, regions, 1);
 
+  lists_ = std::move(lists);
+  lights_ = std::move(listed);
+  fill_buckets(backend, tree, lights, options, dropped);
+  dropped_ = dropped[0];
+}
+
+void LightCaches::fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightGuess> lights,
+                               const CacheBuildOptions& options, std::vector<uint64_t>& dropped) {
+  const auto regions = static_cast<uint32_t>(lists_.size());
   std::vector<LightBuckets> buckets(regions);
   launch(backend, "vlc.buckets",
-         CountBucketsKernel{view_of(lists), view_of(listed), view_of(buckets_), options.bucket_size, options.hysteresis,
-                            mutable_view_of(buckets)},
+         CountBucketsKernel{view_of(lists_), view_of(lights_), view_of(buckets_), options.bucket_size,
+                            options.hysteresis, mutable_view_of(buckets)},
          regions, 1);
   backend.run("vlc.buckets", [&] {
     uint32_t entries = 0;
@@ -63,7 +72,7 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
     bucket_weights_.resize(entries / options.bucket_size);
   });
   launch(backend, "vlc.buckets",
-         FillBucketsKernel{view_of(lists), view_of(listed), view_of(buckets), options.bucket_size,
+         FillBucketsKernel{view_of(lists_), view_of(lights_), view_of(buckets), options.bucket_size,
                            mutable_view_of(entries_), mutable_view_of(dropped)},
          regions, 1);
   launch(backend, "vlc.buckets",
@@ -71,9 +80,6 @@ void LightCaches::build(Backend& backend, const OctreeTree& tree, const SampleGr
                              options.bucket_size, options.even_buckets, mutable_view_of(bucket_weights_)},
          regions, 1);
   buckets_ = std::move(buckets);
-  lists_ = std::move(lists);
-  lights_ = std::move(listed);
-  dropped_ = dropped[0];
 }
 
 void LightCaches::populate(Backend& backend, const OctreeTree& next) {

@@ -63,6 +63,10 @@ class LightCaches {
   void load(std::istream& in);
 
  private:
+  /// From the lists that were just made.
+  void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightGuess> lights,
+                    const CacheBuildOptions& options, std::vector<uint64_t>& dropped);
+
   std::vector<LightBuckets> buckets_;  ///< by leaf slot
   std::vector<LightList> lists_;       ///< by leaf slot
   std::vector<uint32_t> entries_;
