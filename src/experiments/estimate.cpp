@@ -34,6 +34,12 @@ Estimate mean_estimate(const std::vector<double>& values) {
   return result;
 }
 
+Estimate scaled(Estimate estimate, double factor) {
+  estimate.value *= factor;
+  for (double& value : estimate.without) value *= factor;
+  return estimate;
+}
+
 Estimate difference(const Estimate& a, const Estimate& b) {
   if (a.without.size() != b.without.size()) throw Error("only estimates of equally many repetitions can be compared");
   Estimate result{a.value - b.value, a.without};

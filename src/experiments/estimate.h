@@ -21,6 +21,9 @@ struct Estimate {
 /// Mean of one value a repetition.
 Estimate mean_estimate(const std::vector<double>& values);
 
+/// A multiple of it.
+Estimate scaled(Estimate estimate, double factor);
+
 /// a − b. If repetition i of both had one seed, the noise that they share does not count.
 Estimate difference(const Estimate& a, const Estimate& b);
 

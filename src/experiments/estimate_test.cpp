@@ -87,6 +87,15 @@ TEST(Estimate, NoiseDecidesNothing) {
   EXPECT_EQ(compared(0.1f, 0.11f, 0.01f), kVerdictHolds);
 }
 
+TEST(Estimate, AMarginDecidesWhatIsEqual) {
+  const Image truth = reference();
+  const Estimate a = squared_bias(repetitions(6, 0.5f, 0.001f, 100), truth, 0);
+  const Estimate b = squared_bias(repetitions(6, 0.5f, 0.001f, 900), truth, 0);
+  EXPECT_EQ(scaled(b, 2).error(), 2 * b.error());
+  EXPECT_STREQ(verdict_below(difference(a, scaled(b, 1.05))), kVerdictHolds);
+  EXPECT_STREQ(verdict_below(difference(a, scaled(b, 0.95))), kVerdictFails);
+}
+
 TEST(Estimate, OneClaimThatFailsDecides) {
   EXPECT_STREQ(verdict_of_all({kVerdictHolds, kVerdictUndecided, kVerdictFails}), kVerdictFails);
   EXPECT_STREQ(verdict_of_all({kVerdictHolds, kVerdictUndecided}), kVerdictUndecided);
