@@ -109,6 +109,14 @@ TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {
   }
 }
 
+TEST(Vec, LeastAndLargestOfIndicesAreExact) {
+  constexpr uint32_t kOdd = (1u << 24) + 1;  // the first number that no float holds
+  const uint32_t least = relume::min(kOdd, kOdd + 1);
+  const uint32_t largest = relume::max(kOdd, kOdd - 1);
+  EXPECT_EQ(least, kOdd);
+  EXPECT_EQ(largest, kOdd);
+}
+
 TEST(FixedPoint, SumsDoNotDependOnOrder) {
   constexpr uint32_t kCount = 10000;
   const auto value = [](uint32_t i) { return Rgb(to_unit_float(hash(i)), 1e6f * to_unit_float(hash(i, 1u)), -1.0f); };

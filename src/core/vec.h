@@ -49,6 +49,9 @@ RELUME_HD inline float safe_sqrt(float x) { return std::sqrt(x > 0.0f ? x : 0.0f
 /// Like std::fmax and std::fmin but one instruction; the second argument is returned if one is not a number.
 RELUME_HD constexpr float max(float a, float b) { return a > b ? a : b; }
 RELUME_HD constexpr float min(float a, float b) { return a < b ? a : b; }
+/// Of counts and indices, which floats hold up to 2^24 only.
+RELUME_HD constexpr uint32_t max(uint32_t a, uint32_t b) { return a > b ? a : b; }
+RELUME_HD constexpr uint32_t min(uint32_t a, uint32_t b) { return a < b ? a : b; }
 RELUME_HD inline float max_component(const Vec3& v) { return max(v.x, max(v.y, v.z)); }
 RELUME_HD inline float min_component(const Vec3& v) { return min(v.x, min(v.y, v.z)); }
 RELUME_HD inline float length_squared(const Vec3& v) { return glm::dot(v, v); }

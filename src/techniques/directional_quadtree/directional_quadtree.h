@@ -70,7 +70,7 @@ struct DirectionalQuadtree {
   /// A direction: the leaf by `u.x`, whose rest with `u.y` gives the place inside.
   RELUME_HD Vec3 sample(Vec2 u) const {
     const float scaled = u.x * static_cast<float>(leaf_count());
-    const uint32_t leaf = relume_min(static_cast<uint32_t>(scaled), leaf_count() - 1);
+    const uint32_t leaf = relume::min(static_cast<uint32_t>(scaled), leaf_count() - 1);
     u.x = clamp(scaled - static_cast<float>(leaf), 0.0f, kOneMinusEpsilon);
     const QuadtreeCell cell = cell_of(bits.select(leaf, false));
     return direction_from_square(cell.corner + cell.edge() * u);
@@ -112,8 +112,6 @@ struct DirectionalQuadtree {
   }
 
  private:
-  RELUME_HD static constexpr uint32_t relume_min(uint32_t a, uint32_t b) { return a < b ? a : b; }
-
   /// Decides between two weights and stretches `u` to what is left of it.
   RELUME_HD static bool choose(float low, float high, float& u) {
     const float p = low / (low + high);

@@ -30,6 +30,14 @@ RELUME_HD inline ReprojectionFate reason_of(uint64_t claim) {
   return claim == kNoClaim ? ReprojectionFate::empty : static_cast<ReprojectionFate>(static_cast<uint32_t>(claim));
 }
 
+/// Index of the pixel that film position `film` lies in.
+RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
+  const UVec2 size(camera.resolution);
+  const uint32_t x = relume::min(static_cast<uint32_t>(film.x), size.x - 1);
+  const uint32_t y = relume::min(static_cast<uint32_t>(film.y), size.y - 1);
+  return y * size.x + x;
+}
+
 /// Every pixel of the frame before tries to find its place in this one.
 struct ClaimKernel {
   SceneView scene;
@@ -82,7 +90,7 @@ struct ClaimKernel {
     const Ray ray = ray_to(p.now);
     Vec2 film;
     if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return ReprojectionFate::off_screen;
-    const uint32_t target = pixel_at(film);
+    const uint32_t target = pixel_at(scene.camera, film);
     // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
     if (!lights_changed && claimed.has(target)) return ReprojectionFate::kept;
 
@@ -110,12 +118,6 @@ struct ClaimKernel {
     if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
     if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
     return ReprojectionFate::kept;
-  }
-
-  RELUME_HD uint32_t pixel_at(const Vec2& film) const {
-    const auto x = relume::min(static_cast<uint32_t>(film.x), static_cast<uint32_t>(scene.camera.resolution.x) - 1);
-    const auto y = relume::min(static_cast<uint32_t>(film.y), static_cast<uint32_t>(scene.camera.resolution.y) - 1);
-    return y * width + x;
   }
 
   /// From the camera to `p`; t_max is the distance, 0 behind the camera.

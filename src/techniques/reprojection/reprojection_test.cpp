@@ -150,6 +150,14 @@ TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
   }
 }
 
+TEST(Reprojection, PixelsOfLargePicturesHaveExactIndices) {
+  CameraView camera;
+  camera.resolution = {7680, 4320};  // twice as many pixels as floats can number
+  EXPECT_EQ(pixel_at(camera, {1234.5f, 4319.5f}), 4319u * 7680u + 1234u);
+  EXPECT_EQ(pixel_at(camera, {1235.5f, 4319.5f}), 4319u * 7680u + 1235u);
+  EXPECT_EQ(pixel_at(camera, camera.resolution), 7680u * 4320u - 1u);
+}
+
 TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
   Stage stage(cornell());
   stage.render();
