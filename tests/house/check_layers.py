@@ -37,7 +37,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "directional_quadtree": "octree path",
     "visibility_light_cache": "octree",
     "features": "primary_hits reprojection",
-    "bmfr": "features",
+    "bmfr": "features reprojection",
     "svgf": "features reprojection",
     "oidn": "features",
     "reprojection": "path",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/features/light_history.h"
+#include "techniques/reprojection/backward.h"
 
 namespace relume {
 
@@ -25,7 +26,7 @@ struct BmfrAccumulateKernel {
     const uint32_t pixel = y * reprojection.width + x;
     const SurfaceLightSample sample = samples.at(pixel);
     const BackwardTaps taps = reprojection.taps_or_nearest(x, y);
-    uint32_t n = count_at(taps, count_before);
+    uint32_t n = taps.least(count_before);
     if (n > max_samples) n = max_samples;
     Rgb sum = n > 0 ? taps.fetch(light_before) : Rgb(0);
     age[pixel] = n;

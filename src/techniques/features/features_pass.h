@@ -3,6 +3,7 @@
 
 #include "pipeline/pass.h"
 #include "techniques/features/light_history.h"
+#include "techniques/reprojection/backward.h"
 
 namespace relume {
 

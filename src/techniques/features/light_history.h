@@ -3,7 +3,6 @@
 #pragma once
 
 #include "techniques/features/features.h"
-#include "techniques/reprojection/backward.h"
 
 namespace relume {
 
@@ -34,16 +33,6 @@ struct SurfaceLight {
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
 };
-
-/// Least number of samples among the taps.
-RELUME_HD inline uint32_t count_at(const BackwardTaps& taps, const View<const uint32_t>& samples) {
-  if (!taps.valid) return 0;
-  uint32_t count = 0xffffffffu;
-  for (int k = 0; k < 4; ++k) {
-    if (taps.weights[k] > 0.0f && samples[taps.pixels[k]] < count) count = samples[taps.pixels[k]];
-  }
-  return count;
-}
 
 inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
 

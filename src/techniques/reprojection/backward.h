@@ -22,6 +22,16 @@ struct BackwardTaps {
     }
     return sum;
   }
+
+  /// The least of the values at the taps; 0 where there are none.
+  RELUME_HD uint32_t least(const View<const uint32_t>& values) const {
+    if (!valid) return 0;
+    uint32_t result = 0xffffffffu;
+    for (int k = 0; k < 4; ++k) {
+      if (weights[k] > 0.0f) result = relume::min(result, values[pixels[k]]);
+    }
+    return result;
+  }
 };
 
 /// What a pixel must share with the one it was.
@@ -143,11 +153,7 @@ struct BackwardHistoryKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * reprojection.width + x;
     const BackwardTaps taps = reprojection.taps(x, y);
-    uint32_t count = 0xffffffffu;
-    for (int k = 0; k < 4; ++k) {
-      if (taps.weights[k] > 0.0f) count = relume::min(count, samples_before[taps.pixels[k]]);
-    }
-    if (!taps.valid) count = 0;
+    const uint32_t count = taps.least(samples_before);
     kept[pixel] = count > 0;
     reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
     samples[pixel] = count;

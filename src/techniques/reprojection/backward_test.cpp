@@ -42,8 +42,13 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
   EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
   EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
+  std::vector<uint32_t> counts(16, 20);
+  counts[6] = 9;
+  EXPECT_EQ(reprojection.taps(3, 1).least(view_of(counts)), 9u);
+  EXPECT_EQ(reprojection.taps(0, 1).least(view_of(counts)), 20u);
   plane.motion[0] = Vec2(9, 0);
   EXPECT_FALSE(reprojection.taps(0, 0).valid);
+  EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
 }
 
 TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/features/light_history.h"
+#include "techniques/reprojection/backward.h"
 #include "techniques/svgf/atrous.h"
 
 namespace relume {
@@ -26,7 +27,7 @@ struct SvgfAccumulateKernel {
     const uint32_t pixel = y * reprojection.width + x;
     const SurfaceLightSample sample = samples.at(pixel);
     const BackwardTaps taps = reprojection.taps_or_nearest(x, y);
-    uint32_t n = count_at(taps, count_before);
+    uint32_t n = taps.least(count_before);
     if (n > max_samples) n = max_samples;
     Rgb mean = n > 0 ? taps.fetch(light_before) : Rgb(0);
     Vec2 m = n > 0 ? taps.fetch(moments_before) : Vec2(0);
