@@ -21,6 +21,10 @@ enum class LobeKind : uint8_t {
 };
 inline constexpr int kLobeKindCount = 9;
 
+/// Lobes of microfacets with an α below this count as mirrors: what they show is an image, not a shade, and another as
+/// soon as the eye moves ([Schalk18] §3.2).
+inline constexpr float kNarrowAlpha = 0.01f;
+
 /// Which way radiance flows. Refraction scales radiance, not importance ([Veach97], §5.2).
 enum class TransportMode : uint8_t { radiance, importance };
 

@@ -6,8 +6,6 @@
 
 namespace relume {
 
-/// Lobes with an α below this count as mirrors: what they show is an image, not a shade.
-inline constexpr float kNarrowAlpha = 0.01f;
 /// Mirrors and interfaces that are followed at most.
 inline constexpr uint32_t kMaxFeatureSteps = 8;
 /// Albedos below this are taken for black where radiance is divided by them: less than a display shows.

@@ -40,14 +40,13 @@ RELUME_HD inline uint32_t store_direction(const Vec3& w) {
   return bits == 0 ? 1u : bits;
 }
 
-/// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses α < 0.01 and what refracts.
+/// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses small α and what refracts.
 RELUME_HD inline bool near_specular(const Lobe& lobe) {
-  constexpr float kNearSpecularAlpha = 0.01f;
   switch (lobe.kind) {
     case LobeKind::lambert:
     case LobeKind::covered_lambert:
     case LobeKind::multiple_reflection: return false;
-    case LobeKind::reflection: return lobe.microfacet.alpha < kNearSpecularAlpha;
+    case LobeKind::reflection: return lobe.microfacet.alpha < kNarrowAlpha;
     case LobeKind::mirror:
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric:
