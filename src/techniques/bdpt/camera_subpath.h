@@ -112,8 +112,7 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
   if (is_black(bsdf.f)) return {};
   const float weight = weight_of_light_connection(c, sp, e, pick, bsdf);
   Connection connection;
-  connection.ray = sp.spawn_ray(light.wi);
-  connection.ray.t_max = light.distance * (1.0f - kShadowMargin);
+  connection.ray = shadow_ray(sp, light.wi, light.distance);
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
                             (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
   return connection;
@@ -143,8 +142,7 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   if (is_black(adjoint.f)) return {};
   const float weight = weight_of_vertex_connection(sp, e, bsdf, v, adjoint, w, distance_squared);
   Connection connection;
-  connection.ray = sp.spawn_ray(w);
-  connection.ray.t_max = distance * (1.0f - kShadowMargin);
+  connection.ray = shadow_ray(sp, w, distance);
   connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
                             (shading_cosine(sp, w) * std::fabs(glm::dot(v.ng, w)) * weight / distance_squared) *
                             transmittance(medium_along(c.scene(), sp, w, e.path.medium), distance);

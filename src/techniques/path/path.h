@@ -48,8 +48,15 @@ struct PathContext {
   bool russian_roulette = true;
 };
 
-/// The end of a shadow ray stays clear of the emitter by this share of the distance.
+/// The end of a shadow ray stays clear of what is there by this share of the distance.
 inline constexpr float kShadowMargin = 1e-4f;
+
+/// From a surface to what is `distance` metres away in direction `w`: meets neither of the two, only what is between.
+RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const Vec3& w, float distance) {
+  Ray ray = sp.spawn_ray(w);
+  ray.t_max = distance * (1.0f - kShadowMargin);
+  return ray;
+}
 
 /// Emission at the hit surface, weighted against next event estimation from the previous vertex. Returns whether that
 /// could have found it.
@@ -130,8 +137,7 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
   if (is_black(bsdf.f)) return false;
   const float pdf_light = pick.pmf * light.pdf_w;
   const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
-  connection.ray = sp.spawn_ray(light.wi);
-  connection.ray.t_max = light.distance * (1.0f - kShadowMargin);
+  connection.ray = shadow_ray(sp, light.wi, light.distance);
   connection.ray_id = sampler.ray_id();
   connection.light = pick.id;
   connection.u = pick.u;

@@ -135,9 +135,7 @@ struct ClaimKernel {
   /// Second validation: whether something lies between the camera and the surface. The ray starts at the surface, clear
   /// of it, and ends at the camera.
   RELUME_HD bool hidden(const Ray& ray, const SurfacePoint& sp, uint32_t index) const {
-    Ray back = sp.spawn_ray(-ray.direction);
-    back.t_max = ray.t_max * (1.0f - 1e-4f);
-    return occluded(scene.accel, back, hash(seed, index));
+    return occluded(scene.accel, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
   }
 
   /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
@@ -223,9 +221,8 @@ struct ClaimKernel {
   RELUME_HD Received receive(const SurfacePoint& sp, const LightSample& light, LightId id) const {
     if (!light.valid()) return {};
     const float f = max_component(eval_pdf(sp, light.wi).f);
-    Ray shadow = sp.spawn_ray(light.wi);
-    shadow.t_max = light.distance * (1.0f - kShadowMargin);
-    if (!(f > 0.0f) || occluded(scene.accel, shadow, hash(seed, id))) return {};
+    if (!(f > 0.0f)) return {};
+    if (occluded(scene.accel, shadow_ray(sp, light.wi, light.distance), hash(seed, id))) return {};
     return {luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w, f};
   }
 };
