@@ -32,6 +32,15 @@ struct BackwardTaps {
     }
     return result;
   }
+
+  /// The pixel that counts most; the first of those that do. Only if valid.
+  RELUME_HD uint32_t heaviest() const {
+    int most = 0;
+    for (int k = 1; k < 4; ++k) {
+      if (weights[k] > weights[most]) most = k;
+    }
+    return pixels[most];
+  }
 };
 
 /// What a pixel must share with the one it was.
@@ -138,15 +147,19 @@ struct BackwardReprojection {
   }
 };
 
-/// The history "reproject" by looking back: mean and variance are interpolated, counts take the least of the taps.
+/// The history "reproject" by looking back: mean and variance are interpolated, counts take the least of the taps. What
+/// else follows the surface need not mean anything in between: it moves from the heaviest tap.
 struct BackwardHistoryKernel {
   BackwardReprojection reprojection;
   View<const Rgb> mean_before;
   View<const float> m2_before;
+  View<const Rgb> m2_rgb_before;
   View<const uint32_t> samples_before;
   View<Rgb> mean;
   View<float> m2;
+  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
   View<uint32_t> samples;
+  View<uint32_t> sources;  ///< heaviest tap, or kNoSource
   View<uint32_t> kept;
   View<uint32_t> reasons;  ///< ReprojectionFate
 
@@ -159,6 +172,8 @@ struct BackwardHistoryKernel {
     samples[pixel] = count;
     mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
     m2[pixel] = count > 0 ? taps.fetch(m2_before) : 0.0f;
+    if (!m2_rgb.empty()) m2_rgb[pixel] = count > 0 ? taps.fetch(m2_rgb_before) : Rgb(0);
+    sources[pixel] = count > 0 ? taps.heaviest() : kNoSource;
   }
 
  private:

@@ -58,20 +58,26 @@ TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   plane.motion[2] = Vec2(1, -1);   // was where pixel 5 is, another surface
   const std::vector<Rgb> mean(16, Rgb(3));
   const std::vector<float> m2(16, 1.0f);
+  const std::vector<Rgb> m2_rgb(16, Rgb(1, 2, 3));
   std::vector<uint32_t> samples(16, 9);
   samples[6] = 0;
   std::vector<Rgb> mean_now(16);
   std::vector<float> m2_now(16);
+  std::vector<Rgb> m2_rgb_now(16, Rgb(9));
   std::vector<uint32_t> samples_now(16);
+  std::vector<uint32_t> sources(16);
   std::vector<uint32_t> kept(16);
   std::vector<uint32_t> reasons(16);
   const BackwardHistoryKernel kernel{plane.reprojection(),
                                      view_of(mean),
                                      view_of(m2),
+                                     view_of(m2_rgb),
                                      view_of(samples),
                                      mutable_view_of(mean_now),
                                      mutable_view_of(m2_now),
+                                     mutable_view_of(m2_rgb_now),
                                      mutable_view_of(samples_now),
+                                     mutable_view_of(sources),
                                      mutable_view_of(kept),
                                      mutable_view_of(reasons)};
   for (uint32_t x = 0; x < kWidth; ++x) kernel(x, 0);
@@ -80,6 +86,8 @@ TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(static_cast<ReprojectionFate>(reasons[i]), expected[i]) << i;
     EXPECT_EQ(kept[i], i == 3 ? 1u : 0u) << i;
+    EXPECT_EQ(m2_rgb_now[i], i == 3 ? Rgb(1, 2, 3) : Rgb(0)) << i;
+    EXPECT_EQ(sources[i], i == 3 ? 2u : kNoSource) << i;
   }
 }
 

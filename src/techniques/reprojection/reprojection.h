@@ -8,8 +8,6 @@
 
 namespace relume {
 
-/// Where a pixel's content comes from: the pixel's index, or kNoSource.
-inline constexpr uint32_t kNoSource = 0xffffffffu;
 inline constexpr uint64_t kNoClaim = ~uint64_t{0};
 
 /// A claim on a pixel: the smallest wins. Nearest depth first, then the lowest stored sample.
@@ -306,6 +304,7 @@ struct MoveKernel {
 struct LimitKernel {
   View<uint32_t> samples;
   View<float> m2;
+  View<Rgb> m2_rgb;             ///< the same, a channel; empty: nobody keeps it
   View<const uint32_t> limits;  ///< of each pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
@@ -315,7 +314,9 @@ struct LimitKernel {
     const uint32_t n = samples[pixel];
     const uint32_t most = limits.empty() ? max_samples : relume::min(limits[pixel], max_samples);
     if (n <= most) return;
-    m2[pixel] *= static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
+    const float scale = static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
+    m2[pixel] *= scale;
+    if (!m2_rgb.empty()) m2_rgb[pixel] *= scale;
     samples[pixel] = most;
   }
 };

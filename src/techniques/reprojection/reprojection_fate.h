@@ -21,4 +21,7 @@ enum class ReprojectionFate : uint32_t {
   ended,           ///< kept at first, but this frame's sample lies on another surface
 };
 
+/// Where a pixel's content comes from: the index of a pixel of the frame before, or this.
+inline constexpr uint32_t kNoSource = 0xffffffffu;
+
 }  // namespace relume

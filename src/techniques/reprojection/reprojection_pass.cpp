@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <istream>
+#include <iterator>
 #include <ostream>
 
 #include "techniques/reprojection/backward.h"
@@ -75,7 +76,8 @@ PassDeclaration ReprojectionPass::declaration() const {
           .owns = std::move(owns),
           .reads = std::move(reads),
           .writes = {"mean", "m2", "samples"},
-          .moves_surfaces = forward};
+          .writes_if_any = {"adaptive-m2"},
+          .moves_surfaces = true};
 }
 
 bool ReprojectionPass::run(const FrameContext& frame) {
@@ -128,13 +130,16 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   claim_places(frame);
   take_over(frame);
   note_covered(frame);
-  frame.for_each_surface_buffer([&](const Buffer& buffer) {
-    if (buffer.description().type == BufferType::rgb32f) {
-      move_elements<Rgb>(frame, before_, buffer, sources_);
-    } else {
-      move_elements<uint32_t>(frame, before_, buffer, sources_);
-    }
-  });
+  frame.for_each_surface_buffer([&](const Buffer& buffer) { move(frame, buffer); });
+}
+
+/// From `sources_`.
+void ReprojectionPass::move(const FrameContext& frame, const Buffer& buffer) {
+  if (buffer.description().type == BufferType::rgb32f) {
+    move_elements<Rgb>(frame, before_, buffer, sources_);
+  } else {
+    move_elements<uint32_t>(frame, before_, buffer, sources_);
+  }
 }
 
 void ReprojectionPass::claim_places(const FrameContext& frame) {
@@ -202,16 +207,25 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
   };
   const auto mean = copy(frame.view<Rgb>("mean"));
   const auto m2 = copy(frame.view<float>("m2"));
+  const auto m2_rgb = copy(frame.view<Rgb>("adaptive-m2"));
   const auto samples = copy(frame.view<uint32_t>("samples"));
   kernel.mean_before = view_of(mean);
   kernel.m2_before = view_of(m2);
+  kernel.m2_rgb_before = view_of(m2_rgb);
   kernel.samples_before = view_of(samples);
   kernel.mean = frame.view<Rgb>("mean");
   kernel.m2 = frame.view<float>("m2");
+  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
   kernel.samples = frame.view<uint32_t>("samples");
+  kernel.sources = mutable_view_of(sources_);
   kernel.kept = frame.view<uint32_t>("history-kept");
   kernel.reasons = frame.view<uint32_t>("history-reason");
   launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+  constexpr std::string_view kMoved[] = {"mean", "m2", "adaptive-m2", "samples"};
+  frame.for_each_surface_buffer([&](const Buffer& buffer) {
+    if (std::find(std::begin(kMoved), std::end(kMoved), buffer.description().name) == std::end(kMoved))
+      move(frame, buffer);
+  });
 }
 
 void ReprojectionPass::limit(const FrameContext& frame) const {
@@ -219,6 +233,7 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   LimitKernel kernel;
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.m2 = frame.view<float>("m2");
+  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
   if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
   kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
   kernel.width = frame.width();
@@ -266,7 +281,8 @@ PassDeclaration StoreSamplesPass::declaration() const {
           .stage = Stage::present,
           .reads = {"primary-hits", "first-vertices", "radiance"},
           .writes = {"mean", "m2", "samples", "history-reason"},
-          .reads_if_any = {"allocation"}};
+          .reads_if_any = {"allocation"},
+          .writes_if_any = {"adaptive-m2"}};
 }
 
 bool StoreSamplesPass::run(const FrameContext& frame) {
@@ -280,6 +296,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.mean = frame.view<Rgb>("mean");
   kernel.m2 = frame.view<float>("m2");
+  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
   kernel.scene = frame.scene;
   kernel.stored = mutable_view_of(history_.stored());
   kernel.pixels = mutable_view_of(history_.pixels());

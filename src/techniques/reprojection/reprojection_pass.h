@@ -37,6 +37,7 @@ class ReprojectionPass final : public Pass {
   void take_over(const FrameContext& frame);
   void note_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
+  void move(const FrameContext& frame, const Buffer& buffer);
   void limit(const FrameContext& frame) const;
 
   const ReprojectionSettings& settings_;

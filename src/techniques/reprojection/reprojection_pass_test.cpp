@@ -107,5 +107,60 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
   for (const size_t i : {4, 8, 12, 16, 20}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
 }
 
+/// A plane that has moved to the right by one pixel, and a history that adaptive sampling looks at: 1000 samples a pixel.
+struct MovedPlane {
+  explicit MovedPlane(const ReprojectionPass& pass) {
+    const auto add = [&](const char* name, BufferType type, bool follows) {
+      buffers.add({.name = name, .type = type, .double_buffered = !follows, .follows_surface = follows});
+    };
+    for (const BufferDescription& buffer : pass.declaration().owns) buffers.add(buffer);
+    for (const char* name : {"mean", "adaptive-m2"}) add(name, BufferType::rgb32f, true);
+    for (const char* name : {"m2", "sampling-probability"}) add(name, BufferType::f32, true);
+    add("samples", BufferType::u32, true);
+    add("surface-motion", BufferType::vec2f, false);
+    for (const char* name : {"surface-previous", "surface-position", "surface-normal"})
+      add(name, BufferType::rgb32f, false);
+    add("surface-depth", BufferType::f32, false);
+    add("surface-instance", BufferType::u32, false);
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      buffers.view<Rgb>("adaptive-m2")[i] = Rgb(1, 2, 3) * number(i);
+      buffers.view<float>("m2")[i] = number(i);
+      buffers.view<float>("sampling-probability")[i] = 0.01f * number(i);
+      buffers.view<uint32_t>("samples")[i] = 1000;
+      buffers.view<Vec2>("surface-motion")[i] = Vec2(1, 0);
+      buffers.view<Vec3>("surface-normal")[i] = buffers.previous<Vec3>("surface-normal")[i] = Vec3(0, 0, 1);
+      buffers.view<float>("surface-depth")[i] = 1;
+    }
+  }
+  /// Some value for pixel i.
+  static float number(uint32_t i) { return static_cast<float>(i + 1); }
+
+  BufferTable buffers{kSize, kSize};
+};
+
+TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
+  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
+  ReprojectionSettings settings;
+  settings.method = ReprojectionMethod::backward;
+  settings.max_samples_changed = 16;
+  ReprojectionPass pass(settings, kPixels);
+  MovedPlane plane(pass);
+  Backend backend(1);
+  pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, 1, 0, Change::camera | Change::lights, {}});
+  const View<const Rgb> m2_rgb = plane.buffers.view<const Rgb>("adaptive-m2");
+  const View<const float> m2 = plane.buffers.view<const float>("m2");
+  const View<const float> probability = plane.buffers.view<const float>("sampling-probability");
+  const View<const uint32_t> samples = plane.buffers.view<const uint32_t>("samples");
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    const bool known = i % kSize > 0;  // or it comes from outside
+    const float number = known ? MovedPlane::number(i - 1) : 0.0f;
+    EXPECT_EQ(samples[i], known ? 16u : 0u) << i;
+    // The variance of a sample stays, however few of them the history counts for.
+    EXPECT_FLOAT_EQ(m2[i] / 15, number / 999) << i;
+    for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[i][c] / 15, static_cast<float>(c + 1) * number / 999) << i;
+    EXPECT_EQ(probability[i], 0.01f * number) << i;
+  }
+}
+
 }  // namespace
 }  // namespace relume

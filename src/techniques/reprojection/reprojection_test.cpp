@@ -52,6 +52,7 @@ struct Stage {
     store.samples = mutable_view_of(samples);
     store.mean = mutable_view_of(mean);
     store.m2 = mutable_view_of(m2);
+    store.m2_rgb = mutable_view_of(m2_rgb);
     store.scene = scene.view();
     store.stored = mutable_view_of(stored);
     store.pixels = mutable_view_of(pixels);
@@ -99,6 +100,7 @@ struct Stage {
   std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 1);
   std::vector<Rgb> mean = std::vector<Rgb>(kPixels);
   std::vector<float> m2 = std::vector<float>(kPixels);
+  std::vector<Rgb> m2_rgb = std::vector<Rgb>(kPixels);
   std::vector<StoredSample> stored = std::vector<StoredSample>(kPixels);
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
   std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
@@ -330,12 +332,15 @@ TEST(Reprojection, MovesBuffersAndBeginsAnewWhereNothingLands) {
 TEST(Reprojection, LimitKeepsTheVarianceOfASample) {
   std::vector<uint32_t> samples{101, 3};
   std::vector<float> m2{200, 5};
-  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), {}, 11, 2};
+  std::vector<Rgb> m2_rgb{Rgb(100, 200, 300), Rgb(5)};
+  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), mutable_view_of(m2_rgb), {}, 11, 2};
   kernel(0, 0);
   kernel(1, 0);
   EXPECT_EQ(samples, (std::vector<uint32_t>{11, 3}));
   EXPECT_FLOAT_EQ(m2[0] / 10.0f, 200.0f / 100.0f);
   EXPECT_EQ(m2[1], 5.0f);
+  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[0][c] / 10.0f, static_cast<float>(c + 1));
+  EXPECT_EQ(m2_rgb[1], Rgb(5));
 }
 
 TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
@@ -348,9 +353,11 @@ TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
   stage.stored[other].hit = stage.hits[0];  // what it inherited lies elsewhere
   stage.samples[other] = 20;
   stage.mean[other] = Rgb(77);
+  stage.m2_rgb[other] = Rgb(77);
   stage.render();
   EXPECT_EQ(stage.samples[other], 1u);
   EXPECT_EQ(stage.mean[other], stage.radiance[other]);
+  EXPECT_EQ(stage.m2_rgb[other], Rgb(0));  // of one sample
   EXPECT_EQ(stage.pixels[other].mixed, 1u);
   EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::ended));
 }

@@ -76,6 +76,7 @@ struct StoreKernel {
   View<uint32_t> samples;           ///< that the pixel keeps, this one included
   View<Rgb> mean;
   View<float> m2;
+  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
   SceneView scene;
   View<StoredSample> stored;  ///< capacity a pixel
   View<StoredPixel> pixels;
@@ -97,6 +98,7 @@ struct StoreKernel {
       samples[i] = pixel.fresh_samples;
       mean[i] = pixel.fresh;
       m2[i] = pixel.fresh_m2;
+      if (!m2_rgb.empty()) m2_rgb[i] = Rgb(pixel.fresh_m2);  // of channels by themselves nothing is known
       reasons[i] = static_cast<uint32_t>(ReprojectionFate::ended);
       forget(pixel, samples_of_pixel);
     }
