@@ -104,15 +104,17 @@ bool ReprojectionPass::run(const FrameContext& frame) {
 }
 
 void ReprojectionPass::allocate(const FrameContext& frame) {
-  const size_t count = frame.pixels();
-  if (capacity_ == settings_.capacity() && pixels_.size() == count) return;
-  capacity_ = settings_.capacity();
+  sources_.resize(frame.pixels());
+  const bool forward = settings_.method == ReprojectionMethod::forward;  // backward, nobody reads the rest
+  const size_t count = forward ? frame.pixels() : 0;
+  const uint32_t capacity = forward ? settings_.capacity() : 0;
+  if (capacity_ == capacity && pixels_.size() == count) return;
+  capacity_ = capacity;
   stored_.assign(count * capacity_, StoredSample{});
   pixels_.assign(count, StoredPixel{});
   stored_before_ = stored_;
   pixels_before_ = pixels_;
   claims_.resize(count);
-  sources_.resize(count);
   winners_.resize(count);
   limits_.resize(count);
   limits_before_.resize(count);
@@ -242,7 +244,8 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
 
 size_t ReprojectionPass::memory_bytes() const {
   return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
-         claims_.size() * (sizeof(uint64_t) + 4 * sizeof(uint32_t)) + before_.size();
+         claims_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
+         before_.size();
 }
 
 void ReprojectionPass::save(std::ostream& out) const {
@@ -255,7 +258,7 @@ void ReprojectionPass::save(std::ostream& out) const {
 void ReprojectionPass::load(std::istream& in) {
   uint64_t counts[2] = {0, 0};
   in.read(reinterpret_cast<char*>(counts), sizeof(counts));
-  const bool nothing = counts[0] == 0 && counts[1] == 0;  // saved before the first frame
+  const bool nothing = counts[0] == 0 && counts[1] == 0;  // saved before the first frame, or backward
   const uint64_t capacity = counts[0] / pixel_count_;     // not settings_.capacity() if that has changed since a frame
   if (!nothing && (counts[1] != pixel_count_ || counts[0] != capacity * pixel_count_ || capacity < 1 ||
                    capacity > kMaxStoredSamples))
@@ -270,7 +273,6 @@ void ReprojectionPass::load(std::istream& in) {
   loaded_ = true;
   capacity_ = static_cast<uint32_t>(capacity);
   claims_.resize(counts[1]);
-  sources_.resize(counts[1]);
   winners_.resize(counts[1]);
   limits_.resize(counts[1]);
   limits_before_.resize(counts[1]);
@@ -286,7 +288,6 @@ PassDeclaration StoreSamplesPass::declaration() const {
 }
 
 bool StoreSamplesPass::run(const FrameContext& frame) {
-  if (settings_.method == ReprojectionMethod::backward) return true;
   StoreKernel kernel;
   kernel.hits = frame.view<const Hit>("primary-hits");
   kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");

@@ -162,5 +162,19 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
   }
 }
 
+TEST(ReprojectionPass, BackwardStoresNoSamples) {
+  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
+  ReprojectionSettings settings;
+  settings.method = ReprojectionMethod::backward;
+  ReprojectionPass pass(settings, kPixels);
+  MovedPlane plane(pass);
+  Backend backend(1);
+  pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, 1, 0, Change::camera, {}});
+  EXPECT_TRUE(pass.stored().empty());
+  EXPECT_LE(pass.memory_bytes(), 16 * kPixels);
+  EXPECT_EQ(state_of(pass).size(), 2 * sizeof(uint64_t));  // that there are none
+  EXPECT_TRUE(loads(pass, state_of(pass)));
+}
+
 }  // namespace
 }  // namespace relume
