@@ -87,13 +87,16 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   if (includes(frame.changes, kEnds) || frame.number == 0) {
     std::fill(stored_.begin(), stored_.end(), StoredSample{});
     std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
-    for (const BufferDescription& buffer : declaration().owns) {
-      const View<uint32_t> values = frame.view<uint32_t>(buffer.name);
-      std::fill(values.begin(), values.end(), 0u);
-    }
+    tell_all(frame, false);
+    rests_ = false;
     return true;
   }
-  if (!includes(frame.changes, kMoves)) return true;
+  if (!includes(frame.changes, kMoves)) {
+    if (!rests_) tell_all(frame, true);
+    rests_ = true;
+    return true;
+  }
+  rests_ = false;
   if (settings_.method == ReprojectionMethod::forward) {
     run_forward(frame);
   } else {
@@ -240,6 +243,15 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
   kernel.width = frame.width();
   launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+}
+
+void ReprojectionPass::tell_all(const FrameContext& frame, bool kept) const {
+  static_assert(static_cast<uint32_t>(ReprojectionFate::empty) == 0 &&
+                static_cast<uint32_t>(ReprojectionFate::kept) == 1);  // what is kept, why, and what became of it
+  for (const BufferDescription& buffer : declaration().owns) {
+    const View<uint32_t> values = frame.view<uint32_t>(buffer.name);
+    std::fill(values.begin(), values.end(), kept ? 1u : 0u);
+  }
 }
 
 size_t ReprojectionPass::memory_bytes() const {

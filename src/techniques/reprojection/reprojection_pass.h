@@ -39,11 +39,14 @@ class ReprojectionPass final : public Pass {
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, const Buffer& buffer);
   void limit(const FrameContext& frame) const;
+  /// Says of all pixels that they go on with what they have, or begin anew.
+  void tell_all(const FrameContext& frame, bool kept) const;
 
   const ReprojectionSettings& settings_;
   const uint32_t pixel_count_;
   uint32_t capacity_ = 0;
   bool loaded_ = false;  ///< from a file, and not looked through yet
+  bool rests_ = false;   ///< nothing has moved since the last frame, and the buffers say that all go on
   std::vector<StoredSample> stored_;
   std::vector<StoredPixel> pixels_;
   std::vector<StoredSample> stored_before_;

@@ -107,7 +107,8 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
   for (const size_t i : {4, 8, 12, 16, 20}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
 }
 
-/// A plane that has moved to the right by one pixel, and a history that adaptive sampling looks at: 1000 samples a pixel.
+/// A plane that has moved to the right by one pixel, and a history that adaptive sampling looks at: 1000 samples a
+/// pixel.
 struct MovedPlane {
   explicit MovedPlane(const ReprojectionPass& pass) {
     const auto add = [&](const char* name, BufferType type, bool follows) {
@@ -160,6 +161,32 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
     for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[i][c] / 15, static_cast<float>(c + 1) * number / 999) << i;
     EXPECT_EQ(probability[i], 0.01f * number) << i;
   }
+}
+
+TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
+  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
+  ReprojectionSettings settings;
+  settings.method = ReprojectionMethod::backward;
+  ReprojectionPass pass(settings, kPixels);
+  MovedPlane plane(pass);
+  Backend backend(1);
+  uint32_t number = 0;
+  const auto kept_after = [&](Change changes) {
+    pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, number++, 0, changes, {}});
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      EXPECT_EQ(plane.buffers.view<uint32_t>("history-reason")[i] == 1,
+                plane.buffers.view<uint32_t>("history-kept")[i] == 1);
+      kept += plane.buffers.view<uint32_t>("history-kept")[i];
+    }
+    return kept;
+  };
+  EXPECT_EQ(kept_after(Change::none), 0u);  // the first frame
+  EXPECT_EQ(kept_after(Change::none), kPixels);
+  EXPECT_EQ(kept_after(Change::camera), kPixels - kSize);  // a column comes from outside
+  EXPECT_EQ(kept_after(Change::none), kPixels);
+  EXPECT_EQ(kept_after(Change::materials), 0u);
+  EXPECT_EQ(kept_after(Change::none), kPixels);
 }
 
 TEST(ReprojectionPass, BackwardStoresNoSamples) {

@@ -360,6 +360,8 @@ TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
   EXPECT_EQ(stage.m2_rgb[other], Rgb(0));  // of one sample
   EXPECT_EQ(stage.pixels[other].mixed, 1u);
   EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::ended));
+  stage.render();
+  EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::kept));  // it ended a frame before
 }
 
 TEST(FirstVertex, AccountsForWhatThePathReflects) {

@@ -86,6 +86,8 @@ struct StoreKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
+    constexpr auto kEnded = static_cast<uint32_t>(ReprojectionFate::ended);
+    if (reasons[i] == kEnded) reasons[i] = static_cast<uint32_t>(ReprojectionFate::kept);  // that was a frame before
     if (!allocation.empty() && allocation[i] == 0) return;
     const Hit& hit = hits[i];
     const FirstVertex& vertex = first_vertices[i];
@@ -99,7 +101,7 @@ struct StoreKernel {
       mean[i] = pixel.fresh;
       m2[i] = pixel.fresh_m2;
       if (!m2_rgb.empty()) m2_rgb[i] = Rgb(pixel.fresh_m2);  // of channels by themselves nothing is known
-      reasons[i] = static_cast<uint32_t>(ReprojectionFate::ended);
+      reasons[i] = kEnded;
       forget(pixel, samples_of_pixel);
     }
     if (elsewhere) pixel.mixed = 1;
