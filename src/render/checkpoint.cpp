@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '4'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '5'};
 
 /// FNV-1a of bytes, however they are cut into pieces.
 class Checksum {

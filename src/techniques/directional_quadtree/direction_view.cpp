@@ -1,7 +1,9 @@
 #include "techniques/directional_quadtree/direction_view.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "core/stream_io.h"
 #include "techniques/directional_quadtree/incident_light.h"
 
 namespace relume {
@@ -86,6 +88,21 @@ bool DirectionViewPass::run(const FrameContext& frame) {
     return integral > 0 ? static_cast<float>(static_cast<double>(sums_[y * edge + x]) / integral) : 0.0f;
   });
   return true;
+}
+
+void DirectionViewPass::save(std::ostream& out) const {
+  write_value(out, pixel_);
+  write_vector(out, sums_);
+}
+
+void DirectionViewPass::load(std::istream& in) {
+  uint32_t pixel = 0;
+  std::vector<float> sums;
+  read_value(in, pixel);
+  read_vector(in, sums);
+  if (!in) return;
+  pixel_ = pixel;
+  sums_ = std::move(sums);  // run() drops what does not fit
 }
 
 }  // namespace relume

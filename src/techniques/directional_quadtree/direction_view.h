@@ -18,6 +18,8 @@ class DirectionViewPass final : public Pass {
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return sums_.size() * sizeof(float); }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
 
  private:
   PathSource source_;

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "core/octahedral.h"
+#include "io/temp_folder.h"
 #include "render/session.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
@@ -83,6 +85,26 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
   }
   EXPECT_NEAR(known, 1, 1e-4);
   EXPECT_NEAR(light, 1, 1e-4);
+}
+
+TEST(DirectionView, GoesOnFromACheckpoint) {
+  RenderSettings s = settings_of(32, 16);
+  s.light_selection.environment = false;  // left to paths
+  s.guide = GuideChoice::cdq;
+  s.cdq.view = true;
+  const auto shown_by = [](const Session& session) {
+    const View<const float> shown = session.buffers().view<const float>("directions");
+    return std::vector<float>(shown.begin(), shown.end());
+  };
+  Session whole(floor_scene(0), s);
+  render(whole, 3);
+  const TempFolder folder;
+  whole.save_checkpoint(folder / "c.ckpt");
+  render(whole, 1);
+  Session resumed(floor_scene(0), s);
+  resumed.load_checkpoint(folder / "c.ckpt");
+  render(resumed, 1);
+  EXPECT_EQ(shown_by(resumed), shown_by(whole));
 }
 
 TEST(RegionView, ShowsLeavesThatAreAsLargeAsTheirDepthSays) {
