@@ -144,5 +144,15 @@ TEST(FixedPoint, RoundTripsAndSaturates) {
   EXPECT_EQ(from_fixed_point(to_fixed_point(1e30f)), kFixedPointMax);
 }
 
+TEST(FixedPoint, RoundsToTheNearestUnit) {
+  for (const float sign : {-1.0f, 1.0f}) {
+    const auto one = static_cast<int64_t>(sign);
+    EXPECT_EQ(to_fixed_point(0.25f * sign * kFixedPointUnit), 0);
+    EXPECT_EQ(to_fixed_point(0.75f * sign * kFixedPointUnit), one);
+    EXPECT_EQ(to_fixed_point(1.75f * sign * kFixedPointUnit), 2 * one);
+    EXPECT_EQ(to_fixed_point(sign * kFixedPointMax), one << 44);
+  }
+}
+
 }  // namespace
 }  // namespace relume

@@ -71,13 +71,14 @@ RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
 #endif
 }
 
-/// Value of one unit of the fixed-point sums of radiance: 2^-24. The largest sum is 2^39.
+/// Value of one unit of the fixed-point sums of radiance: 2^-24. Sums must stay below 2^39.
 inline constexpr float kFixedPointUnit = 0x1p-24f;
-/// Summands above are clamped, so that 2^19 of them cannot overflow; callers count them as saturated.
+/// Summands above are clamped, so that fewer than 2^19 of them cannot overflow; callers count them as saturated.
 inline constexpr float kFixedPointMax = 0x1p20f;
 
+/// The nearest number of units; ties to even, as hosts and devices round by default.
 RELUME_HD inline int64_t to_fixed_point(float x) {
-  return static_cast<int64_t>(static_cast<double>(clamp(x, -kFixedPointMax, kFixedPointMax)) * 0x1p24);
+  return std::llrint(static_cast<double>(clamp(x, -kFixedPointMax, kFixedPointMax)) * 0x1p24);
 }
 RELUME_HD inline float from_fixed_point(int64_t x) { return static_cast<float>(static_cast<double>(x) * 0x1p-24); }
 

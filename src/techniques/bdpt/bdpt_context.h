@@ -41,6 +41,7 @@ inline constexpr uint32_t kLightDimensionsPerVertex = 2;
 /// What one sample of one pixel counts.
 struct BdptCounters {
   uint32_t rays = 0;
+  uint32_t saturated = 0;  ///< splats that were cut to kFixedPointMax
   bool nonfinite = false;  ///< a splat could not be added
 };
 
@@ -50,6 +51,7 @@ RELUME_HD inline void splat(const BdptContext& c, const Vec2& film, const Rgb& v
     counters.nonfinite = true;
     return;
   }
+  if (max_component(value) > kFixedPointMax) ++counters.saturated;
   c.splats[static_cast<uint32_t>(film.y) * c.width + static_cast<uint32_t>(film.x)].add(value);
 }
 

@@ -2,6 +2,9 @@
 
 #include <numeric>
 
+#include <fmt/format.h>
+
+#include "core/stream_io.h"
 #include "techniques/bdpt/bdpt.h"
 #include "techniques/bdpt/light_medium.h"
 #include "techniques/path/path_pass.h"
@@ -52,6 +55,8 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.allocation = frame.view<const uint32_t>("allocation");
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
+  uint64_t saturated = 0;
+  kernel.saturated = &saturated;
 
   AddSplatsKernel add{c.splats, kernel.radiance, 1.0f, c.width};
   if (!kernel.allocation.empty()) {
@@ -62,7 +67,20 @@ bool BdptPass::run(const FrameContext& frame) {
     frame.buffers.find("splats")->clear();  // those of a frame that is abandoned
     return false;
   }
+  saturated_ += saturated;
   return true;
 }
+
+std::vector<std::string> BdptPass::warnings() const {
+  if (saturated_ == 0) return {};
+  return {
+      fmt::format("{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
+                  "too dark; make "
+                  "the scene's lights weaker and raise the exposure instead",
+                  saturated_, kFixedPointMax)};
+}
+
+void BdptPass::save(std::ostream& out) const { write_value(out, saturated_); }
+void BdptPass::load(std::istream& in) { read_value(in, saturated_); }
 
 }  // namespace relume

@@ -29,6 +29,9 @@ class BdptPass final : public Pass {
   size_t memory_bytes() const override {
     return emission_.capacity() * sizeof(AliasEntry) + light_medium_.capacity() * sizeof(Rgb);
   }
+  std::vector<std::string> warnings() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
 
  private:
   void prepare_emission(const FrameContext& frame);
@@ -41,6 +44,7 @@ class BdptPass final : public Pass {
   std::vector<AliasEntry> emission_;  ///< by power; light tracing has no other way to find a constant environment
   std::vector<Rgb> light_medium_;     ///< of each light; empty: there are no tinted bodies
   bool prepared_ = false;
+  uint64_t saturated_ = 0;  ///< splats cut so far
 };
 
 }  // namespace relume

@@ -7,7 +7,9 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "io/temp_folder.h"
 #include "render/build_pipeline.h"
+#include "render/session.h"
 #include "scene/builtin.h"
 #include "techniques/bdpt/testing/bdpt_frame.h"
 #include "techniques/bdpt/testing/zoo.h"
@@ -152,6 +154,32 @@ TEST(Bdpt, UnallocatedPixelsTraceNothing) {
   frame.allocation[37] = 1;
   frame.run(1, 0);
   for (size_t p = 0; p < frame.rays.size(); ++p) EXPECT_EQ(frame.rays[p] > 0, p == 37);
+}
+
+TEST(Bdpt, CountsSplatsThatAreTooBrightForTheirSums) {
+  const auto lit = [](float brightness) {
+    Scene scene = find_builtin_scene("cornell")->build();
+    for (Material& material : scene.materials) material.emission *= brightness;
+    return scene;
+  };
+  RenderSettings settings;
+  settings.width = settings.height = 8;
+  settings.threads = 1;
+  for (const EstimatorChoice estimator : {EstimatorChoice::bdpt, EstimatorChoice::light}) {
+    settings.estimator = estimator;
+    Session plain(lit(1), settings);
+    plain.render_frame();
+    EXPECT_TRUE(plain.warnings().empty());
+    Session bright(lit(1e12f), settings);
+    bright.render_frame();
+    ASSERT_EQ(bright.warnings().size(), 1u);
+    EXPECT_NE(bright.warnings()[0].find("brighter than 1048576 "), std::string::npos) << bright.warnings()[0];
+    const TempFolder folder;
+    bright.save_checkpoint(folder / "c.ckpt");
+    Session resumed(lit(1e12f), settings);
+    resumed.load_checkpoint(folder / "c.ckpt");
+    EXPECT_EQ(resumed.warnings(), bright.warnings());
+  }
 }
 
 TEST(Bdpt, DoesNotCombineWithStoredFirstVertices) {

@@ -69,7 +69,7 @@ class BdptFrame {
            width(), height());
     launch(backend, "trace",
            BdptKernel{context(), index, view_of(hits), view_of(allocation), mutable_view_of(radiance),
-                      mutable_view_of(rays)},
+                      mutable_view_of(rays), &saturated},
            width(), height());
     launch(backend, "splats", AddSplatsKernel{mutable_view_of(splats), mutable_view_of(radiance), 1.0f, width()},
            width(), height());
@@ -89,6 +89,7 @@ class BdptFrame {
   std::vector<Rgb> radiance;
   std::vector<uint32_t> rays;
   std::vector<FixedPointRgb> splats;
+  uint64_t saturated = 0;
 };
 
 /// Mean of `spp` samples a pixel.
