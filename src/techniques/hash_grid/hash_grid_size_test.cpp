@@ -125,6 +125,16 @@ TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
   }
 }
 
+TEST(HashGridSize, LoadsWhatItSavesHoweverManyCellsAreExpected) {
+  HashGrid grid(with_limit(4096), uint64_t{kMostSlots} * 4);  // a large picture of small cells and long paths
+  Backend backend(1);
+  fill(grid, 0, 100);
+  grid.end_frame(backend);
+  HashGrid other(with_limit(4096), 64);
+  ASSERT_TRUE(other.load(grid.save()));
+  EXPECT_EQ(other.statistics().cells, 100u);
+}
+
 TEST(HashGridSize, AnOpenLimitFollowsThePictureWithinTheMemory) {
   constexpr uint64_t kPixels4K = 3840 * 2160;
   constexpr uint64_t kRoomy = uint64_t{1} << 40;

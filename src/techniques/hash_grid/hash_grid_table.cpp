@@ -46,7 +46,7 @@ uint64_t physical_memory_bytes() {
 }
 
 HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, uint64_t open_limit)
-    : expected_cells_(expected_cells) {
+    : expected_cells_(std::min(expected_cells, uint64_t{kMostSlots})) {
   configure(settings, open_limit);
   allocate(first_slots_);
 }
