@@ -40,7 +40,8 @@ void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader&
                       const Pipeline& pipeline);
 
 /// Fills the persistent buffers and the passes, and returns the counters. Throws Error if the file is damaged or
-/// belongs to another scene or other settings (`expected.counters` is ignored); nothing has then changed.
+/// belongs to another scene or other settings (`expected.counters` is ignored), before anything changes. Only where a
+/// file is whole and a pass still cannot take what it finds, the passes before that one have changed; no buffer has.
 Counters read_checkpoint(const std::filesystem::path& file, const CheckpointHeader& expected, BufferTable& buffers,
                          Pipeline& pipeline);
 
