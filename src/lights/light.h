@@ -121,4 +121,12 @@ RELUME_HD inline Rgb power(const LightsView& view, LightId id) {
   return Rgb(0);
 }
 
+/// Largest weight of a light. Powers may overflow, and a sum that is not finite would leave no light its place.
+inline constexpr float kMostSelectionWeight = 1e30f;
+
+/// By which lights are chosen in proportion to their power: its luminance in watts, always finite.
+RELUME_HD inline float selection_weight(const LightsView& view, LightId id) {
+  return relume::min(luminance(power(view, id)), kMostSelectionWeight);
+}
+
 }  // namespace relume

@@ -13,7 +13,7 @@ bool takes_part(const LightsView& lights, LightId light, LightsAtInfinity infini
 std::vector<AliasEntry> build_infinite_lights(const LightsView& lights, LightsAtInfinity infinity) {
   std::vector<float> weights;
   for (LightId i = lights.first_infinite; i < lights.lights.size; ++i) {
-    weights.push_back(takes_part(lights, i, infinity) ? luminance(power(lights, i)) : 0.0f);
+    weights.push_back(takes_part(lights, i, infinity) ? selection_weight(lights, i) : 0.0f);
   }
   return build_alias_table(weights);
 }

@@ -173,6 +173,41 @@ TEST(LightSelector, EveryKindLeavesTheEnvironmentOutIfAsked) {
   }
 }
 
+TEST(LightSelector, PowersThatOverflowLeaveTheOthersTheirPlace) {
+  const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 16, .height = 16});
+  const LightsView& lights = scene.view().lights;
+  ASSERT_EQ(lights.lights.size, 3u);
+  ASSERT_FALSE(is_finite(luminance(power(lights, 0))));
+  Selectors selectors(lights);
+  const SurfacePoint sp = receivers()[1];
+  for (const LightSelectorKind kind :
+       {LightSelectorKind::power, LightSelectorKind::light_tree, LightSelectorKind::static_lists}) {
+    selectors.selector.kind = kind;
+    float sum = 0;
+    for (LightId i = 0; i < lights.lights.size; ++i) sum += selectors.selector.pmf(sp, i);
+    EXPECT_NEAR(sum, 1.0f, 1e-5f) << static_cast<int>(kind);
+    // By power alone the point light is next to nothing.
+    EXPECT_GT(selectors.selector.pmf(sp, 2), kind == LightSelectorKind::power ? 0.0f : 0.1f) << static_cast<int>(kind);
+  }
+  const AliasTable explored = selectors.explored.grid().at(sp.position);
+  EXPECT_NEAR(explored.pmf(0) + explored.pmf(1) + explored.pmf(2), 1.0f, 1e-5f);
+  EXPECT_GT(explored.pmf(2), 0.0f);
+}
+
+TEST(LightSelector, PowersThatOverflowLeaveOthersAtInfinityTheirPlace) {
+  std::vector<Light> directions(2);
+  for (Light& light : directions) {
+    light.kind = LightKind::directional;
+    light.directional = {Vec3(0, 1, 0), Rgb(3e38f), 0};
+  }
+  LightsView lights;
+  lights.lights = view_of(directions);
+  lights.bounds.radius = 10;
+  const auto entries = build_infinite_lights(lights);
+  ASSERT_EQ(entries.size(), 2u);
+  for (const AliasEntry& entry : entries) EXPECT_FLOAT_EQ(entry.pmf, 0.5f);
+}
+
 TEST(LightSelector, FindsNothingWhereThereIsNothing) {
   for (int k = 0; k < kLightSelectorKindCount; ++k) {
     LightSelector selector;

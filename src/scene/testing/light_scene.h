@@ -130,6 +130,28 @@ inline LightScene make_light_scene(const Environment& environment, int texture_s
   return result;
 }
 
+/// A point light above the origin and, far below, a textured quad that faces away and whose power no float holds.
+inline Scene make_overpowered_scene() {
+  Scene scene;
+  scene.name = "overpowered";
+  scene.textures.push_back(float_texture(2, 2, std::vector<Vec4>(4, Vec4(1e23f))));
+  Material glow;
+  glow.emission = Rgb(1e14f);
+  glow.emission_texture.texture = 0;
+  scene.materials.push_back(glow);
+  Mesh quad;
+  quad.positions = {Vec3(-9, -50, -9), Vec3(9, -50, -9), Vec3(9, -50, 9), Vec3(-9, -50, 9)};
+  quad.uv0 = {Vec2(0, 0), Vec2(1, 0), Vec2(1, 1), Vec2(0, 1)};
+  quad.triangles = {UVec3(0, 1, 2), UVec3(0, 2, 3)};  // downwards
+  quad.material = 0;
+  scene.meshes.push_back(quad);
+  Node node;
+  node.meshes = {0};
+  scene.add_node(node);
+  add_light_node(scene, {"point", PunctualType::point, Rgb(5, 4, 3)}, Vec3(0.3f, 1, 0.2f), Vec3(0));
+  return scene;
+}
+
 inline Environment constant_environment() {
   Environment e;
   e.kind = EnvironmentKind::constant;

@@ -91,7 +91,7 @@ Item item_of(const LightsView& lights, LightId id) {
   const Light& light = lights.lights[id];
   Item item;
   item.light = id;
-  const double watts = static_cast<double>(luminance(power(lights, id)));
+  const double watts = static_cast<double>(selection_weight(lights, id));
   switch (light.kind) {
     case LightKind::triangle:
       for (const Vec3& p :
@@ -105,7 +105,7 @@ Item item_of(const LightsView& lights, LightId id) {
       item.box.add(light.spot.position);
       item.cone = {light.spot.axis, std::acos(static_cast<double>(light.spot.cos_inner)), 0};
       item.cone.e = std::acos(static_cast<double>(light.spot.cos_outer)) - item.cone.o;
-      item.intensity = static_cast<double>(luminance(light.spot.intensity));
+      item.intensity = static_cast<double>(relume::min(luminance(light.spot.intensity), kMostSelectionWeight));
       break;
     case LightKind::point:
       item.box.add(light.point.position);

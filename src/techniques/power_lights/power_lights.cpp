@@ -1,18 +1,15 @@
 #include "techniques/power_lights/power_lights.h"
 
-#include <algorithm>
-
 namespace relume {
 
 std::vector<AliasEntry> build_power_lights(const LightsView& lights, LightsAtInfinity infinity) {
   const uint32_t count = lights.lights.size;
-  constexpr float kMostPower = 1e30f;  // textures of the brightest lights may overflow
   std::vector<float> weights(count);
   double finite = 0;
   double infinite = 0;
   for (LightId i = 0; i < count; ++i) {
     if (!takes_part(lights, i, infinity)) continue;
-    weights[i] = std::min(luminance(power(lights, i)), kMostPower);
+    weights[i] = selection_weight(lights, i);
     (i < lights.first_infinite ? finite : infinite) += weights[i];
   }
   if (finite > 0 && infinite > 0) {

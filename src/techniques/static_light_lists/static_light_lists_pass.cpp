@@ -62,7 +62,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
     return true;
   built_ = true;
   std::vector<float> weights;
-  for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(luminance(power(lights, i)));
+  for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
   all_ = build_alias_table(weights);
   infinite_ = build_infinite_lights(lights, selection_.infinity());
   columns_ = build_light_columns(lights);

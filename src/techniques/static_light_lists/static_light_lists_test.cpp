@@ -10,6 +10,7 @@
 #include "core/stream_io.h"
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
+#include "scene/testing/light_scene.h"
 #include "techniques/static_light_lists/build_lists.h"
 #include "techniques/static_light_lists/static_light_lists_pass.h"
 #include "testing/random.h"
@@ -70,6 +71,19 @@ TEST(StaticLightLists, SceneWithoutLightsHasNone) {
   const CompiledScene scene(find_builtin_scene("mine")->build(), {});
   Backend backend(1);
   EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
+}
+
+TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
+  const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 4, .height = 4});
+  const StaticLightListsSettings settings;
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(1);
+  pass.run(FrameContext{scene.view(), buffers, backend, {}, 0, 0, Change::none, {}});
+  const StaticLightLists& lists = pass.selector().lists;
+  ASSERT_FALSE(lists.all.empty());
+  EXPECT_GT(lists.all.pmf(2), 0.0f);
 }
 
 TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {

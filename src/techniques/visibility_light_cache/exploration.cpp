@@ -74,7 +74,7 @@ UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
 std::vector<LightGuess> light_guesses(const LightsView& lights) {
   std::vector<LightGuess> list(lights.first_infinite);
   for (LightId i = 0; i < lights.first_infinite; ++i)
-    list[i] = {position_of(lights.lights[i]), luminance(power(lights, i)), lights.lights[i].changed};
+    list[i] = {position_of(lights.lights[i]), selection_weight(lights, i), lights.lights[i].changed};
   return list;
 }
 
