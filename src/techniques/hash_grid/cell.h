@@ -8,7 +8,8 @@ namespace relume {
 
 /// Largest component of a sample; larger ones are clamped and counted as saturated.
 inline constexpr float kCellSampleMax = 0x1p24f;
-/// One unit of a sample's weight, and the largest weight.
+/// One unit of a sample's weight, and the largest weight: samples are to be taken with at least its inverse as the
+/// probability.
 inline constexpr float kCellWeightUnit = 0x1p-8f;
 inline constexpr float kCellWeightMax = 0x1p12f;
 

@@ -15,7 +15,8 @@ struct PathGraphContext {
   AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
   float variance_constant = 0.1f;  ///< variance that a path may bring; in units of the measure
   VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: to the square of what the first cell shows
-  float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel
+  float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel; more of
+                       ///< them where samples would weigh more than kCellWeightMax
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
 };
 
@@ -197,13 +198,19 @@ class PathGraph : public NoObserver {
 
   /// Whether a path that no longer counts is followed: to feed cells, or because a delta lobe may lead past the cell.
   RELUME_HD bool is_followed(const Demodulation& d) {
-    if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < context_->feed;
+    if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < feed_share();
     decided_ = true;
     return feeds_ || d.has_delta;
   }
 
+  /// Probability of that: as asked for, or what keeps the weight of samples within kCellWeightMax. 0: never.
+  RELUME_HD float feed_share() const {
+    const float least = context_->feed > 0.0f ? 1.0f / (kCellWeightMax * pixel_.survival) : 0.0f;
+    return relume::max(context_->feed, least);
+  }
+
   /// Inverse probability with which a sample at this vertex is taken.
-  RELUME_HD float sample_weight() const { return (now_.share > 0.0f ? 1.0f : 1.0f / context_->feed) / pixel_.survival; }
+  RELUME_HD float sample_weight() const { return (now_.share > 0.0f ? 1.0f : 1.0f / feed_share()) / pixel_.survival; }
 
   RELUME_HD void insert(const Sample& sample) const {
     grid().insert(sample.point, sample.value, sample.weight, filter_random(*index_, x_, y_, 2u + sample.point.layer),

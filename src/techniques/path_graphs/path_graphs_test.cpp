@@ -267,6 +267,25 @@ TEST(PathGraph, CoarserCellsBeyondTheFirstVertexAreFewer) {
   }
 }
 
+TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {
+  CachedFrameSettings settings = small(CacheKind::apg, 64);
+  settings.apg.feed = 1e-4f;
+  settings.apg.variance_constant = 0;  // cells take over at once
+  settings.max_bounces = 3;
+  CachedFrames frames(build("cornell"), settings);
+  float heaviest = 0;
+  for (int i = 0; i < 20; ++i) {
+    frames.trace();
+    for (const CellSums& sums : frames.grid().view(frames.scene().view().camera).sums) {
+      const float weight = static_cast<float>(sums.weight) * kCellWeightUnit;
+      if (sums.count == 1) heaviest = std::max(heaviest, weight);
+    }
+    frames.render();
+  }
+  EXPECT_GT(heaviest, 0.5f * kCellWeightMax);  // some fed, though few were asked to
+  EXPECT_LE(heaviest, 1.001f * kCellWeightMax);
+}
+
 TEST(PathGraph, TracesFewerRaysTheFewerPathsFeed) {
   uint64_t before = 0;
   for (const float feed : {0.0f, 0.3f, 1.0f}) {
