@@ -24,6 +24,7 @@ struct HashGridCounters {
   uint64_t saturated = 0;  ///< samples clamped to kCellSampleMax
   uint64_t nonfinite = 0;  ///< samples that were not finite, and were left out
   uint64_t heirs = 0;      ///< cells of this frame that begin with what another level knows
+  uint64_t unfed = 0;      ///< vertices of paths that took no sample, as too many before them waited for theirs
 };
 
 /// Levels above its own that a thin cell may be replaced from, and the probability with which a sample goes one higher.

@@ -24,6 +24,7 @@ struct HashGridStatistics {
   uint64_t dropped = 0;    ///< samples and cells without a place so far; results may then depend on timing
   uint64_t saturated = 0;  ///< samples clamped so far
   uint64_t nonfinite = 0;  ///< samples left out so far
+  uint64_t unfed = 0;      ///< vertices of paths without room for a sample so far
   uint64_t changed = 0;    ///< cells in the last frame whose region was seen to change
   uint64_t rebuilds = 0;   ///< times that the table changed its size or was cleaned
   size_t memory_bytes = 0;

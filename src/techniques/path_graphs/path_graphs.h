@@ -1,8 +1,9 @@
 // Adaptive path graphs ([Schipek22 §4.2]): a path adds up the variance that its vertices bring into the pixel, as cells
 // of earlier frames estimate it, and lets a cell take over where the sum would exceed a constant. Every vertex feeds
 // its cell with its own direct light and what the cell of the next vertex reflects, so light creeps along the cells
-// from frame to frame. Cells of different depths are separate; no cell can feed itself. Departures from the thesis'
-// algorithm 2, which loses energy, are in README.md.
+// from frame to frame; but for those behind eight others whose samples wait for a cell that knows enough, as in the
+// first frames of long paths, which are counted. Cells of different depths are separate; no cell can feed itself.
+// Departures from the thesis' algorithm 2, which loses energy, are in README.md.
 #pragma once
 
 #include "techniques/adaptive_psf/adaptive_psf.h"
@@ -61,7 +62,10 @@ class PathGraph : public NoObserver {
       take_over(d.albedo, cell, path.bounce);
       if (now_.share <= 0.0f && !is_followed(d)) return false;
     }
-    has_own_ = now_.share > 0.0f || feeds_;
+    const bool wanted = now_.share > 0.0f || feeds_;
+    // Whether there is room must not depend on how the path goes on: samples would be chosen by what they find.
+    has_own_ = wanted && open_count_ < kMaxOpen;
+    if (wanted && !has_own_) ++unfed_;
     if (has_own_) {
       own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight()};
       grid().send_for_sums(address_);
@@ -98,6 +102,7 @@ class PathGraph : public NoObserver {
     settle(path);
     for (uint32_t i = 0; i < open_count_; ++i) insert(open_[i]);
     if (has_own_) insert(own_);
+    if (unfed_ > 0) atomic_add(&grid().counters->unfed, uint64_t{unfed_});
     if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
     pixel_.traced = is_finite(contribution_) ? contribution_ : Rgb(0);
   }
@@ -143,7 +148,7 @@ class PathGraph : public NoObserver {
     const Rgb step = albedo_ * path.throughput;
     arriving_ *= step;
     for (uint32_t i = 0; i < open_count_; ++i) open_[i].transport *= step;
-    if (has_own_ && open_count_ < kMaxOpen) {
+    if (has_own_) {
       own_.transport = path.throughput;
       open_[open_count_++] = own_;
     }
@@ -239,6 +244,7 @@ class PathGraph : public NoObserver {
   bool feeds_ = false;
   bool decided_ = false;
   uint32_t open_count_ = 0;
+  uint32_t unfed_ = 0;  ///< vertices without room for their sample
   Sample own_;
   Sample open_[kMaxOpen];
 };

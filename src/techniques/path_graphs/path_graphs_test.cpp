@@ -267,6 +267,18 @@ TEST(PathGraph, CoarserCellsBeyondTheFirstVertexAreFewer) {
   }
 }
 
+// Whether a vertex takes a sample must not depend on whether its path goes on: those that end early would be darker.
+TEST(PathGraph, VerticesBehindTooManyThatWaitTakeNoSampleAndAreCounted) {
+  CachedFrameSettings settings = small(CacheKind::apg, 16);
+  settings.max_bounces = 16;
+  settings.russian_roulette = false;
+  settings.psf.grid.thin_cells = ThinCells::keep;  // samples for no other cells
+  CachedFrames frames(testing::closed_furnace(0.9f), settings);
+  frames.render();  // no cell knows anything: of 16 vertices, eight wait until the path has ended at the last
+  EXPECT_EQ(frames.grid().statistics().samples, 8u * 16u * 16u);
+  EXPECT_EQ(frames.grid().statistics().unfed, 8u * 16u * 16u);
+}
+
 TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {
   CachedFrameSettings settings = small(CacheKind::apg, 64);
   settings.apg.feed = 1e-4f;
@@ -275,7 +287,7 @@ TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {
   CachedFrames frames(build("cornell"), settings);
   float heaviest = 0;
   for (int i = 0; i < 20; ++i) {
-    frames.trace();
+    frames.trace();  // the samples that render() is about to take
     for (const CellSums& sums : frames.grid().view(frames.scene().view().camera).sums) {
       const float weight = static_cast<float>(sums.weight) * kCellWeightUnit;
       if (sums.count == 1) heaviest = std::max(heaviest, weight);

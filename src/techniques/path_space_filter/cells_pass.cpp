@@ -44,7 +44,8 @@ std::vector<PassFigure> CellsPass::figures() const {
           {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
           {"evicted", static_cast<double>(s.evicted)},     {"changed", static_cast<double>(s.changed)},
           {"dropped", static_cast<double>(s.dropped)},     {"saturated", static_cast<double>(s.saturated)},
-          {"nonfinite", static_cast<double>(s.nonfinite)}, {"bytes", static_cast<double>(s.memory_bytes)}};
+          {"nonfinite", static_cast<double>(s.nonfinite)}, {"unfed", static_cast<double>(s.unfed)},
+          {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 
 std::vector<std::string> CellsPass::warnings() const {
