@@ -139,6 +139,7 @@ void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
 
 void check_combination(const RenderSettings& settings) {
   if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);
+  if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);
   if (settings.allocation == AllocationChoice::adaptive && settings.history == HistoryChoice::none) {
     throw Error(
         "allocation 'adaptive' does not combine with history 'none': pixels without a sample in a frame would have "

@@ -1,7 +1,5 @@
 #include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 
-#include <algorithm>
-
 #include "techniques/adaptive_sampling/adaptive_sampling.h"
 
 namespace relume {
@@ -43,7 +41,7 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
   kernel.iteration = frame.since_change;
   kernel.scene_changed = includes(frame.changes, Change::lights | Change::geometry);
   kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
-  kernel.max_samples = static_cast<uint32_t>(std::max(settings_.max_samples, settings_.min_samples + 1));
+  kernel.max_samples = static_cast<uint32_t>(settings_.max_samples);
   kernel.seed = frame.index.seed;
   kernel.frame = frame.number;
   kernel.width = frame.width();

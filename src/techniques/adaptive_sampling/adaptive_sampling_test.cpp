@@ -4,6 +4,9 @@
 
 #include <vector>
 
+#include "core/error.h"
+#include "render/build_pipeline.h"
+
 namespace relume {
 namespace {
 
@@ -120,6 +123,20 @@ TEST(AdaptiveSampling, ProbabilitiesDoNotOutliveAChangeOfTheScene) {
   p.allocate(0, 0, true);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 1}));
   EXPECT_EQ(p.probability, (std::vector<float>{0, 0}));
+}
+
+TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
+  RenderSettings settings;
+  settings.adaptive.min_samples = 64;
+  for (const int max : {8, 64}) {
+    settings.adaptive.max_samples = max;
+    settings.allocation = AllocationChoice::uniform;
+    EXPECT_NO_THROW(check_combination(settings));  // nobody reads it
+    settings.allocation = AllocationChoice::adaptive;
+    EXPECT_THROW(check_combination(settings), Error) << max;
+  }
+  settings.adaptive.max_samples = 65;
+  EXPECT_NO_THROW(check_combination(settings));
 }
 
 TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {

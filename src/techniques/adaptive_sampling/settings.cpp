@@ -1,5 +1,9 @@
 #include "techniques/adaptive_sampling/settings.h"
 
+#include <fmt/format.h>
+
+#include "core/error.h"
+
 namespace relume {
 
 SettingList describe(AdaptiveSamplingSettings& s) {
@@ -13,6 +17,13 @@ SettingList describe(AdaptiveSamplingSettings& s) {
        "Leave the samples that settled the probabilities out of the picture, which removes the bias of deciding by the "
        "values that are averaged"},
   };
+}
+
+void check(const AdaptiveSamplingSettings& s) {
+  if (s.max_samples > s.min_samples) return;
+  throw Error(
+      fmt::format("adaptive.max is {} and adaptive.min is {}, but max must be more than min; use --adaptive.max {}",
+                  s.max_samples, s.min_samples, s.min_samples + 1));
 }
 
 }  // namespace relume

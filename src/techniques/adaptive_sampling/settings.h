@@ -13,4 +13,7 @@ struct AdaptiveSamplingSettings {
 
 SettingList describe(AdaptiveSamplingSettings& settings);
 
+/// Throws Error unless the largest number of samples is more than the least.
+void check(const AdaptiveSamplingSettings& settings);
+
 }  // namespace relume
