@@ -2,7 +2,6 @@
 // times frames and the replay of those rays in turn, with one thread and with two (docs/performance.md).
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "backend/launch.h"
+#include "core/clock.h"
 #include "core/error.h"
 #include "embree_recorder.h"
 #include "render/session.h"
@@ -22,8 +22,6 @@ namespace {
 constexpr int kRounds = 5;
 constexpr int kFramesPerRound = 3;
 constexpr int kThreads[] = {1, 2};
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

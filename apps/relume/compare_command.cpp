@@ -10,6 +10,7 @@
 #include "compare/comparison.h"
 #include "compare/comparison_page.h"
 #include "console.h"
+#include "core/clock.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
 #include "machine.h"

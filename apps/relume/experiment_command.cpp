@@ -10,6 +10,7 @@
 #include "command.h"
 #include "compare/reference.h"
 #include "console.h"
+#include "core/clock.h"
 #include "experiments/results.h"
 #include "io/atomic_file.h"
 #include "machine.h"

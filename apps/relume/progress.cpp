@@ -1,7 +1,6 @@
 #include "progress.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -17,8 +16,6 @@ constexpr double kBarInterval_s = 0.1;
 constexpr double kLineInterval_s = 10;
 
 }  // namespace
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string format_duration(double seconds) {
   const auto total = static_cast<int64_t>(std::llround(std::clamp(seconds, 0.0, 1e12)));

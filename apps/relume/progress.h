@@ -17,9 +17,6 @@ struct Progress {
   bool shows_samples = true;  ///< or the share that is done
 };
 
-/// Seconds on a clock that only moves forward.
-double now_s();
-
 /// "0:07", "12:34", "1:02:03".
 std::string format_duration(double seconds);
 

@@ -1,7 +1,6 @@
 #include "render_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "accumulate.h"
 #include "backend/launch.h"
 #include "console.h"
+#include "core/clock.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
 #include "io/tev_client.h"

@@ -1,13 +1,13 @@
 #include "compare/reference.h"
 
 #include <array>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "metrics/metrics.h"
 #include "scene/scene_hash.h"
@@ -21,8 +21,6 @@ constexpr uint64_t kFormat = 1;
 /// Seeds that nobody chooses by hand, so that references are independent of what they judge.
 constexpr std::array<int, 2> kSeeds{1'000'000'007, 1'000'000'021};
 constexpr double kCheckpointInterval_s = 30;
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// FNV-1a, 64 bits.
 uint64_t hash_bytes(const void* data, size_t size, uint64_t hash) {

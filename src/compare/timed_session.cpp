@@ -1,10 +1,10 @@
 #include "compare/timed_session.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "core/clock.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -24,9 +24,7 @@ size_t nearest_count(const std::vector<double>& cumulative, double time_s) {
 
 }  // namespace
 
-double wall_clock(const Session&) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double wall_clock(const Session&) { return now_s(); }
 
 TimedSession::TimedSession(const Scene& scene, const RenderSettings& settings, FrameClock clock)
     : session_(scene, settings), clock_(clock ? std::move(clock) : FrameClock(wall_clock)) {}

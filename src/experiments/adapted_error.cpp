@@ -1,19 +1,17 @@
 #include "experiments/adapted_error.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "experiments/learning_scenes.h"
 #include "report/pictures.h"
 
 namespace relume {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// A contender under way.
 struct Running {
@@ -29,9 +27,9 @@ bool learns(const RenderSettings& settings) {
 }
 
 double render(Session& session) {
-  const Clock::time_point start = Clock::now();
+  const double start_s = now_s();
   session.render_frame();
-  return std::chrono::duration<double>(Clock::now() - start).count();
+  return now_s() - start_s;
 }
 
 void measure_frame(Running& r, const Reference& reference, const std::vector<PictureRegion>& regions, int block) {

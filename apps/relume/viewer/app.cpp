@@ -1,11 +1,11 @@
 #include "viewer/app.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "viewer/actions.h"
@@ -23,8 +23,6 @@ constexpr double kNumbers_s = 0.5;     // between two changes of the rates that 
 constexpr float kSidebar_px = 390;
 constexpr float kTiming_px = 148;
 constexpr double kFirstFrame_s = 300;  // for compiling a scene, before smoke tests give up
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 ScriptPlayer load_script(const std::string& file) {
   if (file.empty()) return {};

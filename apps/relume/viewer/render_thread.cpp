@@ -1,12 +1,12 @@
 #include "viewer/render_thread.h"
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "platform.h"
 #include "viewer/inspect.h"
@@ -15,8 +15,6 @@ namespace relume::viewer {
 namespace {
 
 constexpr size_t kMostFollowed = 256;
-
-double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Time of each pass since `before`, and under "other" what no pass accounts for.
 std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::vector<PassTime>& before,
