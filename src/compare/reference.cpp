@@ -9,6 +9,7 @@
 
 #include "core/clock.h"
 #include "core/error.h"
+#include "core/fnv1a.h"
 #include "metrics/metrics.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
@@ -21,13 +22,6 @@ constexpr uint64_t kFormat = 1;
 /// Seeds that nobody chooses by hand, so that references are independent of what they judge.
 constexpr std::array<int, 2> kSeeds{1'000'000'007, 1'000'000'021};
 constexpr double kCheckpointInterval_s = 30;
-
-/// FNV-1a, 64 bits.
-uint64_t hash_bytes(const void* data, size_t size, uint64_t hash) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
-  return hash;
-}
 
 void estimate_error(const Image& a, const Image& b, Reference& reference) {
   // Var(a - b) is twice that of a half, whose variance is twice that of the mean.
@@ -127,18 +121,19 @@ std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_
   copy.threads = 0;
   copy.time_s = time_s;
   const std::string text = settings_to_json(describe(copy));
-  uint64_t key = hash_bytes(text.data(), text.size(), 0xcbf29ce484222325u ^ kFormat);
-  key = hash_bytes(&scene_hash_, sizeof scene_hash_, key);
-  key = hash_bytes(&half_spp_, sizeof half_spp_, key);
-  key = hash_bytes(&previous_time_s, sizeof previous_time_s, key);
+  Fnv1a key(kFormat);
+  key.add(text.data(), text.size());
+  key.add(&scene_hash_, sizeof scene_hash_);
+  key.add(&half_spp_, sizeof half_spp_);
+  key.add(&previous_time_s, sizeof previous_time_s);
   if (camera) {
-    key = hash_bytes(&camera->to_world, sizeof camera->to_world, key);
+    key.add(&camera->to_world, sizeof camera->to_world);
     const Camera& c = camera->camera;
     const std::array<float, 5> lens{static_cast<float>(c.projection), c.fov_y_rad, c.half_height, c.lens_radius,
                                     c.focus_distance};
-    key = hash_bytes(lens.data(), sizeof lens, key);
+    key.add(lens.data(), sizeof lens);
   }
-  return folder_ / fmt::format("reference-{:016x}.exr", key);
+  return folder_ / fmt::format("reference-{:016x}.exr", key.value());
 }
 
 Session& ReferenceRenderer::session() {

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <string_view>
 #include <thread>
 #include <unordered_set>
 #include <vector>
 
 #include "core/fixed_point.h"
+#include "core/fnv1a.h"
 #include "core/frame.h"
 #include "core/hash.h"
 #include "core/octahedral.h"
@@ -152,6 +154,21 @@ TEST(FixedPoint, RoundsToTheNearestUnit) {
     EXPECT_EQ(to_fixed_point(1.75f * sign * kFixedPointUnit), 2 * one);
     EXPECT_EQ(to_fixed_point(sign * kFixedPointMax), one << 44);
   }
+}
+
+TEST(Fnv1a, IsTheStandardsOfBytesInAnyPieces) {
+  const auto hash_of = [](std::string_view a, std::string_view b) {
+    Fnv1a hash;
+    hash.add(a.data(), a.size());
+    hash.add(b.data(), b.size());
+    return hash.value();
+  };
+  // Test vectors of the authors of FNV.
+  EXPECT_EQ(hash_of("", ""), 0xcbf29ce484222325u);
+  EXPECT_EQ(hash_of("a", ""), 0xaf63dc4c8601ec8cu);
+  EXPECT_EQ(hash_of("foobar", ""), 0x85944171f73967e8u);
+  EXPECT_EQ(hash_of("foo", "bar"), 0x85944171f73967e8u);
+  EXPECT_NE(Fnv1a(1).value(), Fnv1a(0).value());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/fnv1a.h"
 #include "io/json_parse.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
@@ -12,12 +13,6 @@ namespace relume {
 namespace {
 
 constexpr const char* kAttribute = "relume.traces";
-
-/// FNV-1a, 64 bits.
-uint64_t hash_text(std::string_view text, uint64_t hash) {
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return hash;
-}
 
 nlohmann::json to_json(const TracePoint& p) { return {p.frames, p.samples, p.time_s, p.mse, p.spread}; }
 
@@ -60,7 +55,9 @@ std::filesystem::path trace_file(const ExperimentContext& context, const Experim
     RenderSettings settings = c.settings;
     text += fmt::format(" {} {} {} {}", c.name, c.samples_per_step, c.map, settings_to_json(describe(settings)));
   }
-  return context.parts_folder / fmt::format("traces-{:016x}.exr", hash_text(text, 0xcbf29ce484222325u));
+  Fnv1a hash;
+  hash.add(text.data(), text.size());
+  return context.parts_folder / fmt::format("traces-{:016x}.exr", hash.value());
 }
 
 void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces) {

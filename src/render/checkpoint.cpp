@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/fnv1a.h"
 #include "io/atomic_file.h"
 #include "settings/settings_json.h"
 
@@ -18,18 +19,6 @@ namespace relume {
 namespace {
 
 constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '5'};
-
-/// FNV-1a of bytes, however they are cut into pieces.
-class Checksum {
- public:
-  void add(const char* bytes, size_t size) {
-    for (size_t i = 0; i < size; ++i) value_ = (value_ ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
-  }
-  uint64_t value() const { return value_; }
-
- private:
-  uint64_t value_ = 0xcbf29ce484222325u;
-};
 
 /// Passes bytes on to another buffer and sums them up.
 class SummingBuffer final : public std::streambuf {
@@ -50,7 +39,7 @@ class SummingBuffer final : public std::streambuf {
 
  private:
   std::streambuf* target_;
-  Checksum checksum_;
+  Fnv1a checksum_;
 };
 
 void put(std::ostream& out, const void* data, size_t size) {
@@ -106,7 +95,7 @@ class Reader {
     return bytes;
   }
   /// Throws unless the rest of the file is what was written, before any of it is believed.
-  void check_rest(Checksum checksum) {
+  void check_rest(Fnv1a checksum) {
     const auto here = in_.tellg();
     in_.seekg(0, std::ios::end);
     auto left = static_cast<int64_t>(in_.tellg() - here) - static_cast<int64_t>(sizeof(uint64_t));
@@ -160,7 +149,7 @@ void check_header(Reader& reader, const std::filesystem::path& file, const Check
         fmt::format("{}: this is not a checkpoint of this version of relume; delete it to start over, or name "
                     "another file",
                     file.string()));
-  Checksum checksum;
+  Fnv1a checksum;
   checksum.add(magic, sizeof(magic));
   reader.check_rest(checksum);
   if (reader.get<uint64_t>() != expected.scene_hash)

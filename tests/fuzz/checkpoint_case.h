@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "core/fnv1a.h"
 #include "render/session.h"
 
 namespace relume::fuzz {
@@ -108,8 +109,9 @@ inline size_t header_size(const std::string& checkpoint) {
 
 /// What a checkpoint ends in: FNV-1a of all before.
 inline std::string checksum(const std::string& bytes) {
-  uint64_t sum = 0xcbf29ce484222325u;
-  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  Fnv1a hash;
+  hash.add(bytes.data(), bytes.size());
+  const uint64_t sum = hash.value();
   std::string text(sizeof sum, 0);
   std::memcpy(text.data(), &sum, sizeof sum);
   return text;
