@@ -2,6 +2,8 @@
 // only for the machine and version that wrote it.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <istream>
 #include <ostream>
 #include <type_traits>
@@ -26,14 +28,15 @@ void write_vector(std::ostream& out, const std::vector<T>& v) {
   write_value(out, static_cast<uint64_t>(v.size()));
   out.write(reinterpret_cast<const char*>(v.data()), static_cast<std::streamsize>(v.size() * sizeof(T)));
 }
-/// A stream that ends early, or claims more than `max_bytes`, sets its failbit and leaves the vector empty.
+/// A stream that ends early, or claims more than 64 GiB, sets its failbit and leaves the vector empty.
 template <typename T>
-void read_vector(std::istream& in, std::vector<T>& v, uint64_t max_bytes = uint64_t{1} << 34) {
+void read_vector(std::istream& in, std::vector<T>& v) {
   static_assert(std::is_trivially_copyable_v<T>);
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 36;
   uint64_t size = 0;
   read_value(in, size);
   v.clear();
-  if (!in || size > max_bytes / sizeof(T)) {
+  if (!in || size > kMaxBytes / sizeof(T)) {
     in.setstate(std::ios::failbit);
     return;
   }

@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/fnv1a.h"
+#include "core/stream_io.h"
 #include "io/atomic_file.h"
 #include "settings/settings_json.h"
 
@@ -42,22 +43,11 @@ class SummingBuffer final : public std::streambuf {
   Fnv1a checksum_;
 };
 
-void put(std::ostream& out, const void* data, size_t size) {
-  out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+void write_bytes(std::ostream& out, std::span<const std::byte> bytes) {
+  write_value(out, static_cast<uint64_t>(bytes.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
-template <typename T>
-void put(std::ostream& out, const T& value) {
-  put(out, &value, sizeof(T));
-}
-void put_text(std::ostream& out, const std::string& text) {
-  put(out, static_cast<uint64_t>(text.size()));
-  put(out, text.data(), text.size());
-}
-
-void put_bytes(std::ostream& out, std::span<const std::byte> bytes) {
-  put(out, static_cast<uint64_t>(bytes.size()));
-  put(out, bytes.data(), bytes.size());
-}
+void write_text(std::ostream& out, const std::string& text) { write_bytes(out, std::as_bytes(std::span(text))); }
 
 const std::string kEndOfBuffers = "end of buffers";
 const std::string kEndOfFile = "end";
@@ -184,20 +174,20 @@ void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader&
   AtomicFile target(file);
   SummingBuffer summing(target.stream().rdbuf());
   std::ostream out(&summing);
-  put(out, kMagic, sizeof(kMagic));
-  put(out, header.scene_hash);
-  put_text(out, header.settings);
-  put(out, header.counters);
+  write_value(out, kMagic);
+  write_value(out, header.scene_hash);
+  write_text(out, header.settings);
+  write_value(out, header.counters);
   for (const auto& buffer : buffers.all()) {
     if (!buffer->description().persistent) continue;
-    put_text(out, buffer->description().name);
-    put_bytes(out, buffer->bytes());
-    put_bytes(out, buffer->previous_bytes());
+    write_text(out, buffer->description().name);
+    write_bytes(out, buffer->bytes());
+    write_bytes(out, buffer->previous_bytes());
   }
-  put_text(out, kEndOfBuffers);
+  write_text(out, kEndOfBuffers);
   pipeline.save(out);
-  put_text(out, kEndOfFile);
-  put(target.stream(), summing.checksum());
+  write_text(out, kEndOfFile);
+  write_value(target.stream(), summing.checksum());
   if (!out) target.stream().setstate(std::ios::badbit);
   target.commit();
 }

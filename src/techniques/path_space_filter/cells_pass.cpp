@@ -1,10 +1,8 @@
 #include "techniques/path_space_filter/cells_pass.h"
 
-#include <algorithm>
-#include <istream>
-#include <ostream>
-
 #include <fmt/format.h>
+
+#include "core/stream_io.h"
 
 namespace relume {
 namespace {
@@ -63,25 +61,15 @@ std::vector<std::string> CellsPass::warnings() const {
 }
 
 void CellsPass::save(std::ostream& out) const {
-  const std::vector<std::byte> bytes = grid_.save();
-  const uint64_t size = bytes.size();
-  out.write(reinterpret_cast<const char*>(&watched_frames_), sizeof watched_frames_);
-  out.write(reinterpret_cast<const char*>(&size), sizeof size);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(size));
+  write_value(out, watched_frames_);
+  write_vector(out, grid_.save());
 }
 
 void CellsPass::load(std::istream& in) {
   uint32_t watched_frames = 0;
-  uint64_t size = 0;
-  in.read(reinterpret_cast<char*>(&watched_frames), sizeof watched_frames);
-  in.read(reinterpret_cast<char*>(&size), sizeof size);
-  // Piece by piece: a size that is wrong ends with the file, and not with the memory.
   std::vector<std::byte> bytes;
-  while (in && bytes.size() < size) {
-    const size_t piece = std::min<uint64_t>(size - bytes.size(), 1 << 20);
-    bytes.resize(bytes.size() + piece);
-    in.read(reinterpret_cast<char*>(bytes.data() + bytes.size() - piece), static_cast<std::streamsize>(piece));
-  }
+  read_value(in, watched_frames);
+  read_vector(in, bytes);
   grid_.configure(settings_.grid, open_slot_limit(kMostSlots, 1, physical_memory_bytes()));
   if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
   watched_frames_ = watched_frames;
