@@ -22,6 +22,12 @@ std::vector<std::pair<std::string, std::string>> differences_from_defaults(Setti
   return result;
 }
 
+void check_size(const std::string& file, const Image& image, int width, int height) {
+  if (image.width == width && image.height == height) return;
+  throw Error(fmt::format("{} has {}x{} pixels, but {}x{} are compared; give --width and --height", file, image.width,
+                          image.height, width, height));
+}
+
 class Comparing {
  public:
   Comparing(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
@@ -87,11 +93,7 @@ bool Comparing::make_references() {
     if (o.times_s.size() > 1) throw Error("a reference from a file is one picture; leave --frames or --reference out");
     references_.push_back(read_reference(o.reference_file));
     const RenderSettings& size = result_.reference_settings.render;
-    if (references_.back().image.width != size.width || references_.back().image.height != size.height) {
-      throw Error(fmt::format("{} has {}x{} pixels, but {}x{} are compared; give --width and --height",
-                              o.reference_file.string(), references_.back().image.width,
-                              references_.back().image.height, size.width, size.height));
-    }
+    check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
     return true;
   }
   ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder);
@@ -155,11 +157,7 @@ void Comparing::measure_pictures() {
   for (const PictureContender& picture : options().pictures) {
     ContenderResult contender{.name = picture.name, .is_picture = true, .settings = picture.file.string()};
     contender.image = read_image(picture.file);
-    if (contender.image.width != reference.width || contender.image.height != reference.height) {
-      throw Error(fmt::format("{} has {}x{} pixels, but {}x{} are compared; give --width and --height",
-                              picture.file.string(), contender.image.width, contender.image.height, reference.width,
-                              reference.height));
-    }
+    check_size(picture.file.string(), contender.image, reference.width, reference.height);
     const Metrics m =
         compute_metrics(contender.image, reference, {.tone_map = display.tone_map, .exposure = display.exposure});
     contender.repetitions.push_back({.mse = m.mse, .rel_mse = m.rel_mse, .mape = m.mape, .flip = m.flip});
@@ -206,10 +204,32 @@ std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& o
   return Comparing(scene, options, stop, progress).run();
 }
 
-double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
+double frame_ms(const Repetition& repetition) {
+  return repetition.frames > 0 ? 1000 * repetition.time_s / repetition.frames : 0;
+}
+
+std::vector<double> values_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
   std::vector<double> values;
   for (const Repetition& repetition : contender.repetitions) values.push_back(value(repetition));
-  return median(std::move(values));
+  return values;
+}
+
+double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
+  return median(values_of(contender, value));
+}
+
+std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender) {
+  std::vector<std::pair<std::string, double>> result;
+  for (const auto& [name, unused] : contender.repetitions.front().passes) {
+    std::vector<double> ms;
+    for (const Repetition& repetition : contender.repetitions) {
+      for (const auto& [other, seconds] : repetition.passes) {
+        if (other == name) ms.push_back(1000 * seconds / repetition.frames);
+      }
+    }
+    result.emplace_back(name, median(std::move(ms)));
+  }
+  return result;
 }
 
 }  // namespace relume

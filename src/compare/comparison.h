@@ -89,8 +89,15 @@ using ComparisonProgress = std::function<void(const std::string& stage, double f
 std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
                                   const ComparisonProgress& progress);
 
-/// Median over the repetitions of what `value` takes from each.
+/// Milliseconds a frame.
+double frame_ms(const Repetition& repetition);
+
+/// What `value` takes from each repetition, and the median of that.
+std::vector<double> values_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
 double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
+
+/// Milliseconds a frame in each pass, medians over the repetitions. Requires a contender that was rendered.
+std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender);
 
 /// One object with everything but the pictures. `machine`: name and value of what the program knows about where it ran.
 std::string to_json(const Comparison& comparison, const std::vector<std::pair<std::string, std::string>>& machine);

@@ -19,7 +19,6 @@ struct Quantity {
 };
 
 double frames_of(const Repetition& r) { return r.frames; }
-double ms_per_frame(const Repetition& r) { return r.frames > 0 ? 1000 * r.time_s / r.frames : 0; }
 
 constexpr Quantity kErrors[] = {
     {"mse", [](const Repetition& r) { return r.mse; }},
@@ -31,15 +30,14 @@ constexpr Quantity kCosts[] = {
     {"frames", frames_of},
     {"samples_per_pixel", [](const Repetition& r) { return r.samples; }},
     {"time_s", [](const Repetition& r) { return r.time_s; }},
-    {"ms_per_frame", ms_per_frame},
+    {"ms_per_frame", frame_ms},
     {"rays", [](const Repetition& r) { return static_cast<double>(r.rays); }},
 };
 constexpr Quantity kTemporal{"temporal_error", [](const Repetition& r) { return r.temporal_error; }};
 
 /// Median over the repetitions with its interval.
 Json quantity(const ContenderResult& contender, const Quantity& q) {
-  std::vector<double> values;
-  for (const Repetition& repetition : contender.repetitions) values.push_back(q.value(repetition));
+  const std::vector<double> values = values_of(contender, q.value);
   const Interval interval = median_interval(values);
   return {
       {"median", median(values)}, {"low", interval.low}, {"high", interval.high}, {"confidence", interval.confidence}};
@@ -47,15 +45,7 @@ Json quantity(const ContenderResult& contender, const Quantity& q) {
 
 Json passes_per_frame(const ContenderResult& contender) {
   Json passes = Json::array();
-  for (const auto& [name, unused] : contender.repetitions.front().passes) {
-    std::vector<double> ms;
-    for (const Repetition& repetition : contender.repetitions) {
-      for (const auto& [other, seconds] : repetition.passes) {
-        if (other == name) ms.push_back(1000 * seconds / repetition.frames);
-      }
-    }
-    passes.push_back({{"name", name}, {"ms_per_frame", median(ms)}});
-  }
+  for (const auto& [name, ms] : median_pass_ms(contender)) passes.push_back({{"name", name}, {"ms_per_frame", ms}});
   return passes;
 }
 

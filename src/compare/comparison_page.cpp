@@ -16,14 +16,11 @@ using Value = double (*)(const Repetition&);
 
 constexpr size_t kMostValueBytes = 100u << 20;
 
-double frame_ms(const Repetition& r) { return r.frames > 0 ? 1000 * r.time_s / r.frames : 0; }
-
 bool is_animation(const Comparison& c) { return c.options.times_s.size() > 1; }
 
 /// Median with its interval below it.
 TableCell median_cell(const ContenderResult& contender, Value value) {
-  std::vector<double> values;
-  for (const Repetition& repetition : contender.repetitions) values.push_back(value(repetition));
+  const std::vector<double> values = values_of(contender, value);
   const Interval interval = median_interval(values);
   TableCell cell{.text = short_number(median(values)), .value = median(values)};
   if (interval.confidence > 0)
@@ -272,16 +269,9 @@ BarBlock comparison_frame_times(const Comparison& c) {
     if (contender.is_picture) continue;
     Bar bar{contender.name, {}};
     double sum = 0;
-    for (const auto& [name, unused] : contender.repetitions.front().passes) {
-      std::vector<double> ms;
-      for (const Repetition& repetition : contender.repetitions) {
-        for (const auto& [other, seconds] : repetition.passes) {
-          if (other == name) ms.push_back(1000 * seconds / repetition.frames);
-        }
-      }
-      const double usual = median(ms);
-      if (usual > 0) bar.parts.emplace_back(name, usual);
-      sum += usual;
+    for (const auto& [name, ms] : median_pass_ms(contender)) {
+      if (ms > 0) bar.parts.emplace_back(name, ms);
+      sum += ms;
     }
     const double rest = median_of(contender, frame_ms) - sum;
     if (rest > 0) bar.parts.emplace_back("between passes", rest);

@@ -5,6 +5,7 @@
 
 #include "compare/comparison_page.h"
 #include "metrics/metrics.h"
+#include "metrics/statistics.h"
 
 namespace relume {
 namespace {
@@ -88,10 +89,7 @@ double detail_kept(const Image& image, const Image& reference, const Region& reg
 }
 
 double mean_mse_of(const Comparison& comparison, std::string_view name) {
-  const ContenderResult& contender = contender_named(comparison, name);
-  double sum = 0;
-  for (const Repetition& r : contender.repetitions) sum += r.mse;
-  return sum / static_cast<double>(contender.repetitions.size());
+  return mean(values_of(contender_named(comparison, name), [](const Repetition& r) { return r.mse; }));
 }
 
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,

@@ -94,7 +94,7 @@ double rel_mse_of(const Comparison& comparison, std::string_view name) {
 }
 
 double frame_ms_of(const Comparison& comparison, std::string_view name) {
-  return median_over(comparison, name, [](const Repetition& r) { return 1000 * r.time_s / r.frames; });
+  return median_over(comparison, name, frame_ms);
 }
 
 double pass_ms_of(const Comparison& comparison, std::string_view name, std::string_view pass) {
