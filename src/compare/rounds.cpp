@@ -14,12 +14,6 @@ constexpr size_t kTimedFrames = 6;    // of an animation
 /// An allocation that gives hardly any pixel a sample must end too.
 constexpr uint32_t kMostFramesPerSample = 64;
 
-/// Whether the error is measured after so many frames: powers of two, and halfway between them.
-bool is_measured(uint32_t frames) {
-  while (frames > 3 && frames % 2 == 0) frames /= 2;
-  return frames <= 3;
-}
-
 ErrorPoint measure(const TimedSession& session, const Image& image, const Image& reference) {
   const Metrics m = compute_metrics(image, reference, {.flip = false});
   return {session.frames(), session.samples_per_pixel(), session.time_s(), m.mse, m.rel_mse, m.mape};

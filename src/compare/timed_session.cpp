@@ -62,6 +62,11 @@ std::vector<std::pair<std::string, double>> TimedSession::passes() const {
   return result;
 }
 
+bool is_measured(uint32_t frames) {
+  while (frames > 3 && frames % 2 == 0) frames /= 2;
+  return frames <= 3;
+}
+
 std::vector<double> cumulative_time(const std::vector<double>& frame_s) {
   constexpr size_t kReach = 4;
   constexpr double kOutlier = 1.5;

@@ -44,6 +44,9 @@ class TimedSession {
   std::vector<PassTime> passes_before_;
 };
 
+/// Whether curves have a point after so many frames: powers of two, and halfway between them.
+bool is_measured(uint32_t frames);
+
 /// Sums of the first 1, 2, … frames. Single frames that took much longer than their neighbours (another program had the
 /// processor) count as their neighbours do: a running median over nine frames.
 std::vector<double> cumulative_time(const std::vector<double>& frame_s);

@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "experiments/learning_scenes.h"
+#include "render/build_pipeline.h"
 #include "report/pictures.h"
 
 namespace relume {
@@ -21,10 +22,6 @@ struct Running {
   std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the present block
   AdaptedError result = {};
 };
-
-bool learns(const RenderSettings& settings) {
-  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
-}
 
 double render(Session& session) {
   const double start_s = now_s();

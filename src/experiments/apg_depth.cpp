@@ -10,6 +10,7 @@
 #include "experiments/frame_averages.h"
 #include "experiments/trace.h"
 #include "metrics/metrics.h"
+#include "metrics/statistics.h"
 #include "report/pictures.h"
 
 namespace relume {
@@ -77,16 +78,14 @@ Arrival measure_arrival(const ExperimentContext& context, const ExperimentScene&
   return result;
 }
 
-double mean_of(const std::vector<double>& values, size_t begin, size_t end) {
-  double sum = 0;
-  for (size_t i = begin; i < end; ++i) sum += values[i];
-  return sum / static_cast<double>(end - begin);
+double mean_of_second_half(const std::vector<double>& values) {
+  return mean({values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end()});
 }
 
 Claim claim_arrival(const Arrival& graph) {
-  const size_t n = graph.share.size();
-  const double first = mean_of(graph.share, 0, std::min<size_t>(4, n / 2));
-  const double last = mean_of(graph.share, n / 2, n);
+  const auto begin = graph.share.begin();
+  const double first = mean({begin, begin + std::min<std::ptrdiff_t>(4, std::ssize(graph.share) / 2)});
+  const double last = mean_of_second_half(graph.share);
   return judged(
       "arrival", kPaper,
       "Light takes some frames to come forward from cell to cell: the first frames are too dark. (Here a "
@@ -96,8 +95,7 @@ Claim claim_arrival(const Arrival& graph) {
 }
 
 Claim claim_error(const Arrival& path, const Arrival& graph) {
-  const size_t n = graph.mse.size();
-  const double ratio = mean_of(graph.mse, n / 2, n) / mean_of(path.mse, n / 2, n);
+  const double ratio = mean_of_second_half(graph.mse) / mean_of_second_half(path.mse);
   return judged("error", kPaper, "Once the light is there, apg+apsf has less error than path tracing.",
                 fmt::format("{:.3f} of path tracing's MSE", ratio), "ratio below 1", ratio < 1);
 }

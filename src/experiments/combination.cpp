@@ -1,6 +1,4 @@
 // [Schalk18 §4.4]: adaptive sampling on top of reprojection, after a turn in steps of five degrees.
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -53,28 +51,13 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return {scene.name, std::move(traces), std::move(pictures)};
 }
 
-/// MSE of one over another's up to the time of `frames` frames of starting anew.
-double early_ratio(const SceneResult& scene, size_t a, size_t b, double frames) {
-  const auto& anew = scene.traces.front().points;
-  double end_s = anew.back().time_s;
-  for (const TracePoint& p : anew) {
-    if (p.frames >= frames) {
-      end_s = p.time_s;
-      break;
-    }
-  }
-  const double begin_s =
-      std::max({anew.front().time_s, scene.traces[a].points.front().time_s, scene.traces[b].points.front().time_s});
-  return mean_ratio(scene.traces[a], scene.traces[b], &TracePoint::mse, begin_s, end_s);
-}
-
 void claim_box(const SceneResult& scene, std::vector<Claim>& claims) {
-  const double ratio = early_ratio(scene, 2, 1, 32);
+  const double ratio = early_ratio(scene.traces, 2, 1, 32);
   claims.push_back(judged("box-loses", kPaper,
                           "On the box the combination is not better than reprojection alone (discussion: worse).",
                           fmt::format("{:.2f} of the MSE of reprojection (4/32, first 32 frames)", ratio),
                           "ratio at least 0.98", ratio >= 0.98));
-  const double anew = early_ratio(scene, 2, 0, 8);
+  const double anew = early_ratio(scene.traces, 2, 0, 8);
   claims.push_back(
       judged("box-beats-path", kPaper, "On the box the combination is better than path tracing in the first frames.",
              fmt::format("{:.2f} of the MSE of starting anew (first 8 frames)", anew), "ratio below 1", anew < 1));
@@ -90,10 +73,10 @@ void claim_sponza(const SceneResult* scene, std::vector<Claim>& claims) {
     claims.push_back(unmeasured("sponza-minimum", kPaper, order, "ratio below 1", kNoSponza));
     return;
   }
-  const double ratio = early_ratio(*scene, 2, 1, 27);
+  const double ratio = early_ratio(scene->traces, 2, 1, 27);
   claims.push_back(judged("sponza-wins", kPaper, wins, fmt::format("{:.2f} of the MSE of reprojection (4/32)", ratio),
                           "ratio below 1", ratio < 1));
-  const double minimum = early_ratio(*scene, 2, 3, 27);
+  const double minimum = early_ratio(scene->traces, 2, 3, 27);
   claims.push_back(judged("sponza-minimum", kPaper, order, fmt::format("{:.2f} of the MSE of 2/32", minimum),
                           "ratio below 1", minimum < 1));
 }

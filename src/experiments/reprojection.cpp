@@ -97,18 +97,7 @@ SceneResult measure_scene(const ExperimentContext& context, const ExperimentScen
 }
 
 /// MSE against starting anew at equal time, over the first frames: from the end of the first frame to the eighth.
-double early_ratio(const Case& c, size_t i) {
-  const auto& anew = c.traces.front().points;
-  double end_s = anew.back().time_s;
-  for (const TracePoint& p : anew) {
-    if (p.frames >= 8) {
-      end_s = p.time_s;
-      break;
-    }
-  }
-  return mean_ratio(c.traces[i], c.traces.front(), &TracePoint::mse,
-                    std::max(anew.front().time_s, c.traces[i].points.front().time_s), end_s);
-}
+double early_ratio(const Case& c, size_t i) { return early_ratio(c.traces, i, 0, 8); }
 
 /// Where the eye is if it moves: to and fro, so that it stays in the room.
 float aside_at(int frame) {

@@ -18,11 +18,6 @@ namespace {
 /// Of the scenes that a paper shows; for variations of them half as many will do.
 int reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
 
-bool is_measured(uint32_t frames) {
-  while (frames > 3 && frames % 2 == 0) frames /= 2;
-  return frames <= 3;
-}
-
 /// A contender on its way: its session, and its points in each repetition.
 struct Runner {
   const TraceContender* contender;
@@ -188,6 +183,15 @@ double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin
     sum += std::log(std::max(value_at(a, value, time_s), 1e-30) / std::max(value_at(b, value, time_s), 1e-30));
   }
   return std::exp(sum / kTimes);
+}
+
+double early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames) {
+  const auto& points = traces.front().points;
+  const auto end = std::find_if(points.begin(), points.end(), [&](const TracePoint& p) { return p.frames >= frames; });
+  const double end_s = end == points.end() ? points.back().time_s : end->time_s;
+  const double begin_s =
+      std::max({points.front().time_s, traces[a].points.front().time_s, traces[b].points.front().time_s});
+  return mean_ratio(traces[a], traces[b], &TracePoint::mse, begin_s, end_s);
 }
 
 ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,

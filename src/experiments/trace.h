@@ -75,6 +75,10 @@ double value_at(const Trace& trace, TraceValue value, double time_s);
 /// Below 1: a is better.
 double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin_s, double end_s);
 
+/// The same of the MSE of traces `a` and `b` from the end of everybody's first frame to the time of `frames` frames of
+/// the first trace.
+double early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames);
+
 /// Curves of traces against time in milliseconds and against frames.
 ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,
                         const std::string& label);

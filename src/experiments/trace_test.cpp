@@ -31,6 +31,16 @@ TEST(Trace, RatiosAreGeometricMeans) {
   EXPECT_NEAR(mean_ratio(hyperbola(1), hyperbola(4), &TracePoint::mse, 0.02, 0.8), 0.25, 1e-12);
 }
 
+TEST(Trace, EarlyRatiosEndWithTheFramesOfTheFirst) {
+  Trace late = hyperbola(3);
+  for (size_t i = 8; i < late.points.size(); ++i) late.points[i].mse *= 100;
+  const std::vector<Trace> traces{hyperbola(1), late, hyperbola(1)};
+  EXPECT_NEAR(early_ratio(traces, 1, 2, 8), 3, 1e-9);
+  EXPECT_NEAR(early_ratio(traces, 1, 0, 7.5), 3, 1e-9);
+  EXPECT_GT(early_ratio(traces, 1, 2, 9), 3.1);
+  EXPECT_EQ(early_ratio(traces, 1, 2, 21), early_ratio(traces, 1, 2, 1000));  // there are no more
+}
+
 TEST(Trace, SpreadIsTheVarianceOfDistances) {
   Image reference(2, 1);
   Image image(2, 1);

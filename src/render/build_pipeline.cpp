@@ -44,11 +44,6 @@ bool reads_surface(const Pipeline& pipeline) {
   });
 }
 
-/// Whether paths leave samples from which light selection or guiding learn.
-bool learns(const RenderSettings& settings) {
-  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
-}
-
 const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSettings& settings, const OctreePass* octree) {
   const LightSelectionSettings& common = settings.light_selection;
   switch (settings.lights) {
@@ -136,6 +131,10 @@ void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
 }
 
 }  // namespace
+
+bool learns(const RenderSettings& settings) {
+  return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
 
 void check_combination(const RenderSettings& settings) {
   if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);

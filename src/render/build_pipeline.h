@@ -9,6 +9,9 @@ namespace relume {
 /// Throws Error with a sentence that says what would work if the slots do not combine.
 void check_combination(const RenderSettings& settings);
 
+/// Whether paths leave samples from which light selection or guiding learn.
+bool learns(const RenderSettings& settings);
+
 /// The passes that `settings` ask for. They keep references to `settings`, whose values they read every frame.
 Pipeline build_pipeline(const RenderSettings& settings);
 
