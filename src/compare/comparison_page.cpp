@@ -289,20 +289,15 @@ ViewerBlock comparison_pictures(const Comparison& c) {
                     .text = is_animation(c) ? "The last frame of the first repetition." : "Of the first repetition.",
                     .layers = picture_layer_kinds(),
                     .sets = {}};
-  PictureSet set{.label = "picture", .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
-  set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
-  std::vector<const Image*> images;
+  std::vector<MeasuredImage> images;
   for (size_t i = 0; i < c.contenders.size(); ++i) {
     const ContenderResult& contender = c.contenders[i];
-    set.pictures.push_back(measured_picture(contender.name, static_cast<int>(i), contender.image, reference, options));
-    set.pictures.back().note =
-        fmt::format("relMSE {}", short_number(contender.repetitions.front().curve.empty()
-                                                  ? contender.repetitions.front().rel_mse
-                                                  : contender.repetitions.front().curve.back().rel_mse));
-    images.push_back(&contender.image);
+    const Repetition& first = contender.repetitions.front();
+    const double rel_mse = first.curve.empty() ? first.rel_mse : first.curve.back().rel_mse;
+    images.push_back(
+        {contender.name, static_cast<int>(i), &contender.image, fmt::format("relMSE {}", short_number(rel_mse))});
   }
-  set.crops = interesting_crops(images, reference, 3);
-  block.sets.push_back(std::move(set));
+  block.sets.push_back(measured_set("picture", reference, images, options));
   return block;
 }
 

@@ -179,18 +179,11 @@ Claim judged_ratios(std::string id, std::string paper, std::string claim, std::s
 }
 
 PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference) {
-  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
-  PictureSet set{.label = label, .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
-  set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
-  std::vector<const Image*> images;
+  std::vector<MeasuredImage> images;
   int color = 0;
-  for (const AdaptedError& e : errors) {
-    set.pictures.push_back(measured_picture(e.name, color++, e.last, reference, options));
-    set.pictures.back().note = fmt::format("MSE {:.2e}", e.mean_mse());
-    images.push_back(&e.last);
-  }
-  set.crops = interesting_crops(images, reference, 3);
-  return set;
+  for (const AdaptedError& e : errors)
+    images.push_back({e.name, color++, &e.last, fmt::format("MSE {:.2e}", e.mean_mse())});
+  return measured_set(label, reference, images, {.values = false});
 }
 
 AdaptedOptions adapted_options(const ExperimentContext& context) {

@@ -145,18 +145,12 @@ Claim claim_choice(const std::vector<MovingErrors>& scenes) {
 }
 
 PictureSet pictures(const MovingErrors& scene) {
-  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
-  PictureSet set{scene.scene, scene.reference.width, scene.reference.height, 0, {}, {}};
-  set.pictures.push_back(plain_picture("reference", kNeutralColor, scene.reference, options));
-  std::vector<const Image*> images;
+  std::vector<MeasuredImage> images;
   for (size_t i = 0; i <= std::size(kPapers); ++i) {
     const MovingError& e = scene.contenders[i];
-    set.pictures.push_back(measured_picture(e.name, static_cast<int>(i), e.last, scene.reference, options));
-    set.pictures.back().note = fmt::format("MSE {:.2e}", e.mse);
-    images.push_back(&e.last);
+    images.push_back({e.name, static_cast<int>(i), &e.last, fmt::format("MSE {:.2e}", e.mse)});
   }
-  set.crops = interesting_crops(images, scene.reference, 3);
-  return set;
+  return measured_set(scene.scene, scene.reference, images, {.values = false});
 }
 
 ExperimentScene cornell() {

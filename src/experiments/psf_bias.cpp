@@ -93,21 +93,12 @@ ChartBlock curves(const SceneAverages& scene) {
 }
 
 ViewerBlock pictures(const std::vector<SceneAverages>& scenes) {
-  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
   ViewerBlock block{"Average frames", "What remains when the noise is gone.", picture_layer_kinds(), {}};
   for (const SceneAverages& scene : scenes) {
-    const Image& reference = scene.reference.image;
-    PictureSet set{
-        .label = scene.name, .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
-    set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
-    std::vector<const Image*> images;
-    for (size_t i = 1; i < scene.caches.size(); ++i) {
-      const FrameAverages& a = scene.caches[i];
-      set.pictures.push_back(measured_picture(a.name, static_cast<int>(i), a.average, reference, options));
-      images.push_back(&a.average);
-    }
-    set.crops = interesting_crops(images, reference, 3);
-    block.sets.push_back(std::move(set));
+    std::vector<MeasuredImage> images;
+    for (size_t i = 1; i < scene.caches.size(); ++i)
+      images.push_back({scene.caches[i].name, static_cast<int>(i), &scene.caches[i].average});
+    block.sets.push_back(measured_set(scene.name, scene.reference.image, images, {.values = false}));
   }
   return block;
 }

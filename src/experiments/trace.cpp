@@ -214,23 +214,19 @@ ChartBlock trace_charts(std::string title, std::string text, const std::vector<T
 }
 
 PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference) {
-  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
-  PictureSet set{.label = label, .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
-  set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
-  std::vector<const Image*> images;
+  std::vector<MeasuredImage> images;
   for (size_t i = 0; i < traces.size(); ++i) {
     const Trace& t = traces[i];
-    set.pictures.push_back(measured_picture(t.name, static_cast<int>(i), t.picture, reference, options));
-    set.pictures.back().note = fmt::format("{:.0f} ms, {:.3g} samples, MSE {:.2e}", 1000 * t.picture_point.time_s,
-                                           t.picture_point.samples, t.picture_point.mse);
-    images.push_back(&t.picture);
+    images.push_back({t.name, static_cast<int>(i), &t.picture,
+                      fmt::format("{:.0f} ms, {:.3g} samples, MSE {:.2e}", 1000 * t.picture_point.time_s,
+                                  t.picture_point.samples, t.picture_point.mse)});
   }
+  PictureSet set = measured_set(label, reference, images, {.values = false});
   for (size_t i = 0; i < traces.size(); ++i) {
     if (traces[i].map.empty()) continue;
     set.pictures.push_back(
         map_picture(traces[i].name + ", map", static_cast<int>(i), traces[i].map, reference.width, reference.height));
   }
-  set.crops = interesting_crops(images, reference, 3);
   return set;
 }
 

@@ -169,4 +169,21 @@ std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, con
   return crops;
 }
 
+PictureSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
+                        const PictureOptions& options) {
+  PictureSet set{.label = std::move(label),
+                 .width = reference.width,
+                 .height = reference.height,
+                 .pictures = {plain_picture("reference", kNeutralColor, reference, options)},
+                 .crops = {}};
+  std::vector<const Image*> measured;
+  for (const MeasuredImage& image : images) {
+    set.pictures.push_back(measured_picture(image.name, image.color, *image.image, reference, options));
+    set.pictures.back().note = image.note;
+    measured.push_back(image.image);
+  }
+  set.crops = interesting_crops(measured, reference, 3);
+  return set;
+}
+
 }  // namespace relume

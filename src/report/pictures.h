@@ -35,6 +35,16 @@ Picture measured_picture(std::string name, int color, const Image& image, const 
 /// other.
 std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, const Image& reference, int count);
 
+struct MeasuredImage {
+  std::string name;
+  int color = 0;
+  const Image* image = nullptr;
+  std::string note = {};
+};
+/// The reference, then measured_picture() of each image, and three of their interesting_crops().
+PictureSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
+                        const PictureOptions& options);
+
 /// IEEE 754 binary16, rounded to nearest; what is too large becomes infinite.
 uint16_t half_from_float(float x);
 

@@ -99,6 +99,17 @@ TEST(Pictures, CropsShowWhereTheErrorIs) {
   EXPECT_EQ(crops[0].y, 30);
   EXPECT_EQ(crops[0].size, 10);
   EXPECT_TRUE(interesting_crops({&bad}, Image(4, 4), 2).empty());  // nothing fits
+  const PictureSet set = measured_set("set", reference, {{"bad", 5, &bad, "note"}}, {.values = false});
+  ASSERT_EQ(set.pictures.size(), 2u);
+  EXPECT_EQ(set.reference, 0);
+  EXPECT_EQ(set.width, 140);
+  EXPECT_EQ(set.height, 70);
+  EXPECT_EQ(set.pictures[0].name, "reference");
+  EXPECT_EQ(set.pictures[1].name, "bad");
+  EXPECT_EQ(set.pictures[1].color, 5);
+  EXPECT_EQ(set.pictures[1].note, "note");
+  EXPECT_EQ(set.crops.size(), 3u);
+  EXPECT_EQ(set.crops[0].x, 100);
 }
 
 }  // namespace
