@@ -2,16 +2,12 @@
 // with the importance of [Dittebrandt20, §7]. Nothing that moves is known to them.
 #pragma once
 
-#include "lights/light_importance.h"
 #include "sampling/choose.h"
-#include "scene/surface_point.h"
 #include "techniques/infinite_lights.h"
 #include "techniques/light_selection.h"
+#include "techniques/weighed_lights.h"
 
 namespace relume {
-
-/// Lights that are weighed at a point, at most.
-inline constexpr uint32_t kMaxStride = 64;
 
 /// A regular grid over the scene.
 struct LightGrid {
@@ -66,7 +62,7 @@ struct StaticLightLists {
     uint32_t offset = static_cast<uint32_t>(scaled);
     if (offset >= list.stride) offset = list.stride - 1;
     u = clamp(scaled - static_cast<float>(offset), 0.0f, kOneMinusEpsilon);
-    Weighed w;
+    WeighedLights w;
     weigh(sp, list, offset, w);
     const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, u);
     return {w.ids[i], density(list, w, i, w.ids[i]), u};
@@ -78,7 +74,7 @@ struct StaticLightLists {
     const List list = list_at(sp);
     if (list.count == 0) return (1.0f - infinite.share) * all.pmf(light);
     const uint32_t place = find(list, light);
-    Weighed w;
+    WeighedLights w;
     if (place == list.count) return density(list, w, 0, light);
     weigh(sp, list, place % list.stride, w);
     return density(list, w, place / list.stride, light);
@@ -89,12 +85,6 @@ struct StaticLightLists {
     const LightId* ids;
     uint32_t count;
     uint32_t stride;
-  };
-  struct Weighed {
-    LightId ids[kMaxStride] = {};
-    float weights[kMaxStride] = {};
-    uint32_t count = 0;
-    float sum = 0;
   };
 
   RELUME_HD List list_at(const SurfacePoint& sp) const {
@@ -120,16 +110,12 @@ struct StaticLightLists {
   }
 
   /// Every stride-th light from `offset` on.
-  RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, Weighed& w) const {
+  RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
     for (uint32_t i = offset; i < list.count; i += list.stride) w.ids[w.count++] = list.ids[i];
-    const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
-    w.sum = light_importances(receiver, lights, columns, w.ids, w.count, w.weights);
-    if (w.sum > 0.0f && is_finite(w.sum)) return;
-    for (uint32_t i = 0; i < w.count; ++i) w.weights[i] = 1.0f;  // all seem dark: each alike
-    w.sum = static_cast<float>(w.count);
+    w.weigh(sp, ltc, lights, columns);
   }
 
-  RELUME_HD float density(const List& list, const Weighed& w, uint32_t i, LightId light) const {
+  RELUME_HD float density(const List& list, const WeighedLights& w, uint32_t i, LightId light) const {
     const float listed = w.count > 0 ? w.weights[i] / (w.sum * static_cast<float>(list.stride)) : 0.0f;
     return (1.0f - infinite.share) * (exploration * all.pmf(light) + (1.0f - exploration) * listed);
   }

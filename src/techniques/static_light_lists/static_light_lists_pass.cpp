@@ -39,7 +39,7 @@ SettingList describe(StaticLightListsSettings& s) {
       {"max-lights",
        &s.max_lights,
        "Lights that are weighed at a point, at most; longer lists are strided",
-       {.min = 1, .max = kMaxStride}},
+       {.min = 1, .max = kMaxWeighedLights}},
       {"exploration",
        &s.exploration,
        "Share of samples among all lights, in proportion to power, for what the lists miss",

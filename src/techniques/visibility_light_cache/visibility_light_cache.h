@@ -2,23 +2,21 @@
 // reflect of them, and now and then among all lights ([Dittebrandt20, §4]).
 #pragma once
 
-#include "lights/light_importance.h"
 #include "sampling/choose.h"
-#include "scene/surface_point.h"
 #include "techniques/infinite_lights.h"
 #include "techniques/light_selection.h"
 #include "techniques/visibility_light_cache/exploration.h"
+#include "techniques/weighed_lights.h"
 
 namespace relume {
 
 /// Lights in a bucket, at most.
-inline constexpr uint32_t kMaxBucketSize = 64;
+inline constexpr uint32_t kMaxBucketSize = kMaxWeighedLights;
 
 /// A light that a region knows: its id, and how many frames ago it was last seen.
 struct CachedLight {
   static constexpr uint32_t kAgeBits = 5;
   static constexpr uint32_t kMaxAge = (1u << kAgeBits) - 1;
-  static constexpr LightId kMaxId = 0xfffffffeu >> kAgeBits;
   static constexpr uint32_t kNone = 0xffffffffu;  ///< the rest of a bucket
 
   RELUME_HD static constexpr uint32_t pack(LightId id, uint32_t age) { return (id << kAgeBits) | age; }
@@ -60,7 +58,7 @@ struct VisibilityLightCache {
     } else {
       bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, chosen.u);
     }
-    Weighed w;
+    WeighedLights w;
     if (buckets.count > 0) weigh(sp, buckets, bucket, w);
     if (!exploring) {
       chosen.index = w.ids[choose_by_weight(w.weights, w.count, w.sum, chosen.u)];
@@ -72,7 +70,7 @@ struct VisibilityLightCache {
     if (light >= infinite.first) return infinite.pmf(light);
     if (all.empty()) return 0.0f;
     const LightBuckets buckets = buckets_of(sp);
-    Weighed w;
+    WeighedLights w;
     uint32_t bucket = 0;
     if (buckets.count > 0) {
       bucket = light % buckets.count;
@@ -82,32 +80,21 @@ struct VisibilityLightCache {
   }
 
  private:
-  /// The lights of one bucket, on the stack between the two passes over them.
-  struct Weighed {
-    LightId ids[kMaxBucketSize] = {};
-    float weights[kMaxBucketSize] = {};
-    uint32_t count = 0;
-    float sum = 0;
-  };
-
   RELUME_HD LightBuckets buckets_of(const SurfacePoint& sp) const {
     return sp.region < regions.size ? regions[sp.region] : LightBuckets{};
   }
   RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
 
-  RELUME_HD void weigh(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket, Weighed& w) const {
+  /// The lights of one bucket.
+  RELUME_HD void weigh(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
     const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
     for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
       w.ids[w.count] = CachedLight::id(entry[w.count]);
-    const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
-    w.sum = light_importances(receiver, lights, columns, w.ids, w.count, w.weights);
-    if (w.sum > 0.0f && is_finite(w.sum)) return;
-    for (uint32_t i = 0; i < w.count; ++i) w.weights[i] = 1.0f;  // all seem dark: each alike
-    w.sum = static_cast<float>(w.count);
+    w.weigh(sp, ltc, lights, columns);
   }
 
   /// Probability of `light`, given its bucket: a one-sample mixture of both strategies.
-  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const Weighed& w,
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const WeighedLights& w,
                           LightId light) const {
     const float finite = 1.0f - infinite.share;
     const float explored = all.at(sp.position).pmf(light);

@@ -1,0 +1,30 @@
+// A few lights weighed at a point by their importance, on the stack between choosing one of them and telling how likely
+// that was.
+#pragma once
+
+#include "lights/light_importance.h"
+#include "scene/surface_point.h"
+
+namespace relume {
+
+/// Lights that are weighed at a point, at most.
+inline constexpr uint32_t kMaxWeighedLights = 64;
+
+struct WeighedLights {
+  LightId ids[kMaxWeighedLights] = {};
+  float weights[kMaxWeighedLights] = {};
+  uint32_t count = 0;
+  float sum = 0;  ///< of the weights; above 0 with lights
+
+  /// Fills in the weights of `ids`.
+  RELUME_HD void weigh(const SurfacePoint& sp, const LtcTable& ltc, const LightsView& lights,
+                       const LightColumns& columns) {
+    const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
+    sum = light_importances(receiver, lights, columns, ids, count, weights);
+    if (sum > 0.0f && is_finite(sum)) return;
+    for (uint32_t i = 0; i < count; ++i) weights[i] = 1.0f;  // all seem dark: each alike
+    sum = static_cast<float>(count);
+  }
+};
+
+}  // namespace relume
