@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stream_io.h"
+#include "scene/world_triangles.h"
 #include "techniques/octree/region_view.h"
 
 namespace relume {
@@ -15,18 +16,10 @@ constexpr uint32_t kJitterSeed = 0x6a09e667u;
 void scene_box(const SceneView& scene, Vec3& low, Vec3& high) {
   low = Vec3(kInfinity);
   high = Vec3(-kInfinity);
-  for (const Instance& instance : scene.instances) {
-    const MeshView& mesh = scene.meshes[instance.mesh];
-    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
-      const UVec3 index = scene.triangles[mesh.first_triangle + t];
-      for (int k = 0; k < 3; ++k) {
-        const Vec3& p = scene.vertices[index[k]].position;
-        const Vec3 q = instance.in_world_space ? p : instance.to_world.point(p);
-        low = glm::min(low, q);
-        high = glm::max(high, q);
-      }
-    }
-  }
+  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    low = glm::min(low, glm::min(a, glm::min(b, c)));
+    high = glm::max(high, glm::max(a, glm::max(b, c)));
+  });
   if (!(low.x <= high.x)) low = high = Vec3(0);
 }
 

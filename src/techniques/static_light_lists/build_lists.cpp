@@ -3,30 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/world_triangles.h"
+
 namespace relume {
 namespace {
-
-/// Calls f(corner, corner, corner) for every triangle in the world.
-template <typename F>
-void for_each_triangle(const SceneView& scene, const F& f) {
-  for (const Instance& instance : scene.instances) {
-    const MeshView& mesh = scene.meshes[instance.mesh];
-    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
-      const UVec3 index = scene.triangles[mesh.first_triangle + t];
-      Vec3 v[3];
-      for (int k = 0; k < 3; ++k) {
-        const Vec3& p = scene.vertices[index[k]].position;
-        v[k] = instance.in_world_space ? p : instance.to_world.point(p);
-      }
-      f(v[0], v[1], v[2]);
-    }
-  }
-}
 
 LightGrid make_grid(const SceneView& scene, float cell_size) {
   Vec3 low(kInfinity);
   Vec3 high(-kInfinity);
-  for_each_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     low = glm::min(low, glm::min(a, glm::min(b, c)));
     high = glm::max(high, glm::max(a, glm::max(b, c)));
   });
@@ -47,7 +32,7 @@ LightGrid make_grid(const SceneView& scene, float cell_size) {
 /// Cells that the box of a triangle touches.
 std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGrid& grid) {
   std::vector<bool> touched(grid.count(), false);
-  for_each_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     const UVec3 low = grid.coordinates(glm::min(a, glm::min(b, c)));
     const UVec3 high = grid.coordinates(glm::max(a, glm::max(b, c)));
     for (uint32_t z = low.z; z <= high.z; ++z) {
