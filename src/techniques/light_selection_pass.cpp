@@ -5,8 +5,7 @@ namespace relume {
 PassDeclaration LightSelectionPass::declaration() const { return {.name = "lights", .stage = Stage::prepare}; }
 
 bool LightSelectionPass::run(const FrameContext& frame) {
-  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
-    return true;
+  if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
   built_ = true;
   frame.backend.run("lights", [&] {
     const LightsView& lights = frame.scene.lights;

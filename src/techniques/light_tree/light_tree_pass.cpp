@@ -3,8 +3,7 @@
 namespace relume {
 
 bool LightTreePass::run(const FrameContext& frame) {
-  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
-    return true;
+  if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
   built_ = true;
   frame.backend.run("light-tree", [&] {
     data_ = build_light_tree(frame.scene.lights, settings_.infinity());

@@ -58,8 +58,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
     listed_ = lights.first_infinite;
     built_ = false;
   }
-  if (built_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials | Change::settings))
-    return true;
+  if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
   built_ = true;
   std::vector<float> weights;
   for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
