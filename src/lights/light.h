@@ -79,6 +79,12 @@ RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p,
   return 0.0f;
 }
 
+/// Radiance that a light at infinity sends along direction `wi` towards it.
+RELUME_HD inline Rgb radiance_from_infinity(const LightsView& view, LightId id, const Vec3& wi) {
+  const Light& light = view.lights[id];
+  return light.kind == LightKind::directional ? radiance_from(light.directional, wi) : view.environment.radiance(wi);
+}
+
 /// A ray that leaves the light, with the densities of its origin and direction.
 RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position,
                                           const Vec2& u_direction) {

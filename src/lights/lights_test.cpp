@@ -167,9 +167,7 @@ TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
         return meet(l.triangle, p, wi, &point)
                    ? double(luminance(emitted_radiance(l.triangle, view.textured, point.barycentric)) * wi.y)
                    : 0.0;
-      return double(luminance(l.kind == LightKind::directional ? radiance_from(l.directional, wi)
-                                                               : view.environment.radiance(wi)) *
-                    wi.y);
+      return double(luminance(radiance_from_infinity(view, id, wi)) * wi.y);
     };
     const double exact = testing::integrate_square(chart.density(radiance), 32, 1e-3 * sum, 6);
     EXPECT_NEAR(sum, exact, 2e-3 * exact + 5 * std::sqrt(squares / kSamples)) << light.name;

@@ -65,9 +65,7 @@ RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpat
   const Vec3& wi = e.path.ray.direction;
   const PartialWeights at = e.weights.arrive(1.0f, 1.0f);
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
-    const Light& light = lights.lights[id];
-    const Rgb radiance =
-        light.kind == LightKind::directional ? radiance_from(light.directional, wi) : lights.environment.radiance(wi);
+    const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
     float weight = 1.0f;
     if (e.path.bounce > 0) {

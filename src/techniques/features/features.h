@@ -188,11 +188,8 @@ struct FeatureTracer {
   RELUME_HD void reach_background(const Ray& camera_ray, const Ray& ray, const Rgb& seen, uint32_t path_id,
                                   Feature& f) const {
     const LightsView& lights = scene.lights;
-    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
-      const Light& light = lights.lights[id];
-      f.emission += seen * (light.kind == LightKind::directional ? radiance_from(light.directional, ray.direction)
-                                                                 : lights.environment.radiance(ray.direction));
-    }
+    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id)
+      f.emission += seen * radiance_from_infinity(lights, id, ray.direction);
     f.albedo = Rgb(0);
     f.depth = kBackgroundDistance;
     f.position = f.previous = camera_ray.origin + camera_ray.direction * kBackgroundDistance;

@@ -80,9 +80,7 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
   const Vec3& wi = path.ray.direction;
   bool lights_know = false;
   for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
-    const Light& light = lights.lights[id];
-    const Rgb radiance =
-        light.kind == LightKind::directional ? radiance_from(light.directional, wi) : lights.environment.radiance(wi);
+    const Rgb radiance = radiance_from_infinity(lights, id, wi);
     if (is_black(radiance)) continue;
     float weight = 1.0f;
     if (!path.delta) {
