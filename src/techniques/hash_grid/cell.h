@@ -131,17 +131,28 @@ enum class ThinCells : int {
 /// Windows in a row that must stray to one side before the history is given up: a single one may be an outlier.
 inline constexpr int kDeparturesOfAChange = 2;
 
+/// How far the luminance of a window's mean lies from the history's, and what would explain it.
+struct Departure {
+  float difference = 0;
+  float noise_squared = 0;     ///< of the difference, by the spread of samples
+  float rounding_squared = 0;  ///< error of the means themselves
+};
+
+RELUME_HD inline Departure departure_of(const CellMoments& history, const CellMoments& window) {
+  constexpr float kRoundingError = 1e-4f;
+  const float before = luminance(history.mean);
+  // Either side's spread may be the one that is underestimated, where bright samples are rare.
+  const float variance = relume::max(history.variance(), window.variance());
+  return {luminance(window.mean) - before, variance * (1.0f / history.count + 1.0f / window.count),
+          sqr(kRoundingError * before)};
+}
+
 /// −1 or 1 if the luminance of the window's mean lies below or above the confidence interval of the history, else 0.
 RELUME_HD inline int departure(const CellMoments& history, const CellMoments& window, const AveragingRule& rule) {
   if (history.count < rule.min_count) return 0;
-  const float before = luminance(history.mean);
-  const float difference = luminance(window.mean) - before;
-  // Either side's spread may be the one that is underestimated, where bright samples are rare.
-  const float variance = relume::max(history.variance(), window.variance());
-  const float error_squared = variance * (1.0f / history.count + 1.0f / window.count);
-  constexpr float kRoundingError = 1e-4f;
-  if (sqr(difference) <= sqr(rule.change_threshold) * error_squared + sqr(kRoundingError * before)) return 0;
-  return difference < 0.0f ? -1 : 1;
+  const Departure d = departure_of(history, window);
+  if (sqr(d.difference) <= sqr(rule.change_threshold) * d.noise_squared + d.rounding_squared) return 0;
+  return d.difference < 0.0f ? -1 : 1;
 }
 
 /// Exponential average by batches ([Schipek22 §5.3]): the samples of both are pooled, then their number is cut to N.

@@ -19,12 +19,9 @@ RELUME_HD constexpr uint32_t region_of(uint32_t home) { return home & (kRegions 
 /// average while nothing changes. Bounded, for single bright samples must not decide.
 RELUME_HD inline float squared_departure(const CellMoments& history, const CellMoments& window) {
   constexpr float kLargest = 9;
-  const float before = luminance(history.mean);
-  const float difference = luminance(window.mean) - before;
-  const float variance = relume::max(history.variance(), window.variance());
-  constexpr float kRoundingError = 1e-4f;
-  const float expected = variance * (1.0f / history.count + 1.0f / window.count) + sqr(kRoundingError * before);
-  return expected > 0.0f ? relume::min(sqr(difference) / expected, kLargest) : 0.0f;
+  const Departure d = departure_of(history, window);
+  const float expected = d.noise_squared + d.rounding_squared;
+  return expected > 0.0f ? relume::min(sqr(d.difference) / expected, kLargest) : 0.0f;
 }
 
 /// The cells of a region in one frame, as integers: the order in which they come does not matter.
