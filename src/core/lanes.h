@@ -101,6 +101,12 @@ RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #endif
 }
 
+/// Relative luminance, as of a Rgb (core/vec.h).
+RELUME_HD_INLINE float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
+RELUME_HD_INLINE Lanes luminance(const Lanes& r, const Lanes& g, const Lanes& b) {
+  return lanes_of(0.2126f) * r + lanes_of(0.7152f) * g + lanes_of(0.0722f) * b;
+}
+
 /// Sum of all lanes, in an order of its own.
 RELUME_HD_INLINE float sum_of(const Lanes& a) {
   return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));

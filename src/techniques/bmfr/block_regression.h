@@ -4,35 +4,24 @@
 // left.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+
 #include "core/lanes.h"
-#include "core/vec.h"
 
 namespace relume {
 
 inline constexpr uint32_t kBlockSize = 32;
 inline constexpr uint32_t kBlockPixels = kBlockSize * kBlockSize;
 
-/// 1, normal, position, squared position.
+/// 1, normal, position, squared position; positions lie in [−1, 1]³.
 inline constexpr int kBlockFeatures = 10;
 /// The same and three channels of light.
 inline constexpr int kBlockColumns = kBlockFeatures + 3;
 
-/// The features of a pixel in their order. `position` lies in [−1, 1]³.
-RELUME_HD_INLINE float block_feature(int i, const Vec3& normal, const Vec3& position) {
-  if (i == 0) return 1.0f;
-  if (i < 4) return normal[i - 1];
-  return i < 7 ? position[i - 4] : sqr(position[i - 7]);
-}
-
 /// Coefficients of the features for each channel.
 struct BlockFit {
   float coefficients[3][kBlockFeatures];
-
-  RELUME_HD_INLINE float operator()(int channel, const Vec3& normal, const Vec3& position) const {
-    float sum = 0.0f;
-    for (int i = 0; i < kBlockFeatures; ++i) sum += coefficients[channel][i] * block_feature(i, normal, position);
-    return sum;
-  }
 };
 
 /// Minimises the sum of squared differences between the rows' light and one combination of their features.

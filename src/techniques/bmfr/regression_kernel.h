@@ -4,6 +4,7 @@
 #include "backend/launch.h"
 #include "techniques/bmfr/block_regression.h"
 #include "techniques/features/features.h"
+#include "techniques/features/picture_history.h"
 
 namespace relume {
 
@@ -33,13 +34,11 @@ struct BlockPixels {
 };
 
 /// What a fit leaves of the light is looked at in cells of this edge, pixels.
-inline constexpr uint32_t kCellSize = 8;
-/// Samples from which the variance of their mean counts as known.
-inline constexpr uint32_t kKnownSamples = 4;
+inline constexpr uint32_t kDetailCell = 8;
 
-/// Fits the light of one block a call and writes the fit for its pixels: a grid of block_grid(). Blocks lie on a grid
-/// that is shifted from frame to frame; what it cuts off at the border is fitted with as many pixels as any other
-/// block.
+/// Fits the light of one block a call and writes the fit for its pixels: a grid of blocks(width) × blocks(height).
+/// Blocks lie on a grid that is shifted from frame to frame; what it cuts off at the border is fitted with as many
+/// pixels as any other block.
 struct BlockRegressionKernel {
   View<const Vec3> position;
   View<const Vec3> normal;
@@ -167,7 +166,7 @@ struct BlockRegressionKernel {
         store_lanes(p.light[c] + i, light[c]);
       }
       const Lanes known = select_less(count, lanes_of(static_cast<float>(kKnownSamples)), zero, one);
-      const Lanes y = luminance_of(light);
+      const Lanes y = luminance(light[0], light[1], light[2]);
       store_lanes(p.filtered + i, filtered);
       store_lanes(p.weight + i, square_root(count));
       store_lanes(p.known + i, known);
@@ -248,21 +247,21 @@ struct BlockRegressionKernel {
   /// noise, and is put back (Wiener's filter). What features cannot tell survives in this way: caustics, shadows,
   /// reflections.
   RELUME_HD void restore_details(BlockPixels& p) const {
-    for (uint32_t top = 0; top < kBlockSize; top += kCellSize) {
-      for (uint32_t left = 0; left < kBlockSize; left += kCellSize) restore_cell(top * kBlockSize + left, p);
+    for (uint32_t top = 0; top < kBlockSize; top += kDetailCell) {
+      for (uint32_t left = 0; left < kBlockSize; left += kDetailCell) restore_cell(top * kBlockSize + left, p);
     }
   }
 
   /// The cell whose first pixel is `first`.
   RELUME_HD void restore_cell(uint32_t first, BlockPixels& p) const {
-    static_assert(kCellSize == kLanes);
-    constexpr uint32_t kEnd = kCellSize * kBlockSize;
+    static_assert(kDetailCell == kLanes);
+    constexpr uint32_t kEnd = kDetailCell * kBlockSize;
     Lanes differences = lanes_of(0.0f);
     Lanes variances = lanes_of(0.0f);
     for (uint32_t i = first; i < first + kEnd; i += kBlockSize) {
       Lanes left_over[3];
       for (int c = 0; c < 3; ++c) left_over[c] = load_lanes(p.light[c] + i) - load_lanes(p.fit[c] + i);
-      const Lanes y = luminance_of(left_over) * load_lanes(p.known + i);
+      const Lanes y = luminance(left_over[0], left_over[1], left_over[2]) * load_lanes(p.known + i);
       differences = differences + y * y;
       variances = variances + load_lanes(p.variance + i);
     }
@@ -276,10 +275,6 @@ struct BlockRegressionKernel {
         store_lanes(p.fit[c] + i, fit + (load_lanes(p.light[c] + i) - fit) * share_kept);
       }
     }
-  }
-
-  RELUME_HD_INLINE static Lanes luminance_of(const Lanes (&rgb)[3]) {
-    return lanes_of(0.2126f) * rgb[0] + lanes_of(0.7152f) * rgb[1] + lanes_of(0.0722f) * rgb[2];
   }
 
   RELUME_HD void scatter(const Tile& written, uint32_t x0, uint32_t y0, const BlockPixels& p) const {

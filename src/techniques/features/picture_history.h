@@ -8,6 +8,9 @@
 
 namespace relume {
 
+/// Samples from which the variance of their mean counts as known.
+inline constexpr uint32_t kKnownSamples = 4;
+
 /// Averages this frame's filtered picture with those before. Where nothing has changed they show the same; where
 /// something moves, the picture before is looked up along the motion and held to what is seen around the pixel now.
 struct PictureHistoryKernel {
@@ -119,7 +122,6 @@ struct ConvergeKernel {
   static constexpr uint32_t kReach = 2;
   static constexpr uint32_t kEdge = kTileSize + 2 * kReach;
   static constexpr uint32_t kPaddedEdge = (kEdge + kLanes - 1) / kLanes * kLanes;
-  static constexpr uint32_t kKnownSamples = 4;     ///< from which their variance counts as known
   static constexpr float kStratifiedSamples = 16;  ///< beyond which they are believed to be
 
   /// Sums over pixels. The one that differs most is told apart: it may be a firefly.
@@ -206,9 +208,8 @@ struct ConvergeKernel {
     Lanes of_picture[3];
     load_vectors(&mean[pixel].r, of_mean);
     load_vectors(&picture[pixel].r, of_picture);
-    const Lanes difference = lanes_of(0.2126f) * (of_mean[0] - of_picture[0]) +
-                             lanes_of(0.7152f) * (of_mean[1] - of_picture[1]) +
-                             lanes_of(0.0722f) * (of_mean[2] - of_picture[2]);
+    const Lanes difference =
+        luminance(of_mean[0] - of_picture[0], of_mean[1] - of_picture[1], of_mean[2] - of_picture[2]);
     const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)));
     store_lanes(squares, known * (difference * difference));
     store_lanes(variances, gain * variance);

@@ -85,11 +85,6 @@ RELUME_HD_INLINE F sharpened(F x) {
   return x;
 }
 
-template <typename F>
-RELUME_HD_INLINE F luminance(const F& r, const F& g, const F& b) {
-  return r * of<F>(0.2126f) + g * of<F>(0.7152f) + b * of<F>(0.0722f);
-}
-
 /// What the filter knows of a pixel, or of kLanes in a row.
 template <typename F>
 struct Pixels {
