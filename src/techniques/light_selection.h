@@ -8,8 +8,8 @@ namespace relume {
 struct LightSelection {
   LightId light = kNoLight;
   float pmf = 0;  ///< probability of this light at this point; 0: no light was chosen
-  float u =
-      0;  ///< what is left of the random number, uniform in [0, 1): keeps strata when it goes on to place the sample
+  /// What is left of the random number, uniform in [0, 1): keeps strata when it goes on to place the sample.
+  float u = 0;
 };
 
 }  // namespace relume

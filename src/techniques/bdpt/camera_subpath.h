@@ -158,7 +158,8 @@ RELUME_HD inline void try_connection(const BdptContext& c, const Connection& con
     const float scale = c.connection_roulette * e.tested;
     e.tested += carried;
     if (carried < scale) {
-      if (to_unit_float(hash(ray_id, kNoHit)) * scale >= carried) return;
+      constexpr uint32_t kSalt = 0xffffffffu;  // no vertex has this index
+      if (to_unit_float(hash(ray_id, kSalt)) * scale >= carried) return;
       contribution *= scale / carried;
     }
   }

@@ -62,7 +62,8 @@ RELUME_HD inline void connect_to_camera(const BdptContext& c, const SurfacePoint
   const Rgb value = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
   Ray ray = sp.spawn_ray(s.wi);
   ray.t_max = s.distance;
-  if (visible(c, ray, hash(sampler.ray_id(), kNoHit), counters)) splat(c, s.film, value, counters);
+  constexpr uint32_t kSalt = 0xffffffffu;  // the ray that goes on has the identity itself
+  if (visible(c, ray, hash(sampler.ray_id(), kSalt), counters)) splat(c, s.film, value, counters);
 }
 
 /// Where `ray` passes through the lens from the front: its film position and distance.
@@ -130,8 +131,7 @@ RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath&
 }
 
 /// Traces a whole light subpath, with its connections to the camera. Vertex i (from 1 on, the light is 0) is kept in
-/// kept[i - 1]; returns how many, which for light
-/// tracing is none.
+/// kept[i - 1]; returns how many, which for light tracing is none.
 RELUME_HD inline uint32_t trace_light_subpath(const BdptContext& c, Sampler& sampler, PathVertex* kept,
                                               BdptCounters& counters) {
   const uint32_t max_count = c.max_bidirectional_vertices() - 1;

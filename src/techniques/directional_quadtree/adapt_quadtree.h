@@ -17,9 +17,9 @@ struct QuadtreeAdaption {
   uint32_t migrations = 1;  ///< at most, in one call
 };
 
-/// Squared contributions by node, and the tree that they decide on. Sums of leaves stand at the leaves' bits.
+/// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes.
 struct QuadtreeWeights {
-  float leaf[BitField::kWords * 32];
+  float by_bit[BitField::kWords * 32];
 };
 
 /// Collapses the inner node whose bit is `inner` (all of its children are leaves) and splits the leaf `leaf`, which is
@@ -27,17 +27,18 @@ struct QuadtreeWeights {
 /// are zero. Returns the group of the new leaves.
 RELUME_HD inline uint32_t migrate(DirectionalQuadtree& tree, QuadtreeWeights& w, uint32_t inner, uint32_t leaf) {
   const uint32_t removed = tree.bits.rank(inner + 1);
-  w.leaf[inner] = w.leaf[4 * removed] + w.leaf[4 * removed + 1] + w.leaf[4 * removed + 2] + w.leaf[4 * removed + 3];
+  w.by_bit[inner] =
+      w.by_bit[4 * removed] + w.by_bit[4 * removed + 1] + w.by_bit[4 * removed + 2] + w.by_bit[4 * removed + 3];
   tree.bits.clear(inner);
   tree.bits.remove_nibble(removed);
-  for (uint32_t i = 4 * removed; i + 4 < tree.bit_count; ++i) w.leaf[i] = w.leaf[i + 4];
+  for (uint32_t i = 4 * removed; i + 4 < tree.bit_count; ++i) w.by_bit[i] = w.by_bit[i + 4];
   if (leaf > 4 * removed) leaf -= 4;
   tree.bits.set(leaf);
-  w.leaf[leaf] = 0;
+  w.by_bit[leaf] = 0;
   const uint32_t inserted = tree.bits.rank(leaf + 1);
   tree.bits.insert_nibble(inserted);
-  for (uint32_t i = tree.bit_count - 1; i >= 4 * inserted + 4; --i) w.leaf[i] = w.leaf[i - 4];
-  for (uint32_t i = 0; i < 4; ++i) w.leaf[4 * inserted + i] = 0;
+  for (uint32_t i = tree.bit_count - 1; i >= 4 * inserted + 4; --i) w.by_bit[i] = w.by_bit[i - 4];
+  for (uint32_t i = 0; i < 4; ++i) w.by_bit[4 * inserted + i] = 0;
   return inserted;
 }
 
@@ -54,15 +55,15 @@ RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tre
   MigrationChoice choice;
   float heaviest = 0;
   for (uint32_t i = 0; i < tree.bit_count; ++i) {
-    if (tree.bits.get(i) || !(w.leaf[i] > heaviest)) continue;
+    if (tree.bits.get(i) || !(w.by_bit[i] > heaviest)) continue;
     if (tree.cell_of(i).depth >= kMaxQuadtreeDepth) continue;
-    heaviest = w.leaf[i];
+    heaviest = w.by_bit[i];
     choice.leaf = i;
   }
   float lightest = kInfinity;
   for (uint32_t group = 1; group < tree.bit_count / 4; ++group) {
     if (tree.bits.nibble(group) != 0 || choice.leaf >> 2 == group) continue;
-    const float sum = w.leaf[4 * group] + w.leaf[4 * group + 1] + w.leaf[4 * group + 2] + w.leaf[4 * group + 3];
+    const float sum = w.by_bit[4 * group] + w.by_bit[4 * group + 1] + w.by_bit[4 * group + 2] + w.by_bit[4 * group + 3];
     if (sum < lightest) {
       lightest = sum;
       choice.inner = tree.bits.select(group - 1, true);
@@ -73,16 +74,16 @@ RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tre
 }
 
 /// Adapts `tree` to samples; `samples(i)` is the i-th of `count`. Squares make the tree follow variance as well as
-/// energy. Samples with values that are not finite and positive are left out.
+/// energy. Samples with values that are not finite and positive are left out. Returns how many leaves were split.
 template <typename Samples>
 RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, const Samples& samples, uint32_t count,
                                 const QuadtreeAdaption& options) {
   QuadtreeWeights w;
-  for (uint32_t i = 0; i < tree.bit_count; ++i) w.leaf[i] = 0;
+  for (uint32_t i = 0; i < tree.bit_count; ++i) w.by_bit[i] = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const DirectionSample s = samples(i);
     if (s.value > 0.0f && is_finite(s.value * s.value))
-      w.leaf[tree.find(unpack_square(s.direction)).bit] += s.value * s.value;
+      w.by_bit[tree.find(unpack_square(s.direction)).bit] += s.value * s.value;
   }
   uint32_t moved = 0;
   while (moved < options.migrations) {
@@ -95,7 +96,7 @@ RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, const Samples& sample
       const DirectionSample s = samples(i);
       if (!(s.value > 0.0f) || !is_finite(s.value * s.value)) continue;
       const uint32_t bit = tree.find(unpack_square(s.direction)).bit;
-      if (bit >> 2 == group) w.leaf[bit] += s.value * s.value;
+      if (bit >> 2 == group) w.by_bit[bit] += s.value * s.value;
     }
   }
   return moved;

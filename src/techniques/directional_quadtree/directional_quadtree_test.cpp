@@ -25,7 +25,7 @@ DirectionalQuadtree random_tree(uint32_t bit_count, uint32_t seed) {
   testing::Random random(seed);
   QuadtreeWeights w{};
   for (int step = 0; step < 300; ++step) {
-    for (uint32_t i = 0; i < bit_count; ++i) w.leaf[i] = tree.bits.get(i) ? 0.0f : random.next();
+    for (uint32_t i = 0; i < bit_count; ++i) w.by_bit[i] = tree.bits.get(i) ? 0.0f : random.next();
     const MigrationChoice choice = choose_migration(tree, w, 1e6f);
     if (choice.found) migrate(tree, w, choice.inner, choice.leaf);
   }
@@ -258,7 +258,7 @@ TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
     for (int i = 0; i < 3000; ++i) samples.push_back({pack_square(random.next_2d()), 1.0f});
     const auto count_from_scratch = [&] {
       QuadtreeWeights w{};
-      for (const DirectionSample& s : samples) w.leaf[tree.find(unpack_square(s.direction)).bit] += 1.0f;
+      for (const DirectionSample& s : samples) w.by_bit[tree.find(unpack_square(s.direction)).bit] += 1.0f;
       return w;
     };
     for (int step = 0; step < 50; ++step) {
@@ -269,7 +269,7 @@ TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
       const QuadtreeWeights expected = count_from_scratch();
       for (uint32_t i = 0; i < bit_count; ++i) {
         if (i >> 2 == group) continue;  // the split leaf's samples have not been told apart yet
-        ASSERT_EQ(w.leaf[i], tree.bits.get(i) ? 0.0f : expected.leaf[i]) << bit_count << " " << i;
+        ASSERT_EQ(w.by_bit[i], tree.bits.get(i) ? 0.0f : expected.by_bit[i]) << bit_count << " " << i;
       }
     }
   }

@@ -35,29 +35,24 @@ bool is_breadth_first(const std::vector<uint32_t>& nodes) {
   return next == nodes.size();
 }
 
-/// An inner node of the new tree: where it comes from, if it was one before.
-struct Origin {
-  uint32_t node = kNoRegion;
-};
-
 /// Breadth-first, one level after the other. A tree that would have more nodes than offsets can number keeps its
 /// leaves.
 std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vector<uint8_t>& split,
                               const std::vector<uint8_t>& collapse) {
   std::vector<uint32_t> result;
-  std::vector<Origin> queue{{0}};
+  std::vector<uint32_t> queue{0};  // inner nodes of the new tree: which they were before, or kNoRegion
   for (size_t i = 0; i < queue.size(); ++i) {
-    const uint32_t old = queue[i].node;
+    const uint32_t old = queue[i];
     const uint32_t first = static_cast<uint32_t>(queue.size());
     uint32_t mask = 0;
     for (uint32_t child = 0; child < 8; ++child) {
-      Origin origin;
+      uint32_t origin = kNoRegion;
       bool leaf = true;
       if (old != kNoRegion && ((nodes[old] >> child) & 1u)) {
         leaf = !((split[old] >> child) & 1u) || queue.size() >= kMaxOctreeNodes;
       } else if (old != kNoRegion) {
-        origin.node = octree_inner_child(nodes[old], child);
-        leaf = collapse[origin.node] != 0;
+        origin = octree_inner_child(nodes[old], child);
+        leaf = collapse[origin] != 0;
       }
       if (leaf) {
         mask |= 1u << child;

@@ -23,8 +23,8 @@ std::vector<LightGuess> light_guesses(const LightsView& lights);
 struct ExplorationWeights {
   float energy = 1;  ///< by emitted power; > 0, so that every light has its chance
   float change = 1;  ///< lights that changed since the last frame, each alike
-  float distance =
-      1;  ///< by the inverse square of the distance to the camera; in a grid, by power over that to the cell
+  /// By the inverse square of the distance to the camera; in a grid, by power over that to the cell.
+  float distance = 1;
 };
 
 /// Alias tables over the finite lights for the cells of a grid; one table if there is one cell.
