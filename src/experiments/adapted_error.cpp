@@ -79,10 +79,6 @@ size_t PictureRegion::pixels() const {
   return mask.size() - static_cast<size_t>(std::count(mask.begin(), mask.end(), uint8_t{0}));
 }
 
-PictureRegion whole_picture(int width, int height) {
-  return {"picture", std::vector<uint8_t>(static_cast<size_t>(width) * static_cast<size_t>(height), 1)};
-}
-
 double frame_mse(const Image& frame, const Image& reference, const PictureRegion& region) {
   double sum = 0;
   for (size_t p = 0; p < frame.pixels.size(); ++p) {

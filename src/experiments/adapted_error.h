@@ -24,9 +24,6 @@ struct PictureRegion {
   size_t pixels() const;
 };
 
-/// All pixels of a picture of that size.
-PictureRegion whole_picture(int width, int height);
-
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
 double frame_mse(const Image& frame, const Image& reference, const PictureRegion& region);
 

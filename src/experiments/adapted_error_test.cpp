@@ -10,21 +10,23 @@
 namespace relume {
 namespace {
 
+PictureRegion whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
+
 TEST(AdaptedError, CountsThePixelsOfARegionOnly) {
   Image reference(2, 1);
   Image frame(2, 1);
   frame.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(frame_mse(frame, reference, {"left", {1, 0}}), (1.0 + 4 + 9) / 3);
-  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, whole_picture(2, 1)), (1.0 + 4 + 9 + 2700) / 6);
+  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, whole_picture(2)), (1.0 + 4 + 9 + 2700) / 6);
 }
 
 TEST(AdaptedError, TheReferencesNoiseIsThatOfTheRegion) {
   Reference reference;
-  EXPECT_EQ(reference_noise(reference, whole_picture(2, 1)), 0);
+  EXPECT_EQ(reference_noise(reference, whole_picture(2)), 0);
   reference.squared_error = Image(2, 1);
   reference.squared_error.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(reference_noise(reference, {"left", {1, 0}}), 2);
-  EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2, 1)), 16);
+  EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2)), 16);
 }
 
 TEST(AdaptedError, RatiosHaveStudentsIntervals) {
@@ -68,7 +70,7 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   cache.lights = LightSelectionChoice::vlc;
   const std::vector<AdaptedError> errors =
       measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)},
-                      {whole_picture(16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
+                      {whole_picture(16 * 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
   ASSERT_EQ(errors.size(), 2u);
   for (const AdaptedError& e : errors) {
     ASSERT_EQ(e.mse[0].size(), 4u);  // two blocks a session

@@ -72,9 +72,9 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   return std::move(*result);
 }
 
-std::vector<float> frame_times(int count, float fps, float begin_s) {
+std::vector<float> frame_times(int count) {
   std::vector<float> times;
-  for (int i = 0; i < count; ++i) times.push_back(begin_s + static_cast<float>(i) / fps);
+  for (int i = 0; i < count; ++i) times.push_back(static_cast<float>(i) / 24);
   return times;
 }
 
@@ -89,30 +89,8 @@ double mse_of(const Comparison& comparison, std::string_view name) {
   return median_over(comparison, name, [](const Repetition& r) { return r.mse; });
 }
 
-double rel_mse_of(const Comparison& comparison, std::string_view name) {
-  return median_over(comparison, name, [](const Repetition& r) { return r.rel_mse; });
-}
-
 double frame_ms_of(const Comparison& comparison, std::string_view name) {
   return median_over(comparison, name, frame_ms);
-}
-
-double pass_ms_of(const Comparison& comparison, std::string_view name, std::string_view pass) {
-  return median_of(contender_named(comparison, name), [&](const Repetition& r) {
-    double ms = 0;
-    for (const auto& [other, seconds] : r.passes) ms += other == pass ? 1000 * seconds / r.frames : 0;
-    return ms;
-  });
-}
-
-std::vector<double> rel_mse_curve(const Comparison& comparison, std::string_view name) {
-  const ContenderResult& c = contender_named(comparison, name);
-  size_t count = c.repetitions.front().curve.size();
-  for (const Repetition& r : c.repetitions) count = std::min(count, r.curve.size());
-  std::vector<double> curve;
-  for (size_t i = 0; i < count; ++i)
-    curve.push_back(median_of(c, [i](const Repetition& r) { return r.curve[i].rel_mse; }));
-  return curve;
 }
 
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison) {

@@ -31,20 +31,15 @@ struct StudyOptions {
 /// Throws ExperimentStopped, and Error for settings that do not fit.
 Comparison study(const ExperimentContext& context, const ExperimentScene& scene, const StudyOptions& options);
 
-/// Frame times of an animation: `count` of them, `fps` a second, from `begin_s`.
-std::vector<float> frame_times(int count, float fps = 24, float begin_s = 0);
+/// Frame times of an animation: `count` of them from 0 on, 24 a second.
+std::vector<float> frame_times(int count);
 
 /// The contender of that name. Throws Error if there is none.
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name);
 
 /// Medians over the repetitions.
 double mse_of(const Comparison& comparison, std::string_view name);
-double rel_mse_of(const Comparison& comparison, std::string_view name);
 double frame_ms_of(const Comparison& comparison, std::string_view name);
-/// Milliseconds a frame in one pass; 0 if the contender does not have it.
-double pass_ms_of(const Comparison& comparison, std::string_view name, std::string_view pass);
-/// Median relMSE after each frame of an animation, or while samples arrive.
-std::vector<double> rel_mse_curve(const Comparison& comparison, std::string_view name);
 
 /// Pictures, table, curves and frame times, with `title` before their titles.
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison);

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 
 namespace relume {
 namespace {

@@ -16,7 +16,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/image.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 
 namespace relume {
 namespace {

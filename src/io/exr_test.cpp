@@ -15,7 +15,7 @@
 #include "core/hash.h"
 #include "io/atomic_file.h"
 #include "io/image.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 
 namespace relume {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/hash.h"
 #include "core/srgb.h"
 #include "io/atomic_file.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 
 namespace relume {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/srgb.h"
 #include "io/atomic_file.h"
 #include "io/image.h"
-#include "io/temp_folder.h"
 #include "io/testing/png.h"
+#include "io/testing/temp_folder.h"
 
 namespace relume {
 namespace {

@@ -199,10 +199,6 @@ std::string describe_type(const Setting& setting) {
                     setting.value);
 }
 
-void copy_values(const SettingList& from, const SettingList& to) {
-  for (size_t i = 0; i < from.size(); ++i) store(to.at(i), load(from[i]));
-}
-
 std::vector<const Setting*> differing_settings(const SettingList& a, const SettingList& b) {
   std::vector<const Setting*> result;
   for (size_t i = 0; i < a.size(); ++i) {

@@ -81,9 +81,6 @@ std::string to_string(const SettingConstant& value);
 /// "integer from 0 to 1024", "number in m, at least 0", "one of path, bdpt": for help and reference pages.
 std::string describe_type(const Setting& setting);
 
-/// Copies all values between two lists that describe the same type.
-void copy_values(const SettingList& from, const SettingList& to);
-
 /// Settings of `a` whose values differ in `b`, another list that describes the same type.
 std::vector<const Setting*> differing_settings(const SettingList& a, const SettingList& b);
 

@@ -13,7 +13,7 @@
 
 #include "io/atomic_file.h"
 #include "io/scene_io.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 #include "metrics/metrics.h"
 #include "metrics/temporal.h"
 #include "render/session.h"

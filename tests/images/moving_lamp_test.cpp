@@ -7,7 +7,7 @@
 
 #include "io/atomic_file.h"
 #include "io/scene_io.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 #include "render/session.h"
 #include "support/measure.h"
 

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 #include "scene/scene.h"
 
 namespace relume::viewer {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/scene_io.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 #include "scene/builtin.h"
 #include "viewer/save_view.h"
 

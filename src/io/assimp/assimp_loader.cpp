@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <string_view>
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -23,6 +24,7 @@
 namespace relume {
 namespace {
 
+/// What load_assimp() accepts. assimp reads more, but its rarer importers do not check their input.
 constexpr std::array<std::string_view, 7> kExtensions = {"obj", "fbx", "dae", "ply", "stl", "3ds", "off"};
 /// assimp computes sizes in 32 bits.
 constexpr uintmax_t kMaxFileSize = uintmax_t{1} << 31;
@@ -97,8 +99,6 @@ Scene guarded(const std::string& place, const std::filesystem::path& base_dir, u
 }
 
 }  // namespace
-
-std::span<const std::string_view> assimp_extensions() { return kExtensions; }
 
 Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place) {
   if (extension == "ply") return load_ply_from_memory(file, place);

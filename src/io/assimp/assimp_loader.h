@@ -4,15 +4,10 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "scene/scene.h"
 
 namespace relume {
-
-/// Extensions, without dot, that load_assimp() accepts. assimp reads more, but its rarer importers do not check their
-/// input.
-std::span<const std::string_view> assimp_extensions();
 
 /// As load_assimp() for the bytes of a file with `extension`; files beside it (materials, textures) are not found.
 /// Throws Error.

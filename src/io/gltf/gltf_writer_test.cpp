@@ -12,7 +12,7 @@
 #include "io/gltf/gltf_output.h"
 #include "io/image.h"
 #include "io/scene_io.h"
-#include "io/temp_folder.h"
+#include "io/testing/temp_folder.h"
 #include "io/texture_decode.h"
 #include "scene/builtin.h"
 #include "scene/builtin/builder.h"

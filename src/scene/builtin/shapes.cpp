@@ -94,23 +94,6 @@ Mesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-Mesh uv_sphere(float radius, int segments, int rings) {
-  Mesh mesh;
-  reserve_grid(mesh, segments, rings);
-  for (int r = 0; r <= rings; ++r) {
-    const float v = static_cast<float>(r) / static_cast<float>(rings);
-    for (int s = 0; s <= segments; ++s) {
-      const float u = static_cast<float>(s) / static_cast<float>(segments);
-      const bool pole = r == 0 || r == rings;  // exactly on the axis
-      const Vec3 n = around_y(pole ? 0 : std::sin(kPi * v), -std::cos(kPi * v), s == segments ? 0.0f : u);
-      add_vertex(mesh, radius * n, n, {u, 1 - v});
-    }
-  }
-  add_grid_triangles(mesh, 0, segments, rings);
-  remove_degenerate(mesh);
-  return mesh;
-}
-
 Mesh icosphere(float radius, int levels) {
   const float g = (1 + std::sqrt(5.0f)) / 2;
   Mesh mesh;

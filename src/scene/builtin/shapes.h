@@ -15,9 +15,6 @@ Mesh quad(const Vec3& corner, const Vec3& u, const Vec3& v);
 /// Axis-aligned box with its outside in front. low < high in every component.
 Mesh box(const Vec3& low, const Vec3& high);
 
-/// Sphere about the origin by longitude and latitude: 2 · segments · (rings - 1) triangles.
-Mesh uv_sphere(float radius, int segments, int rings);
-
 /// Sphere about the origin by `levels` subdivisions of the icosahedron: 20 · 4^levels triangles of similar size.
 Mesh icosphere(float radius, int levels);
 

@@ -1,9 +1,12 @@
 // For tests: a folder of their own that disappears with them.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
 #include <random>
 #include <string>
+#include <system_error>
 
 namespace relume {
 
