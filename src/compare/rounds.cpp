@@ -124,18 +124,15 @@ class Recorder {
   std::vector<Image> images_;
 };
 
-}  // namespace
+/// Seconds of frames, by contender and picture.
+using FrameTimes = std::vector<std::vector<std::vector<double>>>;
 
-std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::vector<float>& times_s, double budget_s,
-                                         const std::stop_token& stop, const std::function<void(double)>& progress) {
+/// Contenders take turns until each has rendered the first pictures of an animation, or the still scene, for `share_s`
+/// each. std::nullopt if `stop` was requested.
+std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vector<float>& times_s, double share_s,
+                                        const std::stop_token& stop, const std::function<void(double)>& progress) {
   const size_t pictures = std::clamp(times_s.size(), size_t{1}, kTimedFrames);
-  std::vector<std::vector<std::vector<double>>> frame_s(sessions.size());  // by contender and picture
-  // The first frames of a process pay for memory that later ones find there.
-  for (const auto& session : sessions) session->render_frame();
-  for (const auto& session : sessions) {
-    if (!times_s.empty()) session->session().set_time(times_s.front());
-    session->restart(session->session().settings().seed);
-  }
+  FrameTimes frame_s(sessions.size());
   for (size_t picture = 0; picture < pictures; ++picture) {
     std::vector<double> used(sessions.size());
     std::vector<size_t> before(sessions.size());
@@ -146,32 +143,50 @@ std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::ve
     for (bool any = true; any;) {
       any = false;
       for (size_t i = 0; i < sessions.size(); ++i) {
-        if (used[i] >= kTimedShare * budget_s) continue;
+        if (used[i] >= share_s) continue;
         if (stop.stop_requested()) return std::nullopt;
         sessions[i]->render_frame();
         used[i] += sessions[i]->frame_s().back();
         any = true;
       }
       const double least = *std::min_element(used.begin(), used.end());
-      progress((static_cast<double>(picture) + std::min(least / (kTimedShare * budget_s), 1.0)) / double(pictures));
+      progress((static_cast<double>(picture) + std::min(least / share_s, 1.0)) / double(pictures));
     }
     for (size_t i = 0; i < sessions.size(); ++i) {
       const auto& all = sessions[i]->frame_s();
       frame_s[i].emplace_back(all.begin() + static_cast<std::ptrdiff_t>(before[i]), all.end());
     }
   }
-  std::vector<std::vector<double>> cumulative;
-  for (const auto& by_picture : frame_s) {
-    size_t shortest = by_picture.front().size();
-    for (const auto& times : by_picture) shortest = std::min(shortest, times.size());
-    std::vector<double> usual;
-    for (size_t k = 0; k < shortest; ++k) {
-      std::vector<double> times;
-      for (const auto& picture : by_picture) times.push_back(picture[k]);
-      usual.push_back(median(std::move(times)));
-    }
-    cumulative.push_back(cumulative_time(usual));
+  return frame_s;
+}
+
+/// Medians over the pictures of their first, second, … frame, as long as all have one.
+std::vector<double> median_frames(const std::vector<std::vector<double>>& pictures) {
+  size_t shortest = pictures.front().size();
+  for (const auto& times : pictures) shortest = std::min(shortest, times.size());
+  std::vector<double> usual;
+  for (size_t k = 0; k < shortest; ++k) {
+    std::vector<double> times;
+    for (const auto& picture : pictures) times.push_back(picture[k]);
+    usual.push_back(median(std::move(times)));
   }
+  return usual;
+}
+
+}  // namespace
+
+std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::vector<float>& times_s, double budget_s,
+                                         const std::stop_token& stop, const std::function<void(double)>& progress) {
+  // The first frames of a process pay for memory that later ones find there.
+  for (const auto& session : sessions) session->render_frame();
+  for (const auto& session : sessions) {
+    if (!times_s.empty()) session->session().set_time(times_s.front());
+    session->restart(session->session().settings().seed);
+  }
+  const std::optional<FrameTimes> frame_s = time_pictures(sessions, times_s, kTimedShare * budget_s, stop, progress);
+  if (!frame_s) return std::nullopt;
+  std::vector<std::vector<double>> cumulative;
+  for (const auto& pictures : *frame_s) cumulative.push_back(cumulative_time(median_frames(pictures)));
   return equal_time(cumulative, budget_s);
 }
 

@@ -9,8 +9,9 @@
 
 namespace relume {
 
-/// The file for such a measurement in the context's folder; empty without one. The name hashes everything that the
-/// traces depend on, and the program that made them.
+/// The file for such a measurement in the context's folder; empty without one. The name hashes the program, the scene,
+/// where the camera stands, contenders and options. Lens and reference are not in it: each experiment has one of either
+/// for a scene.
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options);
 

@@ -122,12 +122,15 @@ void LightBuilder::set_environment(const Environment& source) {
   if (source.kind == EnvironmentKind::constant) return;
 
   environment_map_ = std::move(baked.map);
-  const int w = baked.width;
-  const int h = baked.height;
   environment_.map = view_of(environment_map_);
-  environment_.width = static_cast<uint32_t>(w);
-  environment_.height = static_cast<uint32_t>(h);
+  environment_.width = static_cast<uint32_t>(baked.width);
+  environment_.height = static_cast<uint32_t>(baked.height);
+  build_environment_distribution();
+}
 
+void LightBuilder::build_environment_distribution() {
+  const int w = static_cast<int>(environment_.width);
+  const int h = static_cast<int>(environment_.height);
   // A texel's weight is the mean over it of the bilinear interpolation, (1 6 1)/8 along each axis, times its solid
   // angle.
   std::vector<float> weights(environment_map_.size());

@@ -29,6 +29,8 @@ class LightBuilder {
   LightsView view() const;
 
  private:
+  /// The sampling table of the environment's map, and the map's mean.
+  void build_environment_distribution();
   void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
   /// Of the triangle's sampling table, which is made once, however often it appears or moves; or kBlackTexture.
   int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
