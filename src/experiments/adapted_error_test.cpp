@@ -61,7 +61,7 @@ TEST(AdaptedError, VerdictsFollowIntervals) {
 }
 
 TEST(AdaptedError, MeasuresWhatEachContenderShows) {
-  const ExperimentScene scene = builtin_scene("cornell");
+  const ExperimentScene scene = learning_scene("cornell");
   RenderSettings settings = scene.settings;
   settings.width = 16;
   settings.height = 12;

@@ -108,7 +108,7 @@ void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vec
 }
 
 ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
-  const ExperimentScene scene = builtin_scene("turntable");
+  const ExperimentScene scene = learning_scene("turntable");
   RenderSettings settings = scene.settings;
   set_size(context, settings);
   settings.history = HistoryChoice::none;

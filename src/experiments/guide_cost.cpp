@@ -113,7 +113,7 @@ ExperimentResult run_guide_cost(const ExperimentContext& context) {
   std::vector<SceneResult> scenes;
   const std::optional<ExperimentScene> hall = sponza_with_lamps(context);
   if (hall) scenes.push_back(measure(context, *hall));
-  scenes.push_back(measure(context, builtin_scene("warehouse")));
+  scenes.push_back(measure(context, learning_scene("warehouse")));
   ExperimentResult result;
   if (hall) add_claims(scenes.front(), "sponza", result.claims);
   claim_without_sponza(

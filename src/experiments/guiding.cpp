@@ -131,7 +131,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, std::vector<Claim>&
 constexpr int kMineScale = 3;
 
 ExperimentScene mine(std::string name, bool environment, int scale) {
-  ExperimentScene scene = builtin_scene("mine");
+  ExperimentScene scene = learning_scene("mine");
   scene.name = std::move(name);
   scene.settings.light_selection.environment = environment;
   scene.scale = scale;
@@ -146,7 +146,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   std::vector<const char*> names{"warehouse"};
   if (!context.quick) names = {"warehouse", "cover", "turntable", "slit"};
   for (const char* name : names) {
-    ExperimentScene scene = builtin_scene(name);
+    ExperimentScene scene = learning_scene(name);
     scene.settings.lights = LightSelectionChoice::vlc;
     others.push_back(measure(context, scene, false));
   }

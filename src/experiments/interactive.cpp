@@ -153,14 +153,9 @@ PictureSet pictures(const MovingErrors& scene) {
   return measured_set(scene.scene, scene.reference, images, {.values = false});
 }
 
-ExperimentScene cornell() {
-  ExperimentScene scene = builtin_scene("cornell");
-  scene.settings.path.max_bounces = 6;
-  return scene;
-}
-
 ExperimentResult run_interactive(const ExperimentContext& context) {
-  std::vector<ExperimentScene> list{cornell(), builtin_scene("warehouse"), builtin_scene("mine")};
+  std::vector<ExperimentScene> list{at_rest(built_in("cornell", 6)), learning_scene("warehouse"),
+                                    learning_scene("mine")};
   if (std::optional<ExperimentScene> hall = sponza(context)) list.insert(list.begin(), std::move(*hall));
   const MovingOptions options{.frames = context.choose(12, 3),
                               .repetitions = context.choose(kRepetitions, 1),

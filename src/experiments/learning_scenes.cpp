@@ -2,12 +2,8 @@
 
 #include <algorithm>
 
-#include <glm/gtc/matrix_transform.hpp>
-
-#include "core/error.h"
 #include "core/hash.h"
 #include "experiments/trace.h"
-#include "scene/builtin.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
 
@@ -15,17 +11,6 @@ namespace relume {
 namespace {
 
 constexpr int kBounces = 2;  // five rays a path
-
-/// The scene's first camera, which stands on a node without parents.
-PlacedCamera first_camera(const Scene& scene) {
-  const auto node =
-      std::find_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.camera != kNone; });
-  if (node == scene.nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
-  PlacedCamera camera;
-  camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
-  camera.camera = scene.cameras[static_cast<size_t>(node->camera)];
-  return camera;
-}
 
 /// A lamp that shines downwards.
 void add_lamp(Mesh& mesh, const Vec3& middle, float edge) {
@@ -36,14 +21,7 @@ float random(uint32_t lamp, uint32_t what) { return to_unit_float(hash(lamp, wha
 
 }  // namespace
 
-ExperimentScene builtin_scene(std::string_view name) {
-  ExperimentScene result;
-  result.name = name;
-  result.scene = find_builtin_scene(name)->build();
-  result.camera = first_camera(result.scene);
-  result.settings.path.max_bounces = kBounces;
-  return result;
-}
+ExperimentScene learning_scene(std::string_view name) { return at_rest(built_in(name, kBounces)); }
 
 ExperimentScene lamp_field() {
   SceneBuilder builder("lamp field");
@@ -68,9 +46,8 @@ ExperimentScene lamp_field() {
   ExperimentScene result;
   result.name = "lamp field";
   result.scene = builder.take();
-  result.camera = first_camera(result.scene);
   result.settings.path.max_bounces = kBounces;
-  return result;
+  return at_rest(std::move(result));
 }
 
 std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& context) {

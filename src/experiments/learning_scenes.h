@@ -12,8 +12,8 @@
 
 namespace relume {
 
-/// A built-in scene through its own camera at time 0, with two indirect rays as in [Dittebrandt20 §7].
-ExperimentScene builtin_scene(std::string_view name);
+/// A built-in scene at rest, with two indirect rays as in [Dittebrandt20 §7].
+ExperimentScene learning_scene(std::string_view name);
 
 /// 256 lamps of all strengths over a plain: nothing hides anything.
 ExperimentScene lamp_field();

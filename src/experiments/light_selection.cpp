@@ -188,16 +188,16 @@ void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
 
 ExperimentResult run_light_selection(const ExperimentContext& context) {
   std::vector<SceneResult> scenes;
-  ExperimentScene warehouse = builtin_scene("warehouse");
+  ExperimentScene warehouse = learning_scene("warehouse");
   if (!context.quick) warehouse.scale = kWarehouseScale;
   scenes.push_back(measure(context, warehouse, Extent::tuned));
   const SceneResult field = measure(context, lamp_field(), Extent::ways);
   if (!context.quick) {
-    ExperimentScene small = builtin_scene("warehouse");
+    ExperimentScene small = learning_scene("warehouse");
     small.name = "warehouse, small";
     scenes.push_back(measure(context, small, Extent::ways));
     for (const char* name : {"cover", "mine", "turntable", "slit"})
-      scenes.push_back(measure(context, builtin_scene(name), Extent::ways));
+      scenes.push_back(measure(context, learning_scene(name), Extent::ways));
   }
   const std::optional<ExperimentScene> hall = sponza_with_lamps(context);
   if (hall) scenes.push_back(measure(context, *hall, Extent::ways));

@@ -171,6 +171,17 @@ ExperimentScene built_in(std::string_view name, int max_bounces) {
   return result;
 }
 
+ExperimentScene at_rest(ExperimentScene scene) {
+  const std::vector<Node>& nodes = scene.scene.nodes;
+  const auto node = std::find_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.camera != kNone; });
+  if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
+  PlacedCamera camera;  // built-in scenes have it on a node without parents
+  camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
+  camera.camera = scene.scene.cameras[static_cast<size_t>(node->camera)];
+  scene.camera = std::move(camera);
+  return scene;
+}
+
 std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees) {
   std::optional<PlacedCamera> camera = scene.camera;
   if (degrees == 0) return camera;

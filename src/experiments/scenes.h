@@ -25,6 +25,10 @@ struct ExperimentScene {
 /// A built-in scene as it is, with its camera path. Throws Error if there is none of that name.
 ExperimentScene built_in(std::string_view name, int max_bounces);
 
+/// The scene through its own first camera where that stands at time 0, instead of along its camera path. Throws Error
+/// if it has none.
+ExperimentScene at_rest(ExperimentScene scene);
+
 /// Which of the properties of [Schalk18 §4.2.4, §4.3.4] the box has.
 enum class BoxVariation { plain, point_light, directional_light, triangles_80k, triangles_1m, reflective, glass };
 
