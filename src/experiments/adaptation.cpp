@@ -87,7 +87,7 @@ Interval Adaptation::adapted_interval(double share) const {
 }
 
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
-                              int frames, const Reference& reference, const PictureRegion& region,
+                              int frames, const Reference& reference, const PixelMask& region,
                               const std::function<void(Session&, int)>& before) {
   Adaptation result{name, {}};
   const double noise = reference_noise(reference, region);

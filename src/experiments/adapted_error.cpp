@@ -29,7 +29,7 @@ double render(Session& session) {
   return now_s() - start_s;
 }
 
-void measure_frame(Running& r, const Reference& reference, const std::vector<PictureRegion>& regions, int block) {
+void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions, int block) {
   r.result.frame_s.push_back(render(r.session));
   r.result.last = r.session.image();
   for (size_t i = 0; i < regions.size(); ++i) {
@@ -75,11 +75,11 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Adapt
 
 }  // namespace
 
-size_t PictureRegion::pixels() const {
+size_t PixelMask::pixels() const {
   return mask.size() - static_cast<size_t>(std::count(mask.begin(), mask.end(), uint8_t{0}));
 }
 
-double frame_mse(const Image& frame, const Image& reference, const PictureRegion& region) {
+double frame_mse(const Image& frame, const Image& reference, const PixelMask& region) {
   double sum = 0;
   for (size_t p = 0; p < frame.pixels.size(); ++p) {
     if (region.mask[p] == 0) continue;
@@ -89,7 +89,7 @@ double frame_mse(const Image& frame, const Image& reference, const PictureRegion
   return sum / (3.0 * static_cast<double>(std::max<size_t>(region.pixels(), 1)));
 }
 
-double reference_noise(const Reference& reference, const PictureRegion& region) {
+double reference_noise(const Reference& reference, const PixelMask& region) {
   double sum = 0;
   for (size_t p = 0; p < reference.squared_error.pixels.size(); ++p) {
     if (region.mask[p] == 0) continue;
@@ -100,7 +100,7 @@ double reference_noise(const Reference& reference, const PictureRegion& region) 
 
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<AdaptedContender>& contenders, const Reference& reference,
-                                          const std::vector<PictureRegion>& regions, const AdaptedOptions& options) {
+                                          const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
   std::vector<Running> running = begin(scene, contenders, regions.size(), options.seed);
   const int all = options.warm_up + options.frames;
   for (int i = 0; i < options.sessions * all; ++i) {

@@ -17,7 +17,7 @@
 namespace relume {
 
 /// A part of the picture.
-struct PictureRegion {
+struct PixelMask {
   std::string name;
   std::vector<uint8_t> mask;  ///< by pixel, row by row; 0: outside
 
@@ -25,10 +25,10 @@ struct PictureRegion {
 };
 
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
-double frame_mse(const Image& frame, const Image& reference, const PictureRegion& region);
+double frame_mse(const Image& frame, const Image& reference, const PixelMask& region);
 
 /// What the reference's own noise adds to frame_mse(), by its estimate; 0 if that is not known.
-double reference_noise(const Reference& reference, const PictureRegion& region);
+double reference_noise(const Reference& reference, const PixelMask& region);
 
 struct AdaptedContender {
   std::string name;
@@ -63,7 +63,7 @@ struct AdaptedError {
 /// it a single session is rendered, after one frame for what it prepares. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<AdaptedContender>& contenders, const Reference& reference,
-                                          const std::vector<PictureRegion>& regions, const AdaptedOptions& options);
+                                          const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
 /// A quotient with a 95 % interval from the spread of independent values (delta method in logarithms, Student's t with
 /// Welch's degrees of freedom).

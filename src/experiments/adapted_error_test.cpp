@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-PictureRegion whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
+PixelMask whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
 
 TEST(AdaptedError, CountsThePixelsOfARegionOnly) {
   Image reference(2, 1);
@@ -124,7 +124,7 @@ TEST(LearningScenes, TellTheMinesRegionsApart) {
   Image direct(4, 1);
   direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(0.5f)};
   reference.pixels = {Rgb(11), Rgb(3), Rgb(0), Rgb(0.6f)};
-  const std::vector<PictureRegion> regions = mine_regions(reference, direct, {"surfaces", {1, 1, 1, 0}});
+  const std::vector<PixelMask> regions = mine_regions(reference, direct, {"surfaces", {1, 1, 1, 0}});
   ASSERT_EQ(regions.size(), 4u);
   EXPECT_EQ(regions[1].mask, (std::vector<uint8_t>{1, 0, 0, 0}));
   EXPECT_EQ(regions[2].mask, (std::vector<uint8_t>{0, 1, 0, 0}));

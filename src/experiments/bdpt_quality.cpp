@@ -16,11 +16,11 @@ constexpr const char* kPaper = "[Sun20 §5.1]";
 constexpr int kBounces = 8;
 
 /// Without the lamp, whose edges are as noisy with every estimator, and brighter than all the rest.
-const Region kAboveWater = {"walls above the water", 0.05, 0.2, 0.95, 0.6};
+const Rectangle kAboveWater = {"walls above the water", 0.05, 0.2, 0.95, 0.6};
 
 struct Case {
   std::string scene;
-  Region region;  ///< what the claim is about
+  Rectangle region;  ///< what the claim is about
   Comparison samples;
   Comparison time;
 };
@@ -35,7 +35,7 @@ StudyOptions options_of(const ExperimentContext& context, const std::string& tec
 
 constexpr const char* kBoth = "path=estimator:path,bdpt=estimator:bdpt";
 
-Case measure(const ExperimentContext& context, const ExperimentScene& scene, Region region) {
+Case measure(const ExperimentContext& context, const ExperimentScene& scene, Rectangle region) {
   StudyOptions samples = options_of(context, kBoth);
   samples.spp = context.choose(16, 4);
   StudyOptions time = options_of(context, kBoth);
@@ -45,7 +45,7 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, Reg
 
 double ratio(const Comparison& c) { return mean_mse_of(c, "path") / mean_mse_of(c, "bdpt"); }
 
-double region_ratio(const Comparison& c, const Region& region) {
+double region_ratio(const Comparison& c, const Rectangle& region) {
   return region_mse(c, "path", region) / region_mse(c, "bdpt", region);
 }
 
@@ -101,7 +101,7 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
                           fmt::format("path tracing's MSE over its own: {}", short_number(mirror)), "at least 0.8",
                           mirror >= 0.8));
   const auto [water_path, water_bdpt] = compare("cornell-water");
-  const Region& walls = kAboveWater;
+  const Rectangle& walls = kAboveWater;
   const double water = region_mse(water_path, "path", walls) / region_mse(water_bdpt, "bdpt", walls);
   claims.push_back(judged("ten-frames-water", "[Sun20 §5.1.2]",
                           "Above the water, caustics are clearer after 10 frames than after 40 of path tracing.",
@@ -126,7 +126,7 @@ Claim claim_reference(const ExperimentContext& context, const std::vector<Case>&
     StudyOptions options = options_of(context, "light=estimator:light");
     options.spp = context.choose(64, 16);
     const Comparison c = study(context, built_in(scene, kBounces), options);
-    const Region& region = named(cases, scene).region;
+    const Rectangle& region = named(cases, scene).region;
     const double difference =
         region_mean(contender_named(c, "light").image, region) / region_mean(c.reference.image, region) - 1;
     worst = std::max(worst, std::fabs(difference));
@@ -138,7 +138,7 @@ Claim claim_reference(const ExperimentContext& context, const std::vector<Case>&
 
 ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   std::vector<Case> cases;
-  const auto add = [&](const char* name, Region region) {
+  const auto add = [&](const char* name, Rectangle region) {
     cases.push_back(measure(context, built_in(name, kBounces), std::move(region)));
   };
   add("cornell-spheres", {"caustic on the floor", 0.55, 0.82, 0.95, 0.97});

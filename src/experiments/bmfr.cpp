@@ -23,7 +23,7 @@ constexpr const char* kDenoisers[] = {"bmfr", "svgf"};
 /// What the paper names, and where it is in a still picture.
 struct Feature {
   const char* scene;
-  Region region;
+  Rectangle region;
 };
 
 const Feature kFeatures[] = {
@@ -36,7 +36,7 @@ const Feature kFeatures[] = {
 
 struct Still {
   std::string scene;
-  std::vector<Region> regions;
+  std::vector<Rectangle> regions;
   Comparison comparison;
 };
 
@@ -47,7 +47,7 @@ Still measure_still(const ExperimentContext& context, const std::string& name) {
                        .reference_spp = 512};
   use_square(context, 160, options);
   options.common.emplace_back("estimator", "bdpt");
-  std::vector<Region> regions;
+  std::vector<Rectangle> regions;
   for (const Feature& f : kFeatures) {
     if (f.scene == name) regions.push_back(f.region);
   }
@@ -197,7 +197,7 @@ Claim claim_error(const std::vector<Still>& stills) {
 }
 
 /// Cloth and stone of Sponza.
-const Region kTextures[] = {
+const Rectangle kTextures[] = {
     {"left curtain", 0.0, 0.38, 0.17, 0.96}, {"right curtain", 0.82, 0.4, 1.0, 0.96}, {"floor", 0.35, 0.7, 0.65, 0.98}};
 constexpr const char* kTextureClaim = "Textures stay sharp: their detail is that of the reference.";
 
@@ -229,7 +229,7 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
   double least = 1e9;
   std::string measured;
   for (const char* name : kDenoisers) {
-    for (const Region& region : kTextures) {
+    for (const Rectangle& region : kTextures) {
       const double kept = detail_kept(contender_named(c, name).image, c.reference.image, region) /
                           detail_kept(clean, c.reference.image, region);
       least = std::min(least, kept);

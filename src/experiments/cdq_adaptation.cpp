@@ -28,7 +28,7 @@ struct Case {
 /// What is to be seen after the change, and where errors count.
 struct Goal {
   Reference reference;
-  PictureRegion surfaces;
+  PixelMask surfaces;
 };
 
 /// Adapts to the lamp's first place, turns it at once, and measures from there on.

@@ -18,7 +18,7 @@ constexpr const char* kPaper = "[Dittebrandt20 §7.1]";
 
 struct SceneResult {
   std::string name;
-  std::vector<PictureRegion> regions;
+  std::vector<PixelMask> regions;
   std::vector<AdaptedError> errors;  ///< the first follows the BSDF, the second has the paper's settings
   PictureSet pictures;
 };
@@ -75,7 +75,7 @@ TableBlock table(const SceneResult& scene) {
       "directions",
       {{"ms a frame", "", Better::lower}},
       {}};
-  for (const PictureRegion& region : scene.regions)
+  for (const PixelMask& region : scene.regions)
     block.columns.push_back(
         {fmt::format("{} ({:.0f} %)", region.name,
                      100.0 * static_cast<double>(region.pixels()) / static_cast<double>(region.mask.size())),

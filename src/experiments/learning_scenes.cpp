@@ -95,11 +95,11 @@ std::vector<std::pair<std::string, std::string>> learning_setup(const Experiment
                             " samples a pixel with the light tree; its own noise is known and taken off every MSE"}};
 }
 
-PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
   ExperimentScene lights = plainly_sampled(scene);
   lights.settings.path.max_bounces = 0;
   const Image seen = make_reference(context, lights, 256).image;
-  PictureRegion region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
+  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
   for (int y = 0; y < seen.height; ++y) {
     for (int x = 0; x < seen.width; ++x) {
       if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
@@ -113,12 +113,12 @@ PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScen
   return region;
 }
 
-std::vector<PictureRegion> mine_regions(const Image& reference, const Image& direct, const PictureRegion& surfaces) {
+std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces) {
   std::vector<float> sorted;
   for (const Rgb& p : direct.pixels) sorted.push_back(luminance(p));
   std::sort(sorted.begin(), sorted.end());
   const float sunny = 0.1f * sorted[sorted.size() * 995 / 1000];
-  std::vector<PictureRegion> regions{surfaces, {"sun", {}}, {"spot", {}}, {"rest", {}}};
+  std::vector<PixelMask> regions{surfaces, {"sun", {}}, {"spot", {}}, {"rest", {}}};
   for (size_t i = 0; i < reference.pixels.size(); ++i) {
     const float all = luminance(reference.pixels[i]);
     const float first = luminance(direct.pixels[i]);

@@ -32,10 +32,10 @@ std::vector<std::pair<std::string, std::string>> learning_setup(const Experiment
 
 /// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
 /// single samples differ by all of their brightness, and no choice of lights or directions changes that.
-PictureRegion surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// Parts of the picture of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
 /// by a reference and one without indirect light. All surfaces come first.
-std::vector<PictureRegion> mine_regions(const Image& reference, const Image& direct, const PictureRegion& surfaces);
+std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces);
 
 }  // namespace relume

@@ -75,7 +75,7 @@ std::vector<AdaptedContender> contenders(const ExperimentContext& context, const
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
   const Reference reference = make_reference(context, plainly_sampled(scene), learning_reference_spp(context));
-  const PictureRegion surfaces = surfaces_of(context, scene);
+  const PixelMask surfaces = surfaces_of(context, scene);
   SceneResult result{scene.name, reference_noise(reference, surfaces), {}, {}};
   result.errors = measure_adapted(context, scene, contenders(context, scene, extent), reference, {surfaces},
                                   adapted_options(context));

@@ -17,7 +17,7 @@ struct PixelRange {
   int y1 = 0;
 };
 
-PixelRange pixels_of(const Image& image, const Region& region) {
+PixelRange pixels_of(const Image& image, const Rectangle& region) {
   const auto at = [](double share, int size) {
     return std::clamp(static_cast<int>(std::lround(share * static_cast<double>(size))), 0, size);
   };
@@ -27,7 +27,7 @@ PixelRange pixels_of(const Image& image, const Region& region) {
 
 /// Mean over the region of what `value` makes of a pixel's index.
 template <typename Value>
-double mean_over(const Image& image, const Region& region, const Value& value) {
+double mean_over(const Image& image, const Rectangle& region, const Value& value) {
   const PixelRange r = pixels_of(image, region);
   double sum = 0;
   for (int y = r.y0; y < r.y1; ++y) {
@@ -40,12 +40,12 @@ double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(l
 
 }  // namespace
 
-double region_mse(const Image& a, const Image& b, const Region& region) {
+double region_mse(const Image& a, const Image& b, const Rectangle& region) {
   return mean_over(a, region,
                    [&](size_t i) { return static_cast<double>(length_squared(a.pixels[i] - b.pixels[i])) / 3; });
 }
 
-double region_mse(const Comparison& comparison, std::string_view name, const Region& region) {
+double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region) {
   const auto mean_of = [&region](const Image& squares) {
     return mean_over(squares, region, [&](size_t i) {
       const Rgb& p = squares.pixels[i];
@@ -57,11 +57,11 @@ double region_mse(const Comparison& comparison, std::string_view name, const Reg
                        noise.pixels.empty() ? 0 : mean_of(noise));
 }
 
-double region_mean(const Image& image, const Region& region) {
+double region_mean(const Image& image, const Rectangle& region) {
   return mean_over(image, region, [&](size_t i) { return static_cast<double>(luminance(image.pixels[i])); });
 }
 
-double contrast_kept(const Image& image, const Image& reference, const Region& region) {
+double contrast_kept(const Image& image, const Image& reference, const Rectangle& region) {
   const double mean = mean_over(reference, region, [&](size_t i) { return shown_luminance(reference.pixels[i]); });
   const auto distance = [&](size_t i) { return shown_luminance(reference.pixels[i]) - mean; };
   const double variance = mean_over(reference, region, [&](size_t i) { return distance(i) * distance(i); });
@@ -70,7 +70,7 @@ double contrast_kept(const Image& image, const Image& reference, const Region& r
   return variance > 0 ? covariance / variance : 1;
 }
 
-double detail_kept(const Image& image, const Image& reference, const Region& region) {
+double detail_kept(const Image& image, const Image& reference, const Rectangle& region) {
   const PixelRange r = pixels_of(reference, region);
   double product = 0;
   double energy = 0;
@@ -93,14 +93,14 @@ double mean_mse_of(const Comparison& comparison, std::string_view name) {
 }
 
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
-                            const std::vector<Region>& regions) {
+                            const std::vector<Rectangle>& regions) {
   ViewerBlock block = comparison_pictures(comparison);
   block.title = title + ": " + block.title;
   const Image& reference = comparison.reference.image;
   const int size = std::max(8, std::min(reference.width, reference.height) / 5);
   for (PictureSet& set : block.sets) {
     set.crops.clear();
-    for (const Region& region : regions) {
+    for (const Rectangle& region : regions) {
       const PixelRange r = pixels_of(reference, region);
       set.crops.push_back({std::clamp((r.x0 + r.x1 - size) / 2, 0, reference.width - size),
                            std::clamp((r.y0 + r.y1 - size) / 2, 0, reference.height - size), size});

@@ -32,7 +32,7 @@ void add_claims(const Adaptation& cache, const Adaptation& tree, const std::stri
 ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   const ExperimentScene scene = learning_scene("warehouse");
   const Reference reference = make_reference(context, plainly_sampled(scene), learning_reference_spp(context));
-  const PictureRegion surfaces = surfaces_of(context, scene);
+  const PixelMask surfaces = surfaces_of(context, scene);
   RenderSettings settings = scene.settings;
   set_size(context, settings);
   settings.history = HistoryChoice::none;
