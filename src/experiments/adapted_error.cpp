@@ -57,10 +57,10 @@ void add_pass_times(Running& r) {
   }
 }
 
-std::vector<Running> begin(const ExperimentScene& scene, const std::vector<AdaptedContender>& contenders,
-                           size_t regions, int seed) {
+std::vector<Running> begin(const ExperimentScene& scene, const std::vector<NamedSettings>& contenders, size_t regions,
+                           int seed) {
   std::vector<Running> running;
-  for (const AdaptedContender& contender : contenders) {
+  for (const NamedSettings& contender : contenders) {
     RenderSettings settings = contender.settings;
     settings.history = HistoryChoice::none;
     settings.seed = seed;
@@ -99,7 +99,7 @@ double reference_noise(const Reference& reference, const PixelMask& region) {
 }
 
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
-                                          const std::vector<AdaptedContender>& contenders, const Reference& reference,
+                                          const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
   std::vector<Running> running = begin(scene, contenders, regions.size(), options.seed);
   const int all = options.warm_up + options.frames;

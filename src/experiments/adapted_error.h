@@ -30,11 +30,6 @@ double frame_mse(const Image& frame, const Image& reference, const PixelMask& re
 /// What the reference's own noise adds to frame_mse(), by its estimate; 0 if that is not known.
 double reference_noise(const Reference& reference, const PixelMask& region);
 
-struct AdaptedContender {
-  std::string name;
-  RenderSettings settings;
-};
-
 /// Several sessions with seeds of their own, one after the other.
 struct AdaptedOptions {
   int warm_up = 128;  ///< frames in which a session adapts, before those that are measured
@@ -62,7 +57,7 @@ struct AdaptedError {
 /// disturbs the machine disturbs all alike. What learns nothing from frames has no need to start again or to adapt: of
 /// it a single session is rendered, after one frame for what it prepares. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
-                                          const std::vector<AdaptedContender>& contenders, const Reference& reference,
+                                          const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
 /// A quotient with a 95 % interval from the spread of independent values (delta method in logarithms, Student's t with

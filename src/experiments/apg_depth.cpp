@@ -33,7 +33,7 @@ std::vector<FrameAverages> measure_depths(const ExperimentContext& context, cons
   std::vector<FrameAverages> list;
   const FramePlanOfAverages plan{.skip = context.choose(32, 8), .count = context.choose(32, 4), .repetitions = 3};
   for (const float constant : kConstants) {
-    CacheContender contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
+    NamedSettings contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
     contender.settings.apg.variance_constant = constant;
     contender.settings.psf.grid.jitter = false;  // as the thesis does for this, to see the cells
     list.push_back(average_frames(context, scene, contender, plan, reference));

@@ -57,15 +57,15 @@ double mean_termination(const Session& session) {
 
 }  // namespace
 
-std::vector<CacheContender> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
   const std::pair<const char*, CacheChoice> list[] = {{"path", CacheChoice::none},
                                                       {"psf", CacheChoice::psf},
                                                       {"apsf", CacheChoice::apsf},
                                                       {"apg", CacheChoice::apg},
                                                       {"apg+apsf", CacheChoice::apsf_apg}};
-  std::vector<CacheContender> contenders;
+  std::vector<NamedSettings> contenders;
   for (const auto& [name, cache] : list) {
-    CacheContender contender{name, scene.settings};
+    NamedSettings contender{name, scene.settings};
     set_size(context, contender.settings);
     contender.settings.cache = cache;
     contender.settings.history = HistoryChoice::none;
@@ -84,7 +84,7 @@ std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context) {
 }
 
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
-                             const CacheContender& contender, const FramePlanOfAverages& plan,
+                             const NamedSettings& contender, const FramePlanOfAverages& plan,
                              const Reference& reference) {
   TimedSession session(scene.scene, contender.settings);
   session.session().set_camera(scene.camera);

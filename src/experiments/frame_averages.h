@@ -12,15 +12,9 @@
 
 namespace relume {
 
-/// A technique whose frames are averaged.
-struct CacheContender {
-  std::string name;
-  RenderSettings settings;
-};
-
 /// The caches of [Schipek22] and path tracing before them: "path", "psf", "apsf", "apg", "apg+apsf". Every frame shows
 /// one sample a pixel and what the cells know.
-std::vector<CacheContender> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene);
+std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// The scenes of these experiments: the box, the corridor, the mine, and Sponza if it is there.
 std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context);
@@ -42,7 +36,7 @@ struct FrameAverages {
 
 /// Throws ExperimentStopped.
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
-                             const CacheContender& contender, const FramePlanOfAverages& plan,
+                             const NamedSettings& contender, const FramePlanOfAverages& plan,
                              const Reference& reference);
 
 }  // namespace relume

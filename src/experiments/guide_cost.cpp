@@ -25,7 +25,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   RenderSettings settings = scene.settings;
   settings.width = context.choose(1280, 64);
   settings.height = context.choose(720, 36);
-  std::vector<AdaptedContender> list;
+  std::vector<NamedSettings> list;
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) {
     settings.lights = lights;
     settings.guide = guide;

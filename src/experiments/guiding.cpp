@@ -24,11 +24,10 @@ struct SceneResult {
 };
 
 /// The paper's settings first, then departures one by one.
-std::vector<AdaptedContender> contenders(const ExperimentContext& context, const ExperimentScene& scene,
-                                         bool departures) {
+std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   RenderSettings settings = scene.settings;
   set_size(context, settings, scene.scale);
-  std::vector<AdaptedContender> list{{"BSDF", settings}};
+  std::vector<NamedSettings> list{{"BSDF", settings}};
   settings.guide = GuideChoice::cdq;
   list.push_back({"cdq", settings});
   if (!departures) return list;

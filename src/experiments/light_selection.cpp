@@ -38,10 +38,9 @@ enum class Extent {
 /// Pictures of the warehouse in which regions get as many samples as in the paper's, or nearly.
 constexpr int kWarehouseScale = 3;
 
-std::vector<AdaptedContender> contenders(const ExperimentContext& context, const ExperimentScene& scene,
-                                         Extent extent) {
+std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
   using enum LightSelectionChoice;
-  std::vector<AdaptedContender> list;
+  std::vector<NamedSettings> list;
   RenderSettings base = scene.settings;
   set_size(context, base, scene.scale);
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) -> RenderSettings& {

@@ -36,14 +36,14 @@ bool is_moderate(float constant) { return constant == 0.01f || constant == 0.1f 
 /// `all_caches`: every technique, path graphs with moderate constants; else path tracing, psf and all constants.
 SceneAverages measure(const ExperimentContext& context, const ExperimentScene& scene, bool all_caches) {
   SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 128)), {}, {}, {}};
-  const std::vector<CacheContender> list = cache_contenders(context, scene);
-  for (const CacheContender& contender : list) {
+  const std::vector<NamedSettings> list = cache_contenders(context, scene);
+  for (const NamedSettings& contender : list) {
     if (all_caches || contender.name == "path" || contender.name == "psf")
       result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
   }
   for (const float constant : kConstants) {
     if (all_caches && !is_moderate(constant)) continue;
-    CacheContender contender{fmt::format("apg, constant {}", constant), list.front().settings};
+    NamedSettings contender{fmt::format("apg, constant {}", constant), list.front().settings};
     contender.settings.cache = CacheChoice::apg;
     contender.settings.apg.variance_constant = constant;
     result.constants.push_back(constant);

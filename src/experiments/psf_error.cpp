@@ -104,7 +104,7 @@ FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene
 void claim_filter_alone(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Claim>& claims) {
   const Reference reference = make_reference(context, scene);
   const std::vector<bool> away = away_from_lamps(context, scene);
-  const std::vector<CacheContender> contenders = cache_contenders(context, scene);
+  const std::vector<NamedSettings> contenders = cache_contenders(context, scene);
   RenderSettings settings = contenders[1].settings;
   const FirstFrames path = first_frames(context, scene, contenders[0].settings, reference.image, away);
   const FirstFrames psf = first_frames(context, scene, settings, reference.image, away);

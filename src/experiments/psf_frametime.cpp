@@ -66,12 +66,12 @@ FrameFigures figures_of(std::string name, const TimedSession& session, int skip,
 
 /// Contenders take turns frame by frame.
 Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
-               std::vector<CacheContender> contenders) {
+               std::vector<NamedSettings> contenders) {
   Timing result{scene.name, bounces, {}};
   const int skip = skipped_frames(context);
   const int count = skip + counted_frames(context);
   std::vector<std::unique_ptr<TimedSession>> sessions;
-  for (CacheContender& contender : contenders) {
+  for (NamedSettings& contender : contenders) {
     contender.settings.path.max_bounces = bounces;
     contender.settings.width = kWidth;
     contender.settings.height = kHeight;
@@ -95,10 +95,10 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
 }
 
 /// Path tracing, psf, apsf, and apg with cells beyond the first vertex as fine as those at it, and coarser.
-std::vector<CacheContender> cost_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
-  std::vector<CacheContender> list = cache_contenders(context, scene);
+std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (const int coarsening : {0, 2}) {
-    CacheContender contender{fmt::format("apg, deep-coarsening {}", coarsening), list.front().settings};
+    NamedSettings contender{fmt::format("apg, deep-coarsening {}", coarsening), list.front().settings};
     contender.settings.cache = CacheChoice::apg;
     contender.settings.apg.deep_coarsening = coarsening;
     list.push_back(std::move(contender));

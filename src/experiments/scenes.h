@@ -22,6 +22,12 @@ struct ExperimentScene {
   int scale = 1;                            ///< edges of its pictures over the usual ones, in a full run
 };
 
+/// A technique that an experiment measures.
+struct NamedSettings {
+  std::string name;
+  RenderSettings settings;
+};
+
 /// A built-in scene as it is, with its camera path. Throws Error if there is none of that name.
 ExperimentScene built_in(std::string_view name, int max_bounces);
 
