@@ -43,8 +43,7 @@ std::vector<PassFigure> CellsPass::figures() const {
           {"evicted", static_cast<double>(s.evicted)},     {"changed", static_cast<double>(s.changed)},
           {"dropped", static_cast<double>(s.dropped)},     {"saturated", static_cast<double>(s.saturated)},
           {"nonfinite", static_cast<double>(s.nonfinite)}, {"unfed", static_cast<double>(s.unfed)},
-          {"rebuilds", static_cast<double>(s.rebuilds)},
-          {"bytes", static_cast<double>(s.memory_bytes)}};
+          {"rebuilds", static_cast<double>(s.rebuilds)},   {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 
 std::vector<std::string> CellsPass::warnings() const {
