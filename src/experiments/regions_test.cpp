@@ -28,7 +28,7 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   Comparison comparison;
   comparison.reference.image = Image(32, 32);
   comparison.reference.squared_error = Image(32, 32);
-  comparison.contenders.push_back({.name = "noisy"});
+  comparison.contenders.emplace_back().name = "noisy";
   comparison.contenders[0].squared_error = Image(32, 32);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) {
