@@ -101,8 +101,10 @@ struct HashGridView {
 
   /// Adds a sample to the cell of `p` and, at random, to the coarser ones that stand in for it. Samples of one cell
   /// must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1). `slot`: of
-  /// the cell of `p`, if it is known to have one. Returns it, or kNoCell if the sample was left out.
-  RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell) const {
+  /// the cell of `p`, if it is known to have one. `alone`: no other cell ever stands in for this one. Returns the slot,
+  /// or kNoCell if the sample was left out.
+  RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell,
+                            bool alone = false) const {
     if (!is_finite(value)) {
       atomic_add(&counters->nonfinite, uint64_t{1});
       return kNoCell;
@@ -113,10 +115,10 @@ struct HashGridView {
       atomic_add(&counters->dropped, uint64_t{1});
       return kNoCell;
     }
-    if (made && inherited_count > 0.0f) choose_parent(p, slot);
+    if (made && !alone && inherited_count > 0.0f) choose_parent(p, slot);
     value = bounded(value, histories[slot].moments);
     sums[slot].add(value, weight);
-    if (thin_cells != ThinCells::coarser) return slot;
+    if (alone || thin_cells != ThinCells::coarser) return slot;
     float probability = kCoarserProbability;
     for (int k = 1; k <= kCoarserLevels && u < probability; ++k, probability *= kCoarserProbability) {
       const uint32_t coarse = find_or_insert(keys.address(p, k), made);

@@ -263,6 +263,29 @@ TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
   }
 }
 
+TEST(HashGrid, CellsThatStandAloneTellNoOther) {
+  HashGridSettings settings = plain();
+  settings.thin_cells = ThinCells::coarser;
+  settings.inherited_count = 128;
+  Backend backend(1);
+  const auto neighbour_knows = [&](bool alone) {
+    HashGrid grid(settings, 1 << 12);
+    const float edge = std::exp2(static_cast<float>(grid.view(grid_camera()).keys.level_of_detail(point(0).position)));
+    CellPoint beside = point(0);
+    beside.position.x += 1.25f * edge;
+    for (int frame = 0; frame < 2; ++frame) {
+      // The one beside is new in the second frame, and could inherit.
+      const HashGridView v = grid.view(grid_camera());
+      for (int i = 0; i < 64; ++i) v.insert(point(0), Rgb(2), 1, 0.0f, kNoCell, alone);
+      if (frame == 1) v.insert(beside, Rgb(0), 1, 0.9f, kNoCell, alone);
+      grid.end_frame(backend);
+    }
+    return grid.view(grid_camera()).moments(beside).mean != Rgb(0);
+  };
+  EXPECT_TRUE(neighbour_knows(false));
+  EXPECT_FALSE(neighbour_knows(true));
+}
+
 TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;

@@ -55,7 +55,9 @@ class PathGraph : public NoObserver {
     if (first && !begin(slot, path)) return false;
     if (!first) advance(path);
     before_ = now_;
-    const CellMoments cell = grid().moments(point_, slot);
+    // Cells that nobody sees directly have no other to stand in for them: who reaches a cell that is rarely reached
+    // would be given the light of places that many reach, and the light of the rare ones would be lost.
+    const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
     if (!grid().thin(cell)) {
       close_samples(d.albedo * cell.mean);
@@ -67,7 +69,7 @@ class PathGraph : public NoObserver {
     has_own_ = wanted && open_count_ < kMaxOpen;
     if (wanted && !has_own_) ++unfed_;
     if (has_own_) {
-      own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight()};
+      own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight(), !first};
       grid().send_for_sums(address_);
     }
     at_anchor_ = true;
@@ -116,6 +118,7 @@ class PathGraph : public NoObserver {
     Rgb value;
     Rgb transport;  ///< from radiance that leaves the current anchor to the sample
     float weight;
+    bool deep;  ///< beyond the first anchor
   };
   static constexpr uint32_t kMaxOpen = 8;
 
@@ -219,7 +222,7 @@ class PathGraph : public NoObserver {
 
   RELUME_HD void insert(const Sample& sample) const {
     grid().insert(sample.point, sample.value, sample.weight, filter_random(*index_, x_, y_, 2u + sample.point.layer),
-                  sample.slot);
+                  sample.slot, sample.deep);
   }
 
   const PathGraphContext* context_ = nullptr;
