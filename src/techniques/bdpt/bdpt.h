@@ -15,7 +15,7 @@ struct BdptKernel {
   View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
   View<Rgb> radiance;               ///< of this sample but for splats; may be not finite
   View<uint32_t> rays;              ///< of this sample
-  uint64_t* saturated = nullptr;    ///< splats that were cut are added here
+  View<uint64_t> saturated;         ///< one, to which splats that were cut are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
@@ -32,7 +32,7 @@ struct BdptKernel {
     const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], {kept, count}, sampler, counters);
     radiance[pixel] = counters.nonfinite ? Rgb(kInfinity) : seen;
     rays[pixel] = counters.rays;
-    if (counters.saturated > 0) atomic_add(saturated, uint64_t{counters.saturated});
+    if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});
   }
 };
 

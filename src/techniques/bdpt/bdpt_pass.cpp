@@ -56,7 +56,7 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
   uint64_t saturated = 0;
-  kernel.saturated = &saturated;
+  kernel.saturated = {&saturated, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, 1.0f, c.width};
   if (!kernel.allocation.empty()) {
@@ -75,8 +75,7 @@ std::vector<std::string> BdptPass::warnings() const {
   if (saturated_ == 0) return {};
   return {
       fmt::format("{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
-                  "too dark; make "
-                  "the scene's lights weaker and raise the exposure instead",
+                  "too dark; make the scene's lights weaker and raise the exposure instead",
                   saturated_, kFixedPointMax)};
 }
 

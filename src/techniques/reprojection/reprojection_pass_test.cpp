@@ -139,19 +139,27 @@ struct MovedPlane {
   BufferTable buffers{kSize, kSize};
 };
 
+/// The plane under backward reprojection.
+struct Backward {
+  CompiledScene scene{find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize}};
+  ReprojectionSettings settings{.method = ReprojectionMethod::backward};
+  ReprojectionPass pass{settings, kPixels};
+  MovedPlane plane{pass};
+  Backend backend{1};
+
+  void run(uint32_t number, Change changes) {
+    pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, number, 0, changes, {}});
+  }
+};
+
 TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
-  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
-  ReprojectionSettings settings;
-  settings.method = ReprojectionMethod::backward;
-  settings.max_samples_changed = 16;
-  ReprojectionPass pass(settings, kPixels);
-  MovedPlane plane(pass);
-  Backend backend(1);
-  pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, 1, 0, Change::camera | Change::lights, {}});
-  const View<const Rgb> m2_rgb = plane.buffers.view<const Rgb>("adaptive-m2");
-  const View<const float> m2 = plane.buffers.view<const float>("m2");
-  const View<const float> probability = plane.buffers.view<const float>("sampling-probability");
-  const View<const uint32_t> samples = plane.buffers.view<const uint32_t>("samples");
+  Backward b;
+  b.settings.max_samples_changed = 16;
+  b.run(1, Change::camera | Change::lights);
+  const View<const Rgb> m2_rgb = b.plane.buffers.view<const Rgb>("adaptive-m2");
+  const View<const float> m2 = b.plane.buffers.view<const float>("m2");
+  const View<const float> probability = b.plane.buffers.view<const float>("sampling-probability");
+  const View<const uint32_t> samples = b.plane.buffers.view<const uint32_t>("samples");
   for (uint32_t i = 0; i < kPixels; ++i) {
     const bool known = i % kSize > 0;  // or it comes from outside
     const float number = known ? MovedPlane::number(i - 1) : 0.0f;
@@ -164,20 +172,15 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
 }
 
 TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
-  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
-  ReprojectionSettings settings;
-  settings.method = ReprojectionMethod::backward;
-  ReprojectionPass pass(settings, kPixels);
-  MovedPlane plane(pass);
-  Backend backend(1);
+  Backward b;
   uint32_t number = 0;
   const auto kept_after = [&](Change changes) {
-    pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, number++, 0, changes, {}});
+    b.run(number++, changes);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < kPixels; ++i) {
-      EXPECT_EQ(plane.buffers.view<uint32_t>("history-reason")[i] == 1,
-                plane.buffers.view<uint32_t>("history-kept")[i] == 1);
-      kept += plane.buffers.view<uint32_t>("history-kept")[i];
+      EXPECT_EQ(b.plane.buffers.view<uint32_t>("history-reason")[i] == 1,
+                b.plane.buffers.view<uint32_t>("history-kept")[i] == 1);
+      kept += b.plane.buffers.view<uint32_t>("history-kept")[i];
     }
     return kept;
   };
@@ -190,17 +193,12 @@ TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
 }
 
 TEST(ReprojectionPass, BackwardStoresNoSamples) {
-  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
-  ReprojectionSettings settings;
-  settings.method = ReprojectionMethod::backward;
-  ReprojectionPass pass(settings, kPixels);
-  MovedPlane plane(pass);
-  Backend backend(1);
-  pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, 1, 0, Change::camera, {}});
-  EXPECT_TRUE(pass.stored().empty());
-  EXPECT_LE(pass.memory_bytes(), 16 * kPixels);
-  EXPECT_EQ(state_of(pass).size(), 2 * sizeof(uint64_t));  // that there are none
-  EXPECT_TRUE(loads(pass, state_of(pass)));
+  Backward b;
+  b.run(1, Change::camera);
+  EXPECT_TRUE(b.pass.stored().empty());
+  EXPECT_LE(b.pass.memory_bytes(), 16 * kPixels);
+  EXPECT_EQ(state_of(b.pass).size(), 2 * sizeof(uint64_t));  // that there are none
+  EXPECT_TRUE(loads(b.pass, state_of(b.pass)));
 }
 
 }  // namespace

@@ -44,6 +44,15 @@ std::vector<float> blend(const std::vector<LightGuess>& lights, const Exploratio
   return blended;
 }
 
+/// By the distance to the camera. Nearer than a hundredth of the scene is as good as there.
+std::vector<AliasEntry> one_table(const std::vector<LightGuess>& lights, float scene_radius, const Vec3& camera,
+                                  const ExplorationWeights& weights) {
+  const float nearest2 = sqr(0.01f * scene_radius);
+  return build_alias_table(blend(lights, weights, [&](const LightGuess& light) {
+    return 1.0f / std::max(length_squared(light.position - camera), nearest2);
+  }));
+}
+
 uint64_t fingerprint_of(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, uint32_t cells) {
   uint64_t h = cells + 1;
   const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
@@ -80,16 +89,11 @@ std::vector<LightGuess> light_guesses(const LightsView& lights) {
 
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights) {
-  // Nearer than a hundredth of the scene is as good as here.
-  const float nearest2 = sqr(0.01f * lights.bounds.radius);
-  return build_alias_table(blend(light_guesses(lights), weights, [&](const LightGuess& light) {
-    return 1.0f / std::max(length_squared(light.position - camera), nearest2);
-  }));
+  return one_table(light_guesses(lights), lights.bounds.radius, camera, weights);
 }
 
-void ExplorationTables::build(const LightsView& lights, const Vec3& camera, const ExplorationWeights& weights,
-                              uint32_t cells) {
-  const std::vector<LightGuess> list = light_guesses(lights);
+void ExplorationTables::build(const LightsView& lights, const std::vector<LightGuess>& list, const Vec3& camera,
+                              const ExplorationWeights& weights, uint32_t cells) {
   Vec3 low(kInfinity);
   Vec3 high(-kInfinity);
   for (const LightGuess& light : list) {
@@ -102,7 +106,7 @@ void ExplorationTables::build(const LightsView& lights, const Vec3& camera, cons
   const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
   const uint32_t count = dims.x * dims.y * dims.z;
   if (count == 1) {
-    entries_ = build_exploration(lights, camera, weights);
+    entries_ = one_table(list, lights.bounds.radius, camera, weights);
     cells_ = UVec3(1);
     fingerprint_ = 0;
     return;

@@ -59,7 +59,9 @@ class ExplorationTables {
  public:
   /// `cells` along the longest side, fewer where there are very many lights; 1: a single table that goes by the
   /// distance to the camera, as the paper has it. Tables of several cells are kept while no light changes.
-  void build(const LightsView& lights, const Vec3& camera, const ExplorationWeights& weights, uint32_t cells);
+  /// `guesses`: light_guesses(lights).
+  void build(const LightsView& lights, const std::vector<LightGuess>& guesses, const Vec3& camera,
+             const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;
   size_t memory_bytes() const { return sizeof(AliasEntry) * entries_.size(); }
 

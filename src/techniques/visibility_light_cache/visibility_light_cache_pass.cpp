@@ -46,6 +46,7 @@ SettingList describe(VisibilityLightCacheSettings& s) {
 }
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
+  const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
   if (octree_.has_samples()) {
     CacheBuildOptions options;
     options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
@@ -53,13 +54,12 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
     options.hysteresis = settings_.hysteresis;
     options.memory = static_cast<uint32_t>(settings_.memory);
     options.even_buckets = settings_.even_buckets;
-    const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
     caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(lights), options);
     caches_.populate(frame.backend, octree_.tree());
   } else {
     caches_ = {};
   }
-  frame.backend.run("vlc.exploration", [&] { build_tables(frame); });
+  frame.backend.run("vlc.exploration", [&] { build_tables(frame, lights); });
   return true;
 }
 
@@ -81,9 +81,9 @@ bool KnownLightsPass::run(const FrameContext& frame) {
   return true;
 }
 
-void VisibilityLightCachePass::build_tables(const FrameContext& frame) {
+void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses) {
   const LightsView& lights = frame.scene.lights;
-  all_.build(lights, frame.scene.camera.position,
+  all_.build(lights, guesses, frame.scene.camera.position,
              {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
              static_cast<uint32_t>(settings_.exploration_cells));
   infinite_ = build_infinite_lights(lights, selection_.infinity());

@@ -32,7 +32,7 @@ class VisibilityLightCachePass final : public Pass {
   const LightCaches& caches() const { return caches_; }
 
  private:
-  void build_tables(const FrameContext& frame);
+  void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
 
   const VisibilityLightCacheSettings& settings_;
   const LightSelectionSettings& selection_;
