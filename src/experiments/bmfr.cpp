@@ -28,7 +28,7 @@ struct Feature {
 
 const Feature kFeatures[] = {
     {"cornell-spheres", {"caustic", 0.55, 0.82, 0.95, 0.97}},
-    {"cornell-spheres", {"colour bleeding", 0.22, 0.06, 0.42, 0.2}},
+    {"cornell-spheres", {"colour bleeding", 0.22, 0.06, 0.38, 0.2}},
     {"cornell-spheres", {"shadow", 0.1, 0.8, 0.5, 0.95}},
     {"cornell-mirror", {"mirror image", 0.22, 0.22, 0.78, 0.6}},
     {"cornell-water", {"caustic", 0.2, 0.2, 0.8, 0.6}},

@@ -26,19 +26,19 @@ PassDeclaration BmfrPass::declaration() const {
   const auto scratch = [](const char* name, BufferType type, const char* help) {
     return BufferDescription{.name = name, .type = type, .help = help};
   };
-  return {
-      .name = "bmfr",
-      .stage = Stage::denoise,
-      .owns = {denoiser_history("bmfr-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
-               denoiser_history("bmfr-square", BufferType::f32, "mean square of the luminance of its samples"),
-               denoiser_history("bmfr-samples", BufferType::u32, "samples in it"),
-               denoiser_history("bmfr-fit", BufferType::rgb32f, "light as features explain it"),
-               denoiser_history("bmfr-picture", BufferType::rgb32f, "filtered pictures, averaged"), denoised_buffer(),
-               scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
-               scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
-               scratch("bmfr-age", BufferType::u32, "samples in that history")},
-      .reads = feature_buffers(),
-      .reads_if_any = {"allocation"}};
+  return {.name = "bmfr",
+          .stage = Stage::denoise,
+          .owns = {denoiser_history("bmfr-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
+                   denoiser_history("bmfr-square", BufferType::f32, "mean square of the luminance of its samples"),
+                   denoiser_history("bmfr-samples", BufferType::u32, "samples in it"),
+                   denoiser_history("bmfr-fit", BufferType::rgb32f, "light as features explain it"),
+                   denoiser_history("bmfr-picture", BufferType::rgb32f, "filtered pictures, averaged"),
+                   denoised_buffer(), unfiltered_buffer(), filtered_share_buffer(),
+                   scratch("bmfr-fit-history", BufferType::rgb32f, "bmfr-fit of the frame before, where it was"),
+                   scratch("bmfr-shown", BufferType::rgb32f, "this frame's picture"),
+                   scratch("bmfr-age", BufferType::u32, "samples in that history")},
+          .reads = feature_buffers(),
+          .reads_if_any = {"allocation"}};
 }
 
 bool BmfrPass::run(const FrameContext& frame) {

@@ -7,6 +7,16 @@
 #include "techniques/primary_hits/primary_hits_pass.h"
 
 namespace relume {
+namespace {
+
+constexpr const char* kUnfiltered = "unfiltered";
+constexpr const char* kFilteredShare = "filtered-share";
+
+BufferDescription kept(const char* name, BufferType type, const char* help) {
+  return {.name = name, .type = type, .help = help, .persistent = true, .display = BufferDisplay::value};
+}
+
+}  // namespace
 
 PassDeclaration FeaturesPass::declaration() const {
   return {
@@ -56,12 +66,16 @@ BufferDescription denoiser_history(const char* name, BufferType type, const char
           .display = BufferDisplay::value};
 }
 
-BufferDescription denoised_buffer() {
-  return {.name = "denoised",
-          .type = BufferType::rgb32f,
-          .help = "the picture, denoised",
-          .persistent = true,
-          .display = BufferDisplay::value};
+BufferDescription denoised_buffer() { return kept("denoised", BufferType::rgb32f, "the picture, denoised"); }
+
+BufferDescription unfiltered_buffer() {
+  return kept(kUnfiltered, BufferType::rgb32f,
+              "mean of what the denoiser does not filter, emission above all, since the last change");
+}
+
+BufferDescription filtered_share_buffer() {
+  return kept(kFilteredShare, BufferType::f32,
+              "share of the frames since the last change that the denoiser filtered there");
 }
 
 std::vector<std::string_view> feature_buffers() {
@@ -109,10 +123,14 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.shown = frame.view<const Rgb>(buffers.shown);
   average.before = frame.previous<const Rgb>(buffers.history);
   average.motion = frame.view<const Vec2>("feature-motion");
+  average.albedo = frame.view<const Rgb>("feature-albedo");
+  average.emission = frame.view<const Rgb>("feature-emission");
+  average.unfiltered = frame.view<Rgb>(kUnfiltered);
+  average.filtered_share = frame.view<float>(kFilteredShare);
   average.picture = frame.view<Rgb>(buffers.history);
   average.still = still;
-  // Later pictures are better ones: their weight grows with their number.
-  average.newest = still ? 2.0f / static_cast<float>(frame.since_change + 2) : newest;
+  average.newest = newest;
+  average.frames = frame.since_change + 1;
   if (frame.number == 0 || includes(frame.changes, Change::materials | Change::settings)) average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();

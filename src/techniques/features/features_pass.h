@@ -30,6 +30,10 @@ BufferDescription denoiser_history(const char* name, BufferType type, const char
 /// Where every denoiser leaves its picture.
 BufferDescription denoised_buffer();
 
+/// What finish_picture() keeps of lamps and sky, and of how often a pixel shows other things.
+BufferDescription unfiltered_buffer();
+BufferDescription filtered_share_buffer();
+
 /// What a denoiser reads of the features and samples, for its declaration.
 std::vector<std::string_view> feature_buffers();
 
@@ -42,8 +46,8 @@ SurfaceLight surface_light(const FrameContext& frame);
 /// Samples that histories count for at most in this frame; without a limit where nothing has changed.
 uint32_t history_limit(const FrameContext& frame, int moving, int changed);
 
-/// The last step of a denoiser, which owns two buffers besides "denoised": `shown`, this frame's filtered picture, and
-/// `history`, double-buffered. See picture_history.h.
+/// The last step of a denoiser, which owns these besides "denoised" and the two above: `shown`, this frame's filtered
+/// picture, and `history`, double-buffered. See picture_history.h.
 struct PictureBuffers {
   std::string_view launch_name;
   std::string_view shown;

@@ -235,8 +235,20 @@ TEST(Features, LobesThatMirrorAreFollowed) {
 /// Pictures of a gradient with noise.
 struct Pictures {
   void average(bool still, float newest) {
-    PictureHistoryKernel kernel{view_of(shown), view_of(before), view_of(motion), mutable_view_of(picture),
-                                newest,         still,           kWidth,          kHeight};
+    PictureHistoryKernel kernel;
+    kernel.shown = view_of(shown);
+    kernel.before = view_of(before);
+    kernel.motion = view_of(motion);
+    kernel.albedo = view_of(albedo);
+    kernel.emission = view_of(emission);
+    kernel.unfiltered = mutable_view_of(unfiltered);
+    kernel.picture = mutable_view_of(picture);
+    kernel.newest = newest;
+    kernel.filtered_share = mutable_view_of(filtered_share);
+    kernel.frames = frames;
+    kernel.still = still;
+    kernel.width = kWidth;
+    kernel.height = kHeight;
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
     }
@@ -249,15 +261,47 @@ struct Pictures {
   std::vector<Rgb> shown = std::vector<Rgb>(kPixels, Rgb(1));
   std::vector<Rgb> before = std::vector<Rgb>(kPixels, Rgb(3));
   std::vector<Rgb> picture = std::vector<Rgb>(kPixels);
+  std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
+  std::vector<Rgb> emission = std::vector<Rgb>(kPixels, Rgb(0));
+  std::vector<Rgb> unfiltered = std::vector<Rgb>(kPixels, Rgb(0));
+  std::vector<float> filtered_share = std::vector<float>(kPixels, 1.0f);
+  uint32_t frames = 1;
   std::vector<Vec2> motion = std::vector<Vec2>(kPixels, Vec2(0));
   std::vector<float> m2 = std::vector<float>(kPixels, 0.0f);
   std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 16);
 };
 
-TEST(PictureHistory, StillPicturesAreAveraged) {
+TEST(PictureHistory, LaterPicturesWeighMore) {
   Pictures p;
-  p.average(true, 0.25f);
-  EXPECT_EQ(p.picture[7], Rgb(2.5f));
+  p.frames = 7;
+  p.average(true, 0.2f);
+  EXPECT_EQ(p.picture[7], Rgb(2.5f));  // a quarter
+}
+
+TEST(PictureHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
+  // In every third of twelve frames pixel 0 sees a lamp, pixel 1 the same beside an albedo, pixel 2 a sky as bright as
+  // the wall; what is filtered grows by one a frame but for pixel 2.
+  Pictures p;
+  const double parts[] = {1, 2, 4, 5, 7, 8, 10, 11};
+  double sum_of_wall = 0;
+  for (int k = 0; k < 8; ++k) sum_of_wall += (k + 1) * parts[k] / 36;
+  double sum_of_all = 0;
+  for (int i = 0; i < 12; ++i) {
+    const bool lamp = i % 3 == 0;
+    const Rgb part(static_cast<float>(i));
+    p.albedo[0] = p.albedo[2] = Rgb(lamp ? 0.0f : 0.5f);
+    p.shown[0] = lamp ? Rgb(30) : part;
+    p.emission[1] = Rgb(lamp ? 30.0f : 0.0f);
+    p.shown[1] = part + p.emission[1];
+    p.shown[2] = Rgb(3);
+    p.frames = static_cast<uint32_t>(i + 1);
+    p.average(i > 0, i > 0 ? 0.2f : 1.0f);
+    sum_of_all += (i + 1) * i / 78.0;
+    p.before = p.picture;
+    EXPECT_NEAR(p.picture[2].r, 3, 1e-4) << i;
+  }
+  EXPECT_NEAR(p.picture[0].r, 10 + sum_of_wall * 2 / 3, 1e-4);
+  EXPECT_NEAR(p.picture[1].r, 10 + sum_of_all, 1e-4);
 }
 
 TEST(PictureHistory, MovedPicturesAreHeldToWhatIsSeenNow) {

@@ -5,33 +5,63 @@
 #include "core/lanes.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "techniques/features/features.h"
 
 namespace relume {
 
 /// Samples from which the variance of their mean counts as known.
 inline constexpr uint32_t kKnownSamples = 4;
 
-/// Averages this frame's filtered picture with those before. Where nothing has changed they show the same; where
-/// something moves, the picture before is looked up along the motion and held to what is seen around the pixel now.
+/// Averages this frame's filtered picture with those before. Where nothing has changed they show the same, the later
+/// ones better; but what no filter has touched, lamps and sky, all show equally well, and so they do how much of a
+/// pixel that covers: at edges other weights than equal ones would add noise. Where something moves, the picture before
+/// is looked up along the motion and held to what is seen around the pixel now.
 struct PictureHistoryKernel {
   View<const Rgb> shown;  ///< of this frame
   View<const Rgb> before;
   View<const Vec2> motion;
+  View<const Rgb> albedo;
+  View<const Rgb> emission;
+  View<Rgb> unfiltered;        ///< mean of what was not filtered since the last change, 0 where it was; updated
+  View<float> filtered_share;  ///< of the frames since then; updated
   View<Rgb> picture;
-  float newest = 1;    ///< weight of this frame
-  bool still = false;  ///< nothing has changed
+  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
+  uint32_t frames = 1;  ///< since the last change, this one among them
+  bool still = false;   ///< nothing has changed
   uint32_t width = 0;
   uint32_t height = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const Rgb now = shown[pixel];
-    Rgb history = now;
-    if (newest < 1.0f) history = still ? before[pixel] : moved(x, y);
+    const bool filtered = is_filtered(albedo[pixel]);
+    const Rgb seen = filtered ? emission[pixel] : now;
+    if (still && newest < 1.0f) {
+      average(pixel, now, seen, filtered);
+      return;
+    }
+    unfiltered[pixel] = seen;
+    filtered_share[pixel] = filtered ? 1.0f : 0.0f;
+    const Rgb history = newest < 1.0f ? moved(x, y) : now;
     picture[pixel] = history + (now - history) * newest;
   }
 
  private:
+  /// The picture is what was not filtered + share · what was, the latter with weights that grow with their number.
+  RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
+    const auto n = static_cast<float>(static_cast<int>(frames));
+    const Rgb seen_before = unfiltered[pixel];
+    const float share_before = filtered_share[pixel];
+    const Rgb mean = seen_before + (seen - seen_before) / n;
+    const float share = share_before + ((filtered ? 1.0f : 0.0f) - share_before) / n;
+    Rgb light(0);
+    if (share_before > 0.0f) light = (before[pixel] - seen_before) / share_before;
+    if (filtered) light += (now - seen - light) * relume::min(2.0f / (share * n + 1.0f), 1.0f);
+    unfiltered[pixel] = mean;
+    filtered_share[pixel] = share;
+    picture[pixel] = mean + light * share;
+  }
+
   /// Weights of four pixels in a row for a place that lies the share t behind the second of them ([Keys81], a = −1/2):
   /// sharper than linear interpolation, which blurs more with every frame.
   RELUME_HD static void cubic_weights(float t, float (&w)[4]) {

@@ -21,6 +21,8 @@ PassDeclaration SvgfPass::declaration() const {
                denoiser_history("svgf-samples", BufferType::u32, "samples in it"),
                denoiser_history("svgf-picture", BufferType::rgb32f, "filtered pictures, averaged"),
                denoised_buffer(),
+               unfiltered_buffer(),
+               filtered_share_buffer(),
                {.name = "svgf-shown", .type = BufferType::rgb32f, .help = "this frame's picture"}},
       .reads = feature_buffers(),
       .reads_if_any = {"allocation"}};
