@@ -180,6 +180,7 @@ const Technique kTechniques[] = {
        learn(s);
        s.vlc.memory = 4;
        s.cdq.migrations = 4;
+       s.cdq.memory = 8;
        s.octree.jitter = 1;
      }},
     {"vlc_cdq_combination",

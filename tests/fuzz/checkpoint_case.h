@@ -71,6 +71,7 @@ inline RenderSettings checkpoint_settings(int which) {
       s.lights = LightSelectionChoice::vlc;
       s.vlc.memory = 3;
       s.guide = GuideChoice::cdq;
+      s.cdq.memory = 3;
       s.octree.scale = false;
       s.octree.split = 8;
       s.octree.collapse = 4;

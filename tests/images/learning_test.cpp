@@ -68,6 +68,7 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.guide = GuideChoice::cdq;
   all.settings.cdq.bits = QuadtreeBits::b64;
   all.settings.cdq.migrations = 4;
+  all.settings.cdq.memory = 8;
   all.settings.cdq.sampling = QuadtreeSampling::stratified;
   all.settings.octree.vertices = 4;
   all.settings.octree.jitter = 1;

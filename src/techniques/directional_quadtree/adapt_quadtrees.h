@@ -12,7 +12,8 @@ struct AdaptQuadtreesKernel {
   SampleGroupsView samples;
   QuadtreeArray trees;
   QuadtreeAdaption options;
-  View<uint64_t> moved;  ///< one: leaves that changed their place
+  View<QuadtreeWeights> weights;  ///< by region, from the frame before; empty: nothing is remembered
+  View<uint64_t> moved;           ///< one: leaves that changed their place
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const {
     const uint32_t count = samples.counts[region];
@@ -22,7 +23,9 @@ struct AdaptQuadtreesKernel {
       const VertexSample& s = samples.sample(region, i);
       return DirectionSample{s.direction, s.value};
     };
-    const uint32_t migrations = adapt(tree, sample, count, options);
+    QuadtreeWeights of_this_frame;
+    QuadtreeWeights& w = weights.size > 0 ? weights[region] : of_this_frame;
+    const uint32_t migrations = adapt(tree, w, sample, count, options);
     if (migrations == 0) return;
     trees.store(region, tree);
     atomic_add(&moved[0], uint64_t{migrations});

@@ -24,7 +24,8 @@ Adapted adapted_tree(uint32_t bit_count) {
       const float radiance = glm::dot(w, sun) > 0.995f ? 1000.0f : 0.1f;
       a.samples.push_back({pack_square(square_from_direction(w)), radiance / a.tree.pdf(w)});
     }
-    adapt(a.tree, [&](uint32_t i) { return a.samples[i]; }, 2048, {});
+    QuadtreeWeights w;
+    adapt(a.tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, {});
   }
   return a;
 }
@@ -55,7 +56,8 @@ void bm_quadtree_adapt(benchmark::State& state) {
   Adapted a = adapted_tree(128);
   for (auto _ : state) {
     DirectionalQuadtree tree = a.tree;
-    adapt(tree, [&](uint32_t i) { return a.samples[i]; }, 2048, {0.1f, static_cast<uint32_t>(state.range(0))});
+    QuadtreeWeights w;
+    adapt(tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, {0.1f, static_cast<uint32_t>(state.range(0))});
     benchmark::DoNotOptimize(tree);
   }
   state.SetItemsProcessed(state.iterations() * 2048);

@@ -16,6 +16,10 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        &s.stability,
        "A leaf is split if this share of it exceeds what gives way to it",
        {.min = 0.001, .max = 1}},
+      {"memory",
+       &s.memory,
+       "Earlier frames in which a region had samples that still count, roughly; 0: none, as in the paper",
+       {.min = 0, .max = 1000}},
       {"sampling", choice(s.sampling, {"bottom-up", "stratified"}),
        "How directions are drawn: a leaf first, or from the root down so that well spread numbers stay spread"},
       {"view",
@@ -44,17 +48,41 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
   return true;
 }
 
+namespace {
+
+/// What a frame keeps of the frames before, so that all of them together weigh as much as `frames` like it.
+float kept_share(int frames) { return static_cast<float>(frames) / static_cast<float>(frames + 1); }
+
+/// Of the regions that each stem from `previous`; without `weights`, nothing. Those that share what a region knew
+/// before it was split have seen a quarter of its samples each, as a surface passes through about four of eight.
+std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights>& weights,
+                                               const std::vector<uint32_t>& previous) {
+  std::vector<QuadtreeWeights> next(previous.size());
+  if (weights.empty()) return next;
+  std::vector<uint32_t> heirs(weights.size());
+  for (const uint32_t from : previous)
+    if (from != kNoRegion) ++heirs[from];
+  for (size_t i = 0; i < next.size(); ++i) {
+    if (previous[i] == kNoRegion) continue;
+    next[i] = weights[previous[i]];
+    if (heirs[previous[i]] > 1) next[i].scale(0.25f);
+  }
+  return next;
+}
+
+}  // namespace
+
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   const uint32_t bit_count = 32 * (1 + static_cast<uint32_t>(settings_.bits));
   const QuadtreeArray trees{mutable_view_of(words_), bit_count};
   const bool same_size = octree_.has_samples() && words_.size() == octree_.previous().leaf_slots() * (bit_count / 32);
   moved_ = 0;
   if (same_size) {
-    launch(
-        frame.backend, "cdq.adapt",
-        AdaptQuadtreesKernel{
-            octree_.groups(), trees, {settings_.stability, static_cast<uint32_t>(settings_.migrations)}, {&moved_, 1}},
-        octree_.previous().leaf_slots(), 1);
+    const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations),
+                                   kept_share(settings_.memory)};
+    launch(frame.backend, "cdq.adapt",
+           AdaptQuadtreesKernel{octree_.groups(), trees, options, mutable_view_of(weights_), {&moved_, 1}},
+           octree_.previous().leaf_slots(), 1);
   }
   frame.backend.run("cdq.populate", [&] { populate(bit_count, same_size); });
   directions_.quadtrees = {mutable_view_of(words_), bit_count};
@@ -72,18 +100,30 @@ void DirectionalQuadtreePass::populate(uint32_t bit_count, bool keep) {
   const DirectionalQuadtree uniform = uniform_quadtree(bit_count);
   for (uint32_t i = 0; i < regions; ++i)
     next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
+  if (settings_.memory > 0) {
+    if (!keep) weights_.clear();
+    weights_ = inherited_weights(weights_, previous);
+  } else {
+    weights_.clear();
+  }
   words_ = std::move(next);
 }
 
-void DirectionalQuadtreePass::save(std::ostream& out) const { write_vector(out, words_); }
+void DirectionalQuadtreePass::save(std::ostream& out) const {
+  write_vector(out, words_);
+  write_vector(out, weights_);
+}
 
 void DirectionalQuadtreePass::load(std::istream& in) {
   read_vector(in, words_);
+  read_vector(in, weights_);
   const QuadtreeArray trees{mutable_view_of(words_), 32 * (1 + static_cast<uint32_t>(settings_.bits))};
   bool valid = words_.size() % trees.words_per_tree() == 0;
+  valid = valid && (weights_.empty() || weights_.size() == trees.tree_count());
   for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
   if (valid) return;
   words_.clear();
+  weights_.clear();
   in.setstate(std::ios::failbit);
 }
 

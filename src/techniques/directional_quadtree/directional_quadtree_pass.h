@@ -23,9 +23,13 @@ class DirectionalQuadtreePass final : public Pass {
   PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool adapts() const override { return true; }
-  size_t memory_bytes() const override { return words_.size() * sizeof(uint32_t); }
+  size_t memory_bytes() const override {
+    return words_.size() * sizeof(uint32_t) + weights_.size() * sizeof(QuadtreeWeights);
+  }
   std::vector<PassFigure> figures() const override {
-    return {{"migrations", static_cast<double>(moved_)}, {"quadtree-bytes", static_cast<double>(memory_bytes())}};
+    return {{"migrations", static_cast<double>(moved_)},
+            {"quadtree-bytes", static_cast<double>(words_.size() * sizeof(uint32_t))},
+            {"memory-bytes", static_cast<double>(weights_.size() * sizeof(QuadtreeWeights))}};
   }
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
@@ -41,7 +45,8 @@ class DirectionalQuadtreePass final : public Pass {
   const OctreePass& octree_;
   DirectionSampler directions_;
   std::vector<uint32_t> words_;
-  uint64_t moved_ = 0;  ///< leaves, in the last frame
+  std::vector<QuadtreeWeights> weights_;  ///< by leaf slot; empty without `cdq.memory`
+  uint64_t moved_ = 0;                    ///< leaves, in the last frame
 };
 
 }  // namespace relume

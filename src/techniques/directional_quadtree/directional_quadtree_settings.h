@@ -13,6 +13,7 @@ struct DirectionalQuadtreeSettings {
   float bsdf_fraction = 0.5f;
   int migrations = 1;
   float stability = 0.1f;
+  int memory = 0;  ///< frames
   QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
   bool view = false;  ///< fill the buffer "directions" for the point at:
   float view_x = 0.5f;
