@@ -240,7 +240,7 @@ class ComparePage(Page):
         ActionChains(self.browser).move_to_element(self.one(".chart-block svg")).perform()
         self.assertTrue(self.one(".chart-block .tip").is_displayed())
         self.click(".chart-block summary")
-        self.assertGreater(len(self.all(".chart-block details tbody tr")), 6)
+        self.wait(lambda: len(self.all(".chart-block details tbody tr")) > 6)  # filled once the browser says that it is open
 
     def test_frame_times(self):
         self.assertGreaterEqual(len(self.all(".bars rect[data-part]")), 4)
