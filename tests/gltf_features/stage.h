@@ -12,6 +12,7 @@
 
 #include "io/testing/scene_files.h"
 #include "support/measure.h"
+#include "techniques/path/path_settings.h"
 
 namespace relume::support {
 
@@ -75,7 +76,7 @@ std::vector<uint8_t> colorful(int width, int height);
 double linear_of(int code);
 
 /// `spp` samples a pixel, half a second into the animation, without Russian roulette.
-Image picture(Scene scene, int size = 16, int spp = 4);
+Image picture(Scene scene, int size = 16, int spp = 4, int max_bounces = PathSettings{}.max_bounces);
 
 /// Expects every pixel within `tolerance` of what `expected` says for the point of the square at its centre.
 void expect_pixels(const Image& image, double tolerance, const std::function<Rgb(double x, double y)>& expected);
@@ -91,6 +92,7 @@ struct FeatureCase {
   const char* name;
   Scene (*scene)(Way);
   double tolerance = 1e-5;  ///< radiance; more where numbers are stored another way
+  int max_bounces = PathSettings{}.max_bounces;
 };
 
 /// For messages of GoogleTest.
