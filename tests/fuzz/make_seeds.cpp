@@ -8,10 +8,14 @@
 #include <vector>
 
 #include "checkpoint_case.h"
+#include "experiments/results.h"
+#include "experiments/trace_file.h"
 #include "io/image.h"
 #include "io/testing/example_files.h"
+#include "record_case.h"
 #include "render/settings.h"
 #include "settings/settings_json.h"
+#include "viewer/camera_path.h"
 
 namespace {
 
@@ -78,6 +82,35 @@ void write_checkpoints(const fs::path& folder) {
   fs::remove(whole);
 }
 
+void write_records(const fs::path& folder) {
+  using relume::fuzz::RecordKind;
+  const fs::path whole = folder / "whole.record";
+  const auto add = [&](RecordKind kind, const std::string& name, const std::string& record) {
+    write(folder / "records" / name, behind(static_cast<int>(kind), relume::testing::to_bytes(record)));
+  };
+  relume::ExperimentResult result;
+  result.claims.push_back({"id", "[Paper00 §1]", "It is less.", "0.5", "at most 1", "holds"});
+  const relume::Experiment experiment{"name", "[Paper00]", "a summary", nullptr};
+  add(RecordKind::summary, "summary.json",
+      relume::to_json(experiment, result, {{{"processor", "two cores"}}, true, 3}));
+
+  relume::Trace trace{.name = "path", .points = {{1, 1, 0.5, 0.1, 0.2}, {2, 2, 1, 0.05, 0.1}}};
+  trace.picture = relume::Image(4, 3);
+  trace.map.assign(12, 0.5f);
+  relume::save_traces(whole, {trace, trace});
+  add(RecordKind::traces, "traces.exr", relume::fuzz::contents(whole));
+
+  relume::fuzz::SmallReference reference(folder / "references");
+  reference.render();
+  add(RecordKind::reference, "reference.exr", relume::fuzz::contents(reference.file()));
+
+  relume::viewer::write_bookmarks(whole, {{"a", {}}, {"b", {relume::Vec3(1, 2, 3), {0, 1, 0, 0}, 1}}});
+  add(RecordKind::bookmarks, "bookmarks.json", relume::fuzz::contents(whole));
+  add(RecordKind::script, "script.txt", "frames 3 # so many\nkey shift+f12 2\nset spp 4\nscreenshot a b.png\n");
+  fs::remove(whole);
+  fs::remove_all(folder / "references");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -89,5 +122,6 @@ int main(int argc, char** argv) {
   write_pictures(argv[1]);
   write_settings(argv[1]);
   write_checkpoints(argv[1]);
+  write_records(argv[1]);
   return 0;
 }

@@ -1,0 +1,64 @@
+// Fuzzes what the program leaves behind and reads again: results of experiments, what interrupted ones have measured,
+// cached references, the viewer's bookmarks and scripts. Any bytes end in a record or in an Error. The first byte
+// chooses which it is.
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/error.h"
+#include "experiments/results.h"
+#include "experiments/trace_file.h"
+#include "record_case.h"
+#include "scratch.h"
+#include "viewer/camera_path.h"
+#include "viewer/script.h"
+
+namespace {
+
+using relume::fuzz::RecordKind;
+
+void write(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+void read_reference(const std::string& text) {
+  static const relume::fuzz::Scratch folder(".references");
+  static relume::fuzz::SmallReference reference(folder.path);
+  write(reference.file(), text);
+  reference.render();
+}
+
+void read_record(RecordKind kind, const std::string& text) {
+  static const relume::fuzz::Scratch scratch(".record");
+  switch (kind) {
+    case RecordKind::summary: relume::read_summary(text, "fuzz.json"); return;
+    case RecordKind::traces:
+      write(scratch.path, text);
+      relume::load_traces(scratch.path);
+      return;
+    case RecordKind::reference: read_reference(text); return;
+    case RecordKind::bookmarks:
+      write(scratch.path, text);
+      relume::viewer::read_bookmarks(scratch.path);
+      return;
+    case RecordKind::script:
+      for (const relume::viewer::ScriptStep& step : relume::viewer::parse_script(text, "fuzz.txt")) {
+        if (step.verb == "key" && !step.words.empty()) relume::viewer::parse_keys(step.words[0], "fuzz.txt");
+      }
+      return;
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  try {
+    read_record(static_cast<RecordKind>(data[0] % relume::fuzz::kRecordKinds),
+                {reinterpret_cast<const char*>(data) + 1, size - 1});
+  } catch (const relume::Error&) {
+    // The expected answer to damaged input.
+  }
+  return 0;
+}

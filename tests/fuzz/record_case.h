@@ -1,0 +1,24 @@
+// What the program leaves behind and reads again, beside pictures, settings and checkpoints.
+#pragma once
+
+#include "checkpoint_case.h"
+#include "compare/reference.h"
+
+namespace relume::fuzz {
+
+/// The first byte of an input.
+enum class RecordKind : int { summary, traces, reference, bookmarks, script };
+inline constexpr int kRecordKinds = 5;
+
+/// References of four by three pixels, kept in `folder`.
+struct SmallReference {
+  explicit SmallReference(const std::filesystem::path& folder) : renderer(scene, checkpoint_settings(0), 2, folder) {}
+
+  std::filesystem::path file() const { return renderer.file(0, 0, std::nullopt); }
+  std::optional<Reference> render() { return renderer.render(0, {}, {}); }
+
+  const Scene scene = turning_triangle();
+  ReferenceRenderer renderer;
+};
+
+}  // namespace relume::fuzz
