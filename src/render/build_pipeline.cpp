@@ -10,7 +10,7 @@
 #include "techniques/bmfr/bmfr_pass.h"
 #include "techniques/directional_quadtree/direction_view.h"
 #include "techniques/features/features_pass.h"
-#include "techniques/light_selection_pass.h"
+#include "techniques/light_selection/light_selection_pass.h"
 #include "techniques/light_tree/light_tree_pass.h"
 #include "techniques/octree/octree_pass.h"
 #include "techniques/oidn/oidn_filter.h"

@@ -10,7 +10,7 @@
 #include "techniques/bdpt/bdpt_settings.h"
 #include "techniques/bmfr/settings.h"
 #include "techniques/directional_quadtree/directional_quadtree_settings.h"
-#include "techniques/light_selection_settings.h"
+#include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/octree/octree_settings.h"
 #include "techniques/path/path_settings.h"
 #include "techniques/path_graphs/settings.h"

@@ -46,6 +46,9 @@ TECHNIQUE_MAY_INCLUDE = {
     "path_graphs": "adaptive_psf hash_grid path path_space_filter",
 }
 
+# The closed lists of a slot's strategies, with what these share: strategies include them, and they include strategies.
+SLOTS = ("direction_sampling", "light_selection")
+
 # Start of an include -> the folders that may use that library.
 LIBRARY_USERS = {
     "embree": "accel",
@@ -86,7 +89,7 @@ def check_include(folder, technique, target):
         return "is not a path from src/"
     if parts[0] != folder and parts[0] not in MAY_INCLUDE[folder].split():
         return f"breaks the layers: {folder} may include {MAY_INCLUDE[folder] or 'nothing'}"
-    if technique and parts[0] == "techniques" and len(parts) > 2 and parts[1] != technique:
+    if technique and parts[0] == "techniques" and parts[1] != technique and not {technique, parts[1]} & set(SLOTS):
         if parts[1] not in TECHNIQUE_MAY_INCLUDE.get(technique, "").split():
             return f"makes {technique} know another technique"
     return None

@@ -60,8 +60,8 @@ class Repository(unittest.TestCase):
         self.write("src/io/a.cpp", "#include <tiny_gltf.h>\n")
         self.write("src/io/a.h", "#include <tiny_gltf.h>\n")
         self.write("src/scene/a.cpp", "#include <assimp/scene.h>\n")
-        self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/list.h"\n')
-        self.write("src/techniques/list.h", '#include "techniques/bdpt/b.h"\n')
+        self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/light_selection/a.h"\n')
+        self.write("src/techniques/light_selection/a.h", '#include "techniques/bdpt/b.h"\n')
         self.write("src/other/a.h", "\n")
         self.assert_finds(
             check_layers.check, "breaks the layers", "not a path from src/", "slow to compile", "not in the table",

@@ -5,8 +5,8 @@
 
 #include "pipeline/pass.h"
 #include "techniques/bdpt/bdpt_settings.h"
-#include "techniques/direction_sampler.h"
-#include "techniques/light_selector.h"
+#include "techniques/direction_sampling/direction_sampler.h"
+#include "techniques/light_selection/light_selector.h"
 #include "techniques/path/path_settings.h"
 
 namespace relume {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/direction_sampler.h"
+#include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
 #include "techniques/directional_quadtree/directional_quadtree_settings.h"
 #include "techniques/octree/octree_pass.h"

@@ -5,8 +5,8 @@
 #include "core/simd.h"
 #include "sampling/choose.h"
 #include "scene/surface_point.h"
-#include "techniques/infinite_lights.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/infinite_lights.h"
+#include "techniques/light_selection/light_selection.h"
 
 namespace relume {
 

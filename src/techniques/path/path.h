@@ -5,8 +5,8 @@
 #include <concepts>
 
 #include "sampling/mis.h"
-#include "techniques/direction_sampler.h"
-#include "techniques/light_selector.h"
+#include "techniques/direction_sampling/direction_sampler.h"
+#include "techniques/light_selection/light_selector.h"
 #include "techniques/primary_hits/primary_hits.h"
 
 namespace relume {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/direction_sampler.h"
-#include "techniques/light_selector.h"
+#include "techniques/direction_sampling/direction_sampler.h"
+#include "techniques/light_selection/light_selector.h"
 #include "techniques/octree/path_recording.h"
 #include "techniques/path/path_settings.h"
 

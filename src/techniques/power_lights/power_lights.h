@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sampling/alias_table.h"
-#include "techniques/infinite_lights.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/infinite_lights.h"
+#include "techniques/light_selection/light_selection.h"
 
 namespace relume {
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "sampling/choose.h"
-#include "techniques/infinite_lights.h"
-#include "techniques/light_selection.h"
-#include "techniques/weighed_lights.h"
+#include "techniques/light_selection/infinite_lights.h"
+#include "techniques/light_selection/light_selection.h"
+#include "techniques/light_selection/weighed_lights.h"
 
 namespace relume {
 

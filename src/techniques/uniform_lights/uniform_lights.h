@@ -2,8 +2,8 @@
 #pragma once
 
 #include "lights/light.h"
-#include "techniques/infinite_lights.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/infinite_lights.h"
+#include "techniques/light_selection/light_selection.h"
 
 namespace relume {
 

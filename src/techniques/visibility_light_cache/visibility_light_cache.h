@@ -3,10 +3,10 @@
 #pragma once
 
 #include "sampling/choose.h"
-#include "techniques/infinite_lights.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/infinite_lights.h"
+#include "techniques/light_selection/light_selection.h"
+#include "techniques/light_selection/weighed_lights.h"
 #include "techniques/visibility_light_cache/exploration.h"
-#include "techniques/weighed_lights.h"
 
 namespace relume {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/light_selection_settings.h"
-#include "techniques/light_selector.h"
+#include "techniques/light_selection/light_selection_settings.h"
+#include "techniques/light_selection/light_selector.h"
 #include "techniques/octree/octree_pass.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/exploration.h"

@@ -1,4 +1,4 @@
-#include "techniques/infinite_lights.h"
+#include "techniques/light_selection/infinite_lights.h"
 
 namespace relume {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "scene/surface_point.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/light_selection.h"
 #include "techniques/light_tree/light_tree.h"
 #include "techniques/power_lights/power_lights.h"
 #include "techniques/static_light_lists/static_light_lists.h"

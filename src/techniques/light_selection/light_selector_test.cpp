@@ -1,6 +1,6 @@
 // The contract of light selectors, applied to every one of the closed list over scenes with all kinds of lights:
 // probabilities sum to one, samples follow them, and the rest of the random number is uniform.
-#include "techniques/light_selector.h"
+#include "techniques/light_selection/light_selector.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "core/change.h"
 #include "settings/setting.h"
-#include "techniques/infinite_lights.h"
+#include "techniques/light_selection/infinite_lights.h"
 
 namespace relume {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sampling/alias_table.h"
-#include "techniques/light_selection.h"
+#include "techniques/light_selection/light_selection.h"
 
 namespace relume {
 

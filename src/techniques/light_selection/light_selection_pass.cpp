@@ -1,4 +1,4 @@
-#include "techniques/light_selection_pass.h"
+#include "techniques/light_selection/light_selection_pass.h"
 
 namespace relume {
 
