@@ -98,6 +98,26 @@ TEST(Octahedral, KeepsDirections) {
   }
 }
 
+TEST(Octahedral, TheSquareGoesOnBeyondItsBorders) {
+  constexpr float kStep = 1e-3f;
+  for (int i = 1; i < 100; ++i) {
+    const float t = static_cast<float>(i) / 100;
+    const Vec2 at[] = {{0, t}, {1, t}, {t, 0}, {t, 1}};
+    const Vec2 out[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    for (int k = 0; k < 4; ++k) {
+      const Vec2 wrapped = wrap_square(at[k] + kStep * out[k]);
+      ASSERT_TRUE(wrapped.x >= 0 && wrapped.x < 1 && wrapped.y >= 0 && wrapped.y < 1);
+      const Vec3 border = direction_from_square(at[k]);
+      const Vec3 inside = direction_from_square(at[k] - kStep * out[k]);
+      // As far beyond the border as the step, and on its other side.
+      EXPECT_LT(glm::length(direction_from_square(wrapped) - border), 10 * kStep);
+      if (i != 50)  // where the border folds
+        EXPECT_GT(glm::length(direction_from_square(wrapped) - inside), glm::length(inside - border));
+    }
+  }
+  EXPECT_EQ(wrap_square(Vec2(0.25f, 0.75f)), Vec2(0.25f, 0.75f));
+}
+
 TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {
   const Vec3 p(100, -200, 300);
   const float error = max_component(abs(p)) * gamma_bound(5);

@@ -53,6 +53,14 @@ RELUME_HD inline float octahedral_solid_angle(const Vec3& w) {
   return 4.0f * norm1 * norm1 * norm1;
 }
 
+/// A point up to an edge beyond the unit square's border as the one in it where the same way across the sphere leads:
+/// two points of a border that lie as far from its middle are one direction.
+RELUME_HD inline Vec2 wrap_square(Vec2 p) {
+  if (p.x < 0.0f || p.x >= 1.0f) p = {p.x < 0.0f ? -p.x : 2.0f - p.x, 1.0f - p.y};
+  if (p.y < 0.0f || p.y >= 1.0f) p = {1.0f - p.x, p.y < 0.0f ? -p.y : 2.0f - p.y};
+  return {clamp(p.x, 0.0f, kOneMinusEpsilon), clamp(p.y, 0.0f, kOneMinusEpsilon)};
+}
+
 /// 16 bits a coordinate of the unit square; unpack_square() gives the middle of the step, which lies in the same
 /// cell of any quadtree of up to 16 levels.
 RELUME_HD inline uint32_t pack_square(const Vec2& p) {

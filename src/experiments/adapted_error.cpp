@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "experiments/learning_scenes.h"
+#include "experiments/trace.h"
 #include "render/build_pipeline.h"
 #include "report/pictures.h"
 
@@ -77,6 +78,24 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Named
 
 size_t PixelMask::pixels() const {
   return mask.size() - static_cast<size_t>(std::count(mask.begin(), mask.end(), uint8_t{0}));
+}
+
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
+  ExperimentScene lights = scene;
+  lights.settings.path.max_bounces = 0;
+  const Image seen = make_reference(context, lights, 256).image;
+  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
+  for (int y = 0; y < seen.height; ++y) {
+    for (int x = 0; x < seen.width; ++x) {
+      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
+      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
+          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
+      }
+    }
+  }
+  return region;
 }
 
 double frame_mse(const Image& frame, const Image& reference, const PixelMask& region) {

@@ -24,6 +24,10 @@ struct PixelMask {
   size_t pixels() const;
 };
 
+/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
+/// single samples differ by all of their brightness, and no choice of lights or directions changes that.
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
+
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
 double frame_mse(const Image& frame, const Image& reference, const PixelMask& region);
 

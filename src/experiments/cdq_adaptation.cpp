@@ -13,19 +13,25 @@ namespace {
 
 constexpr const char* kPaper = "[Dittebrandt20 §7.3]";
 constexpr float kDegreesPerSecond = 36;  // of the turntable
-constexpr int kMemory = 8;               // of one contender; the others forget, as in the paper
+
+/// What differs among the quadtrees. Without migrations: relume's own settings, else the paper's with so many.
+struct Variation {
+  int bits = 128;
+  int migrations = 0;
+
+  bool operator==(const Variation&) const = default;
+  std::string name() const {
+    return migrations == 0 ? "relume's settings"
+                           : fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
+  }
+};
+constexpr Variation kOwn = {};
+constexpr Variation kAsInThePaper = {128, 1};
 
 struct Case {
   float degrees;
-  int bits;
-  int migrations;
-  int memory;
+  Variation variation;
   Adaptation adaptation;  ///< frame 0 is the first after the change
-
-  std::string name() const {
-    return fmt::format("{} bits, {} migration{}{}", bits, migrations, migrations == 1 ? "" : "s",
-                       memory == 0 ? "" : fmt::format(", a memory of {}", memory));
-  }
 };
 
 /// What is to be seen after the change, and where errors count.
@@ -36,14 +42,16 @@ struct Goal {
 
 /// Adapts to the lamp's first place, turns it at once, and measures from there on.
 Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Goal& goal,
-             float degrees, int bits, int migrations, int memory = 0) {
+             float degrees, const Variation& variation) {
   RenderSettings settings = base;
   settings.guide = GuideChoice::cdq;
-  settings.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1);
-  settings.cdq.migrations = migrations;
-  settings.cdq.memory = memory;
+  if (variation.migrations > 0) {
+    use_paper_quadtrees(settings);
+    settings.cdq.bits = static_cast<QuadtreeBits>(variation.bits / 32 - 1);
+    settings.cdq.migrations = variation.migrations;
+  }
   session.set_settings(settings);
-  Case result{degrees, bits, migrations, memory, {}};
+  Case result{degrees, variation, {}};
   const int warm_up = context.choose(128, 8);
   const auto prepare = [&](Session& s, int frame) {
     if (frame > 0) return;
@@ -54,10 +62,10 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
     }
     s.set_time(degrees / kDegreesPerSecond);
   };
-  const std::string stage = fmt::format("{:.0f}°, {}", degrees, result.name());
+  const std::string stage = fmt::format("{:.0f}°, {}", degrees, variation.name());
   result.adaptation = measure_adaptation(context, stage, session, context.choose(16, 2), context.choose(64, 8),
                                          goal.reference, goal.surfaces, prepare);
-  result.adaptation.name = result.name();
+  result.adaptation.name = variation.name();
   return result;
 }
 
@@ -67,10 +75,9 @@ Goal goal_after(const ExperimentContext& context, ExperimentScene scene, float d
           surfaces_of(context, scene)};
 }
 
-const Case& find(const std::vector<Case>& cases, float degrees, int bits, int migrations, int memory = 0) {
-  return *std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
-    return c.degrees == degrees && c.bits == bits && c.migrations == migrations && c.memory == memory;
-  });
+const Case& find(const std::vector<Case>& cases, float degrees, const Variation& variation) {
+  return *std::find_if(cases.begin(), cases.end(),
+                       [&](const Case& c) { return c.degrees == degrees && c.variation == variation; });
 }
 
 void claim_readapts(const Adaptation& adaptation, float degrees, size_t frames, const char* suffix, const char* source,
@@ -85,12 +92,11 @@ void claim_readapts(const Adaptation& adaptation, float degrees, size_t frames, 
 }
 
 void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, std::vector<Claim>& claims) {
-  const Adaptation& one = find(cases, degrees, 128, 1).adaptation;
+  const Adaptation& one = find(cases, degrees, kAsInThePaper).adaptation;
   const Interval after_one = one.adapted_interval(0.1);
   claim_readapts(one, degrees, frames, "", kPaper, claims);
-  claim_readapts(find(cases, degrees, 128, 1, kMemory).adaptation, degrees, frames, "-memory", "our memory of frames",
-                 claims);
-  const Adaptation& many = find(cases, degrees, 128, 8).adaptation;
+  claim_readapts(find(cases, degrees, kOwn).adaptation, degrees, frames, "-own", "relume's settings", claims);
+  const Adaptation& many = find(cases, degrees, {128, 8}).adaptation;
   const Interval after_many = many.adapted_interval(0.1);
   const char* verdict = kVerdictUndecided;
   if (after_many.high < after_one.low) verdict = kVerdictHolds;
@@ -104,11 +110,11 @@ void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, s
 void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vector<Claim>& claims) {
   std::string measured;
   for (const int bits : {32, 64, 96, 128}) {
-    const double plateau = find(cases, 36, bits, 1).adaptation.plateau(16);
+    const double plateau = find(cases, 36, {bits, 1}).adaptation.plateau(16);
     measured += fmt::format("{}{} bits {:.3g}", measured.empty() ? "" : ", ", bits, plateau);
   }
-  const Adaptation& many = find(cases, 36, 128, 1).adaptation;
-  const ErrorRatio ratio = error_ratio(find(cases, 36, 64, 1).adaptation.plateaus(16), many.plateaus(16));
+  const Adaptation& many = find(cases, 36, kAsInThePaper).adaptation;
+  const ErrorRatio ratio = error_ratio(find(cases, 36, {64, 1}).adaptation.plateaus(16), many.plateaus(16));
   claims.push_back(with_verdict("bits", kPaper, "More than 64 bits do not lower the error much.",
                                 fmt::format("MSE {}; 64 bits over 128: {}", measured, to_text(ratio)),
                                 "64 bits at most 1.15× of 128, by the interval", verdict_of(ratio.interval, 0, 1.15)));
@@ -138,12 +144,13 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
       bsdf = measure_adaptation(context, "BSDF", session, context.choose(16, 2), 4, goal.reference, goal.surfaces);
     }
     for (const int bits : {32, 64, 96, 128}) {
-      if (degrees > 20 || bits % 64 == 0) cases.push_back(measure(context, session, settings, goal, degrees, bits, 1));
+      if (degrees > 20 || bits % 64 == 0)
+        cases.push_back(measure(context, session, settings, goal, degrees, {bits, 1}));
     }
-    cases.push_back(measure(context, session, settings, goal, degrees, 128, 1, kMemory));
+    cases.push_back(measure(context, session, settings, goal, degrees, kOwn));
     for (const int migrations : {2, 4, 8}) {
       if (degrees > 20 || migrations == 8)
-        cases.push_back(measure(context, session, settings, goal, degrees, 128, migrations));
+        cases.push_back(measure(context, session, settings, goal, degrees, {128, migrations}));
     }
   }
   ExperimentResult result;

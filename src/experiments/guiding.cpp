@@ -31,36 +31,46 @@ struct Guided {
   const char* source;
 };
 constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
-                              {2, "cdq, a memory of 8", "-memory", "our memory of frames"}};
+                              {2, "cdq, relume's settings", "-own", "relume's settings"}};
 
-/// The BSDF, the paper's settings, these with a memory; then departures from the paper's one by one.
+/// Where it is among the errors of a scene whose environment is not sampled.
+constexpr size_t kSampled = 3;
+
+/// The BSDF, the paper's settings, relume's; next event estimation of the environment if the scene leaves that to
+/// paths, as what no choice of directions betters; then departures from the paper one by one.
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   RenderSettings settings = scene.settings;
   set_size(context, settings, scene.scale);
   std::vector<NamedSettings> list{{"BSDF", settings}};
+  RenderSettings sampled = settings;
+  sampled.light_selection.environment = true;
   settings.guide = GuideChoice::cdq;
+  const RenderSettings own = settings;
+  use_paper_quadtrees(settings);
   const auto add = [&](std::string name, const auto& change) {
     RenderSettings s = settings;
     change(s);
     list.push_back({std::move(name), s});
   };
   add(kGuided[0].name, [](RenderSettings&) {});
-  add(kGuided[1].name, [](RenderSettings& s) { s.cdq.memory = 8; });
+  list.push_back({kGuided[1].name, own});
+  if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
   if (!departures) return list;
   for (const int migrations : {4, 16})
     add(fmt::format("{} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
   add("stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
   add("jitter", [](RenderSettings& s) { s.octree.jitter = 1; });
   add("a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add("a memory of 32 frames", [](RenderSettings& s) { s.cdq.memory = 32; });
-  add("a memory of 8, a quarter by the BSDF", [](RenderSettings& s) {
-    s.cdq.memory = 8;
-    s.cdq.bsdf_fraction = 0.25f;
-  });
+  add("a memory of 8 frames", [](RenderSettings& s) { s.cdq.memory = 8; });
+  add("spread to leaves around", [](RenderSettings& s) { s.cdq.spread = 1; });
   for (const int bits : {32, 64, 96}) {
     add(fmt::format("{} bits", bits),
         [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
   }
+  settings = own;
+  add("relume's, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
+  add("relume's, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
+  add("relume's, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
   return list;
 }
 
@@ -120,7 +130,10 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
                     fmt::format("Where the sun and its spot light the mine, guiding ({}) has two to three orders of "
                                 "magnitude less error; next event estimation knows no environment.",
                                 guided.name),
-                    fmt::format("sun {}, spot {}", to_text(sun), to_text(spot)), {sun, spot}, 30));
+                    fmt::format("sun {}, spot {}; sampling the sun itself {} and {}", to_text(sun), to_text(spot),
+                                to_text(error_ratio(paper.errors[0].mse[1], paper.errors[kSampled].mse[1])),
+                                to_text(error_ratio(paper.errors[0].mse[2], paper.errors[kSampled].mse[2]))),
+                    {sun, spot}, 30));
   const ErrorRatio indirect = gain(sampled, guided, 2);
   claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), "design",
                                  fmt::format("With the environment sampled, guiding ({}) still helps where the spot "
@@ -160,10 +173,33 @@ ExperimentScene mine(std::string name, bool environment, int scale) {
   return scene;
 }
 
+/// With a smaller sun, as bright in all: the fewer directions matter, the more there is to gain.
+ExperimentScene mine_with_sun(float degrees) {
+  ExperimentScene scene = mine(fmt::format("mine, a sun of {}°, environment not sampled, small", degrees), false, 1);
+  scene.scene.environment.sun_sky.sun_angular_diameter_rad = glm::radians(degrees);
+  return scene;
+}
+
+void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller, std::vector<Claim>& claims) {
+  std::string measured = fmt::format("10° {}", to_text(gain(ten, kGuided[1], 1)));
+  std::vector<ErrorRatio> ratios;
+  for (const SceneResult& scene : smaller) {
+    ratios.push_back(gain(scene, kGuided[1], 1));
+    measured += fmt::format("; {} {}", scene.name, to_text(ratios.back()));
+  }
+  claims.push_back(judged_ratios("mine-small-suns", "relume's settings",
+                                 "The smaller the sun, the more guiding (relume's settings) gains where it shines.",
+                                 measured, ratios, 30));
+}
+
 ExperimentResult run_guiding(const ExperimentContext& context) {
   const SceneResult paper_result = measure(context, mine("mine, environment not sampled", false, kMineScale), false);
   const SceneResult sampled_result = measure(context, mine("mine, environment sampled", true, kMineScale), false);
   const SceneResult departures = measure(context, mine("mine, environment not sampled, small", false, 1), true);
+  std::vector<SceneResult> suns;
+  for (const float degrees : {5.0f, 2.5f}) {
+    if (!context.quick || suns.empty()) suns.push_back(measure(context, mine_with_sun(degrees), false));
+  }
   std::vector<SceneResult> others;
   std::vector<const char*> names{"warehouse"};
   if (!context.quick) names = {"warehouse", "cover", "turntable", "slit"};
@@ -180,6 +216,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
     claim_mine(paper_result, sampled_result, guided, result.claims);
     claim_elsewhere(others, guided, result.claims);
   }
+  claim_suns(departures, suns, result.claims);
   std::vector<PictureSet> pictures{paper_result.pictures, sampled_result.pictures, departures.pictures};
   for (const SceneResult& scene : others) pictures.push_back(scene.pictures);
   result.blocks.emplace_back(
@@ -187,6 +224,7 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
   result.blocks.emplace_back(table(paper_result));
   result.blocks.emplace_back(table(sampled_result));
   result.blocks.emplace_back(table(departures));
+  for (const SceneResult& scene : suns) result.blocks.emplace_back(table(scene));
   for (const SceneResult& scene : others) result.blocks.emplace_back(table(scene));
   result.setup = adapted_setup(context);
   if (!context.quick) {

@@ -86,6 +86,12 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
   return scene;
 }
 
+void use_paper_quadtrees(RenderSettings& settings) {
+  settings.cdq.memory = 0;
+  settings.cdq.spread = 0;
+  settings.cdq.migrations = 1;
+}
+
 int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 256); }
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
@@ -93,24 +99,6 @@ std::vector<std::pair<std::string, std::string>> learning_setup(const Experiment
           {"Path", "two indirect rays, as in the paper"},
           {"Reference", std::to_string(learning_reference_spp(context)) +
                             " samples a pixel with the light tree; its own noise is known and taken off every MSE"}};
-}
-
-PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
-  ExperimentScene lights = plainly_sampled(scene);
-  lights.settings.path.max_bounces = 0;
-  const Image seen = make_reference(context, lights, 256).image;
-  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
-  for (int y = 0; y < seen.height; ++y) {
-    for (int x = 0; x < seen.width; ++x) {
-      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
-      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
-          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
-      }
-    }
-  }
-  return region;
 }
 
 std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces) {

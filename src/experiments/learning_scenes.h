@@ -25,14 +25,13 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
 /// far less noise than power where lamps are many.
 ExperimentScene plainly_sampled(ExperimentScene scene);
 
+/// Quadtrees that forget, keep what is found to its leaf and move one leaf a frame, as in the paper.
+void use_paper_quadtrees(RenderSettings& settings);
+
 /// Samples a pixel of references in experiments on learning.
 int learning_reference_spp(const ExperimentContext& context);
 /// What these experiments have in common, for ExperimentResult::setup.
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context);
-
-/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
-/// single samples differ by all of their brightness, and no choice of lights or directions changes that.
-PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// Parts of the picture of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
 /// by a reference and one without indirect light. All surfaces come first.

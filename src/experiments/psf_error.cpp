@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "experiments/adapted_error.h"
 #include "experiments/all.h"
 #include "experiments/frame_averages.h"
 #include "experiments/study.h"
@@ -50,29 +51,6 @@ void claim_first_frame(const Comparison& c, std::vector<Claim>& claims) {
                           fmt::format("{:.3f} of path tracing's", ratio), "at most 0.5", ratio <= 0.5));
 }
 
-/// Whether nothing emits light in a pixel or beside it.
-std::vector<bool> away_from_lamps(const ExperimentContext& context, const ExperimentScene& scene) {
-  RenderSettings settings = scene.settings;
-  set_size(context, settings);
-  settings.auxiliary = true;
-  settings.path.max_bounces = 0;
-  Session session(scene.scene, settings);
-  session.set_camera(scene.camera);
-  for (int i = 0; i < 64; ++i) session.render_frame();
-  const Image image = session.image();
-  std::vector<bool> away(image.pixels.size(), true);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      if (is_black(image.at(x, y))) continue;
-      for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
-        for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u)
-          away[static_cast<size_t>(v * image.width + u)] = false;
-      }
-    }
-  }
-  return away;
-}
-
 /// MSE of first frames, over all pixels and over those away from lamps.
 struct FirstFrames {
   double all = 0;
@@ -80,36 +58,33 @@ struct FirstFrames {
 };
 
 FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene& scene, const RenderSettings& settings,
-                         const Image& reference, const std::vector<bool>& away) {
+                         const Image& reference, const PixelMask& surfaces) {
   const int count = context.choose(16, 4);
-  const auto pixels_away = static_cast<double>(std::count(away.begin(), away.end(), true));
+  const PixelMask all{"picture", std::vector<uint8_t>(reference.pixels.size(), 1)};
   Session session(scene.scene, settings);
   session.set_camera(scene.camera);
-  FirstFrames sums;
+  FirstFrames means;
   for (int seed = 1; seed <= count; ++seed) {
     context.check_stop();
     session.restart(seed);
     session.render_frame();
     const Image image = session.image();
-    for (size_t i = 0; i < away.size(); ++i) {
-      const auto error = static_cast<double>(length_squared(image.pixels[i] - reference.pixels[i])) / (3 * count);
-      sums.all += error / static_cast<double>(away.size());
-      if (away[i]) sums.away += error / pixels_away;
-    }
+    means.all += frame_mse(image, reference, all) / count;
+    means.away += frame_mse(image, reference, surfaces) / count;
   }
-  return sums;
+  return means;
 }
 
 /// Which part of the gain comes from the filter, and which from the camera rays at edges of lamps.
 void claim_filter_alone(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Claim>& claims) {
   const Reference reference = make_reference(context, scene);
-  const std::vector<bool> away = away_from_lamps(context, scene);
+  const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> contenders = cache_contenders(context, scene);
   RenderSettings settings = contenders[1].settings;
-  const FirstFrames path = first_frames(context, scene, contenders[0].settings, reference.image, away);
-  const FirstFrames psf = first_frames(context, scene, settings, reference.image, away);
+  const FirstFrames path = first_frames(context, scene, contenders[0].settings, reference.image, surfaces);
+  const FirstFrames psf = first_frames(context, scene, settings, reference.image, surfaces);
   settings.psf.edge_rays = 0;
-  const FirstFrames plain = first_frames(context, scene, settings, reference.image, away);
+  const FirstFrames plain = first_frames(context, scene, settings, reference.image, surfaces);
   claims.push_back(judged(
       "first-frame-filter-" + scene.name, kPaper,
       fmt::format("{}: away from lamps, where it traces no camera rays of its own, psf at least halves the MSE of path "

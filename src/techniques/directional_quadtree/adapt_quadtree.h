@@ -16,6 +16,7 @@ struct QuadtreeAdaption {
   float stability = 0.1f;   ///< a leaf must hold 1 / stability times what it displaces
   uint32_t migrations = 1;  ///< at most, in one call
   float kept = 0;           ///< share of what earlier calls found that still counts; 0: the paper
+  float spread = 0;         ///< share of what a leaf's samples found that counts around it too; 0: the paper
 };
 
 /// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes. What outlasts a call
@@ -29,9 +30,11 @@ struct QuadtreeWeights {
   float largest[kBits] = {};             ///< square among them
   float inherited[kBits] = {};           ///< the leaf's share of what was found before its parent was split
 
-  RELUME_HD void add(uint32_t bit, float square) {
-    found[bit] = relume::min(found[bit] + square, kMost);
-    largest[bit] = relume::max(largest[bit], square);
+  RELUME_HD void add(uint32_t bit, float square) { add(bit, square, square); }
+  /// A sum of squares, and the largest of them.
+  RELUME_HD void add(uint32_t bit, float squares, float most) {
+    found[bit] = relume::min(found[bit] + squares, kMost);
+    largest[bit] = relume::max(largest[bit], most);
   }
   RELUME_HD float held(uint32_t bit) const { return found[bit] + inherited[bit]; }
   RELUME_HD float held_by_group(uint32_t group) const {
@@ -133,13 +136,36 @@ RELUME_HD inline void add_squares(const DirectionalQuadtree& tree, QuadtreeWeigh
   }
 }
 
+/// Adds to `w` what `now` found; a share of each leaf's goes as well to the eight squares of its size around it, unless
+/// finer leaves are there already. A light's rim in a coarse leaf is met rarely, and then with a small density and a
+/// large weight: leaves beside those that are bright become fine before that happens.
+RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
+                                 float share) {
+  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+    if (!(now.found[bit] > 0.0f)) continue;
+    w.add(bit, now.found[bit], now.largest[bit]);
+    if (!(share > 0.0f)) continue;
+    const QuadtreeCell cell = tree.cell_of(bit);
+    const float edge = cell.edge();
+    for (int i = 0; i < 9; ++i) {
+      if (i == 4) continue;  // the leaf itself
+      const Vec2 step(static_cast<float>(i % 3) - 0.5f, static_cast<float>(i / 3) - 0.5f);
+      const QuadtreeCell beside = tree.find(wrap_square(cell.corner + step * edge));
+      if (beside.depth > cell.depth || beside.bit == bit) continue;
+      w.add(beside.bit, 0.125f * share * now.found[bit], 0.125f * share * now.largest[bit]);
+    }
+  }
+}
+
 /// Adapts `tree` to samples; `samples(i)` is the i-th of `count`. Squares make the tree follow variance as well as
 /// energy. `w`: what the last call left of this tree, or nothing. Returns how many leaves were split.
 template <typename Samples>
 RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples, uint32_t count,
                                 const QuadtreeAdaption& options) {
   w.scale(options.kept);
-  add_squares(tree, w, samples, count);
+  QuadtreeWeights now;
+  add_squares(tree, now, samples, count);
+  add_spread(tree, w, now, options.spread);
   uint32_t moved = 0;
   while (moved < options.migrations) {
     const MigrationChoice choice = choose_migration(tree, w, options);

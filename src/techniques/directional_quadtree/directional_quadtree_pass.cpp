@@ -20,6 +20,10 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        &s.memory,
        "Earlier frames in which a region had samples that still count, roughly; 0: none, as in the paper",
        {.min = 0, .max = 1000}},
+      {"spread",
+       &s.spread,
+       "Share of what a leaf found that counts for the leaves around it too; 0: none, as in the paper",
+       {.min = 0, .max = 8}},
       {"sampling", choice(s.sampling, {"bottom-up", "stratified"}),
        "How directions are drawn: a leaf first, or from the root down so that well spread numbers stay spread"},
       {"view",
@@ -79,7 +83,7 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
   moved_ = 0;
   if (same_size) {
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations),
-                                   kept_share(settings_.memory)};
+                                   kept_share(settings_.memory), settings_.spread};
     launch(frame.backend, "cdq.adapt",
            AdaptQuadtreesKernel{octree_.groups(), trees, options, mutable_view_of(weights_), {&moved_, 1}},
            octree_.previous().leaf_slots(), 1);

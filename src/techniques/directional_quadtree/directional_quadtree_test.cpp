@@ -7,28 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "techniques/directional_quadtree/adapt_quadtree.h"
 #include "techniques/directional_quadtree/directional_quadtree_pass.h"
+#include "techniques/directional_quadtree/testing/random_tree.h"
 #include "testing/histogram.h"
 #include "testing/random.h"
 
 namespace relume {
 namespace {
 
-constexpr uint32_t kBitCounts[] = {32, 64, 96, 128};
+using testing::random_tree;
 
-/// A tree that some hundred random migrations have left behind.
-DirectionalQuadtree random_tree(uint32_t bit_count, uint32_t seed) {
-  DirectionalQuadtree tree = uniform_quadtree(bit_count);
-  testing::Random random(seed);
-  QuadtreeWeights w{};
-  for (int step = 0; step < 300; ++step) {
-    for (uint32_t i = 0; i < bit_count; ++i) w.found[i] = tree.bits.get(i) ? 0.0f : random.next();
-    const MigrationChoice choice = choose_migration(tree, w, {.stability = 1e6f});
-    if (choice.found) migrate(tree, w, choice.inner, choice.leaf, 0);
-  }
-  return tree;
-}
+constexpr uint32_t kBitCounts[] = {32, 64, 96, 128};
 
 /// The tree of `tree`'s bits, taken apart without rank and select: squares of all leaves.
 struct Leaf {
@@ -191,159 +180,6 @@ TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
   EXPECT_LT(spread(true), 5.0);
 }
 
-/// Samples spread like the tree's own density, as in rendering, so that values are L / pdf.
-template <typename Radiance>
-std::vector<DirectionSample> observe(const DirectionalQuadtree& tree, int count, uint32_t seed,
-                                     const Radiance& radiance) {
-  std::vector<DirectionSample> samples;
-  testing::Random random(seed);
-  for (int i = 0; i < count; ++i) {
-    const Vec3 w = tree.sample(random.next_2d());
-    samples.push_back({pack_square(square_from_direction(w)), radiance(w) / tree.pdf(w)});
-  }
-  return samples;
-}
-
-/// Without a memory, as in the paper.
-template <typename Samples>
-uint32_t adapt_afresh(DirectionalQuadtree& tree, const Samples& samples, uint32_t count,
-                      const QuadtreeAdaption& options) {
-  QuadtreeWeights forgotten;
-  return adapt(tree, forgotten, samples, count, options);
-}
-
-TEST(AdaptQuadtree, MovesTowardsASmallBrightSpotAndStopsThere) {
-  const Vec3 sun = glm::normalize(Vec3(0.4f, 0.8f, 0.3f));
-  const auto radiance = [&](const Vec3& w) { return glm::dot(w, sun) > 0.995f ? 1000.0f : 0.1f; };
-  for (const uint32_t bit_count : kBitCounts) {
-    DirectionalQuadtree tree = uniform_quadtree(bit_count);
-    const float before = tree.pdf(sun);
-    uint32_t moved_late = 0;
-    for (uint32_t frame = 0; frame < 120; ++frame) {
-      const auto samples = observe(tree, 2000, frame, radiance);
-      const uint32_t moved = adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 2000, {});
-      if (frame >= 100) moved_late += moved;
-    }
-    EXPECT_GT(tree.pdf(sun), 8 * before) << bit_count;
-    EXPECT_LT(moved_late, 20u) << bit_count;  // a tenth as stability: it does not flutter in every frame
-    EXPECT_EQ(leaves_of(tree).size(), tree.leaf_count());
-  }
-}
-
-TEST(AdaptQuadtree, FollowsTheLightWhenItMoves) {
-  Vec3 sun = glm::normalize(Vec3(1, 0.2f, 0.1f));
-  const auto radiance = [&](const Vec3& w) { return glm::dot(w, sun) > 0.98f ? 100.0f : 0.5f; };
-  const auto frames_until_adapted = [&](uint32_t migrations) {
-    sun = glm::normalize(Vec3(1, 0.2f, 0.1f));
-    DirectionalQuadtree tree = uniform_quadtree(128);
-    for (uint32_t frame = 0; frame < 80; ++frame) {
-      const auto samples = observe(tree, 1000, frame, radiance);
-      adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 1000, {0.1f, migrations});
-    }
-    const float adapted = tree.pdf(sun);
-    sun = -sun;
-    int frames = 0;
-    while (tree.pdf(sun) < 0.5f * adapted && frames < 200) {
-      const auto samples = observe(tree, 1000, 1000 + static_cast<uint32_t>(frames++), radiance);
-      adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 1000, {0.1f, migrations});
-    }
-    return frames;
-  };
-  const int one = frames_until_adapted(1);
-  const int four = frames_until_adapted(4);
-  EXPECT_LT(one, 40);
-  EXPECT_LT(four, one);  // that is what several migrations are for
-}
-
-TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
-  // After every migration of a run the sums at the leaves must be those of counting from scratch.
-  for (const uint32_t bit_count : kBitCounts) {
-    DirectionalQuadtree tree = random_tree(bit_count, 9);
-    std::vector<DirectionSample> samples;
-    testing::Random random(2);
-    for (int i = 0; i < 3000; ++i) samples.push_back({pack_square(random.next_2d()), 1.0f});
-    const auto count_from_scratch = [&] {
-      QuadtreeWeights w{};
-      for (const DirectionSample& s : samples) w.add(tree.find(unpack_square(s.direction)).bit, 1.0f);
-      return w;
-    };
-    for (int step = 0; step < 50; ++step) {
-      QuadtreeWeights w = count_from_scratch();
-      const MigrationChoice choice = choose_migration(tree, w, {.stability = 1e6f});
-      ASSERT_TRUE(choice.found);
-      const uint32_t group = migrate(tree, w, choice.inner, choice.leaf, 0);
-      const QuadtreeWeights expected = count_from_scratch();
-      for (uint32_t i = 0; i < bit_count; ++i) {
-        if (i >> 2 == group) continue;  // the split leaf's samples have not been told apart yet
-        ASSERT_EQ(w.found[i], tree.bits.get(i) ? 0.0f : expected.found[i]) << bit_count << " " << i;
-      }
-    }
-  }
-}
-
-TEST(AdaptQuadtree, AMemoryServesWhereFramesHaveFewSamples) {
-  // Twenty samples a frame; one in fifty would meet the spot. Judged by the second moment ∫ L² / pdf of the mixture.
-  const Vec3 sun = glm::normalize(Vec3(0.4f, 0.8f, 0.3f));
-  const auto radiance = [&](const Vec3& w) {
-    return glm::dot(w, sun) > 0.96f ? 100.0f : 0.5f + 0.4f * std::sin(40 * w.x);
-  };
-  const auto mixed = [](const DirectionalQuadtree& tree, const Vec3& w) {
-    return 0.5f * (0.25f * kInvPi + tree.pdf(w));
-  };
-  const auto mean_moment = [&](float kept) {
-    DirectionalQuadtree tree = uniform_quadtree(128);
-    QuadtreeWeights w;
-    testing::Random random(3);
-    double sum = 0;
-    for (uint32_t frame = 0; frame < 600; ++frame) {
-      std::vector<DirectionSample> samples;
-      for (int i = 0; i < 20; ++i) {
-        const bool guided = random.next() < 0.5f;
-        const Vec2 u = random.next_2d();
-        const Vec3 d = guided ? tree.sample(u) : uniform_quadtree(128).sample(u);
-        samples.push_back({pack_square(square_from_direction(d)), radiance(d) / mixed(tree, d)});
-      }
-      if (!(kept > 0.0f)) w = {};
-      adapt(tree, w, [&](uint32_t i) { return samples[i]; }, 20, {.kept = kept});
-      EXPECT_TRUE(is_quadtree(tree));
-      for (uint32_t i = 0; frame >= 300 && i < 1024; ++i) {
-        const Vec3 d =
-            direction_from_square(Vec2(static_cast<float>(i % 32) + 0.5f, static_cast<float>(i / 32) + 0.5f) / 32.0f);
-        sum += sqr(radiance(d)) / mixed(tree, d) * octahedral_solid_angle(d);
-      }
-    }
-    return sum;
-  };
-  EXPECT_LT(mean_moment(8.0f / 9), 0.8 * mean_moment(0));
-}
-
-TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
-  DirectionalQuadtree tree = uniform_quadtree(128);
-  const DirectionSample bright{0x40008000u, 1000.0f};
-  QuadtreeWeights w;
-  EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 1, {.kept = 0.9f}), 0u);
-  for (int frame = 0; frame < 20; ++frame)
-    EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 0, {.kept = 0.9f}), 0u);
-  EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 2, {.kept = 0.9f}), 1u);  // two of a kind do
-}
-
-TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {
-  DirectionalQuadtree tree = uniform_quadtree(64);
-  const std::vector<DirectionSample> bad{{0, 0.0f}, {1, -1.0f}, {2, kInfinity}, {3, std::nanf("")}, {4, 1e30f}};
-  EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return bad[i]; }, 5, {}), 0u);
-  EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return bad[i]; }, 0, {}), 0u);
-  // Uniform light, with as many samples as leaves can tell apart: nothing is ten times better than anything else.
-  const auto samples = observe(tree, 20000, 5, [](const Vec3&) { return 1.0f; });
-  EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 20000, {}), 0u);
-}
-
-TEST(AdaptQuadtree, NeverGoesBelowTheLargestDepth) {
-  DirectionalQuadtree tree = uniform_quadtree(128);
-  const std::vector<DirectionSample> sample{{0x80008000u, 1.0f}};
-  for (int i = 0; i < 40; ++i) adapt_afresh(tree, [&](uint32_t) { return sample[0]; }, 1, {});
-  EXPECT_EQ(tree.find(unpack_square(sample[0].direction)).depth, kMaxQuadtreeDepth);
-}
-
 TEST(QuadtreeArray, StoresWhatItLoads) {
   for (const uint32_t bit_count : kBitCounts) {
     std::vector<uint32_t> words(3 * bit_count / 32);
@@ -363,7 +199,8 @@ TEST(Quadtree, IsToldFromOtherBits) {
     testing::Random random(bits);
     for (int i = 0; i < 200; ++i) {  // whatever adaption makes of it
       const uint32_t place = pack_square(random.next_2d());
-      adapt_afresh(tree, [&](uint32_t) { return DirectionSample{place, 1.0f}; }, 1, {0.1f, 4});
+      QuadtreeWeights weights;
+      adapt(tree, weights, [&](uint32_t) { return DirectionSample{place, 1.0f}; }, 1, {0.1f, 4});
       ASSERT_TRUE(is_quadtree(tree)) << bits << ' ' << i;
     }
     tree.bits.words[0] = 0xffffffffu;
