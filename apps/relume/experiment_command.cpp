@@ -104,6 +104,12 @@ std::vector<ExperimentSummary> summaries_in(const std::filesystem::path& folder)
   return summaries;
 }
 
+void write_index(const std::filesystem::path& folder) {
+  const std::vector<ExperimentSummary> all = summaries_in(folder);
+  write_file(folder / "index.html", to_html(index_page(all)));
+  write_file(folder / "index.md", index_markdown(all));
+}
+
 bool is_done(const ExperimentOptions& o, const std::filesystem::path& folder, const Experiment& experiment) {
   if (!o.goes_on) return false;
   const std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
@@ -121,6 +127,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
     const std::string name(experiment->name);
     context.parts_folder = folder / (name + ".parts");
     if (is_done(o, folder, *experiment)) {
+      write_index(folder);
       tell(verbosity, fmt::format("{} is in {} already", name, folder.string()));
       continue;
     }
@@ -133,7 +140,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       write_file(folder / (name + ".json"), to_json(*experiment, result, run));
       std::error_code stays;
       std::filesystem::remove_all(context.parts_folder, stays);
-      write_file(folder / "index.html", to_html(index_page(summaries_in(folder))));
+      write_index(folder);
       print_claims(*experiment, result);
       tell(verbosity,
            fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
@@ -168,7 +175,7 @@ Command experiment_command(Verbosity& verbosity) {
       .arguments = {{"ACTION", &options->action, "list or run", true, Completion::experiment},
                     {"NAME", &options->names, "Experiments", false, Completion::experiment, true}},
       .options = {{{"output", &options->output,
-                    "Folder for NAME.json and NAME.html, and index.html that leads to all of them"},
+                    "Folder for NAME.json and NAME.html, index.html that leads to all of them, and index.md"},
                    "FOLDER",
                    'o',
                    Completion::file},

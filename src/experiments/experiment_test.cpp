@@ -45,8 +45,9 @@ TEST(Experiments, ResultsAsJsonAndPage) {
 
 TEST(Experiments, TheIndexIsMadeFromFiles) {
   const Experiment& experiment = experiments().front();
-  const std::string json = to_json(experiment, {{judged("a", "[X §1]", "holds here", "1", "below 2", true)}, {}, {}},
-                                   {{{"Processor", "p"}}, true, 3});
+  const std::string json =
+      to_json(experiment, {{judged("a", "[X §1]", "holds here | there", "1", "below 2", true)}, {}, {}},
+              {{{"Processor", "p"}}, true, 3});
   const ExperimentSummary summary = read_summary(json, "a.json");
   EXPECT_EQ(summary.name, experiment.name);
   EXPECT_TRUE(summary.run.quick);
@@ -56,6 +57,8 @@ TEST(Experiments, TheIndexIsMadeFromFiles) {
   const std::string index = to_html(index_page({summary}));
   EXPECT_NE(index.find(std::string(experiment.name) + ".html"), std::string::npos);
   EXPECT_NE(index.find("1 of 1 claims hold"), std::string::npos);
+  const std::string markdown = index_markdown({summary});
+  EXPECT_NE(markdown.find("| [X §1] | holds here \\| there | 1 | below 2 | holds |"), std::string::npos) << markdown;
   EXPECT_THROW(read_summary("{}", "a.json"), Error);
   EXPECT_THROW(read_summary("", "a.json"), Error);
 }

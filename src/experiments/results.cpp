@@ -54,6 +54,22 @@ void add_curves(const ChartBlock& block, Json& curves) {
   }
 }
 
+std::string machine_text(const ExperimentRun& run) {
+  std::string text;
+  for (const auto& [name, value] : run.machine) text += fmt::format("; {}: {}", name, value);
+  return text;
+}
+
+/// A cell of a table: a bar would end it.
+std::string cell_text(std::string_view text) {
+  std::string cell;
+  for (const char c : text) {
+    if (c == '|') cell += '\\';
+    cell += c == '\n' ? ' ' : c;
+  }
+  return cell;
+}
+
 }  // namespace
 
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run) {
@@ -113,9 +129,8 @@ Page index_page(const std::vector<ExperimentSummary>& experiments) {
     quick = quick || e.run.quick;
     links.links.push_back(
         {e.name + ".html", e.name, fmt::format("{}: {}; {}", e.paper, e.summary, count_text(e.claims))});
-    std::string machine;
-    for (const auto& [name, value] : e.run.machine) machine += fmt::format("; {}: {}", name, value);
-    made.pairs.emplace_back(e.name, (e.run.quick ? "quick run, " : "") + duration_text(e.run.seconds) + machine);
+    made.pairs.emplace_back(e.name,
+                            (e.run.quick ? "quick run, " : "") + duration_text(e.run.seconds) + machine_text(e.run));
   }
   TextBlock lead{"In short", count_text(all) + ".", {}};
   if (quick) lead.points.emplace_back(kQuickNote);
@@ -124,6 +139,23 @@ Page index_page(const std::vector<ExperimentSummary>& experiments) {
     page.blocks.emplace_back(ClaimBlock{e.name, fmt::format("{}: {}.", e.paper, e.summary), e.claims});
   page.blocks.emplace_back(made);
   return page;
+}
+
+std::string index_markdown(const std::vector<ExperimentSummary>& experiments) {
+  std::vector<Claim> all;
+  std::string text;
+  for (const ExperimentSummary& e : experiments) {
+    all.insert(all.end(), e.claims.begin(), e.claims.end());
+    text += fmt::format("\n## {}\n\n{}: {}. {}: {}.\n", e.name, e.paper, e.summary,
+                        e.run.quick ? "A quick run" : "In full", count_text(e.claims));
+    text += fmt::format("\nDuration: {}{}.\n", duration_text(e.run.seconds), machine_text(e.run));
+    text += "\n| paper | claim | measured | asked | verdict |\n|---|---|---|---|---|\n";
+    for (const Claim& c : e.claims) {
+      text += fmt::format("| {} | {} | {} | {} | {} |\n", cell_text(c.paper), cell_text(c.claim), cell_text(c.measured),
+                          cell_text(c.threshold), cell_text(c.verdict));
+    }
+  }
+  return fmt::format("# Experiments\n\nWhat papers claim beside what was measured: {}.\n{}", count_text(all), text);
 }
 
 }  // namespace relume

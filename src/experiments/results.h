@@ -39,4 +39,7 @@ ExperimentSummary read_summary(std::string_view json, const std::string& place);
 /// A page that leads to those of experiments, which stand beside it as NAME.html, with all their claims.
 Page index_page(const std::vector<ExperimentSummary>& experiments);
 
+/// The same claims as tables in Markdown, without links.
+std::string index_markdown(const std::vector<ExperimentSummary>& experiments);
+
 }  // namespace relume

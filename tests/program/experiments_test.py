@@ -18,6 +18,7 @@ class Experiments(ProgramTest):
         environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
         self.succeed("experiment", "run", "--all", "--quick", "-o", "out", timeout=1500, env=environment)
         index = (self.folder / "out/index.html").read_text()
+        tables = (self.folder / "out/index.md").read_text()
         for name in listed:
             with self.subTest(experiment=name):
                 result = json.loads((self.folder / f"out/{name}.json").read_text())
@@ -30,6 +31,7 @@ class Experiments(ProgramTest):
                         self.assertRegex(claim["measured"], r"\d")
                 self.assertIn("</html>", (self.folder / f"out/{name}.html").read_text())
                 self.assertIn(f"{name}.html", index)
+                self.assertIn(f"\n## {name}\n", tables)
 
 
 if __name__ == "__main__":
