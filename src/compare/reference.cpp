@@ -170,9 +170,12 @@ std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_
   reference.spp = 2 * half_spp_;
   if (std::filesystem::exists(target)) {
     const ExrFile exr = read_exr(target);
+    if (exr.width != settings_.width || exr.height != settings_.height) {
+      throw Error(
+          fmt::format("{}: this picture has {} × {} pixels, not {} × {}; delete the file, so that it is made again",
+                      target.string(), exr.width, exr.height, settings_.width, settings_.height));
+    }
     estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);
-    if (exr.width != settings_.width || exr.height != settings_.height)
-      throw Error(target.string() + ": this picture has another size; delete the file, so that it is made again");
     reference.surface = surface_from(exr.channels, target.string());
     reference.cached = true;
     return reference;

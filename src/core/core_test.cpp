@@ -111,11 +111,15 @@ TEST(Octahedral, TheSquareGoesOnBeyondItsBorders) {
       const Vec3 inside = direction_from_square(at[k] - kStep * out[k]);
       // As far beyond the border as the step, and on its other side.
       EXPECT_LT(glm::length(direction_from_square(wrapped) - border), 10 * kStep);
-      if (i != 50)  // where the border folds
-        EXPECT_GT(glm::length(direction_from_square(wrapped) - inside), glm::length(inside - border));
+      if (i == 50) continue;  // where the border folds
+      EXPECT_GT(glm::length(direction_from_square(wrapped) - inside), glm::length(inside - border));
     }
   }
   EXPECT_EQ(wrap_square(Vec2(0.25f, 0.75f)), Vec2(0.25f, 0.75f));
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {  // all four are one direction
+    const Vec2 out = kStep * (2.0f * corner - 1.0f);
+    EXPECT_LT(glm::length(wrap_square(corner + out) - (Vec2(1) - corner + out)), 1e-6f);
+  }
 }
 
 TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {

@@ -81,7 +81,7 @@ size_t PixelMask::pixels() const {
 }
 
 PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
-  ExperimentScene lights = scene;
+  ExperimentScene lights = plainly_sampled(scene);
   lights.settings.path.max_bounces = 0;
   const Image seen = make_reference(context, lights, 256).image;
   PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};

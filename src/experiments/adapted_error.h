@@ -25,7 +25,7 @@ struct PixelMask {
 };
 
 /// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
-/// single samples differ by all of their brightness, and no choice of lights or directions changes that.
+/// single samples differ by all of their brightness, whatever the technique.
 PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².

@@ -14,19 +14,20 @@ namespace {
 constexpr const char* kPaper = "[Dittebrandt20 §7.3]";
 constexpr float kDegreesPerSecond = 36;  // of the turntable
 
-/// What differs among the quadtrees. Without migrations: relume's own settings, else the paper's with so many.
+/// What differs among the quadtrees: relume's own settings, or the paper's with so many bits and migrations.
 struct Variation {
   int bits = 128;
-  int migrations = 0;
+  int migrations = 1;
+  bool own = false;
 
   bool operator==(const Variation&) const = default;
   std::string name() const {
-    return migrations == 0 ? "relume's settings"
-                           : fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
+    return own ? "relume's settings"
+               : fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
   }
 };
-constexpr Variation kOwn = {};
-constexpr Variation kAsInThePaper = {128, 1};
+constexpr Variation kAsInThePaper = {};
+constexpr Variation kOwn = {.own = true};
 
 struct Case {
   float degrees;
@@ -45,7 +46,7 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
              float degrees, const Variation& variation) {
   RenderSettings settings = base;
   settings.guide = GuideChoice::cdq;
-  if (variation.migrations > 0) {
+  if (!variation.own) {
     use_paper_quadtrees(settings);
     settings.cdq.bits = static_cast<QuadtreeBits>(variation.bits / 32 - 1);
     settings.cdq.migrations = variation.migrations;
@@ -95,7 +96,7 @@ void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, s
   const Adaptation& one = find(cases, degrees, kAsInThePaper).adaptation;
   const Interval after_one = one.adapted_interval(0.1);
   claim_readapts(one, degrees, frames, "", kPaper, claims);
-  claim_readapts(find(cases, degrees, kOwn).adaptation, degrees, frames, "-own", "relume's settings", claims);
+  claim_readapts(find(cases, degrees, kOwn).adaptation, degrees, frames, "-own", "[relume]", claims);
   const Adaptation& many = find(cases, degrees, {128, 8}).adaptation;
   const Interval after_many = many.adapted_interval(0.1);
   const char* verdict = kVerdictUndecided;

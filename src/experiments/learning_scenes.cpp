@@ -92,6 +92,12 @@ void use_paper_quadtrees(RenderSettings& settings) {
   settings.cdq.migrations = 1;
 }
 
+void use_paper_cache(RenderSettings& settings) {
+  settings.vlc.exploration_cells = 1;
+  settings.vlc.even_buckets = 1;
+  settings.vlc.memory = 0;
+}
+
 int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 256); }
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {

@@ -27,6 +27,8 @@ ExperimentScene plainly_sampled(ExperimentScene scene);
 
 /// Quadtrees that forget, keep what is found to its leaf and move one leaf a frame, as in the paper.
 void use_paper_quadtrees(RenderSettings& settings);
+/// A light cache that forgets, explores by one table and chooses among buckets evenly, as in the paper.
+void use_paper_cache(RenderSettings& settings);
 
 /// Samples a pixel of references in experiments on learning.
 int learning_reference_spp(const ExperimentContext& context);

@@ -54,9 +54,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   add(kTree, light_tree, GuideChoice::bsdf);
   add(kLists, static_lists, GuideChoice::bsdf);
   RenderSettings& paper = add(kPaperCache, vlc, GuideChoice::bsdf);
-  paper.vlc.exploration_cells = 1;
-  paper.vlc.even_buckets = 1;
-  paper.vlc.memory = 0;
+  use_paper_cache(paper);
   add(kCache, vlc, GuideChoice::bsdf);
   if (extent == Extent::ways) return list;
   // Cells narrower than a bay of the warehouse (3 m), and more exploration for what their lists miss.

@@ -64,7 +64,7 @@ std::string machine_text(const ExperimentRun& run) {
 std::string cell_text(std::string_view text) {
   std::string cell;
   for (const char c : text) {
-    if (c == '|') cell += '\\';
+    if (c == '|' || c == '\\') cell += '\\';
     cell += c == '\n' ? ' ' : c;
   }
   return cell;
@@ -149,13 +149,15 @@ std::string index_markdown(const std::vector<ExperimentSummary>& experiments) {
     text += fmt::format("\n## {}\n\n{}: {}. {}: {}.\n", e.name, e.paper, e.summary,
                         e.run.quick ? "A quick run" : "In full", count_text(e.claims));
     text += fmt::format("\nDuration: {}{}.\n", duration_text(e.run.seconds), machine_text(e.run));
-    text += "\n| paper | claim | measured | asked | verdict |\n|---|---|---|---|---|\n";
+    text += "\n| paper | claim | measured | threshold | verdict |\n|---|---|---|---|---|\n";
     for (const Claim& c : e.claims) {
       text += fmt::format("| {} | {} | {} | {} | {} |\n", cell_text(c.paper), cell_text(c.claim), cell_text(c.measured),
                           cell_text(c.threshold), cell_text(c.verdict));
     }
   }
-  return fmt::format("# Experiments\n\nWhat papers claim beside what was measured: {}.\n{}", count_text(all), text);
+  const bool quick = std::any_of(experiments.begin(), experiments.end(), [](const auto& e) { return e.run.quick; });
+  return fmt::format("# Experiments\n\nWhat papers claim beside what was measured: {}.{}\n{}", count_text(all),
+                     quick ? fmt::format(" {}", kQuickNote) : "", text);
 }
 
 }  // namespace relume

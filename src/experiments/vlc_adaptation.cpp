@@ -46,9 +46,7 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   settings.lights = LightSelectionChoice::vlc;
   session.set_settings(settings);
   const Adaptation cache = measure_adaptation(context, "vlc", session, runs, frames, reference, surfaces);
-  settings.vlc.exploration_cells = 1;
-  settings.vlc.even_buckets = 1;
-  settings.vlc.memory = 0;
+  use_paper_cache(settings);
   session.set_settings(settings);
   const Adaptation paper =
       measure_adaptation(context, "vlc, as in the paper", session, runs, frames, reference, surfaces);

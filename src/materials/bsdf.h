@@ -200,6 +200,15 @@ RELUME_HD_INLINE BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
 }
 
+/// Factor 1/η² in the value of the BSDF for directions on the viewer's other side; 1 where nothing refracts.
+RELUME_HD inline float refraction_compression(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe& lobe = bsdf.lobes[i];
+    if (lobe.kind == LobeKind::dielectric) return dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+  }
+  return 1.0f;
+}
+
 /// A direction from the mixture of all lobes.
 RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
                                    TransportMode mode = TransportMode::radiance) {

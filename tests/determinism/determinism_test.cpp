@@ -175,12 +175,12 @@ const Technique kTechniques[] = {
        s.static_lists.rays = 64;
      }},
     {"vlc_cdq", learn},
-    {"vlc_cdq_memory",
+    {"vlc_cdq_forgetting",
      [](RenderSettings& s) {
        learn(s);
-       s.vlc.memory = 4;
-       s.cdq.migrations = 4;
-       s.cdq.memory = 8;
+       s.vlc.memory = 0;
+       s.cdq.memory = 0;
+       s.cdq.spread = 0;
        s.octree.jitter = 1;
      }},
     {"vlc_cdq_combination",

@@ -1,6 +1,9 @@
 // What the program leaves behind and reads again, beside pictures, settings and checkpoints.
 #pragma once
 
+#include <filesystem>
+#include <optional>
+
 #include "checkpoint_case.h"
 #include "compare/reference.h"
 

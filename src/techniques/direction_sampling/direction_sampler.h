@@ -69,6 +69,7 @@ struct DirectionSampler {
     if (!s.valid) return s;
     s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);
     s.compression = bsdf.pdf_forward / s.pdf_w;
+    if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.compression *= refraction_compression(sp.bsdf);
     return s;
   }
 };

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
+#include <cmath>
 #include <vector>
 
 #include "materials/testing/bsdf_charts.h"
@@ -43,17 +43,22 @@ SurfacePoint make_point(const testing::BsdfCase& c) {
 /// Numbers of the i-th of many independent samples: strata would make χ² too small.
 Sampler numbers(uint32_t i) { return Sampler::independent(11, i, 0, 0, 0); }
 
-/// Lobes of all widths, through which light passes or not; the last one holds a delta lobe over a wide one.
+/// Lobes of all widths, through which light passes or not, some with a delta lobe over a wide one.
 std::vector<testing::BsdfCase> materials() { return testing::material_cases({0.0f, 0.3f, 0.8f}); }
+
+/// Directions about that in which the material has a peak, if it has one.
+testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint& sp) {
+  const testing::PeakDirections peaks = testing::peak_directions(c, sp.wo_local);
+  return {make_frame(sp.frame.to_world(peaks.above)), clamp(double{c.alpha}, 0.02, 0.5)};
+}
 
 TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   constexpr int kSamples = 40000;
-  const testing::DirectionChart chart;
   for (const bool stratified : {false, true}) {
     const Guide guide(stratified ? 0.25f : 0.5f, stratified);
     for (const testing::BsdfCase& c : materials()) {
-      if (c.alpha < 0.05f) continue;  // peaks too narrow for bins about another axis
       const SurfacePoint sp = make_point(c);
+      const testing::DirectionChart chart = chart_of(c, sp);
       testing::Histogram histogram(24);
       for (uint32_t i = 0; i < kSamples; ++i) {
         Sampler u = numbers(i);
@@ -69,10 +74,28 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
         const BsdfEval e = eval_pdf(sp, w);
         return is_black(e.f) || e.pdf_forward <= 0.0f ? 0.0 : double{guide.sampler.pdf(sp, w, e)};
       };
-      EXPECT_GT(histogram.test(chart.density(pdf), 6, 2).p_value, testing::significance())
+      EXPECT_GT(histogram.test(chart.density(pdf), 7, 2).p_value, testing::significance())
           << c.name << (stratified ? ", stratified" : "");
     }
   }
+}
+
+TEST(DirectionSampler, RouletteSeesWhatTheBsdfAloneWouldHaveMade) {
+  const Guide guide(0.3f, false);
+  int refracted = 0;
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    for (uint32_t i = 0; i < 2000; ++i) {
+      Sampler u = numbers(i);
+      const BsdfSample s = guide.sampler.sample(sp, u);
+      if (!s.valid || s.delta || glm::dot(sp.frame.n, s.wi) >= 0.0f || refraction_compression(sp.bsdf) == 1.0f)
+        continue;
+      ++refracted;
+      const float ratio = s.compression * s.pdf_w / eval_pdf(sp, s.wi).pdf_forward;
+      ASSERT_NEAR(ratio, refraction_compression(sp.bsdf), 1e-2f) << c.name;
+    }
+  }
+  EXPECT_GT(refracted, 100);
 }
 
 TEST(DirectionSampler, WeightsAreValueTimesCosineOverDensity) {

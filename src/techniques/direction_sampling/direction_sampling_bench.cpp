@@ -2,9 +2,7 @@
 
 #include <vector>
 
-#include "core/hash.h"
 #include "techniques/direction_sampling/direction_sampler.h"
-#include "techniques/directional_quadtree/adapt_quadtree.h"
 
 namespace relume {
 namespace {

@@ -136,24 +136,40 @@ RELUME_HD inline void add_squares(const DirectionalQuadtree& tree, QuadtreeWeigh
   }
 }
 
-/// Adds to `w` what `now` found; a share of each leaf's goes as well to the eight squares of its size around it, unless
-/// finer leaves are there already. A light's rim in a coarse leaf is met rarely, and then with a small density and a
-/// large weight: leaves beside those that are bright become fine before that happens.
+/// Adds to `w` an eighth of `share` of what `now` found in the leaf at `bit` for each of the eight squares of its size
+/// around it, unless finer leaves are there already.
+RELUME_HD inline void add_around(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
+                                 float share, uint32_t bit) {
+  const QuadtreeCell cell = tree.cell_of(bit);
+  const float edge = cell.edge();
+  // A coarse leaf may hold several of the squares: it gets their parts at once, as one largest square.
+  uint32_t leaves[8];
+  float parts[8];
+  uint32_t count = 0;
+  for (int i = 0; i < 9; ++i) {
+    if (i == 4) continue;  // the leaf itself
+    const Vec2 step(static_cast<float>(i % 3) - 0.5f, static_cast<float>(i / 3) - 0.5f);
+    const QuadtreeCell beside = tree.find(wrap_square(cell.corner + step * edge));
+    if (beside.depth > cell.depth || beside.bit == bit) continue;
+    uint32_t k = 0;
+    while (k < count && leaves[k] != beside.bit) ++k;
+    if (k == count) {
+      leaves[count] = beside.bit;
+      parts[count++] = 0;
+    }
+    parts[k] += 0.125f * share;
+  }
+  for (uint32_t k = 0; k < count; ++k) w.add(leaves[k], parts[k] * now.found[bit], parts[k] * now.largest[bit]);
+}
+
+/// Adds to `w` what `now` found, and a share of it around each leaf. A light's rim in a coarse leaf is met rarely, and
+/// then with a small density and a large weight: leaves beside those that are bright become fine before that happens.
 RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
                                  float share) {
   for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
     if (!(now.found[bit] > 0.0f)) continue;
     w.add(bit, now.found[bit], now.largest[bit]);
-    if (!(share > 0.0f)) continue;
-    const QuadtreeCell cell = tree.cell_of(bit);
-    const float edge = cell.edge();
-    for (int i = 0; i < 9; ++i) {
-      if (i == 4) continue;  // the leaf itself
-      const Vec2 step(static_cast<float>(i % 3) - 0.5f, static_cast<float>(i / 3) - 0.5f);
-      const QuadtreeCell beside = tree.find(wrap_square(cell.corner + step * edge));
-      if (beside.depth > cell.depth || beside.bit == bit) continue;
-      w.add(beside.bit, 0.125f * share * now.found[bit], 0.125f * share * now.largest[bit]);
-    }
+    if (share > 0.0f) add_around(tree, w, now, share, bit);
   }
 }
 
@@ -166,13 +182,15 @@ RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, c
   QuadtreeWeights now;
   add_squares(tree, now, samples, count);
   add_spread(tree, w, now, options.spread);
+  // As in the paper, the present samples tell exactly what the parts of a split leaf hold; of what was remembered, or
+  // spread from around, each inherits a quarter.
+  const bool exact = !(options.kept > 0.0f) && !(options.spread > 0.0f);
   uint32_t moved = 0;
   while (moved < options.migrations) {
     const MigrationChoice choice = choose_migration(tree, w, options);
     if (!choice.found) break;
-    const uint32_t group = migrate(tree, w, choice.inner, choice.leaf, options.kept > 0.0f ? 0.25f : 0.0f);
-    // Without a memory the present samples tell exactly what the parts of the split leaf hold.
-    if (++moved < options.migrations && !(options.kept > 0.0f)) add_squares(tree, w, samples, count, group);
+    const uint32_t group = migrate(tree, w, choice.inner, choice.leaf, exact ? 0.0f : 0.25f);
+    if (++moved < options.migrations && exact) add_squares(tree, w, samples, count, group);
   }
   return moved;
 }

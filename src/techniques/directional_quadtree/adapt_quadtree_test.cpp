@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <tuple>
 #include <vector>
 
 #include "techniques/directional_quadtree/directional_quadtree_pass.h"
@@ -124,8 +126,7 @@ double adapted_moment(const QuadtreeAdaption& options, float rim, uint32_t count
     std::vector<DirectionSample> samples;
     for (uint32_t i = 0; i < count; ++i) {
       const bool guided = random.next() < 0.5f;
-      const Vec2 u = random.next_2d();
-      const Vec3 d = guided ? tree.sample(u) : uniform_quadtree(128).sample(u);
+      const Vec3 d = guided ? tree.sample(random.next_2d()) : random.direction();
       samples.push_back({pack_square(square_from_direction(d)), radiance(d) / mixed(tree, d)});
     }
     if (!(options.kept > 0.0f)) w = {};
@@ -169,7 +170,7 @@ TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
       if (bit == from.bit || !(w.found[bit] > 0.0f)) continue;
       const QuadtreeCell to = tree.cell_of(bit);
       EXPECT_LE(to.depth, from.depth);
-      EXPECT_EQ(w.largest[bit], 0.5f);
+      EXPECT_EQ(w.largest[bit], w.found[bit]);
       around += static_cast<double>(w.found[bit]);
     }
     EXPECT_EQ(w.found[from.bit], 8.0f);
@@ -185,6 +186,44 @@ TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
   int parts = 0;
   for (uint32_t bit = 0; bit < even.bit_count; ++bit) parts += bit != from.bit && w.found[bit] > 0.0f ? 1 : 0;
   EXPECT_EQ(parts, 8);
+  // Beyond the border lies what is near on the sphere.
+  QuadtreeWeights beyond;
+  QuadtreeWeights at_border;
+  at_border.add(even.find(Vec2(0.99f, 0.7f)).bit, 8.0f);
+  add_spread(even, beyond, at_border, 1);
+  EXPECT_GT(beyond.found[even.find(Vec2(0.99f, 0.3f)).bit], 0.0f);
+}
+
+/// Corners and depths of all inner nodes but the root.
+std::set<std::tuple<uint32_t, float, float>> inner_nodes(const DirectionalQuadtree& tree) {
+  std::set<std::tuple<uint32_t, float, float>> nodes;
+  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+    const QuadtreeCell cell = tree.cell_of(bit);
+    if (tree.bits.get(bit)) nodes.insert({cell.depth, cell.corner.x, cell.corner.y});
+  }
+  return nodes;
+}
+
+TEST(AdaptQuadtree, WhatIsSplitInACallIsNotJoinedInIt) {
+  // Leaves beside a bright one have a weight, but no samples of their own that would tell what their parts hold.
+  for (const float kept : {0.0f, 0.9f}) {
+    DirectionalQuadtree tree = uniform_quadtree(128);
+    uint32_t all_moved = 0;
+    for (uint32_t frame = 0; frame < 40; ++frame) {
+      const auto samples = observe(tree, 400, frame, [](const Vec3& w) {
+        return w.x > 0.999f ? 1e4f : w.x < 0 ? 1.0f : 0.0f;
+      });
+      const auto before = inner_nodes(tree);
+      QuadtreeWeights w;
+      const uint32_t moved =
+          adapt(tree, w, [&](uint32_t i) { return samples[i]; }, 400, {.migrations = 8, .kept = kept, .spread = 1});
+      uint32_t split = 0;
+      for (const auto& node : inner_nodes(tree)) split += before.count(node) == 0 ? 1 : 0;
+      EXPECT_EQ(split, moved) << frame;
+      all_moved += moved;
+    }
+    EXPECT_GT(all_moved, 10u);
+  }
 }
 
 TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
@@ -195,6 +234,14 @@ TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
   for (int frame = 0; frame < 20; ++frame)
     EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 0, {.kept = 0.9f}), 0u);
   EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 2, {.kept = 0.9f}), 1u);  // two of a kind do
+  // Nor around it, also where a coarse leaf lies beside several squares of a fine one.
+  for (int i = 0; i < 64; ++i) {
+    const Vec2 place((static_cast<float>(i % 8) + 0.9f) / 8, (static_cast<float>(i / 8) + 0.4f) / 8);
+    const DirectionSample single{pack_square(place), 1000.0f};
+    DirectionalQuadtree even = uniform_quadtree(128);
+    QuadtreeWeights fresh;
+    EXPECT_EQ(adapt(even, fresh, [&](uint32_t) { return single; }, 1, {.kept = 0.9f, .spread = 1}), 0u);
+  }
 }
 
 TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {

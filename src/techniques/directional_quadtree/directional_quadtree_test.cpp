@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "techniques/directional_quadtree/adapt_quadtree.h"
 #include "techniques/directional_quadtree/directional_quadtree_pass.h"
 #include "techniques/directional_quadtree/testing/random_tree.h"
 #include "testing/histogram.h"

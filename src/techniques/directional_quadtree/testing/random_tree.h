@@ -1,4 +1,4 @@
-// Quadtrees of any shape, for tests and benchmarks.
+// Quadtrees of any shape, for tests.
 #pragma once
 
 #include "core/hash.h"
