@@ -14,20 +14,20 @@ namespace {
 constexpr const char* kPaper = "[Dittebrandt20 §7.3]";
 constexpr float kDegreesPerSecond = 36;  // of the turntable
 
-/// What differs among the quadtrees: relume's own settings, or the paper's with so many bits and migrations.
+/// What differs among the quadtrees: lasting ones, or the paper's with so many bits and migrations.
 struct Variation {
   int bits = 128;
   int migrations = 1;
-  bool own = false;
+  bool lasting = false;
 
   bool operator==(const Variation&) const = default;
   std::string name() const {
-    return own ? "relume's settings"
-               : fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
+    return lasting ? "lasting quadtrees"
+                   : fmt::format("{} bits, {} migration{}", bits, migrations, migrations == 1 ? "" : "s");
   }
 };
 constexpr Variation kAsInThePaper = {};
-constexpr Variation kOwn = {.own = true};
+constexpr Variation kLasting = {.lasting = true};
 
 struct Case {
   float degrees;
@@ -46,8 +46,9 @@ Case measure(const ExperimentContext& context, Session& session, const RenderSet
              float degrees, const Variation& variation) {
   RenderSettings settings = base;
   settings.guide = GuideChoice::cdq;
-  if (!variation.own) {
-    use_paper_quadtrees(settings);
+  if (variation.lasting) {
+    use_lasting_quadtrees(settings);
+  } else {
     settings.cdq.bits = static_cast<QuadtreeBits>(variation.bits / 32 - 1);
     settings.cdq.migrations = variation.migrations;
   }
@@ -96,7 +97,7 @@ void claim_speed(const std::vector<Case>& cases, float degrees, size_t frames, s
   const Adaptation& one = find(cases, degrees, kAsInThePaper).adaptation;
   const Interval after_one = one.adapted_interval(0.1);
   claim_readapts(one, degrees, frames, "", kPaper, claims);
-  claim_readapts(find(cases, degrees, kOwn).adaptation, degrees, frames, "-own", "[relume]", claims);
+  claim_readapts(find(cases, degrees, kLasting).adaptation, degrees, frames, "-lasting", "[relume]", claims);
   const Adaptation& many = find(cases, degrees, {128, 8}).adaptation;
   const Interval after_many = many.adapted_interval(0.1);
   const char* verdict = kVerdictUndecided;
@@ -148,7 +149,7 @@ ExperimentResult run_cdq_adaptation(const ExperimentContext& context) {
       if (degrees > 20 || bits % 64 == 0)
         cases.push_back(measure(context, session, settings, goal, degrees, {bits, 1}));
     }
-    cases.push_back(measure(context, session, settings, goal, degrees, kOwn));
+    cases.push_back(measure(context, session, settings, goal, degrees, kLasting));
     for (const int migrations : {2, 4, 8}) {
       if (degrees > 20 || migrations == 8)
         cases.push_back(measure(context, session, settings, goal, degrees, {128, migrations}));

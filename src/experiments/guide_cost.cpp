@@ -37,12 +37,12 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   add("static lists", LightSelectionChoice::static_lists, GuideChoice::bsdf);
   const RenderSettings own = settings;
   use_paper_cache(settings);
-  use_paper_quadtrees(settings);
   add("vlc, as in the paper", LightSelectionChoice::vlc, GuideChoice::bsdf);
   add("vlc, cdq, as in the paper", LightSelectionChoice::vlc, GuideChoice::cdq);
   settings = own;
   add("vlc", LightSelectionChoice::vlc, GuideChoice::bsdf);
-  add("vlc, cdq", LightSelectionChoice::vlc, GuideChoice::cdq);
+  use_lasting_quadtrees(settings);
+  add("vlc, lasting cdq", LightSelectionChoice::vlc, GuideChoice::cdq);
   const AdaptedOptions options{
       .warm_up = context.choose(16, 2), .frames = context.choose(32, 4), .sessions = 1, .block = 1};
   return {scene.name, measure_adapted(context, scene, list, {}, {}, options)};
@@ -101,7 +101,7 @@ Claim claim_memory(const SceneResult& scene, const std::string& id) {
       id + "-memory", "[Dittebrandt20 §6.1]",
       scene.name + ": a leaf has 48 bytes: its quadtree and where its buckets and samples stand.",
       fmt::format("{:.1f} bytes; tree and links, which the paper does not count, {:.1f}; known lights {:.1f}, "
-                  "what quadtrees remember by relume's settings {:.0f}",
+                  "what lasting quadtrees remember {:.0f}",
                   counted, figure(e, "octree.tree-bytes") / slots, figure(e, "vlc.entry-bytes") / slots,
                   figure(scene.errors[kGuided], "cdq.memory-bytes") / slots),
       "at most 48", counted <= 48);
@@ -113,7 +113,7 @@ void add_claims(const SceneResult& scene, const std::string& id, bool own, std::
   const AdaptedError& guided = scene.errors[own ? kGuided : kPaperGuided];
   const char* const source = own ? kOurs : kPaper;
   const char* const suffix = own ? "-own" : "";
-  const std::string who = scene.name + (own ? ", relume's settings" : ", the paper's settings");
+  const std::string who = scene.name + (own ? ", relume's cache, lasting quadtrees" : ", the paper's settings");
   const double share = std::max(preparation_share(cache), preparation_share(guided));
   claims.push_back(judged(fmt::format("{}-preparation{}", id, suffix), source,
                           who + ": preparing the structures takes a small part of the frame (1.2 of some 17 ms).",

@@ -31,13 +31,14 @@ struct Guided {
   const char* suffix;  ///< of claims
   const char* source;
 };
-constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper}, {2, "cdq, relume's settings", "-own", kOurs}};
+constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
+                              {2, "cdq, lasting quadtrees", "-lasting", kOurs}};
 
 /// Where it is among the errors of a scene whose environment is not sampled.
 constexpr size_t kSampled = 3;
 
-/// The BSDF, the paper's settings, relume's; for comparison next event estimation of the environment, if the scene
-/// leaves that to paths; then departures from the paper's one by one, and from relume's.
+/// The BSDF, the paper's settings, lasting quadtrees; for comparison next event estimation of the environment, if the
+/// scene leaves that to paths; then departures from the paper's one by one, and from lasting ones.
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   RenderSettings settings = scene.settings;
   set_size(context, settings, scene.scale);
@@ -45,15 +46,15 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   RenderSettings sampled = settings;
   sampled.light_selection.environment = true;
   settings.guide = GuideChoice::cdq;
-  const RenderSettings own = settings;
-  use_paper_quadtrees(settings);
+  RenderSettings lasting = settings;
+  use_lasting_quadtrees(lasting);
   const auto add = [&](std::string name, const auto& change) {
     RenderSettings s = settings;
     change(s);
     list.push_back({std::move(name), s});
   };
   add(kGuided[0].name, [](RenderSettings&) {});
-  list.push_back({kGuided[1].name, own});
+  list.push_back({kGuided[1].name, lasting});
   if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
   if (!departures) return list;
   for (const int migrations : {4, 16})
@@ -67,10 +68,10 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
     add(fmt::format("{} bits", bits),
         [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
   }
-  settings = own;
-  add("relume's, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add("relume's, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
-  add("relume's, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
+  settings = lasting;
+  add("lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
+  add("lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
+  add("lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
   return list;
 }
 
@@ -188,7 +189,7 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
     measured += fmt::format("; {} {}", scene.name, to_text(ratios.back()));
   }
   claims.push_back(judged_ratios("mine-small-suns", kOurs,
-                                 "Smaller suns than the mine's: where they shine, guiding (relume's settings) has at "
+                                 "Smaller suns than the mine's: where they shine, guiding (lasting quadtrees) has at "
                                  "least 30 times less error.",
                                  measured, ratios, 30));
 }

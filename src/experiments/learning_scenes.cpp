@@ -86,10 +86,10 @@ ExperimentScene plainly_sampled(ExperimentScene scene) {
   return scene;
 }
 
-void use_paper_quadtrees(RenderSettings& settings) {
-  settings.cdq.memory = 0;
-  settings.cdq.spread = 0;
-  settings.cdq.migrations = 1;
+void use_lasting_quadtrees(RenderSettings& settings) {
+  settings.cdq.memory = 8;
+  settings.cdq.spread = 1;
+  settings.cdq.migrations = 4;
 }
 
 void use_paper_cache(RenderSettings& settings) {

@@ -25,8 +25,9 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
 /// far less noise than power where lamps are many.
 ExperimentScene plainly_sampled(ExperimentScene scene);
 
-/// Quadtrees that forget, keep what is found to its leaf and move one leaf a frame, as in the paper.
-void use_paper_quadtrees(RenderSettings& settings);
+/// Quadtrees that remember, spread what a leaf found to those around it, and move several leaves a frame: better than
+/// the paper's while nothing moves.
+void use_lasting_quadtrees(RenderSettings& settings);
 /// A light cache that forgets, explores by one table and chooses among buckets evenly, as in the paper.
 void use_paper_cache(RenderSettings& settings);
 

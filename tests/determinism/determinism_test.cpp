@@ -175,12 +175,13 @@ const Technique kTechniques[] = {
        s.static_lists.rays = 64;
      }},
     {"vlc_cdq", learn},
-    {"vlc_cdq_forgetting",
+    {"vlc_cdq_memory",
      [](RenderSettings& s) {
        learn(s);
        s.vlc.memory = 0;
-       s.cdq.memory = 0;
-       s.cdq.spread = 0;
+       s.cdq.memory = 8;
+       s.cdq.spread = 1;
+       s.cdq.migrations = 4;
        s.octree.jitter = 1;
      }},
     {"vlc_cdq_combination",

@@ -72,6 +72,7 @@ inline RenderSettings checkpoint_settings(int which) {
       s.vlc.memory = 3;
       s.guide = GuideChoice::cdq;
       s.cdq.memory = 3;
+      s.cdq.spread = 1;
       s.octree.scale = false;
       s.octree.split = 8;
       s.octree.collapse = 4;

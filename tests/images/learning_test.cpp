@@ -68,9 +68,9 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.vlc.bucket_size = 4;  // several buckets a region
   all.settings.guide = GuideChoice::cdq;
   all.settings.cdq.bits = QuadtreeBits::b64;
-  all.settings.cdq.migrations = 2;
-  all.settings.cdq.memory = 0;
-  all.settings.cdq.spread = 0;
+  all.settings.cdq.migrations = 4;
+  all.settings.cdq.memory = 8;
+  all.settings.cdq.spread = 1;
   all.settings.cdq.sampling = QuadtreeSampling::stratified;
   all.settings.octree.vertices = 4;
   all.settings.octree.jitter = 1;

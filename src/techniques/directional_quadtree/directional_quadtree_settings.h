@@ -11,10 +11,10 @@ enum class QuadtreeSampling : int { bottom_up, stratified };
 struct DirectionalQuadtreeSettings {
   QuadtreeBits bits = QuadtreeBits::b128;
   float bsdf_fraction = 0.5f;
-  int migrations = 4;
+  int migrations = 1;
   float stability = 0.1f;
-  int memory = 8;    ///< frames
-  float spread = 1;  ///< over the leaves around
+  int memory = 0;    ///< frames
+  float spread = 0;  ///< over the leaves around
   QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
   bool view = false;  ///< fill the buffer "directions" for the point at:
   float view_x = 0.5f;
