@@ -127,7 +127,6 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
     const std::string name(experiment->name);
     context.parts_folder = folder / (name + ".parts");
     if (is_done(o, folder, *experiment)) {
-      write_index(folder);
       tell(verbosity, fmt::format("{} is in {} already", name, folder.string()));
       continue;
     }
@@ -150,6 +149,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       return kExitInterrupted;
     }
   }
+  write_index(folder);  // also if all of them were there
   return kExitDone;
 }
 

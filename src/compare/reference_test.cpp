@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
+#include "io/image.h"
 #include "metrics/metrics.h"
 #include "scene/builtin.h"
 
@@ -126,6 +128,24 @@ TEST_F(ReferenceTest, KnowsHowSurfacesMoved) {
   // One degree of a picture 24 pixels wide that covers 75°: a third of a pixel.
   EXPECT_NEAR(std::fabs(turned->surface.motion[middle].x), 0.3f, 0.15f);
   EXPECT_GT(turned->surface.depth[middle], 0.5f);
+}
+
+TEST_F(ReferenceTest, APictureOfAnotherSizeIsRefused) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  ReferenceRenderer renderer(scene, small(), 2, folder_);
+  ASSERT_TRUE(renderer.render(0, {}, {}));
+  const std::filesystem::path file = renderer.file(0, 0, std::nullopt);
+  EXPECT_TRUE(renderer.render(0, {}, {})->cached);
+  ExrFile exr = read_exr(file);
+  exr.height /= 2;
+  for (ExrChannel& channel : exr.channels) channel.values.resize(channel.values.size() / 2);
+  write_exr(file, exr);
+  try {
+    renderer.render(0, {}, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("24 × 9 pixels, not 24 × 18"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

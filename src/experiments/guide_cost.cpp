@@ -139,6 +139,8 @@ ExperimentResult run_guide_cost(const ExperimentContext& context) {
       context, kPaper,
       {{"sponza-preparation", "Sponza: preparing the structures takes a small part of the frame.", "at most 10 %"},
        {"sponza-vlc", "Sponza: a frame with the cache takes as long as one with static light lists.", "at most 1.1"},
+       {"sponza-preparation-own", "Sponza: the same with relume's cache and lasting quadtrees.", "at most 10 %"},
+       {"sponza-vlc-own", "Sponza: the same with relume's cache.", "at most 1.1"},
        {"sponza-memory", "Sponza: a leaf takes 48 bytes.", "at most 48 bytes"}},
       result.claims);
   add_all(scenes.back(), "warehouse");

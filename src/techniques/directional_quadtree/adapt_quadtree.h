@@ -169,7 +169,7 @@ RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeight
   for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
     if (!(now.found[bit] > 0.0f)) continue;
     w.add(bit, now.found[bit], now.largest[bit]);
-    if (share > 0.0f) add_around(tree, w, now, share, bit);
+    add_around(tree, w, now, share, bit);
   }
 }
 
@@ -179,9 +179,13 @@ template <typename Samples>
 RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples, uint32_t count,
                                 const QuadtreeAdaption& options) {
   w.scale(options.kept);
-  QuadtreeWeights now;
-  add_squares(tree, now, samples, count);
-  add_spread(tree, w, now, options.spread);
+  if (options.spread > 0.0f) {
+    QuadtreeWeights now;
+    add_squares(tree, now, samples, count);
+    add_spread(tree, w, now, options.spread);
+  } else {
+    add_squares(tree, w, samples, count);
+  }
   // As in the paper, the present samples tell exactly what the parts of a split leaf hold; of what was remembered, or
   // spread from around, each inherits a quarter.
   const bool exact = !(options.kept > 0.0f) && !(options.spread > 0.0f);

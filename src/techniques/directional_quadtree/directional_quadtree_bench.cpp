@@ -52,17 +52,23 @@ void bm_quadtree_pdf(benchmark::State& state) {
 }
 BENCHMARK(bm_quadtree_pdf)->ArgName("bits")->Arg(32)->Arg(128);
 
+/// As in the paper, or with a memory and a spread.
 void bm_quadtree_adapt(benchmark::State& state) {
   Adapted a = adapted_tree(128);
+  const bool lasting = state.range(1) != 0;
+  const QuadtreeAdaption options{.migrations = static_cast<uint32_t>(state.range(0)),
+                                 .kept = lasting ? 8.0f / 9 : 0.0f,
+                                 .spread = lasting ? 1.0f : 0.0f};
   for (auto _ : state) {
     DirectionalQuadtree tree = a.tree;
     QuadtreeWeights w;
-    adapt(tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, {0.1f, static_cast<uint32_t>(state.range(0))});
+    adapt(
+        tree, w, [&](uint32_t i) { return a.samples[i]; }, 2048, options);
     benchmark::DoNotOptimize(tree);
   }
   state.SetItemsProcessed(state.iterations() * 2048);
 }
-BENCHMARK(bm_quadtree_adapt)->ArgName("migrations")->Arg(1)->Arg(4);
+BENCHMARK(bm_quadtree_adapt)->ArgNames({"migrations", "lasting"})->ArgsProduct({{1, 4}, {0, 1}});
 
 }  // namespace
 }  // namespace relume
