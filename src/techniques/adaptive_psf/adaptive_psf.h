@@ -46,59 +46,48 @@ struct AdaptivePsf {
   }
 };
 
+class AdaptiveVertex;
+
+/// Path space filtering with survival and blend.
+struct AdaptiveFilterContext {
+  FilterContext filter;
+  AdaptivePsf adaptive;
+
+  RELUME_HD AdaptiveVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+};
+
 /// A filter vertex that may end its path.
 class AdaptiveVertex : public NoObserver {
  public:
   AdaptiveVertex() = default;
-  RELUME_HD AdaptiveVertex(const AdaptivePsf& adaptive, const FilterContext& context, const Vec2& u, float u_survival)
-      : adaptive_(&adaptive), grid_(&context.grid), vertex_(context, u), u_survival_(u_survival) {}
+  RELUME_HD AdaptiveVertex(const AdaptiveFilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
+      : context_(&context), vertex_(context.filter, index, x, y), u_survival_(filter_random(index, x, y, 1)) {}
 
-  RELUME_HD FilterVertex& vertex() { return vertex_; }
+  RELUME_HD const FilteredPixel& pixel() { return vertex_.pixel(); }
 
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     const bool before = vertex_.reached();
     vertex_.arrived(sp, path);
-    return before || !vertex_.reached() || adaptive_->decide(*grid_, vertex_.pixel(), u_survival_);
+    if (before || !vertex_.reached()) return true;
+    return context_->adaptive.decide(context_->filter.grid, vertex_.pixel(), u_survival_);
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
     vertex_.scattered(sp, s, path);
   }
+  RELUME_HD void finish(const PathState& path) { vertex_.finish(path); }
 
  private:
-  const AdaptivePsf* adaptive_ = nullptr;
-  const HashGridView* grid_ = nullptr;
+  const AdaptiveFilterContext* context_ = nullptr;
   FilterVertex vertex_;
   float u_survival_ = 0;
 };
 
+RELUME_HD inline AdaptiveVertex AdaptiveFilterContext::observer(const SampleIndex& index, uint32_t x,
+                                                                uint32_t y) const {
+  return {*this, index, x, y};
+}
+
 /// Traces the paths that survive and fills the cells.
-struct AdaptivePsfKernel {
-  PathContext context;
-  FilterContext filter;
-  AdaptivePsf adaptive;
-  SampleIndex index;
-  View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
-  View<FilteredPixel> pixels;
-  View<uint32_t> rays;  ///< of this sample
-  uint32_t width = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
-  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
-
-  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    pixels[pixel] = {};
-    rays[pixel] = 0;
-  }
-  RELUME_HD AdaptiveVertex observer(uint32_t x, uint32_t y) const {
-    return {adaptive, filter, filter_random_2d(index, x, y, 0), filter_random(index, x, y, 1)};
-  }
-  RELUME_HD void finish(uint32_t pixel, AdaptiveVertex& observer, const PathState& path) const {
-    observer.vertex().finish(path, filter_random(index, pixel % width, pixel / width, 0));
-    pixels[pixel] = observer.vertex().pixel();
-    rays[pixel] = path.rays;
-  }
-};
+using AdaptivePsfKernel = CellPathsKernel<AdaptiveFilterContext>;
 
 }  // namespace relume

@@ -9,8 +9,7 @@ PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declara
 bool AdaptivePsfPass::run(const FrameContext& frame) {
   AdaptivePsfKernel kernel;
   kernel.context = make_path_context(source_, frame);
-  kernel.filter = cells_.filter();
-  kernel.adaptive = make_adaptive_psf(settings_);
+  kernel.cache = {cells_.filter(), make_adaptive_psf(settings_)};
   return trace_into_cells(frame, kernel);
 }
 

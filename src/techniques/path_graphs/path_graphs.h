@@ -10,6 +10,8 @@
 
 namespace relume {
 
+class PathGraph;
+
 /// What the vertices of all paths share.
 struct PathGraphContext {
   FilterContext filter;
@@ -19,6 +21,8 @@ struct PathGraphContext {
   float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel; more of
                        ///< them where samples would weigh more than kCellWeightMax
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
+
+  RELUME_HD PathGraph observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
 /// What a path graph does at the vertices of one path. Between two vertices that have cells ("anchors"), the path's
@@ -252,31 +256,11 @@ class PathGraph : public NoObserver {
   Sample open_[kMaxOpen];
 };
 
+RELUME_HD inline PathGraph PathGraphContext::observer(const SampleIndex& index, uint32_t x, uint32_t y) const {
+  return {*this, index, x, y};
+}
+
 /// Traces one path a pixel, lets cells take over, and feeds them.
-struct PathGraphKernel {
-  PathContext context;
-  PathGraphContext graph;
-  SampleIndex index;
-  View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
-  View<FilteredPixel> pixels;
-  View<uint32_t> rays;  ///< of this sample
-  uint32_t width = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
-  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
-
-  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    pixels[pixel] = {};
-    rays[pixel] = 0;
-  }
-  RELUME_HD PathGraph observer(uint32_t x, uint32_t y) const { return {graph, index, x, y}; }
-  RELUME_HD void finish(uint32_t pixel, PathGraph& observer, PathState& path) const {
-    observer.finish(path);
-    pixels[pixel] = observer.pixel();
-    rays[pixel] = path.rays;
-  }
-};
+using PathGraphKernel = CellPathsKernel<PathGraphContext>;
 
 }  // namespace relume

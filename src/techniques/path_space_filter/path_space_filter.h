@@ -2,32 +2,29 @@
 // nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
 #pragma once
 
+#include "techniques/path_space_filter/cell_paths.h"
 #include "techniques/path_space_filter/demodulate.h"
 #include "techniques/path_space_filter/emission_edges.h"
 
 namespace relume {
 
+class FilterVertex;
+
 /// What the vertices of all paths share.
 struct FilterContext {
   HashGridView grid;
   float narrow_alpha = 0.04f;  ///< lobes below are not filtered
-};
 
-/// Random numbers of a pixel and frame for keys, apart from those of the path. `purpose` keeps them apart.
-RELUME_HD inline float filter_random(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t purpose) {
-  const uint32_t frame = hash(index.seed, index.frame, index.sample, 0x2545f491u + purpose);
-  return to_unit_float(hash(frame, x, y));
-}
-RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t purpose) {
-  return {filter_random(index, x, y, 2 * purpose + 0x10000u), filter_random(index, x, y, 2 * purpose + 0x10001u)};
-}
+  RELUME_HD FilterVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+};
 
 /// Takes the first vertex that may be filtered out of a path. What a delta lobe there shows is followed like any other
 /// path, but stays outside the cell.
 class FilterVertex : public NoObserver {
  public:
   FilterVertex() = default;
-  RELUME_HD FilterVertex(const FilterContext& context, const Vec2& u) : context_(&context), u_(u) {}
+  RELUME_HD FilterVertex(const FilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
+      : context_(&context), index_(&index), x_(x), y_(y) {}
 
   RELUME_HD bool reached() const { return pixel_.filtered; }
   RELUME_HD FilteredPixel& pixel() { return pixel_; }
@@ -42,7 +39,7 @@ class FilterVertex : public NoObserver {
     pixel_.divided = d.has_delta;
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
-    pixel_.point = context_->grid.keys.point(sp, u_, 0, d.glossy);
+    pixel_.point = context_->grid.keys.point(sp, filter_random_2d(*index_, x_, y_, 0), 0, d.glossy);
     context_->grid.send_for_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.raised;
     path.radiance = Rgb(0);
@@ -64,8 +61,8 @@ class FilterVertex : public NoObserver {
     path.first_throughput *= max_component(anchor_);
   }
 
-  /// When the path has ended: gives its sample to the cell. `u` in [0, 1).
-  RELUME_HD void finish(const PathState& path, float u) {
+  /// When the path has ended: gives its sample to the cell.
+  RELUME_HD void finish(const PathState& path) {
     if (!reached()) {
       pixel_.unfiltered = path.radiance;
       if (!scatters_) pixel_.seen = path.radiance;
@@ -74,13 +71,16 @@ class FilterVertex : public NoObserver {
     if (!apart_) sample_ = path.radiance;
     if (apart_) pixel_.unfiltered += path.radiance;
     if (pixel_.culled) return;
+    const float u = filter_random(*index_, x_, y_, 0);
     pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u, pixel_.slot);
     if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
   }
 
  private:
   const FilterContext* context_ = nullptr;
-  Vec2 u_{0};
+  const SampleIndex* index_ = nullptr;
+  uint32_t x_ = 0;
+  uint32_t y_ = 0;
   FilteredPixel pixel_;
   Rgb anchor_{0};  ///< what turns demodulated throughput behind the vertex into true one
   Rgb sample_{0};
@@ -89,32 +89,12 @@ class FilterVertex : public NoObserver {
   bool apart_ = false;  ///< the path has left through a delta lobe
 };
 
+RELUME_HD inline FilterVertex FilterContext::observer(const SampleIndex& index, uint32_t x, uint32_t y) const {
+  return {*this, index, x, y};
+}
+
 /// Traces one path a pixel and fills the cells.
-struct PathSpaceFilterKernel {
-  PathContext context;
-  FilterContext filter;
-  SampleIndex index;
-  View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
-  View<FilteredPixel> pixels;
-  View<uint32_t> rays;  ///< of this sample
-  uint32_t width = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
-  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
-
-  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    pixels[pixel] = {};
-    rays[pixel] = 0;
-  }
-  RELUME_HD FilterVertex observer(uint32_t x, uint32_t y) const { return {filter, filter_random_2d(index, x, y, 0)}; }
-  RELUME_HD void finish(uint32_t pixel, FilterVertex& vertex, const PathState& path) const {
-    vertex.finish(path, filter_random(index, pixel % width, pixel / width, 0));
-    pixels[pixel] = vertex.pixel();
-    rays[pixel] = path.rays;
-  }
-};
+using PathSpaceFilterKernel = CellPathsKernel<FilterContext>;
 
 /// What the cells look like, pixel by pixel; empty views are left out. 0 where nothing is filtered.
 struct CellLayers {

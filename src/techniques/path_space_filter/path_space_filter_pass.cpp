@@ -7,7 +7,7 @@ PassDeclaration PathSpaceFilterPass::declaration() const { return cell_paths_dec
 bool PathSpaceFilterPass::run(const FrameContext& frame) {
   PathSpaceFilterKernel kernel;
   kernel.context = make_path_context(source_, frame);
-  kernel.filter = cells_.filter();
+  kernel.cache = cells_.filter();
   return trace_into_cells(frame, kernel);
 }
 

@@ -96,7 +96,7 @@ class CachedFrames {
         run("trace", PathSpaceFilterKernel{context, filter, index, hits, {}, pixels, rays, width()});
         break;
       case CacheKind::apsf:
-        run("trace", AdaptivePsfKernel{context, filter, adaptive, index, hits, {}, pixels, rays, width()});
+        run("trace", AdaptivePsfKernel{context, {filter, adaptive}, index, hits, {}, pixels, rays, width()});
         break;
       case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
       case CacheKind::apsf_apg:
