@@ -76,47 +76,6 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Named
 
 }  // namespace
 
-size_t PixelMask::pixels() const {
-  return mask.size() - static_cast<size_t>(std::count(mask.begin(), mask.end(), uint8_t{0}));
-}
-
-PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
-  ExperimentScene lights = plainly_sampled(scene);
-  lights.settings.path.max_bounces = 0;
-  const Image seen = make_reference(context, lights, 256).image;
-  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
-  for (int y = 0; y < seen.height; ++y) {
-    for (int x = 0; x < seen.width; ++x) {
-      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
-      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
-          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
-      }
-    }
-  }
-  return region;
-}
-
-double frame_mse(const Image& frame, const Image& reference, const PixelMask& region) {
-  double sum = 0;
-  for (size_t p = 0; p < frame.pixels.size(); ++p) {
-    if (region.mask[p] == 0) continue;
-    const glm::dvec3 d = glm::dvec3(frame.pixels[p]) - glm::dvec3(reference.pixels[p]);
-    sum += glm::dot(d, d);
-  }
-  return sum / (3.0 * static_cast<double>(std::max<size_t>(region.pixels(), 1)));
-}
-
-double reference_noise(const Reference& reference, const PixelMask& region) {
-  double sum = 0;
-  for (size_t p = 0; p < reference.squared_error.pixels.size(); ++p) {
-    if (region.mask[p] == 0) continue;
-    for (int c = 0; c < 3; ++c) sum += static_cast<double>(reference.squared_error.pixels[p][c]);
-  }
-  return sum / (3.0 * static_cast<double>(std::max<size_t>(region.pixels(), 1)));
-}
-
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "compare/reference.h"
 #include "experiments/experiment.h"
+#include "experiments/pixel_mask.h"
 #include "experiments/scenes.h"
 #include "io/image.h"
 #include "metrics/statistics.h"
@@ -15,24 +16,6 @@
 #include "report/page.h"
 
 namespace relume {
-
-/// A part of the picture.
-struct PixelMask {
-  std::string name;
-  std::vector<uint8_t> mask;  ///< by pixel, row by row; 0: outside
-
-  size_t pixels() const;
-};
-
-/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
-/// single samples differ by all of their brightness, whatever the technique.
-PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
-
-/// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
-double frame_mse(const Image& frame, const Image& reference, const PixelMask& region);
-
-/// What the reference's own noise adds to frame_mse(), by its estimate; 0 if that is not known.
-double reference_noise(const Reference& reference, const PixelMask& region);
 
 /// Several sessions with seeds of their own, one after the other.
 struct AdaptedOptions {

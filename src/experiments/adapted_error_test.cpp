@@ -122,8 +122,8 @@ TEST(Adaptation, HasAnIntervalOverTheRuns) {
 TEST(LearningScenes, TellTheMinesRegionsApart) {
   Image reference(4, 1);
   Image direct(4, 1);
-  direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(0.5f)};
-  reference.pixels = {Rgb(11), Rgb(3), Rgb(0), Rgb(0.6f)};
+  direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(500)};  // the last is sky
+  reference.pixels = {Rgb(11), Rgb(3), Rgb(0), Rgb(500)};
   const std::vector<PixelMask> regions = mine_regions(reference, direct, {"surfaces", {1, 1, 1, 0}});
   ASSERT_EQ(regions.size(), 4u);
   EXPECT_EQ(regions[1].mask, (std::vector<uint8_t>{1, 0, 0, 0}));

@@ -45,33 +45,33 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   std::vector<NamedSettings> list{{"BSDF", settings}};
   RenderSettings sampled = settings;
   sampled.light_selection.environment = true;
-  settings.guide = GuideChoice::cdq;
-  RenderSettings lasting = settings;
+  RenderSettings paper = settings;
+  paper.guide = GuideChoice::cdq;
+  RenderSettings lasting = paper;
   use_lasting_quadtrees(lasting);
-  const auto add = [&](std::string name, const auto& change) {
-    RenderSettings s = settings;
+  const auto add = [&](const RenderSettings& base, std::string name, const auto& change) {
+    RenderSettings s = base;
     change(s);
     list.push_back({std::move(name), s});
   };
-  add(kGuided[0].name, [](RenderSettings&) {});
+  list.push_back({kGuided[0].name, paper});
   list.push_back({kGuided[1].name, lasting});
   if (!scene.settings.light_selection.environment) list.push_back({"BSDF, the environment sampled", sampled});
   if (!departures) return list;
   for (const int migrations : {4, 16})
-    add(fmt::format("{} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
-  add("stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
-  add("jitter", [](RenderSettings& s) { s.octree.jitter = 1; });
-  add("a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add("a memory of 8 frames", [](RenderSettings& s) { s.cdq.memory = 8; });
-  add("spread to leaves around", [](RenderSettings& s) { s.cdq.spread = 1; });
+    add(paper, fmt::format("{} migrations", migrations), [&](RenderSettings& s) { s.cdq.migrations = migrations; });
+  add(paper, "stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
+  add(paper, "jitter", [](RenderSettings& s) { s.octree.jitter = 1; });
+  add(paper, "a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
+  add(paper, "a memory of 8 frames", [](RenderSettings& s) { s.cdq.memory = 8; });
+  add(paper, "spread to leaves around", [](RenderSettings& s) { s.cdq.spread = 1; });
   for (const int bits : {32, 64, 96}) {
-    add(fmt::format("{} bits", bits),
+    add(paper, fmt::format("{} bits", bits),
         [&](RenderSettings& s) { s.cdq.bits = static_cast<QuadtreeBits>(bits / 32 - 1); });
   }
-  settings = lasting;
-  add("lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
-  add("lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
-  add("lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
+  add(lasting, "lasting, a quarter by the BSDF", [](RenderSettings& s) { s.cdq.bsdf_fraction = 0.25f; });
+  add(lasting, "lasting, stratified", [](RenderSettings& s) { s.cdq.sampling = QuadtreeSampling::stratified; });
+  add(lasting, "lasting, 64 bits", [](RenderSettings& s) { s.cdq.bits = QuadtreeBits::b64; });
   return list;
 }
 
@@ -136,14 +136,14 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
                                 to_text(error_ratio(paper.errors[0].mse[2], paper.errors[kSampled].mse[2]))),
                     {sun, spot}, 30));
   const ErrorRatio indirect = gain(sampled, guided, 2);
-  claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), "design",
+  claims.push_back(judged_ratios(fmt::format("mine-sampled{}", guided.suffix), "[relume]",
                                  fmt::format("With the environment sampled, guiding ({}) still helps where the spot "
                                              "lights indirectly.",
                                              guided.name),
                                  to_text(indirect), {indirect}, 3));
   const ErrorRatio time_paper = equal_time_ratio(paper.errors[0], paper.errors[guided.contender]);
   const ErrorRatio time_sampled = equal_time_ratio(sampled.errors[0], sampled.errors[guided.contender]);
-  claims.push_back(judged_ratios(fmt::format("mine-equal-time{}", guided.suffix), "users feel time",
+  claims.push_back(judged_ratios(fmt::format("mine-equal-time{}", guided.suffix), "[relume]",
                                  fmt::format("On `mine` guiding ({}) wins at equal time.", guided.name),
                                  fmt::format("{} in the paper's setting, {} with the environment sampled",
                                              to_text(time_paper), to_text(time_sampled)),

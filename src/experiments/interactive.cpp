@@ -59,6 +59,18 @@ const Variation kTransports[] = {
     {"bdpt", R"({"estimator": "bdpt"})"},
 };
 
+/// Samples where the noise is: while the camera moves, only a history that goes along knows where that is.
+const Variation kAdaptive[] = {
+    {"light-tree, adaptive, reprojected",
+     R"({"lights": "light-tree", "allocation": "adaptive", "history": "reproject", "reproject.method": "backward"})"},
+    {"light-tree, adaptive, reprojected, svgf",
+     R"({"lights": "light-tree", "allocation": "adaptive", "history": "reproject", "reproject.method": "backward",
+         "denoise": "svgf"})"},
+    {"apg, light-tree, adaptive, reprojected, svgf",
+     R"({"cache": "apg", "lights": "light-tree", "allocation": "adaptive", "history": "reproject",
+         "reproject.method": "backward", "denoise": "svgf"})"},
+};
+
 /// Presets first, `interactive` before the others: its frames are everybody's measure of time.
 std::vector<MovingContender> contenders(const ExperimentContext& context, const ExperimentScene& scene) {
   std::vector<MovingContender> list{contender(scene, kInteractive, require_preset(kInteractive).json)};
@@ -72,6 +84,7 @@ std::vector<MovingContender> contenders(const ExperimentContext& context, const 
       list.push_back(std::move(next));
     }
   }
+  for (const Variation& adaptive : kAdaptive) list.push_back(contender(scene, adaptive.name, adaptive.json));
   return list;
 }
 
@@ -194,7 +207,7 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
 }  // namespace
 
 Experiment interactive_experiment() {
-  return {kInteractive, kOurs, "sixty combinations while the camera turns, at equal time; and presets",
+  return {kInteractive, kOurs, "what to show while the camera turns: combinations and presets at equal time",
           run_interactive};
 }
 

@@ -7,7 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "experiments/adapted_error.h"
+#include "experiments/experiment.h"
+#include "experiments/pixel_mask.h"
 #include "experiments/scenes.h"
 
 namespace relume {
@@ -30,6 +31,10 @@ ExperimentScene plainly_sampled(ExperimentScene scene);
 void use_lasting_quadtrees(RenderSettings& settings);
 /// A light cache that forgets, explores by one table and chooses among buckets evenly, as in the paper.
 void use_paper_cache(RenderSettings& settings);
+
+/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
+/// single samples differ by all of their brightness, whatever the technique.
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
 /// Samples a pixel of references in experiments on learning.
 int learning_reference_spp(const ExperimentContext& context);

@@ -129,7 +129,7 @@ ErrorRatio against(const AdaptedError& worse, const AdaptedError& better) {
   return error_ratio(worse.mse[0], better.mse[0]);
 }
 
-/// What the paper claims of the cache, for one way to explore.
+/// What the paper claims of the cache, for one choice of its settings.
 void claim_warehouse(const SceneResult& scene, const char* cache, const std::string& suffix, const char* source,
                      std::vector<Claim>& claims) {
   const AdaptedError& ours = named(scene, cache);
@@ -156,7 +156,7 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
     ratios.push_back(equal_time_ratio(*other, ours));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", other->name, to_text(ratios.back()));
   }
-  claims.push_back(judged_ratios("warehouse-equal-time" + suffix, "users feel time",
+  claims.push_back(judged_ratios("warehouse-equal-time" + suffix, "[relume]",
                                  fmt::format("On `warehouse` the cache ({}) wins at equal time too.", cache), measured,
                                  ratios, 1));
 }
@@ -177,7 +177,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
 
 void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
   const ErrorRatio ratio = against(named(field, "power"), named(field, kTree));
-  claims.push_back(judged_ratios("tree-is-tuned", "design",
+  claims.push_back(judged_ratios("tree-is-tuned", "[relume]",
                                  "The baseline is no straw man: where nothing is hidden, the light "
                                  "tree beats choosing by power.",
                                  to_text(ratio) + " lower MSE on 256 lamps over a plain", {ratio}, 1));
@@ -202,9 +202,9 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
 
   ExperimentResult result;
   claim_warehouse(scenes.front(), kPaperCache, "", kPaper, result.claims);
-  claim_warehouse(scenes.front(), kCache, "-cells", kOurs, result.claims);
+  claim_warehouse(scenes.front(), kCache, "-own", kOurs, result.claims);
   claim_elsewhere(scenes, kPaperCache, "", kPaper, result.claims);
-  claim_elsewhere(scenes, kCache, "-cells", kOurs, result.claims);
+  claim_elsewhere(scenes, kCache, "-own", kOurs, result.claims);
   claim_baseline(field, result.claims);
   std::vector<PictureSet> pictures;
   for (SceneResult& scene : scenes) pictures.push_back(std::move(scene.pictures));

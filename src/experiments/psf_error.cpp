@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "experiments/adapted_error.h"
 #include "experiments/all.h"
 #include "experiments/frame_averages.h"
+#include "experiments/learning_scenes.h"
 #include "experiments/study.h"
 #include "experiments/trace.h"
 #include "render/session.h"

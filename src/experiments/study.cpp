@@ -64,6 +64,7 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.times_s = options.times_s;
   o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 256));
   o.cache_folder = context.cache_folder;
+  o.program = context.program;
   std::optional<Comparison> result =
       compare(with_camera(scene), o, context.stop, [&](const std::string& stage, double fraction) {
         context.report(fmt::format("{}, {}", scene.name, stage), fraction);

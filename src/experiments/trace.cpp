@@ -238,7 +238,7 @@ Reference make_reference(const ExperimentContext& context, const ExperimentScene
   RenderSettings settings = scene.settings;
   set_size(context, settings, scene.scale);
   if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
-  ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder);
+  ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder, context.program);
   const float time_s = settings.time_s;
   std::optional<Reference> reference =
       renderer.render(time_s, time_s, scene.camera, context.stop,

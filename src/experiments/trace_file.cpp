@@ -72,7 +72,10 @@ void save_traces(const std::filesystem::path& file, const std::vector<Trace>& tr
     if (!trace.map.empty()) exr.channels.push_back({map_of(i), trace.map});
   }
   exr.attributes[kAttribute] = list.dump();
-  std::filesystem::create_directories(file.parent_path());
+  std::error_code failure;
+  std::filesystem::create_directories(file.parent_path(), failure);
+  if (failure)
+    throw Error(fmt::format("{}: the folder cannot be made ({})", file.parent_path().string(), failure.message()));
   write_exr(file, exr);
 }
 

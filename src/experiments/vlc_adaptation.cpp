@@ -53,7 +53,7 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
 
   ExperimentResult result;
   add_claims(paper, tree, "", kPaper, result.claims);
-  add_claims(cache, tree, "-cells", kOurs, result.claims);
+  add_claims(cache, tree, "-own", kOurs, result.claims);
   result.blocks.emplace_back(adaptation_chart(
       "Warehouse",
       "Error of single frames from an empty cache; bands are 95 % intervals of the mean over the runs. "
