@@ -179,6 +179,7 @@ TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
   };
   // Independent samples would vary by 1024/97 = 10.6 about their mean.
   EXPECT_LT(spread(true), 5.0);
+  EXPECT_LT(2 * spread(true), spread(false));
 }
 
 TEST(QuadtreeArray, StoresWhatItLoads) {

@@ -136,6 +136,7 @@ struct BinaryNode {
   uint32_t first = 0;
   uint32_t count = 0;
   uint32_t left = 0;  ///< 0: a leaf; the right one follows
+  uint32_t depth = 0;
 };
 
 class Builder {
@@ -160,20 +161,22 @@ class Builder {
 
  private:
   void split() {
-    binary_.push_back(BinaryNode{{}, 0, static_cast<uint32_t>(items_.size()), 0});
+    binary_.push_back(BinaryNode{{}, 0, static_cast<uint32_t>(items_.size())});
     for (size_t i = 0; i < binary_.size(); ++i) {
       for (uint32_t k = 0; k < binary_[i].count; ++k) binary_[i].item.add(items_[binary_[i].first + k]);
       if (binary_[i].count <= kLightTreeLeafSize) continue;
       const uint32_t middle = partition(binary_[i]);
       const BinaryNode node = binary_[i];
       binary_[i].left = static_cast<uint32_t>(binary_.size());
-      binary_.push_back(BinaryNode{{}, node.first, middle - node.first, 0});
-      binary_.push_back(BinaryNode{{}, middle, node.first + node.count - middle, 0});
+      binary_.push_back(BinaryNode{{}, node.first, middle - node.first, 0, node.depth + 1});
+      binary_.push_back(BinaryNode{{}, middle, node.first + node.count - middle, 0, node.depth + 1});
     }
   }
 
-  /// Reorders the node's items about the cheapest of the planes between bins; halves them where no plane parts them.
+  /// Reorders the node's items about the cheapest of the planes between bins; halves them where no plane parts them,
+  /// and far down, so that no way is longer than LightTree::kMostLevels.
   uint32_t partition(const BinaryNode& node) {
+    if (node.depth >= LightTree::kMostLevels / 2) return node.first + node.count / 2;
     Box centers;
     for (uint32_t k = 0; k < node.count; ++k) centers.add(items_[node.first + k].center());
     const Vec3 extent = centers.extent();

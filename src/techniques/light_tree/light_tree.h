@@ -126,6 +126,8 @@ RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, flo
 }  // namespace light_tree
 
 struct LightTree {
+  static constexpr uint32_t kMostLevels = 64;
+
   View<const LightTreeNode> nodes;
   View<const LightBounds> bounds;  ///< in the order of leaves
   View<const LightId> lights;      ///< the same order
@@ -159,9 +161,9 @@ struct LightTree {
     if (place.empty() || place[light] == light_tree::kNoParent) return 0.0f;
     const light_tree::Point p = point_of(sp);
     // The same factors in the same order as on the way down, so that the bits agree.
-    uint32_t way[64];
+    uint32_t way[kMostLevels];
     uint32_t length = 0;
-    for (uint32_t at = place[light]; at != light_tree::kNoParent && length < 64; at = nodes[at / 8].parent)
+    for (uint32_t at = place[light]; at != light_tree::kNoParent && length < kMostLevels; at = nodes[at / 8].parent)
       way[length++] = at;
     float pmf = 1.0f - infinite.share;
     for (uint32_t i = length; i-- > 0;) {

@@ -66,6 +66,8 @@ OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
 
 bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
+  // Before the records are grouped: other passes look them up until the next frame.
+  stream_.resize(frame.pixels(), vertices);
   if (!tree_) {
     tree_ = first_tree(frame.scene);
   } else {
@@ -75,7 +77,6 @@ bool OctreePass::run(const FrameContext& frame) {
     tree_ = std::move(next);
   }
   frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
-  stream_.resize(frame.pixels(), vertices);  // another size leaves this frame's regions without samples
   recording_ = {tree_->view(),  stream_.samples(), vertices,
                 frame.pixels(), settings_.jitter,  hash(frame.index.seed, frame.number, kJitterSeed)};
   return true;

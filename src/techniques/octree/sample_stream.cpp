@@ -14,10 +14,7 @@ constexpr uint32_t kChunks = 16;
 
 }  // namespace
 
-void SampleStream::resize(uint32_t pixels, uint32_t vertices) {
-  const size_t size = size_t{pixels} * vertices;
-  if (samples_.size() != size) samples_.assign(size, VertexSample{});
-}
+void SampleStream::resize(uint32_t pixels, uint32_t vertices) { samples_.resize(size_t{pixels} * vertices); }
 
 void SampleStream::group(Backend& backend, uint32_t region_count) {
   backend.run("octree.group", [&] {

@@ -40,7 +40,7 @@ struct SampleGroupsView {
 /// Owns the records of one frame and their grouping.
 class SampleStream {
  public:
-  /// Makes room for `vertices` records a pixel; contents are lost if the size changes.
+  /// Makes room for `vertices` records a pixel. Of as many pixels as before, what the first vertices left stays.
   void resize(uint32_t pixels, uint32_t vertices);
 
   /// Record of vertex v at pixel p: element v · pixels + p.

@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "scene/world_triangles.h"
 
 namespace relume {
 namespace {
+
+constexpr size_t kMostWords = size_t{1} << 30;  // 4 GiB, and what an index of 32 bits reaches
 
 LightGrid make_grid(const SceneView& scene, float cell_size) {
   Vec3 low(kInfinity);
@@ -57,6 +62,12 @@ LightListData build_light_lists(Backend& backend, const SceneView& scene, const 
   if (lights == 0 || data.grid.count() == 0) return data;
   const std::vector<uint32_t> cells = cells_with_surfaces(scene, data.grid);
   const uint32_t words = (lights + 31) / 32;
+  if (size_t{words} * data.grid.count() > kMostWords) {
+    throw Error(fmt::format(
+        "static light lists of {} lights in {} cells would not fit; use a larger static-lists.cell-size, or "
+        "lights 'light-tree'",
+        lights, data.grid.count()));
+  }
   std::vector<uint32_t> visible(size_t{words} * data.grid.count(), 0);
   CellVisibilityKernel kernel;
   kernel.scene = scene;

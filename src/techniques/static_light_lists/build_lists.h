@@ -24,7 +24,8 @@ struct LightListData {
 };
 
 /// Traces shadow rays from every cell that holds a surface: from points of the cell and from the surfaces that
-/// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list.
+/// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list. Throws Error if
+/// this took more than 4 GiB.
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options);
 
 /// Sets bit `light` of a cell's row if any ray from the cell reaches the light.

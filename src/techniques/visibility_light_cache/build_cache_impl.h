@@ -144,7 +144,7 @@ RELUME_HD inline void CountBucketsKernel::operator()(uint32_t region, uint32_t) 
   uint32_t fill[kMaxBuckets] = {};
   for (uint32_t i = 0; i < list.count; ++i) ++fill[CachedLight::id(lights[list.first + i]) % kMaxBuckets];
   const uint32_t before = region < old_buckets.size ? old_buckets[region].count : 0u;
-  const auto tight = static_cast<uint32_t>(hysteresis * static_cast<float>(bucket_size));
+  const auto tight = relume::max(1u, static_cast<uint32_t>(hysteresis * static_cast<float>(bucket_size)));
   uint32_t count = kMaxBuckets;
   while (count > 1) {
     const uint32_t half = count / 2;
