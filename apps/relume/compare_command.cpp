@@ -44,8 +44,11 @@ struct OutputFiles {
   std::filesystem::path csv;
 };
 
-OutputFiles output_files(const std::string& output) {
-  if (output.empty()) throw UsageError("compare needs -o FOLDER; see relume compare --help");
+/// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
+constexpr const char* kUsualTechniques = "default,interactive";
+
+OutputFiles output_files(const CompareOptions& o) {
+  const std::string output = o.output.empty() ? std::filesystem::path(o.scene).stem().string() + "-compare" : o.output;
   std::filesystem::path page = output;
   if (page.extension() != ".html") {
     std::error_code failure;
@@ -64,10 +67,9 @@ OutputFiles output_files(const std::string& output) {
 ComparisonOptions comparison_options(const CompareOptions& o) {
   ComparisonOptions options;
   options.scene_name = std::filesystem::path(o.scene).stem().string();
-  if (!o.techniques.empty()) options.contenders = parse_contenders(o.techniques, "--techniques");
   options.pictures = parse_picture_contenders(o.images, "--image");
-  if (options.contenders.empty() && options.pictures.empty())
-    throw UsageError("compare needs --techniques or --image; see relume compare --help");
+  if (!o.techniques.empty() || options.pictures.empty())
+    options.contenders = parse_contenders(o.techniques.empty() ? kUsualTechniques : o.techniques, "--techniques");
   for (const PictureContender& picture : options.pictures) {
     for (const Contender& contender : options.contenders) {
       if (picture.name == contender.name)
@@ -88,6 +90,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   options.reference_spp = o.reference_spp;
   options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
   options.cache_folder /= "references";
+  options.program = program_stamp();
   return options;
 }
 
@@ -101,7 +104,7 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
 }
 
 int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
-  const OutputFiles files = output_files(o.output);
+  const OutputFiles files = output_files(o);
   ComparisonOptions options = comparison_options(o);
   Scene scene = open_scene(o.scene);
   warn_all(verbosity, scene.warnings);
@@ -136,13 +139,14 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
 
 std::vector<Option> declare(CompareOptions& o) {
   return {
-      {{"output", &o.output, "Folder for compare.html, compare.json and compare.csv; or FILE.html"},
+      {{"output", &o.output,
+        "Folder for compare.html, compare.json and compare.csv, or FILE.html; otherwise SCENE-compare"},
        "FOLDER",
        'o',
        Completion::file},
       {{"techniques", &o.techniques,
-        "What is compared, with commas between: presets, settings files, NAME=KEY:VALUE,KEY:VALUE, or "
-        "NAME=PRESET,KEY:VALUE; 'default' is all defaults"},
+        "What is compared, with commas between: presets, techniques, settings files, NAME=KEY:VALUE,KEY:VALUE, or "
+        "NAME=PRESET,KEY:VALUE; 'default' is all defaults; otherwise default,interactive"},
        "LIST",
        0,
        Completion::preset,
@@ -184,6 +188,9 @@ Command compare_command(Verbosity& verbosity) {
       .summary = "Compare techniques on a scene, against a reference and each other.",
       .examples =
           {
+              {"relume compare scene.glb --budget 50ms",
+               "what relume shows in 50 ms against plain path tracing; the page is in scene-compare"},
+              {"relume compare scene.glb --techniques default,psf,apg,bmfr", "techniques by their names"},
               {"relume compare cornell --techniques uniform=lights:uniform,power=lights:power -o out",
                "64 samples each"},
               {"relume compare scene.glb --techniques default,mine.json --budget 2s -o out", "two seconds each"},

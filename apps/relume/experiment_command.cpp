@@ -24,7 +24,7 @@ namespace {
 struct ExperimentOptions {
   std::string action;
   std::string names;  ///< with commas between
-  std::string output;
+  std::string output = "experiments";
   std::string scenes;
   std::string cache_folder;
   bool all = false;
@@ -57,7 +57,6 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
 }
 
 std::filesystem::path make_output_folder(const std::string& output) {
-  if (output.empty()) throw UsageError("experiment run needs -o FOLDER; see relume experiment --help");
   std::error_code failure;
   std::filesystem::create_directories(output, failure);
   if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
@@ -170,8 +169,7 @@ Command experiment_command(Verbosity& verbosity) {
                    {"relume experiment run reprojection -o out",
                     "claims and curves as out/reprojection.html and .json"},
                    {"relume experiment run --all -o out --quick", "all of them, small: shows that everything works"},
-                   {"relume experiment run --all -o out --scenes shared/scenes",
-                    "with Sponza in shared/scenes/sponza"}},
+                   {"relume experiment run --all -o out --scenes scenes", "with Sponza in scenes/sponza"}},
       .arguments = {{"ACTION", &options->action, "list or run", true, Completion::experiment},
                     {"NAME", &options->names, "Experiments", false, Completion::experiment, true}},
       .options = {{{"output", &options->output,

@@ -96,7 +96,7 @@ bool Comparing::make_references() {
     check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
     return true;
   }
-  ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder);
+  ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder, o.program);
   const std::vector<float> times =
       o.times_s.empty() ? std::vector<float>{result_.reference_settings.render.time_s} : o.times_s;
   const auto progress = stage("reference");

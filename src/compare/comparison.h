@@ -29,7 +29,8 @@ struct ComparisonOptions {
   std::filesystem::path reference_file;    ///< of the last frame; empty: rendered
   int reference_spp = 1024;
   std::filesystem::path cache_folder;
-  FrameClock clock = {};  ///< by which contenders are timed; empty: wall_clock()
+  std::string program = {};  ///< tells builds apart: references of another one are rendered again
+  FrameClock clock = {};     ///< by which contenders are timed; empty: wall_clock()
 };
 
 /// How far a picture is from the reference after some frames.

@@ -39,13 +39,36 @@ std::vector<std::string_view> split_at_commas(std::string_view text) {
   return parts;
 }
 
-/// A setting, preset or file joins the contender.
+/// The slot that has `choice`, if only one has; empty otherwise.
+std::string slot_of(std::string_view choice) {
+  RenderSettings settings;
+  std::string slot;
+  for (const Setting& setting : describe_slots(settings)) {
+    const auto& names = std::get<ChoiceRef>(setting.value).names;
+    if (std::find(names.begin(), names.end(), choice) == names.end()) continue;
+    if (!slot.empty()) return {};
+    slot = setting.name;
+  }
+  return slot;
+}
+
+bool is_preset(std::string_view name) {
+  return std::any_of(presets().begin(), presets().end(), [&](const Preset& p) { return p.name == name; });
+}
+
+/// A setting, preset, technique or file joins the contender.
 void add_part(Contender& contender, std::string_view part, std::string_view place) {
   const size_t colon = part.find(':');
   if (is_settings_file(part)) {
     contender.file = part;
   } else if (colon == std::string_view::npos) {
-    if (part != "default") contender.preset = require_preset(part).name;
+    if (part == "default") return;
+    const std::string slot = is_preset(part) ? "" : slot_of(part);
+    if (slot.empty()) {
+      contender.preset = require_preset(part).name;
+    } else {
+      contender.settings.emplace_back(slot, part);
+    }
   } else {
     const std::string name(trimmed(part.substr(0, colon)));
     const std::string_view value = trimmed(part.substr(colon + 1));

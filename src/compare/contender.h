@@ -26,7 +26,8 @@ struct PictureContender {
 
 /// Contenders with commas between them:
 ///
-///     path                                   the preset of that name; "default": no preset
+///     interactive                            the preset of that name; "default": no preset
+///     psf                                    a technique: the choice of that name, if only one slot has it
 ///     file.json                              settings from a file, or from an EXR that relume wrote
 ///     uniform=lights:uniform                 settings inline, under a name of one's own
 ///     mine=preview,max-bounces:2,seed:3      a preset or a file with settings on top

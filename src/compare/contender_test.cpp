@@ -38,6 +38,17 @@ TEST(Contender, PresetsFilesAndSettings) {
   EXPECT_EQ(list[4].preset, "");
 }
 
+TEST(Contender, TechniquesAreNamedByTheirChoice) {
+  const auto list = parse_contenders("psf,apsf+apg,adaptive,fast=bmfr,lights:vlc", "-t");
+  ASSERT_EQ(list.size(), 4u);
+  EXPECT_EQ(list[0].settings, (Pairs{{"cache", "psf"}}));
+  EXPECT_EQ(list[1].settings, (Pairs{{"cache", "apsf+apg"}}));
+  EXPECT_EQ(list[2].preset, "adaptive");  // presets come first
+  EXPECT_EQ(list[3].name, "fast");
+  EXPECT_EQ(list[3].settings, (Pairs{{"denoise", "bmfr"}, {"lights", "vlc"}}));
+  EXPECT_NE(error_of("none").find("there is no preset 'none'"), std::string::npos);  // of several slots
+}
+
 TEST(Contender, RefusesInOneSentence) {
   EXPECT_NE(error_of("").find("--techniques: there is nothing to compare"), std::string::npos);
   EXPECT_NE(error_of("prewiev").find("did you mean 'preview'"), std::string::npos);

@@ -99,11 +99,12 @@ Reference read_reference(const std::filesystem::path& file) {
 }
 
 ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& settings, int spp,
-                                     std::filesystem::path folder)
+                                     std::filesystem::path folder, std::string program)
     : scene_(scene),
       settings_(settings),
       half_spp_(std::max(1, (spp + 1) / 2)),
       folder_(std::move(folder)),
+      program_(std::move(program)),
       scene_hash_(relume::scene_hash(scene)) {
   settings_.auxiliary = true;
   settings_.seed = 0;
@@ -123,6 +124,7 @@ std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_
   const std::string text = settings_to_json(describe(copy));
   Fnv1a key(kFormat);
   key.add(text.data(), text.size());
+  key.add(program_.data(), program_.size());
   key.add(&scene_hash_, sizeof scene_hash_);
   key.add(&half_spp_, sizeof half_spp_);
   key.add(&previous_time_s, sizeof previous_time_s);

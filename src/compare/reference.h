@@ -38,9 +38,11 @@ std::filesystem::path default_cache_folder();
 /// What is interrupted leaves checkpoints in the folder and goes on next time.
 class ReferenceRenderer {
  public:
-  /// `spp` samples a pixel, half of them in each half. `scene` outlives this. The folder is made if need be. Throws
-  /// Error if it cannot be.
-  ReferenceRenderer(const Scene& scene, const RenderSettings& settings, int spp, std::filesystem::path folder);
+  /// `spp` samples a pixel, half of them in each half. `scene` outlives this. The folder is made if need be. What
+  /// another `program` left there is not used: light may have travelled differently in it. Throws Error if the folder
+  /// cannot be made.
+  ReferenceRenderer(const Scene& scene, const RenderSettings& settings, int spp, std::filesystem::path folder,
+                    std::string program = {});
 
   /// The reference at a time of the animation, seen by `camera` if there is one. std::nullopt if `stop` was requested
   /// first.
@@ -64,6 +66,7 @@ class ReferenceRenderer {
   RenderSettings settings_;
   int half_spp_;
   std::filesystem::path folder_;
+  std::string program_;
   uint64_t scene_hash_;
   std::unique_ptr<Session> session_;  ///< made when something is to be rendered
 };

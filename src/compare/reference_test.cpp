@@ -55,6 +55,13 @@ TEST_F(ReferenceTest, IsRenderedOnce) {
   EXPECT_EQ(first->surface.depth, second->surface.depth);
 }
 
+TEST_F(ReferenceTest, OfAnotherProgramIsRenderedAgain) {
+  const Scene scene = find_builtin_scene("cornell")->build();
+  EXPECT_FALSE(ReferenceRenderer(scene, small(), 4, folder_, "yesterday").render(0, {}, {})->cached);
+  EXPECT_FALSE(ReferenceRenderer(scene, small(), 4, folder_, "today").render(0, {}, {})->cached);
+  EXPECT_TRUE(ReferenceRenderer(scene, small(), 4, folder_, "today").render(0, {}, {})->cached);
+}
+
 TEST_F(ReferenceTest, WhatIsDifferentHasAFileOfItsOwn) {
   const Scene cornell = find_builtin_scene("cornell")->build();
   const Scene spheres = find_builtin_scene("cornell-spheres")->build();
