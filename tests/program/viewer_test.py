@@ -93,13 +93,39 @@ class Scenes(Viewer):
         self.view("cornell", "frames 4\nscreenshot window.png\n", "--max-bounces", 2)
         self.assert_shows_something(self.folder / "window.png")
 
-    def test_a_bad_file_leaves_the_scene(self):
-        (self.folder / "bad.gltf").write_text("{")
+    def test_bad_files_leave_the_scene(self):
+        bad = {
+            "bad.gltf": b"{",
+            "empty.glb": b"",
+            "cut.glb": struct.pack("<4sII", b"glTF", 2, 1000),
+            "noise.fbx": bytes(range(256)) * 8,
+            "noise.obj": b"v nan nan nan\nf 1 2 9\n",
+            "cut.ply": b"ply\nformat ascii 1.0\nelement vertex 9\n",
+            "lost.json": b'{"scene": "nowhere.gltf"}',
+            "unknown.json": b'{"scene": "builtin:mine", "settings": {"max-bouncs": 3}}',
+            "refused.json": b'{"scene": "builtin:mine", "settings": {"cache": "psf", "guide": "cdq"}}',
+            "picture.png": b"\x89PNG\r\n",
+            "nothing": b"\0" * 16,
+        }
+        for name, data in bad.items():
+            (self.folder / name).write_bytes(data)
+        (self.folder / "folder").mkdir()
+        names = [*bad, "missing.glb", "folder"]
         # Messages go after some seconds, which a busy machine takes for a frame.
-        reports = self.view("cornell", "frames 1\ndrop bad.gltf\nloaded\nreport\nframes 1\ndrop missing.glb\nloaded\nreport\nframes 2\n")
-        self.assertEqual(reports[-1]["scene"], "cornell")
-        for report, file in zip(reports, ("bad.gltf", "missing.glb")):
-            self.assertTrue(any(file in message for message in report["messages"]), file)
+        drops = "".join(f"drop {name}\nloaded\nreport\nframes 1\n" for name in names)
+        reports = self.view("cornell", f"frames 1\n{drops}drop cornell-spheres\nloaded\nframes 2\n")
+        for name, report in zip(names, reports):
+            self.assertEqual(report["scene"], "cornell", name)
+            self.assertGreater(report["mean_luminance"], 0, name)
+            self.assertTrue(any(name in message for message in report["messages"]), f"{name}: {report['messages']}")
+        self.assertEqual(reports[-1]["scene"], "cornell-spheres")
+
+    def test_a_scene_brings_settings_that_do_not_combine_with_those_before(self):
+        (self.folder / "guided.json").write_text('{"scene": "builtin:mine", "settings": {"guide": "cdq"}}')
+        script = "set cache apg\nframes 1\ndrop guided.json\nloaded\nframes 2\nreport\n"
+        report, _ = self.view("cornell", script)
+        self.assertEqual(report["scene"], "guided.json")
+        self.assertGreater(report["mean_luminance"], 0)
 
     def test_a_first_scene_that_is_missing_is_an_error(self):
         done = subprocess.run([*display(), PROGRAM, "view", "missing.glb", "--smoke", "1"], capture_output=True, text=True, timeout=60, check=False)
@@ -157,6 +183,12 @@ class Input(Viewer):
         before, after, _ = self.view("cornell", "frames 1\nreport\nclick 0.5 0.85 ctrl+shift\nframes 3\nreport\n")
         self.assertNotEqual(after["focus_m"], before["focus_m"])
         self.assertEqual(after["selected"], 0, "nothing is selected by it")
+
+    def test_alt_click_shows_what_guiding_knows(self):
+        script = "set cache none\nset guide cdq\nframes 8\nclick 0.5 0.85 alt\nframes 4\nreport\n"
+        report, _ = self.view("cornell", script)
+        self.assertEqual(report["buffer"], "directions")
+        self.assertEqual(report["selected"], 0)
 
     def test_a_flight_is_recorded_and_played(self):
         script = "frames 1\nkey r\nkey w 30\nkey d 30\nkey r\nreport\nkey home\nframes 1\nplay\nseconds 0.2\nreport\nseconds 3\nframes 1\nreport\n"

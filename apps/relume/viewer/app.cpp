@@ -114,6 +114,7 @@ void App::take_input() {
     for (const int key : input.keys) io.KeysDown[key] = true;
     io.KeyShift = io.KeysDown[parse_keys("shift", "")[0]];
     io.KeyCtrl = io.KeysDown[parse_keys("ctrl", "")[0]];
+    io.KeyAlt = io.KeysDown[parse_keys("alt", "")[0]];
     if (input.mouse) {
       const Rect& picture = viewport_.picture();
       io.MousePos = {picture.at.x + input.point.x * picture.size.x, picture.at.y + input.point.y * picture.size.y};

@@ -99,8 +99,8 @@ void App::act_on_scene(const ScriptStep& step) {
     else
       throw Error("what is to be selected is a node, a light or a material");
   }
-  if (step.verb == "sun") set_sun(state_, std::stof(word));
-  if (step.verb == "emit") emit(state_, std::stof(word));
+  if (step.verb == "sun") set_sun(state_, number_in(word));
+  if (step.verb == "emit") emit(state_, number_in(word));
 }
 
 void App::act(const ScriptStep& step) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kPatience_s = 60;
 constexpr int kDragTicks = 12;  // frames of the interface that a drag takes
+constexpr int kMostFrames = 1'000'000;
 
 struct Verb {
   std::string_view name;
@@ -51,23 +53,32 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-float number(const std::string& text) {
-  float value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc{} || end != text.data() + text.size()) throw Error("'" + text + "' is not a number");
-  return value;
+/// Of frames or ticks.
+uint32_t count_in(const std::string& text) {
+  const float value = number_in(text);
+  if (!(value >= 0 && value <= kMostFrames))
+    throw Error(fmt::format("{} is not a number from 0 to {}", text, kMostFrames));
+  return static_cast<uint32_t>(value);
 }
 
 /// GLFW's codes (its input reference): letters and digits are ASCII.
 const std::map<std::string, int, std::less<>>& key_codes() {
   static const std::map<std::string, int, std::less<>> codes = {
       {"space", 32}, {"[", 91},   {"]", 93},    {"escape", 256}, {"enter", 257}, {"tab", 258},
-      {"home", 268}, {"f1", 290}, {"f12", 301}, {"shift", 340},  {"ctrl", 341},
+      {"home", 268}, {"f1", 290}, {"f12", 301}, {"shift", 340},  {"ctrl", 341},  {"alt", 342},
   };
   return codes;
 }
 
 }  // namespace
+
+float number_in(const std::string& text) {
+  float value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    throw Error("'" + text + "' is not a number");
+  return value;
+}
 
 std::vector<ScriptStep> parse_script(std::string_view text, const std::string& place) {
   std::vector<ScriptStep> steps;
@@ -110,13 +121,13 @@ std::vector<int> parse_keys(const std::string& text, const std::string& place) {
 
 bool ScriptPlayer::perform_mouse(const ScriptStep& step) {
   input_.mouse = true;
-  const Vec2 from(number(step.words[0]), number(step.words[1]));
+  const Vec2 from(number_in(step.words[0]), number_in(step.words[1]));
   if (step.verb == "mouse") {
     input_.point = from;
     return true;
   }
   const bool drag = step.verb == "drag";
-  const Vec2 to = drag ? Vec2(number(step.words[2]), number(step.words[3])) : from;
+  const Vec2 to = drag ? Vec2(number_in(step.words[2]), number_in(step.words[3])) : from;
   const size_t keys_at = drag ? 4 : 2;
   input_.keys.clear();
   if (step.words.size() > keys_at) input_.keys = parse_keys(step.words[keys_at], place_);
@@ -142,16 +153,16 @@ bool ScriptPlayer::wait_for_frames(uint64_t count, const ScriptTarget& target) {
 }
 
 bool ScriptPlayer::perform(const ScriptStep& step, const ScriptTarget& target) {
-  if (step.verb == "frames") return wait_for_frames(static_cast<uint64_t>(number(step.words[0])), target);
-  if (step.verb == "seconds") return target.now_s() >= begun_s_ + static_cast<double>(number(step.words[0]));
+  if (step.verb == "frames") return wait_for_frames(count_in(step.words[0]), target);
+  if (step.verb == "seconds") return target.now_s() >= begun_s_ + static_cast<double>(number_in(step.words[0]));
   if (step.verb == "loaded") return !target.loading();
   if (step.verb == "mouse" || step.verb == "drag" || step.verb == "click") return perform_mouse(step);
   if (step.verb == "wheel") {
-    input_.wheel = tick_ == 0 ? number(step.words[0]) : 0;
+    input_.wheel = tick_ == 0 ? number_in(step.words[0]) : 0;
     return tick_ > 0;
   }
   if (step.verb == "key") {
-    const int held = step.words.size() > 1 ? static_cast<int>(number(step.words[1])) : 1;
+    const int held = step.words.size() > 1 ? static_cast<int>(count_in(step.words[1])) : 1;
     input_.keys = tick_ < held ? parse_keys(step.words[0], place_) : std::vector<int>{};
     return tick_ > held;  // one frame without, so that the next press is one
   }

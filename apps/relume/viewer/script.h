@@ -21,6 +21,9 @@ struct ScriptStep {
 /// Throws Error naming `place` and line for a verb that does not exist or lacks words. '#' begins a comment.
 std::vector<ScriptStep> parse_script(std::string_view text, const std::string& place);
 
+/// A word of a step. Throws Error if it is not a finite number.
+float number_in(const std::string& text);
+
 /// Keys and mouse as a script holds them.
 struct ScriptedInput {
   std::vector<int> keys;  ///< GLFW's names of the keys that are down

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/error.h"
+#include "render/build_pipeline.h"
 #include "render/presets.h"
 #include "settings/settings_json.h"
 
@@ -22,6 +24,26 @@ bool chooses_technique(const SettingSources& sources) {
   return false;
 }
 
+/// Everything of `wanted` but what is rendered, which stays.
+void keep_picture(Settings current, Settings& wanted) {
+  const SettingList from = describe_picture(current.render);
+  const SettingList to = describe_picture(wanted.render);
+  for (size_t i = 0; i < from.size(); ++i) assign(to[i], to_string(from[i]), "");
+  wanted.scene = current.scene;
+  wanted.output = current.output;
+  wanted.stop = current.stop;
+}
+
+/// Why the slots do not combine; empty if they do.
+std::string refusal(const RenderSettings& settings) {
+  try {
+    check_combination(settings);
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 }  // namespace
 
 Settings resolve_start(SettingSources sources) {
@@ -31,17 +53,27 @@ Settings resolve_start(SettingSources sources) {
 
 Settings apply_preset(const Settings& current, const std::string& scene_json, const std::string& scene_place,
                       const std::string& preset) {
-  Settings kept = current;
   Settings wanted = resolve({.scene_json = scene_json, .scene_place = scene_place});
-  const SettingList from = describe_picture(kept.render);
-  const SettingList to = describe_picture(wanted.render);
-  for (size_t i = 0; i < from.size(); ++i) assign(to[i], to_string(from[i]), "");
-  wanted.scene = kept.scene;
-  wanted.output = kept.output;
-  wanted.render.path.max_bounces = kept.render.path.max_bounces;
+  keep_picture(current, wanted);
+  wanted.render.path.max_bounces = current.render.path.max_bounces;
   settings_from_json(describe(wanted), require_preset(preset).json, "preset " + preset);
-  wanted.stop = kept.stop;  // a preset's number of samples is for pictures that end
+  wanted.stop = current.stop;  // a preset's number of samples is for pictures that end
   return wanted;
+}
+
+Settings settings_in_scene(const Settings& current, const std::string& scene_json, const std::string& scene_place) {
+  Settings kept = current;
+  kept.render.camera.clear();
+  kept.render.time_s = 0;
+  kept.scene.env.clear();
+  if (scene_json.empty()) return kept;
+  Settings over = kept;
+  settings_from_json(describe(over), scene_json, scene_place);
+  if (refusal(over.render).empty()) return over;
+  Settings own = resolve_start({.scene_json = scene_json, .scene_place = scene_place});
+  if (const std::string why = refusal(own.render); !why.empty()) throw Error(scene_place + ": " + why);
+  keep_picture(over, own);
+  return own;
 }
 
 }  // namespace relume::viewer

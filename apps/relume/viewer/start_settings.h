@@ -17,4 +17,9 @@ Settings resolve_start(SettingSources sources);
 Settings apply_preset(const Settings& current, const std::string& scene_json, const std::string& scene_place,
                       const std::string& preset);
 
+/// What a side goes on with in another scene: `current` without what speaks of the scene before. Where the scene brings
+/// settings of its own, those are laid over it; if the two do not combine, the techniques are those with which the
+/// viewer starts with that scene. Throws Error.
+Settings settings_in_scene(const Settings& current, const std::string& scene_json, const std::string& scene_place);
+
 }  // namespace relume::viewer

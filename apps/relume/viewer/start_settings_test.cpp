@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 
@@ -70,6 +71,38 @@ TEST(Presets, KeepThePictureAndWhatTheSceneAsksFor) {
   EXPECT_EQ(settings.render.psf.grid.cell_size, 3);
   EXPECT_EQ(settings.render.cache, CacheChoice::psf);
   EXPECT_EQ(apply_preset(current, "", "", "preview").render.path.max_bounces, 3);
+}
+
+TEST(SettingsInScene, StayButForWhatTheSceneAsksFor) {
+  Settings current = resolve_start({});
+  current.render.camera = "side";
+  current.render.time_s = 2;
+  current.scene.env = "none";
+  current.render.width = 123;
+  const Settings kept = settings_in_scene(current, "", "scene");
+  EXPECT_EQ(kept.render.camera, "");
+  EXPECT_EQ(kept.render.time_s, 0);
+  EXPECT_EQ(kept.scene.env, "");
+  EXPECT_EQ(kept.render.cache, interactive_cache());
+  const Settings asked = settings_in_scene(current, R"({"max-bounces": 3})", "scene");
+  EXPECT_EQ(asked.render.path.max_bounces, 3);
+  EXPECT_EQ(asked.render.width, 123);
+  EXPECT_EQ(asked.render.cache, interactive_cache());
+}
+
+TEST(SettingsInScene, AreTheScenesWhereTheyDoNotCombineWithTheUsers) {
+  Settings current = resolve_start({.preset = "paper-000"});
+  current.render.width = 123;
+  const Settings settings = settings_in_scene(current, R"({"guide": "cdq"})", "scene");
+  EXPECT_NO_THROW(check_combination(settings.render));
+  EXPECT_EQ(settings.render.guide, GuideChoice::cdq);
+  EXPECT_EQ(settings.render.cache, CacheChoice::none);
+  EXPECT_EQ(settings.render.width, 123);
+}
+
+TEST(SettingsInScene, AreRefusedWhereTheSceneAsksForWhatThereIsNot) {
+  EXPECT_THROW(settings_in_scene({}, R"({"max-bouncs": 3})", "scene"), Error);
+  EXPECT_THROW(settings_in_scene({}, R"({"cache": "psf", "guide": "cdq"})", "scene"), Error);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,6 @@
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 #include "scene_source.h"
-#include "settings/settings_json.h"
 #include "viewer/start_settings.h"
 
 namespace relume::viewer {
@@ -49,6 +49,14 @@ void load_bookmarks(State& state) {
   }
 }
 
+/// Throws Error if it cannot be read.
+Environment environment_in(const LoadedScene& loaded, const SceneOverrides& overrides) {
+  Scene scene;
+  scene.environment = loaded.scene.environment;
+  apply(overrides, scene);
+  return std::move(scene.environment);
+}
+
 }  // namespace
 
 void FrameTimes::add(const ViewerFrame& frame) {
@@ -81,37 +89,41 @@ void finish_loading(State& state) {
     state.tell("opened " + state.document->name());
     const size_t warnings = state.document->loaded()->scene.warnings.size();
     if (warnings > 0) state.tell(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
+  } catch (const std::bad_alloc&) {
+    state.tell(state.loading_name + ": not enough memory for this scene", true);
   } catch (const std::exception& error) {
     state.tell(error.what(), true);
   }
 }
 
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first) {
-  if (!first) state.previous_document = std::move(state.document);
+  // Nothing of the state changes before all that can fail has been done.
+  std::array<Settings, kSides> settings = state.settings;
   if (!first) {
-    for (Settings& settings : state.settings) {
-      settings.render.camera.clear();  // names belong to the scene before
-      settings.render.time_s = 0;
-      settings.scene.env.clear();
-      if (!loaded->scene.settings_json.empty())
-        settings_from_json(describe(settings), loaded->scene.settings_json, loaded->name);
-    }
+    for (Settings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
   }
-  state.document.emplace(std::move(loaded));
+  Document document(loaded);
+  if (!first && !settings[0].scene.env.empty())
+    document.replace_environment(environment_in(*loaded, settings[0].scene));
+  document.set_time(settings[0].render.time_s);
+
+  if (!first) state.previous = {std::move(*state.document), state.settings};
+  state.document.emplace(std::move(document));
+  state.settings = settings;
   state.selection = {};
   state.flying = state.animating = false;
   state.path = {};
   const float size = state.document->bounds().diagonal();
   state.fly.speed = clamp(0.15f * size, 0.01f, 100.0f);
   load_bookmarks(state);
-  state.document->set_time(state.settings[0].render.time_s);
   state.touch();
 }
 
 void revert_document(State& state) {
-  if (!state.previous_document) return;
-  state.document = std::move(state.previous_document);
-  state.previous_document.reset();
+  if (!state.previous) return;
+  state.document.emplace(std::move(state.previous->document));
+  state.settings = state.previous->settings;
+  state.previous.reset();
   load_bookmarks(state);
   state.selection = {};
   state.flying = state.document->edits().camera.value.has_value();
@@ -122,10 +134,7 @@ void take_settings(State& state, int side, const Settings& wanted) {
   Settings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
   if (wanted.scene.env != current.scene.env && state.document) {
-    Scene scene;
-    scene.environment = state.document->loaded()->scene.environment;
-    apply(wanted.scene, scene);
-    state.document->replace_environment(std::move(scene.environment));
+    state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));
   }
   if (wanted.render.time_s != current.render.time_s && state.document) state.document->set_time(wanted.render.time_s);
   if (wanted.render.camera != current.render.camera) release_camera(state);

@@ -64,9 +64,15 @@ struct PathTools {
   float spacing_s = 2;  ///< between key frames that are added one by one
 };
 
+/// A scene that was shown, and how.
+struct Shown {
+  Document document;
+  std::array<Settings, kSides> settings;
+};
+
 struct State {
   std::optional<Document> document;
-  std::optional<Document> previous_document;  ///< shown again if the new one cannot be compiled
+  std::optional<Shown> previous;  ///< goes on if the new one cannot be compiled
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
 

@@ -20,6 +20,7 @@ Scene load_base_scene(const JsonObject& root, const std::filesystem::path& base_
   if (reference.starts_with(kBuiltinPrefix)) return build_builtin_scene(reference.substr(kBuiltinPrefix.size()), place);
   const std::filesystem::path file = resolve_uri(base_dir, reference, place);
   if (file.extension() == ".json") root.fail("scene must not be another JSON file; name a model or a built-in scene");
+  if (!std::filesystem::exists(file)) root.fail(fmt::format("scene is {}, but there is no such file", file.string()));
   return load_scene(file);
 }
 
