@@ -25,9 +25,11 @@ const std::vector<Preset>& presets() {
       {"caustics", "Light through glass and off mirrors: paths from both ends",
        R"({"estimator": "bdpt", "lights": "power", "guide": "bsdf", "cache": "none", "denoise": "none"})"},
       {"many-lights", "Hundreds of lamps of which few are seen from anywhere",
-       R"({"estimator": "path", "lights": "vlc", "guide": "cdq", "cache": "none", "denoise": "none"})"},
+       R"({"estimator": "path", "lights": "vlc", "guide": "bsdf", "cache": "none", "denoise": "none"})"},
+      // What relume adds to the papers is off in their presets; what it mends in them is not.
       {"paper-000", "Adaptive path space filtering and adaptive path graphs [Schipek22]",
-       R"({"estimator": "path", "cache": "apsf+apg", "history": "none", "denoise": "none"})"},
+       R"({"estimator": "path", "cache": "apsf+apg", "psf.edge-rays": 0, "psf.inherited-samples": 0,
+           "apg.feed": 1, "apg.deep-coarsening": 0, "history": "none", "denoise": "none"})"},
       {"paper-001", "Adaptive sampling of what forward reprojection leaves open [Schalk18]",
        R"({"estimator": "path", "cache": "none", "allocation": "adaptive", "adaptive.min": 4, "adaptive.max": 32,
            "history": "reproject", "reproject.method": "forward", "denoise": "none"})"},
@@ -35,9 +37,11 @@ const std::vector<Preset>& presets() {
        R"({"estimator": "path", "lights": "vlc", "vlc.exploration-cells": 1, "vlc.even-buckets": 1, "vlc.memory": 0,
            "nee.environment": false, "guide": "cdq", "cache": "none", "history": "none", "denoise": "none"})"},
       {"paper-003", "Path space filtering on a jittered hash grid [Binder19]",
-       R"({"estimator": "path", "cache": "psf", "history": "none", "denoise": "none"})"},
+       R"({"estimator": "path", "cache": "psf", "psf.edge-rays": 0, "psf.inherited-samples": 0, "history": "none",
+           "denoise": "none"})"},
       {"paper-004", "Bidirectional path tracing, denoised by blockwise regression [Sun20]",
-       R"({"estimator": "bdpt", "cache": "none", "denoise": "bmfr"})"},
+       R"({"estimator": "bdpt", "bdpt.connection-roulette": 0, "cache": "none", "denoise": "bmfr",
+           "bmfr.detail": 0})"},
   };
   return list;
 }

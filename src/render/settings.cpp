@@ -90,6 +90,16 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
 
 SettingList describe(Settings& settings) { return flatten(setting_groups(settings)); }
 
+namespace {
+
+/// How the command line says it.
+std::string as_flag(const Setting& setting) {
+  if (const auto* flag = std::get_if<bool*>(&setting.value)) return (**flag ? "--" : "--no-") + setting.name;
+  return fmt::format("--{} {}", setting.name, to_string(setting));
+}
+
+}  // namespace
+
 std::string settings_reference() {
   Settings defaults;
   std::string text =
@@ -111,7 +121,7 @@ std::string settings_reference() {
     std::string values;
     const SettingList list = describe(changed);  // the result points into it
     for (const Setting* setting : differing_settings(list, describe(defaults))) {
-      values += fmt::format("{}`--{} {}`", values.empty() ? "" : " ", setting->name, to_string(*setting));
+      values += fmt::format("{}`{}`", values.empty() ? "" : " ", as_flag(*setting));
     }
     text += fmt::format("| `{}` | {} | {} |\n", preset.name, preset.summary, values);
   }
