@@ -11,7 +11,7 @@ namespace relume::support {
 namespace {
 
 class AreaLight : public IrradianceTest {};
-INSTANTIATE_TEST_SUITE_P(Lights, AreaLight, kLightSelections, light_selection_name);
+INSTANTIATE_TEST_SUITE_P(Lights, AreaLight, kWays, way_name);
 
 /// Parallel rectangle [0, x] × [0, y] at distance 1 above one end of its corner: configuration factor (Howell's
 /// catalogue, B-4).

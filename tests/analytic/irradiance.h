@@ -1,8 +1,9 @@
-// Tests of irradiance, for every light selection.
+// Tests of irradiance, for every way to find light without bias.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 #include <utility>
 
@@ -11,18 +12,49 @@
 
 namespace relume::support {
 
-inline const auto kLightSelections = ::testing::Values(LightSelectionChoice::uniform, LightSelectionChoice::power);
+/// An unbiased way to find light.
+struct Way {
+  const char* name;
+  EstimatorChoice estimator = EstimatorChoice::path;
+  LightSelectionChoice lights = LightSelectionChoice::power;
+  GuideChoice guide = GuideChoice::bsdf;
+  double noise = 1;  ///< by which tolerances are wider: what adapts or explores has no low-discrepancy sequence
+};
 
-inline std::string light_selection_name(const ::testing::TestParamInfo<LightSelectionChoice>& info) {
-  return info.param == LightSelectionChoice::uniform ? "uniform" : "power";
+inline const auto kWays =
+    ::testing::Values(Way{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform}, Way{"power"},
+                      Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
+                      Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
+                      Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
+                      Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
+                      Way{"bdpt", EstimatorChoice::bdpt});
+
+inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+inline std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
+
+/// Pictures are small, and regions should be many.
+inline void take(const Way& way, RenderSettings& settings) {
+  settings.estimator = way.estimator;
+  settings.lights = way.lights;
+  settings.guide = way.guide;
+  settings.octree = {.collapse = 32, .split = 64, .scale = false};
+  settings.static_lists.rays = 64;
 }
 
-class IrradianceTest : public ::testing::TestWithParam<LightSelectionChoice> {
+class WayTest : public ::testing::TestWithParam<Way> {
  protected:
-  /// What direct light leaves on the white patch of an irradiance_meter(), W/m², within 0.2 %.
+  static void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance) {
+    support::expect_near(estimate, expected, tolerance * GetParam().noise);
+  }
+};
+
+class IrradianceTest : public WayTest {
+ protected:
+  /// What direct light leaves on the white patch of an irradiance_meter(), W/m², within 0.2 % times the noise of the
+  /// way.
   void expect_irradiance(Scene scene, const Rgb& expected, int spp = 2048) const {
     RenderSettings settings = small_settings(12, 12);
-    settings.lights = GetParam();
+    take(GetParam(), settings);
     settings.path.max_bounces = 1;
     Estimate e = estimate_of(render(std::move(scene), settings, spp));
     e.mean *= kPi;

@@ -9,7 +9,7 @@ namespace relume::support {
 namespace {
 
 class OtherLight : public IrradianceTest {};
-INSTANTIATE_TEST_SUITE_P(Lights, OtherLight, kLightSelections, light_selection_name);
+INSTANTIATE_TEST_SUITE_P(Lights, OtherLight, kWays, way_name);
 
 /// A node whose -Z points along `direction`.
 Transform shining(const Vec3& from, const Vec3& direction) { return look_at(from, from + direction); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct Choice {
 
   bool operator==(const Choice& o) const { return slot == o.slot && value == o.value; }
 };
+
+inline void PrintTo(const Choice& choice, std::ostream* out) { *out << choice.slot << '=' << choice.value; }
 
 /// The choices of all slots as the settings declare them, slot by slot, with the two ways to reproject apart.
 const std::vector<Choice>& all_choices();

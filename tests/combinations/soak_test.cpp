@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -20,6 +21,8 @@ namespace {
 
 constexpr int kWidth = 24;
 constexpr int kHeight = 18;
+constexpr int kFramesBetweenChecks = 150;  // for drift
+constexpr size_t kMostGrowth = 8 << 20;    // bytes, in half of all frames
 
 /// Random numbers by count; the same in every run.
 class Dice {
@@ -65,13 +68,44 @@ RenderSettings first_settings() {
   return settings;
 }
 
-/// Some slot takes another choice, and sometimes the picture another size. Throws Error if the slots do not combine.
+/// Settings below the slots, with values that passes meet while they run.
+struct Detail {
+  const char* name;
+  std::array<const char*, 3> values;
+};
+constexpr std::array kDetails = {
+    Detail{"octree.vertices", {"1", "2", "4"}},
+    Detail{"octree.jitter", {"0", "1", "2"}},
+    Detail{"octree.split", {"8", "64", "4096"}},
+    Detail{"vlc.bucket-size", {"1", "4", "32"}},
+    Detail{"vlc.memory", {"0", "4", "30"}},
+    Detail{"vlc.exploration-cells", {"1", "2", "32"}},
+    Detail{"cdq.bits", {"32", "64", "128"}},
+    Detail{"cdq.memory", {"0", "8", "100"}},
+    Detail{"cdq.sampling", {"bottom-up", "stratified", "bottom-up"}},
+    Detail{"cdq.spread", {"0", "1", "8"}},
+    Detail{"psf.cell-size", {"2", "8", "64"}},
+    Detail{"psf.thin-cells", {"keep", "coarser", "neighbours"}},
+    Detail{"psf.max-cells", {"0", "64", "4096"}},
+    Detail{"psf.edge-rays", {"0", "1", "16"}},
+    Detail{"apg.feed", {"0", "0.25", "1"}},
+    Detail{"apg.variance-constant", {"0", "0.1", "10"}},
+    Detail{"apsf.survival-floor", {"0.01", "0.1", "1"}},
+    Detail{"adaptive.min", {"1", "4", "16"}},
+    Detail{"reproject.stored", {"1", "4", "4"}},
+    Detail{"bmfr.detail", {"0", "1.5", "10"}},
+};
+
+/// Some slot takes another choice, a setting another value, and sometimes the picture another size. Throws Error if the
+/// slots do not combine.
 void change_settings(Session& session, Dice& dice) {
   const std::vector<Choice>& choices = all_choices();
   RenderSettings settings =
       combine(session.settings(), choices[dice.below(choices.size())], choices[dice.below(choices.size())]);
   if (dice.once_in(4)) settings.width = kWidth + static_cast<int>(dice.below(9));
   if (dice.once_in(4)) settings.path.max_bounces = static_cast<int>(dice.below(9));
+  const Detail& detail = kDetails[dice.below(kDetails.size())];
+  assign(require_setting(describe(settings), detail.name, ""), detail.values[dice.below(3)], "");
   ASSERT_TRUE(session.set_settings(settings)) << "none of these concerns how the scene is compiled";
 }
 
@@ -101,7 +135,10 @@ void change_scene(Session& session, const Stage& stage, Dice& dice) {
     }
     case 3: {
       Environment environment;
-      environment.kind = dice.once_in(2) ? EnvironmentKind::none : EnvironmentKind::constant;
+      const EnvironmentKind kinds[] = {EnvironmentKind::none, EnvironmentKind::constant, EnvironmentKind::sun_sky};
+      environment.kind = kinds[dice.below(3)];
+      environment.sun_sky.sun_elevation_rad = dice.between(0.1f, 1.4f);
+      environment.sun_sky.sky_scale = environment.sun_sky.sun_scale = 1e-4f;
       environment.color = Rgb(dice.unit());
       session.set_environment(environment);
       break;
@@ -109,6 +146,7 @@ void change_scene(Session& session, const Stage& stage, Dice& dice) {
     default: {
       PlacedCamera camera = stage.camera;
       camera.to_world[3] += Vec4(dice.between(-0.4f, 0.4f), dice.between(-0.4f, 0.4f), dice.between(-0.4f, 0.4f), 0);
+      if (dice.once_in(4)) camera.camera.lens_radius = dice.between(0, 0.1f);
       session.set_camera(camera);
     }
   }
@@ -129,6 +167,26 @@ std::string described(const RenderSettings& settings, int frame) {
   std::string text = "frame " + std::to_string(frame) + ":";
   for (const Setting& slot : describe_slots(copy)) text += " " + slot.name + "=" + to_string(slot);
   return text;
+}
+
+/// Mean luminance of what is shown while nothing changes, once what adapts has had time to.
+double mean_shown(Session& session) {
+  constexpr int kSettling = 32;
+  constexpr int kFrames = 32;
+  double sum = 0;
+  for (int i = 0; i < kSettling + kFrames; ++i) {
+    session.render_frame();
+    if (i >= kSettling) sum += static_cast<double>(luminance(estimate_of(session.image()).mean));
+  }
+  return sum / kFrames;
+}
+
+/// What all frames so far have left behind is as bright as what is found by starting from nothing.
+void expect_no_drift(Session& session, const std::string& when) {
+  const double before = mean_shown(session);
+  session.restart(session.settings().seed);
+  const double anew = mean_shown(session);
+  EXPECT_NEAR(before, anew, 0.2 * std::max(before, anew) + 0.01) << when;
 }
 
 /// The scene as it was, and everything forgotten.
@@ -162,11 +220,13 @@ void soak(int frames) {
     if (dice.once_in(200)) session.restart(static_cast<int>(dice.below(1000)));
     session.render_frame();
     ASSERT_NO_FATAL_FAILURE(expect_sane(session, described(session.settings(), frame)));
+    if (frame % kFramesBetweenChecks == kFramesBetweenChecks - 1)
+      expect_no_drift(session, described(session.settings(), frame));
     if (frame == frames / 2) settled_bytes = resident_bytes();
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, frames / 16);
-  EXPECT_LT(static_cast<double>(resident_bytes()), 1.1 * static_cast<double>(settled_bytes) + (16 << 20));
+  EXPECT_LT(resident_bytes(), settled_bytes + kMostGrowth);
 
   // Nothing is left of all this: the bits are those of a new session.
   ASSERT_NO_FATAL_FAILURE(put_back(session, stage));

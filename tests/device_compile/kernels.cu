@@ -97,6 +97,7 @@ template __global__ void run(PathGraphKernel, uint32_t, uint32_t);
 template __global__ void run(ResolveCellsKernel, uint32_t, uint32_t);
 template __global__ void run(MeasureChangesKernel, uint32_t, uint32_t);
 template __global__ void run(MaintainCellsKernel, uint32_t, uint32_t);
+template __global__ void run(InheritCellsKernel, uint32_t, uint32_t);
 template __global__ void run(MoveCellsKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateKernel, uint32_t, uint32_t);
 template __global__ void run(FirstVertexPathKernel, uint32_t, uint32_t);

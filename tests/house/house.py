@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -17,12 +18,20 @@ LITERAL_OR_COMMENT = re.compile(
 )
 
 
+def top_level(root):
+    """What stands at the top of the repository; of a checkout, what git tracks: who tries the program there leaves files."""
+    present = sorted(p for p in root.iterdir() if not p.name.startswith((".", "build")) and p.name != "out")
+    if not (root / ".git").exists():
+        return present
+    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True, check=False).stdout
+    names = {name.split("/")[0] for name in tracked.split("\0")}
+    return [p for p in present if p.name in names] if tracked else present
+
+
 def files(root):
     """All files of the repository, sorted, without build folders, outputs and what begins with a dot."""
     found = []
-    for path in sorted(root.iterdir()):
-        if path.name.startswith((".", "build")) or path.name in ("out", "shared"):
-            continue
+    for path in top_level(root):
         found += sorted(p for p in path.rglob("*") if p.is_file() and "__pycache__" not in p.parts) if path.is_dir() else [path]
     return found
 

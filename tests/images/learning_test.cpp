@@ -45,8 +45,7 @@ RenderSettings plain_settings(std::string_view scene, const Effort& effort) {
   return s;
 }
 
-/// All combinations but the plain one, and one of everything that departs from the defaults (some of it as in the
-/// paper).
+/// All combinations but the plain one, one of everything that departs from the defaults, and the paper's settings.
 std::vector<Way> ways(const Effort& effort) {
   std::vector<Way> list;
   for (const LightSelectionChoice lights :
@@ -75,6 +74,13 @@ std::vector<Way> ways(const Effort& effort) {
   all.settings.octree.vertices = 4;
   all.settings.octree.jitter = 1;
   list.push_back(all);
+  Way paper{"paper", base_settings(effort)};
+  paper.settings.lights = LightSelectionChoice::vlc;
+  paper.settings.vlc.memory = 0;
+  paper.settings.vlc.exploration_cells = 1;
+  paper.settings.vlc.even_buckets = 1;
+  paper.settings.guide = GuideChoice::cdq;
+  list.push_back(paper);
   return list;
 }
 
@@ -139,7 +145,7 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
                         pictures(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
     ++compared;
   }
-  EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with it
+  EXPECT_EQ(compared, 4);  // the tree with guiding, the cache without and with it, and as in the paper
 }
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
@@ -209,7 +215,7 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
   constexpr int kRepeats = 16;  // single frames have long tails
   const Moments expected = last_pictures(session, plain, kRepeats, 1001);
   for (const Way& way : ways(effort)) {
-    if (way.name != "vlc-cdq" && way.name != "departures") continue;
+    if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "paper") continue;
     expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
                         last_pictures(session, way.settings, kRepeats, 1), expected, kOptions);
   }

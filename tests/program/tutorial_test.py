@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Follows docs/tutorial.md literally: runs its commands in order, in one folder, and looks at what they write."""
+"""Follows docs/tutorial.md literally: runs its commands in order, in one shell, and looks at what they write."""
 
 import os
 import pathlib
@@ -21,14 +21,15 @@ class Tutorial(ProgramTest):
         environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
         environment["PATH"] = f"{pathlib.Path(PROGRAM).parent}:{environment['PATH']}"
         start = time.monotonic()
-        for block in blocks:
-            done = subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=self.folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=MOST_SECONDS, check=False)
-            self.assertEqual(done.returncode, 0, block + done.stderr)
+        script = ["bash", "-euxo", "pipefail", "-c", "\n".join(blocks)]
+        done = subprocess.run(script, cwd=self.folder, env=environment, capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=MOST_SECONDS, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        folder = self.folder / "out/tutorial"
         self.assertLess(time.monotonic() - start, MOST_SECONDS)
         for picture in ("first.png", "evening.png"):
-            self.assertEqual(png_size(self.folder / picture), (320, 240))
+            self.assertEqual(png_size(folder / picture), (320, 240))
         for page in ("lights/compare.html", "adaptive/compare.html"):
-            self.assertIn("</html>", (self.folder / page).read_text(), page)
+            self.assertIn("</html>", (folder / page).read_text(), page)
 
 
 if __name__ == "__main__":
