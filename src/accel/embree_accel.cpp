@@ -1,5 +1,6 @@
 #include "accel/embree_accel.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
@@ -19,14 +20,21 @@ struct GeometryContext {
   uint32_t instance = 0;  ///< used where the geometry is not below an instance node
 };
 
+/// Identifies, among the instance nodes at the top, the one that holds all that stands still; instance i is node i + 1.
+constexpr uint32_t kStillNode = 0;
+
+/// The instance that was hit; geometries in world space have its number themselves.
+uint32_t instance_of(uint32_t geometry, uint32_t node) {
+  return node == RTC_INVALID_GEOMETRY_ID || node == kStillNode ? geometry : node - 1;
+}
+
 /// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive
 /// does no harm.
 void coverage_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const uint32_t instance_node = RTCHitN_instID(args->hit, args->N, i, 0);
-    const uint32_t instance = instance_node == RTC_INVALID_GEOMETRY_ID ? geometry.instance : instance_node;
+    const uint32_t instance = instance_of(geometry.instance, RTCHitN_instID(args->hit, args->N, i, 0));
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
     const float u = RTCHitN_u(args->hit, args->N, i);
     const float v = RTCHitN_v(args->hit, args->N, i);
@@ -99,10 +107,6 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id) {
   return r;
 }
 
-uint32_t instance_of(uint32_t geometry, uint32_t instance_node) {
-  return instance_node == RTC_INVALID_GEOMETRY_ID ? geometry : instance_node;
-}
-
 template <typename Packet>
 void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id) {
   packet.org_x[i] = ray.origin.x;
@@ -125,13 +129,16 @@ struct EmbreeAccel::State {
   std::string error;
   std::atomic<int64_t> bytes{0};
   RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  RTCScene scene = nullptr;  ///< the top
+  /// What stands in world space: the top itself or, if something moves, a scene below it that is built only once.
+  RTCScene still = nullptr;
   std::vector<RTCScene> mesh_scenes;                             ///< by mesh; null unless some instance needs it
   std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
   std::vector<GeometryContext> contexts;                         ///< one an instance, then one a mesh
   CoverageFunction coverage;
 
   ~State() {
+    if (still && still != scene) rtcReleaseScene(still);
     if (scene) rtcReleaseScene(scene);
     for (RTCScene s : mesh_scenes) {
       if (s) rtcReleaseScene(s);
@@ -166,11 +173,21 @@ struct EmbreeAccel::State {
     return result;
   }
 
+  void add_still() {
+    rtcSetSceneBuildQuality(still, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(still);
+    RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(node, still);
+    place(node, Mat4(1));
+    rtcAttachGeometryByID(scene, node, kStillNode);
+    rtcReleaseGeometry(node);
+  }
+
   void add_instance(uint32_t index, const AccelInstance& instance) {
     RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
     place(node, instance.to_world);
-    rtcAttachGeometryByID(scene, node, index);
+    rtcAttachGeometryByID(scene, node, index + 1);
     rtcReleaseGeometry(node);
     instance_nodes.emplace_back(index, node);
   }
@@ -192,6 +209,8 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
       },
       &s.bytes);
   s.scene = rtcNewScene(s.device);
+  const bool anything_moves = std::any_of(instances.begin(), instances.end(), [](const auto& i) { return i.moves; });
+  s.still = anything_moves ? rtcNewScene(s.device) : s.scene;
   // Instances of one mesh share its scene; the context of instance i is contexts[i].
   s.contexts.resize(instances.size());
   s.mesh_scenes.resize(meshes.size(), nullptr);
@@ -202,13 +221,14 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     s.contexts[i] = {&s.coverage, i};
     if (instance.in_world_space) {
       RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
-      rtcAttachGeometryByID(s.scene, geometry, i);
+      rtcAttachGeometryByID(s.still, geometry, i);
       rtcReleaseGeometry(geometry);
       continue;
     }
     if (!s.mesh_scenes[instance.mesh]) s.mesh_scenes[instance.mesh] = s.new_mesh_scene(mesh, &s.contexts[i]);
     s.add_instance(i, instance);
   }
+  if (anything_moves) s.add_still();
   // Not RTC_SCENE_FLAG_ROBUST: it costs 12 % of a frame on the Cornell box and 23 % on Sponza and moves no mean.
   rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(s.scene);
@@ -228,10 +248,11 @@ void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstanc
   for (uint32_t i = 0; i < instances.size(); ++i) {
     if (instances[i].mesh != mesh || !s.contexts[i].coverage) continue;  // without triangles there is no geometry
     const bool in_world_space = instances[i].in_world_space;
-    const RTCGeometry geometry = in_world_space ? rtcGetGeometry(s.scene, i) : rtcGetGeometry(s.mesh_scenes[mesh], 0);
+    const RTCScene owner = in_world_space ? s.still : s.mesh_scenes[mesh];
+    const RTCGeometry geometry = rtcGetGeometry(owner, in_world_space ? i : 0);
     set_filter(geometry, &s.contexts[i], needs_coverage);
     rtcCommitGeometry(geometry);
-    if (!in_world_space) rtcCommitScene(s.mesh_scenes[mesh]);
+    if (owner != s.scene) rtcCommitScene(owner);
   }
   update(instances);
 }

@@ -22,6 +22,7 @@ struct AccelInstance {
   uint32_t mesh = 0;
   Mat4 to_world{1};
   bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made
+  bool moves = false;          ///< update() may place it elsewhere
 };
 
 struct AccelMesh {
@@ -41,7 +42,8 @@ class EmbreeAccel {
   EmbreeAccel(const EmbreeAccel&) = delete;
   EmbreeAccel& operator=(const EmbreeAccel&) = delete;
 
-  /// Moves the instances that are not in world space; rebuilds the top level.
+  /// Places the instances that are not in world space anew. Takes the longer the more of these there are; what stands
+  /// in world space costs nothing if some instance was said to move.
   void update(std::span<const AccelInstance> instances);
 
   /// Whether hits on a mesh ask for its coverage from now on. `instances` as constructed.

@@ -217,10 +217,11 @@ void CompiledScene::refresh_view() {
 
 std::vector<AccelInstance> CompiledScene::accel_instances() const {
   std::vector<AccelInstance> result;
-  for (const Instance& i : instances_) {
+  for (size_t k = 0; k < instances_.size(); ++k) {
+    const Instance& i = instances_[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space});
+    result.push_back({i.mesh, m, i.in_world_space, moves_[appearances_[k].node]});
   }
   return result;
 }

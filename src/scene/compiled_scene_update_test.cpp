@@ -110,8 +110,41 @@ Texture holes() {
   return t;
 }
 
+/// Something else, which moves beside the plate.
+void add_mover(Scene& scene) {
+  Mesh mesh = scene.meshes[0];
+  mesh.material = static_cast<Index>(scene.materials.size());
+  scene.materials.push_back({});
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size())};
+  node.transform.translation = Vec3(10, 0, 0);
+  scene.meshes.push_back(mesh);
+  animate_scale(scene, scene.add_node(node), Vec3(1), Vec3(1));
+}
+
+TEST(CompiledScene, FindsWhatStandsStillAmongWhatMoves) {
+  Scene scene = plate();
+  add_mover(scene);
+  const CompiledScene compiled(scene, {.width = kSize, .height = kSize});
+  for (uint32_t i = 0; i < compiled.view().instances.size; ++i) {
+    const float x = compiled.view().instances[i].in_world_space ? 0.3f : 10.3f;
+    const Ray ray{Vec3(x, 0.2f, 3), Vec3(0, 0, -1), kInfinity};
+    const Hit hit = intersect(compiled.view().accel, ray, 0);
+    ASSERT_TRUE(hit.valid());
+    EXPECT_EQ(hit.instance, i);
+    EXPECT_FLOAT_EQ(hit.t, 3);
+    EXPECT_TRUE(occluded(compiled.view().accel, ray, 0));
+    Hit packet[kPacketSize];
+    const uint32_t id = 0;
+    intersect_packet(compiled.view().accel, &ray, &id, packet, 1, true);
+    EXPECT_EQ(packet[0].instance, i);
+  }
+}
+
+enum class Plate { stands_alone, moves, stands_beside_what_moves };
+
 TEST(CompiledScene, MaterialsMayBecomeTransparent) {
-  for (const bool moving : {false, true}) {
+  for (const Plate kind : {Plate::stands_alone, Plate::moves, Plate::stands_beside_what_moves}) {
     Material lamp;
     lamp.emission = Rgb(1);
     lamp.double_sided = true;
@@ -119,7 +152,8 @@ TEST(CompiledScene, MaterialsMayBecomeTransparent) {
     Scene scene = plate(lamp);
     scene.textures.push_back(holes());
     scene.meshes[0].uv0 = {Vec2(0, 1), Vec2(1, 1), Vec2(1, 0), Vec2(0, 0)};
-    if (moving) animate_scale(scene, 0, Vec3(1), Vec3(1));
+    if (kind == Plate::moves) animate_scale(scene, 0, Vec3(1), Vec3(1));
+    if (kind == Plate::stands_beside_what_moves) add_mover(scene);
     CompiledScene compiled(scene, {.width = kSize, .height = kSize});
     const auto hits = [&](float x) {
       return intersect(compiled.view().accel, {Vec3(x, 0.3f, 3), Vec3(0, 0, -1), kInfinity}, 0).valid();
@@ -129,7 +163,7 @@ TEST(CompiledScene, MaterialsMayBecomeTransparent) {
     EXPECT_TRUE(hits(-0.5f) && hits(0.5f));
     lamp.alpha_mode = AlphaMode::mask;
     EXPECT_EQ(compiled.set_material(0, lamp), Change::materials | Change::lights);
-    EXPECT_TRUE(hits(-0.5f) && !hits(0.5f)) << moving;
+    EXPECT_TRUE(hits(-0.5f) && !hits(0.5f)) << static_cast<int>(kind);
     EXPECT_NEAR(watts(), 0.5f * whole, 0.02f * whole);
     EXPECT_TRUE(changed_lights(compiled).at(0));
     lamp.alpha_cutoff = 0;  // covers again

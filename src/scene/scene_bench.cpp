@@ -40,5 +40,16 @@ void bm_compile_scene(benchmark::State& state) {
 }
 BENCHMARK(bm_compile_scene)->Unit(benchmark::kMicrosecond);
 
+/// A lamp moves in a room of 20,000 triangles that stand still.
+void bm_move_lamp(benchmark::State& state) {
+  CompiledScene compiled(find_builtin_scene("slit")->build(), CompileOptions{.camera = {}, .width = 16, .height = 16});
+  float time_s = 0;
+  for (auto _ : state) {
+    compiled.set_time(time_s);
+    time_s = time_s < 7 ? time_s + 0.1f : 0;
+  }
+}
+BENCHMARK(bm_move_lamp)->Unit(benchmark::kMicrosecond);
+
 }  // namespace
 }  // namespace relume
