@@ -130,13 +130,25 @@ ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& 
   return ratio;
 }
 
+ErrorRatio time_ratio(const AdaptedError& a, const AdaptedError& b) {
+  if (!(b.median_s() > 0)) return {};
+  const Interval of_a = median_interval(a.frame_s);
+  const Interval of_b = median_interval(b.frame_s);
+  const double spread = std::hypot(std::log(of_a.high / of_a.low), std::log(of_b.high / of_b.low)) / 2;
+  const double value = a.median_s() / b.median_s();
+  return {value, {value * std::exp(-spread), value * std::exp(spread), std::min(of_a.confidence, of_b.confidence)}};
+}
+
 ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region) {
-  ErrorRatio ratio = error_ratio(a.mse[region], b.mse[region]);
-  const double times = b.median_s() > 0 ? a.median_s() / b.median_s() : 0;
-  ratio.value *= times;
-  ratio.interval.low *= times;
-  ratio.interval.high *= times;
-  return ratio;
+  const ErrorRatio error = error_ratio(a.mse[region], b.mse[region]);
+  const ErrorRatio time = time_ratio(a, b);
+  const double value = error.value * time.value;
+  if (!(value > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
+  const auto both = [](double x, double y) { return std::exp(std::hypot(std::log(x), std::log(y))); };
+  return {
+      value,
+      {value / both(error.value / error.interval.low, time.value / time.interval.low),
+       value * both(error.interval.high / error.value, time.interval.high / time.value), error.interval.confidence}};
 }
 
 std::string to_text(const ErrorRatio& ratio) {

@@ -55,7 +55,9 @@ struct ErrorRatio {
 };
 /// a's mean over b's: how many times lower b's error is.
 ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
-/// The same at equal time: each error times the median time of its contender's frames.
+/// a's median time of a frame over b's: how many times faster b is. Contenders had turns, frame by frame.
+ErrorRatio time_ratio(const AdaptedError& a, const AdaptedError& b);
+/// error_ratio() at equal time: each error times the median time of its contender's frames.
 ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
 
 /// "10.3× (9.8 to 10.9)".

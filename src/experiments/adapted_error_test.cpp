@@ -119,6 +119,28 @@ TEST(Adaptation, HasAnIntervalOverTheRuns) {
   EXPECT_EQ(interval.high, 9);  // the slowest run's
 }
 
+AdaptedError timed(std::vector<double> mse, std::vector<double> frame_s) {
+  AdaptedError e;
+  e.mse = {std::move(mse)};
+  e.frame_s = std::move(frame_s);
+  return e;
+}
+
+TEST(EqualTimeRatio, TakesTheTimesIntoAccountAndWhatTheyVaryBy) {
+  const std::vector<double> large{8.0, 8.1, 7.9, 8.0};
+  const std::vector<double> small{1.0, 1.1, 0.9, 1.0};
+  const ErrorRatio errors = error_ratio(large, small);
+  const ErrorRatio even =
+      equal_time_ratio(timed(large, {1, 1, 1, 1, 1, 1, 1, 1}), timed(small, {2, 2, 2, 2, 2, 2, 2, 2}));
+  EXPECT_DOUBLE_EQ(even.value, errors.value / 2);
+  EXPECT_NEAR(even.interval.low, errors.interval.low / 2, 1e-12);
+  EXPECT_NEAR(even.interval.high, errors.interval.high / 2, 1e-12);
+  const ErrorRatio uneven = equal_time_ratio(timed(large, {1, 1, 1, 1}), timed(small, {1, 2, 2, 3}));
+  EXPECT_DOUBLE_EQ(uneven.value, even.value);
+  EXPECT_LT(uneven.interval.low, even.interval.low);
+  EXPECT_GT(uneven.interval.high, even.interval.high);
+}
+
 TEST(LearningScenes, TellTheMinesRegionsApart) {
   Image reference(4, 1);
   Image direct(4, 1);

@@ -80,6 +80,7 @@ template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);
 template __global__ void run(IncidentLightKernel, uint32_t, uint32_t);
 template __global__ void run(RegionViewKernel, uint32_t, uint32_t);
+template __global__ void run(CountKnownLightsKernel, uint32_t, uint32_t);
 template __global__ void run(KnownLightsKernel, uint32_t, uint32_t);
 template __global__ void run(OctreeMarkKernel, uint32_t, uint32_t);
 template __global__ void run(OctreeParentsKernel, uint32_t, uint32_t);

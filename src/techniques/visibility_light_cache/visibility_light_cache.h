@@ -47,9 +47,7 @@ struct VisibilityLightCache {
     if (infinite.takes(u)) return infinite.sample(u);
     if (all.empty()) return {};
     const LightBuckets buckets = buckets_of(sp);
-    const float explore = buckets.count == 0 ? 1.0f : exploration;
-    const bool exploring = u < explore;
-    u = clamp(exploring ? u / explore : (u - explore) / (1.0f - explore), 0.0f, kOneMinusEpsilon);
+    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration, u);
     DiscreteSample chosen{kNoLight, 0, u};
     uint32_t bucket = 0;
     if (exploring) {

@@ -74,9 +74,12 @@ PassDeclaration KnownLightsPass::declaration() const {
 
 bool KnownLightsPass::run(const FrameContext& frame) {
   const VisibilityLightCache& cache = cache_.selector().cache;
+  std::vector<uint32_t> known(cache.regions.size);
   launch(frame.backend, "vlc-view",
-         KnownLightsKernel{octree_.samples(), cache.regions, cache.entries, cache.bucket_size,
-                           frame.view<uint32_t>("known-lights"), frame.width()},
+         CountKnownLightsKernel{cache.regions, cache.entries, cache.bucket_size, mutable_view_of(known)},
+         cache.regions.size, 1);
+  launch(frame.backend, "vlc-view",
+         KnownLightsKernel{octree_.samples(), view_of(known), frame.view<uint32_t>("known-lights"), frame.width()},
          frame.width(), frame.height());
   return true;
 }
