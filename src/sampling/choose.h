@@ -1,4 +1,4 @@
-// Chooses among few weights that are computed on the spot.
+// Chooses among few things whose weights are computed on the spot.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,13 @@
 #include "core/vec.h"
 
 namespace relume {
+
+/// Whether `u` in [0, 1) falls to the first of two that share it, which has `share`; `u` becomes what is left of it.
+RELUME_HD inline bool takes_share(float share, float& u) {
+  const bool first = u < share;
+  u = clamp(first ? u / share : (u - share) / (1.0f - share), 0.0f, kOneMinusEpsilon);
+  return first;
+}
 
 /// Index below `count` with probability weights[i] / sum; `sum` > 0 is that of the weights, which are not negative. `u`
 /// in [0, 1) becomes what is left of it.

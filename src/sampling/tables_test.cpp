@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sampling/alias_table.h"
+#include "sampling/choose.h"
 #include "sampling/distribution_2d.h"
 #include "sampling/mis.h"
 #include "testing/histogram.h"
@@ -163,6 +164,22 @@ TEST(Distribution2D, IsEmptyWithoutWeight) {
   EXPECT_EQ(build_distribution_2d(std::vector<float>{0, 0}, 2, 1).width, 0u);
   EXPECT_EQ(build_distribution_2d(std::vector<float>{1, kInfinity}, 2, 1).width, 0u);
   EXPECT_TRUE(Distribution2D{}.empty());
+}
+
+TEST(TakesShare, LeavesAUniformRest) {
+  for (const float share : {0.0f, 0.25f, 1.0f}) {
+    int taken = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const float before = (static_cast<float>(i) + 0.5f) / 1000;
+      float u = before;
+      const bool first = takes_share(share, u);
+      taken += first ? 1 : 0;
+      EXPECT_NEAR(first ? u * share : share + u * (1 - share), before, 1e-6f);
+      EXPECT_GE(u, 0.0f);
+      EXPECT_LT(u, 1.0f);
+    }
+    EXPECT_EQ(taken, static_cast<int>(1000 * share));
+  }
 }
 
 TEST(Mis, WeightsSumToOne) {

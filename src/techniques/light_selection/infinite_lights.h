@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sampling/alias_table.h"
+#include "sampling/choose.h"
 #include "techniques/light_selection/light_selection.h"
 
 namespace relume {
@@ -15,12 +16,7 @@ struct InfiniteLights {
   float share = 0;  ///< of all samples; 0: there are none, 1: there is nothing else
 
   /// Whether `u` falls to this group; `u` is stretched to what is left of it either way.
-  RELUME_HD bool takes(float& u) const {
-    if (!(share > 0.0f)) return false;
-    const bool taken = u < share;
-    u = clamp(taken ? u / share : (u - share) / (1.0f - share), 0.0f, kOneMinusEpsilon);
-    return taken;
-  }
+  RELUME_HD bool takes(float& u) const { return takes_share(share, u); }
   RELUME_HD LightSelection sample(float u) const {
     const DiscreteSample s = table.sample(u);
     return {first + s.index, share * s.pmf, s.u};

@@ -60,6 +60,19 @@ TEST(SampleStream, DoesNotDependOnThreads) {
   EXPECT_EQ(orders[0], orders[1]);
 }
 
+TEST(SampleStream, KeepsWhatTheFirstVerticesLeft) {
+  SampleStream stream;
+  stream.resize(3, 1);
+  for (VertexSample& sample : stream.samples()) sample.region = 1;
+  stream.resize(3, 2);
+  ASSERT_EQ(stream.samples().size, 6u);
+  for (uint32_t i = 0; i < 6; ++i) EXPECT_EQ(stream.samples()[i].region, i < 3 ? 1u : kNoRegion);
+  stream.resize(3, 1);
+  Backend backend(2);
+  stream.group(backend, 2);
+  EXPECT_EQ(stream.groups().counts[1], 3u);
+}
+
 TEST(SampleStream, LeavesOutRegionsThatAreNot) {
   SampleStream stream;
   stream.resize(3, 1);

@@ -51,10 +51,7 @@ struct StaticLightLists {
     if (infinite.takes(u)) return infinite.sample(u);
     if (all.empty()) return {};
     const List list = list_at(sp);
-    const float explore = list.count == 0 ? 1.0f : exploration;
-    const bool exploring = u < explore;
-    u = clamp(exploring ? u / explore : (u - explore) / (1.0f - explore), 0.0f, kOneMinusEpsilon);
-    if (exploring) {
+    if (takes_share(list.count == 0 ? 1.0f : exploration, u)) {
       const DiscreteSample s = all.sample(u);
       return {s.index, pmf(sp, s.index), s.u};
     }
