@@ -140,12 +140,13 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
     const LightSelectionChoice lights = way.settings.lights;
     if (lights != LightSelectionChoice::light_tree && lights != LightSelectionChoice::vlc) continue;
     if (lights == plain.lights && way.settings.guide == plain.guide) continue;
-    if (way.name == "departures") continue;  // its small buckets leave rare bright samples; in motion it takes part
+    // Small buckets and one table to explore by leave rare bright samples; in motion these take part.
+    if (way.name == "departures" || way.name == "paper") continue;
     expect_same_picture("learning-" + way.name + "-warehouse",
                         pictures(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
     ++compared;
   }
-  EXPECT_EQ(compared, 4);  // the tree with guiding, the cache without and with it, and as in the paper
+  EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with it
 }
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};

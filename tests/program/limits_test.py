@@ -37,8 +37,10 @@ class Limits(ProgramTest):
             ["render", "cornell", *SIZE, "--spp", "1", "-o", "a.exr"],
             ["render", "cornell", *SIZE, "--spp", "1", "-o", "a.png"],
             ["render", "cornell", *SIZE, "--spp", "1", "--frames", "0-2", "-o", "a.####.exr"],
+            ["render", "cornell", *SIZE, "--spp", "2", "--resume", "a.ckpt", "-o", "a.exr"],
             ["export", "cornell-spheres", "-o", "a.glb"],
             ["compare", "cornell", *SIZE, "--techniques", "default,u=lights:uniform", "--spp", "1", "--reference-spp", "2", "-o", "page"],
+            ["experiment", "run", "guide-cost", "--quick", "-o", "pages"],
         ]
         for command in commands:
             with self.subTest(command=command[:2]):

@@ -45,6 +45,11 @@ class TevViewer(threading.Thread):
 
 
 class Outputs(ProgramTest):
+    def test_a_comparison_needs_only_a_scene(self):
+        self.succeed("compare", "cornell", *SMALL, "--spp", "1", "--repeat", "1", "--reference-spp", "2", "--cache-dir", "cache")
+        results = json.loads((self.folder / "cornell-compare/compare.json").read_text())
+        self.assertEqual([c["name"] for c in results["contenders"]], ["default", "interactive"])
+
     def test_a_tev_viewer_gets_the_picture(self):
         viewer = TevViewer()
         self.succeed("render", "furnace", "-o", "out.exr", *SMALL, "--spp", "2", "--display", viewer.address)
