@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
+#include "experiments/adapted_file.h"
 #include "experiments/learning_scenes.h"
 #include "experiments/trace.h"
 #include "render/build_pipeline.h"
@@ -79,6 +80,8 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Named
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
+  const std::filesystem::path file = adapted_file(context, scene, contenders, regions, options);
+  if (std::optional<std::vector<AdaptedError>> kept = load_adapted(file)) return std::move(*kept);
   std::vector<Running> running = begin(scene, contenders, regions.size(), options.seed);
   const int all = options.warm_up + options.frames;
   for (int i = 0; i < options.sessions * all; ++i) {
@@ -103,6 +106,7 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
     r.result.figures = r.session.statistics().figures;
     results.push_back(std::move(r.result));
   }
+  if (!file.empty()) save_adapted(file, results);
   return results;
 }
 

@@ -42,7 +42,8 @@ struct AdaptedError {
 
 /// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
 /// disturbs the machine disturbs all alike. What learns nothing from frames has no need to start again or to adapt: of
-/// it a single session is rendered, after one frame for what it prepares. Throws ExperimentStopped.
+/// it a single session is rendered, after one frame for what it prepares. What an interrupted experiment has measured
+/// so is not measured again. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);

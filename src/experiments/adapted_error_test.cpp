@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "experiments/adaptation.h"
+#include "experiments/adapted_file.h"
 #include "experiments/learning_scenes.h"
+#include "io/atomic_file.h"
 
 namespace relume {
 namespace {
@@ -82,6 +85,42 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   }
   EXPECT_EQ(errors[1].name, "vlc");
   EXPECT_FALSE(errors[1].figures.empty());
+}
+
+TEST(AdaptedError, IsNotMeasuredAgain) {
+  ExperimentContext context;
+  context.parts_folder = std::filesystem::temp_directory_path() / "relume_adapted_error_test";
+  std::filesystem::remove_all(context.parts_folder);
+  const ExperimentScene scene = learning_scene("cornell");
+  RenderSettings settings = scene.settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.lights = LightSelectionChoice::vlc;
+  const std::vector<NamedSettings> contenders{{"vlc", settings}};
+  const std::vector<PixelMask> regions{whole_picture(16 * 12)};
+  AdaptedOptions options{.warm_up = 1, .frames = 2, .sessions = 1, .block = 1, .seed = 1};
+  const auto measure = [&] {
+    return measure_adapted(context, scene, contenders, {.image = Image(16, 12)}, regions, options);
+  };
+  const std::vector<AdaptedError> first = measure();
+  const std::vector<AdaptedError> again = measure();
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].frame_s, first[0].frame_s);
+  EXPECT_EQ(again[0].mse, first[0].mse);
+  EXPECT_EQ(again[0].pass_s, first[0].pass_s);
+  ASSERT_EQ(again[0].figures.size(), first[0].figures.size());
+  EXPECT_EQ(again[0].figures[0].value, first[0].figures[0].value);
+  EXPECT_EQ(again[0].last.pixels, first[0].last.pixels);
+  // What is different is measured.
+  context.program = "another";
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  context.program.clear();
+  options.seed = 2;
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  options.seed = 1;
+  write_file(adapted_file(context, scene, contenders, regions, options), "something else");
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  std::filesystem::remove_all(context.parts_folder);
 }
 
 TEST(Adaptation, EndsWhereTheCurveStaysNearItsPlateau) {

@@ -4,9 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/fnv1a.h"
+#include "experiments/parts.h"
 #include "io/json_parse.h"
-#include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
 namespace relume {
@@ -41,23 +40,14 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
 
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options) {
-  if (context.parts_folder.empty()) return {};
-  std::string text = fmt::format("{} {:016x} {} {} {} {} {} {} {}", context.program, scene_hash(scene.scene),
-                                 options.turn.total_deg, options.turn.step_deg, options.turn.aside_m, options.frames,
-                                 options.repetitions, options.first_seed, options.picture_frame);
-  if (scene.camera) {
-    for (int column = 0; column < 4; ++column) {
-      const Vec4& v = scene.camera->to_world[column];
-      text += fmt::format(" {} {} {} {}", v.x, v.y, v.z, v.w);
-    }
-  }
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {}", options.turn.total_deg, options.turn.step_deg, options.turn.aside_m,
+                  options.frames, options.repetitions, options.first_seed, options.picture_frame);
   for (const TraceContender& c : contenders) {
     RenderSettings settings = c.settings;
     text += fmt::format(" {} {} {} {}", c.name, c.samples_per_step, c.map, settings_to_json(describe(settings)));
   }
-  Fnv1a hash;
-  hash.add(text.data(), text.size());
-  return context.parts_folder / fmt::format("traces-{:016x}.exr", hash.value());
+  return part_file(context, scene, "traces", text);
 }
 
 void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces) {
@@ -72,11 +62,7 @@ void save_traces(const std::filesystem::path& file, const std::vector<Trace>& tr
     if (!trace.map.empty()) exr.channels.push_back({map_of(i), trace.map});
   }
   exr.attributes[kAttribute] = list.dump();
-  std::error_code failure;
-  std::filesystem::create_directories(file.parent_path(), failure);
-  if (failure)
-    throw Error(fmt::format("{}: the folder cannot be made ({})", file.parent_path().string(), failure.message()));
-  write_exr(file, exr);
+  write_part(file, exr);
 }
 
 std::optional<std::vector<Trace>> load_traces(const std::filesystem::path& file) {

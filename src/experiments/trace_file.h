@@ -9,9 +9,8 @@
 
 namespace relume {
 
-/// The file for such a measurement in the context's folder; empty without one. The name hashes the program, the scene,
-/// where the camera stands, contenders and options. Lens and reference are not in it: each experiment has one of either
-/// for a scene.
+/// The file for such a measurement; empty if the context keeps none. Lens and reference are not in its name: each
+/// experiment has one of either for a scene.
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options);
 

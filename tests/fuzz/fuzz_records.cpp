@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "experiments/adapted_file.h"
 #include "experiments/results.h"
 #include "experiments/trace_file.h"
 #include "record_case.h"
@@ -36,6 +37,7 @@ void read_record(RecordKind kind, const std::string& text) {
     case RecordKind::traces:
       write(scratch.path, text);
       relume::load_traces(scratch.path);
+      relume::load_adapted(scratch.path);
       return;
     case RecordKind::reference: read_reference(text); return;
     case RecordKind::bookmarks:
@@ -44,7 +46,9 @@ void read_record(RecordKind kind, const std::string& text) {
       return;
     case RecordKind::script:
       for (const relume::viewer::ScriptStep& step : relume::viewer::parse_script(text, "fuzz.txt")) {
-        if (step.verb == "key" && !step.words.empty()) relume::viewer::parse_keys(step.words[0], "fuzz.txt");
+        if (step.words.empty()) continue;
+        if (step.verb == "key") relume::viewer::parse_keys(step.words[0], "fuzz.txt");
+        if (step.verb == "sun") relume::viewer::number_in(step.words[0]);
       }
       return;
   }
