@@ -1,11 +1,8 @@
 #include "experiments/adapted_file.h"
 
-#include <stdexcept>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "core/fnv1a.h"
 #include "experiments/parts.h"
 #include "io/json_parse.h"
@@ -71,16 +68,7 @@ void save_adapted(const std::filesystem::path& file, const std::vector<AdaptedEr
 }
 
 std::optional<std::vector<AdaptedError>> load_adapted(const std::filesystem::path& file) {
-  if (file.empty() || !std::filesystem::exists(file)) return std::nullopt;
-  try {
-    return errors_from(read_exr(file), file.string());
-  } catch (const Error&) {
-    return std::nullopt;
-  } catch (const nlohmann::json::exception&) {
-    return std::nullopt;
-  } catch (const std::out_of_range&) {
-    return std::nullopt;
-  }
+  return read_part(file, errors_from);
 }
 
 }  // namespace relume

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "experiments/parts.h"
 #include "io/json_parse.h"
 #include "settings/settings_json.h"
@@ -66,16 +65,7 @@ void save_traces(const std::filesystem::path& file, const std::vector<Trace>& tr
 }
 
 std::optional<std::vector<Trace>> load_traces(const std::filesystem::path& file) {
-  if (file.empty() || !std::filesystem::exists(file)) return std::nullopt;
-  try {
-    return traces_from(read_exr(file), file.string());
-  } catch (const Error&) {
-    return std::nullopt;
-  } catch (const nlohmann::json::exception&) {
-    return std::nullopt;
-  } catch (const std::out_of_range&) {
-    return std::nullopt;
-  }
+  return read_part(file, traces_from);
 }
 
 }  // namespace relume
