@@ -44,9 +44,6 @@ struct OutputFiles {
   std::filesystem::path csv;
 };
 
-/// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
-constexpr const char* kUsualTechniques = "default,interactive";
-
 OutputFiles output_files(const CompareOptions& o) {
   const std::string output = o.output.empty() ? std::filesystem::path(o.scene).stem().string() + "-compare" : o.output;
   std::filesystem::path page = output;
@@ -62,6 +59,9 @@ OutputFiles output_files(const CompareOptions& o) {
   files.csv.replace_extension(".csv");
   return files;
 }
+
+/// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
+constexpr const char* kUsualTechniques = "default,interactive";
 
 /// What the options say, before the scene is there.
 ComparisonOptions comparison_options(const CompareOptions& o) {
@@ -104,9 +104,9 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
 }
 
 int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
-  const OutputFiles files = output_files(o);
   ComparisonOptions options = comparison_options(o);
   Scene scene = open_scene(o.scene);
+  const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
   warn_all(verbosity, scene.warnings);
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = o.scene;

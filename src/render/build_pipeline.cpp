@@ -168,6 +168,15 @@ void check_combination(const RenderSettings& settings) {
   }
 }
 
+std::string refusal(const RenderSettings& settings) {
+  try {
+    check_combination(settings);
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 Pipeline build_pipeline(const RenderSettings& settings) {
   check_combination(settings);
   Pipeline pipeline;

@@ -1,6 +1,8 @@
 // The explicit list of techniques: which passes a frame has for each choice in each slot.
 #pragma once
 
+#include <string>
+
 #include "pipeline/pipeline.h"
 #include "render/render_settings.h"
 
@@ -8,6 +10,8 @@ namespace relume {
 
 /// Throws Error with a sentence that says what would work if the slots do not combine.
 void check_combination(const RenderSettings& settings);
+/// That sentence; empty if the slots combine.
+std::string refusal(const RenderSettings& settings);
 
 /// Whether paths leave samples from which light selection or guiding learn.
 bool learns(const RenderSettings& settings);

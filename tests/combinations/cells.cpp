@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "render/build_pipeline.h"
 #include "settings/setting.h"
 
@@ -65,15 +64,6 @@ RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b
     if (backward) settings.reproject.method = ReprojectionMethod::backward;
   }
   return settings;
-}
-
-std::string refusal(const RenderSettings& settings) {
-  try {
-    check_combination(settings);
-    return {};
-  } catch (const Error& error) {
-    return error.what();
-  }
 }
 
 std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds) {

@@ -27,9 +27,6 @@ const std::vector<Choice>& all_choices();
 /// Defaults with two choices. Throws Error for a choice that does not exist.
 RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
 
-/// Why the program refuses the settings; empty if it does not.
-std::string refusal(const RenderSettings& settings);
-
 /// docs/combinations.md, where `holds` says whether a cell's rendering showed the right mean.
 std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds);
 

@@ -11,6 +11,7 @@
 
 #include "combinations/cells.h"
 #include "core/vec.h"
+#include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "support/measure.h"

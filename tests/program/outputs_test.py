@@ -49,6 +49,8 @@ class Outputs(ProgramTest):
         self.succeed("compare", "cornell", *SMALL, "--spp", "1", "--repeat", "1", "--reference-spp", "2", "--cache-dir", "cache")
         results = json.loads((self.folder / "cornell-compare/compare.json").read_text())
         self.assertEqual([c["name"] for c in results["contenders"]], ["default", "interactive"])
+        self.assertNotEqual(run("compare", str(self.folder / "lost.glb"), cwd=self.folder).returncode, 0)
+        self.assertFalse((self.folder / "lost-compare").exists())
 
     def test_a_tev_viewer_gets_the_picture(self):
         viewer = TevViewer()

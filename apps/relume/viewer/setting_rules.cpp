@@ -1,5 +1,4 @@
 // What the interface can tell of settings without drawing anything.
-#include "core/error.h"
 #include "render/build_pipeline.h"
 #include "viewer/settings_panel.h"
 
@@ -18,13 +17,8 @@ bool names(std::string_view choice, std::string_view technique) {
 
 std::string refusal(const Settings& settings, const std::string& setting, std::string_view choice) {
   Settings wanted = settings;
-  try {
-    store(require_setting(describe(wanted), setting, setting), std::string(choice));
-    check_combination(wanted.render);
-    return {};
-  } catch (const Error& error) {
-    return error.what();
-  }
+  store(require_setting(describe(wanted), setting, setting), std::string(choice));
+  return refusal(wanted.render);
 }
 
 std::string takes_effect_with(const Settings& settings, const std::string& setting) {

@@ -34,16 +34,6 @@ void keep_picture(Settings current, Settings& wanted) {
   wanted.stop = current.stop;
 }
 
-/// Why the slots do not combine; empty if they do.
-std::string refusal(const RenderSettings& settings) {
-  try {
-    check_combination(settings);
-    return {};
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
-
 }  // namespace
 
 Settings resolve_start(SettingSources sources) {
