@@ -91,7 +91,7 @@ constexpr std::array kDetails = {
     Detail{"apg.feed", {"0", "0.25", "1"}},
     Detail{"apg.variance-constant", {"0", "0.1", "10"}},
     Detail{"apsf.survival-floor", {"0.01", "0.1", "1"}},
-    Detail{"adaptive.min", {"1", "4", "16"}},
+    Detail{"adaptive.min", {"2", "4", "16"}},
     Detail{"reproject.stored", {"1", "4", "4"}},
     Detail{"bmfr.detail", {"0", "1.5", "10"}},
 };

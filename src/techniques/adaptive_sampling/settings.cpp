@@ -8,11 +8,14 @@ namespace relume {
 
 SettingList describe(AdaptiveSamplingSettings& s) {
   return {
-      {"min", &s.min_samples, "Samples that every pixel gets after a change", {.min = 1, .max = 4096, .biases = true}},
+      {"min",
+       &s.min_samples,
+       "Samples that every pixel gets after a change; two are the fewest that tell of noise",
+       {.min = 2, .max = 4096, .biases = true}},
       {"max",
        &s.max_samples,
        "Frames after which each pixel's probability of further samples is settled; more than adaptive.min",
-       {.min = 2, .max = 65536, .biases = true}},
+       {.min = 3, .max = 65536, .biases = true}},
       {"pilot", &s.pilot,
        "Leave the samples that settled the probabilities out of the picture, which removes the bias of deciding by the "
        "values that are averaged"},

@@ -342,6 +342,7 @@ TEST(Bmfr, EmissionAndBlackSurfacesAreNotFiltered) {
   EXPECT_NEAR(h.light[5].g, 0.5f, 1e-6f);  // (1 − 0.75) / 0.5
   const SurfaceLight samples{view_of(h.radiance), view_of(h.allocation), view_of(h.albedo), view_of(h.emission)};
   EXPECT_NEAR(samples.picture(5, h.light[5]).g, 1.0f, 1e-6f);
+  EXPECT_EQ(samples.picture(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: no darker than black
   h.albedo[5] = Rgb(0);
   EXPECT_FALSE(samples.at(5).valid);
   EXPECT_EQ(samples.picture(5, Rgb(100)), Rgb(1));  // the sample itself

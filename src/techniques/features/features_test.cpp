@@ -304,6 +304,20 @@ TEST(PictureHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
   EXPECT_NEAR(p.picture[1].r, 10 + sum_of_all, 1e-4);
 }
 
+TEST(PictureHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
+  Pictures p;
+  for (int i = 0; i < 4; ++i) {
+    const bool lamp = i > 0;  // at its edge in a mirror: from then on features say so, and samples find nothing
+    p.emission[0] = Rgb(lamp ? 18.0f : 0.0f);
+    p.shown[0] = Rgb(lamp ? 0.0f : 5.0f);
+    p.frames = static_cast<uint32_t>(i + 1);
+    p.average(i > 0, i > 0 ? 0.2f : 1.0f);
+    p.before = p.picture;
+    EXPECT_GE(p.picture[0].r, 0) << i;
+  }
+  EXPECT_EQ(p.picture[0], Rgb(0));
+}
+
 TEST(PictureHistory, MovedPicturesAreHeldToWhatIsSeenNow) {
   Pictures p;
   p.average(false, 0.25f);

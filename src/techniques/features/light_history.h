@@ -27,9 +27,9 @@ struct SurfaceLight {
   }
 
   /// The picture from filtered light. What is not filtered shows this frame's sample or, without one, the emission
-  /// seen.
+  /// seen. Samples that miss some of the emission leave negative light behind; no picture is darker than black.
   RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light) const {
-    if (is_filtered(albedo[pixel])) return emission[pixel] + albedo[pixel] * light;
+    if (is_filtered(albedo[pixel])) return glm::max(emission[pixel] + albedo[pixel] * light, Rgb(0));
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
 };

@@ -59,7 +59,7 @@ struct PictureHistoryKernel {
     if (filtered) light += (now - seen - light) * relume::min(2.0f / (share * n + 1.0f), 1.0f);
     unfiltered[pixel] = mean;
     filtered_share[pixel] = share;
-    picture[pixel] = mean + light * share;
+    picture[pixel] = glm::max(mean + light * share, Rgb(0));
   }
 
   /// Weights of four pixels in a row for a place that lies the share t behind the second of them ([Keys81], a = −1/2):
