@@ -21,9 +21,23 @@ double stated_bias(const std::string& slot, const std::string& value) {
       {"cache=psf", 0.02},          {"cache=apsf", 0.02},        {"cache=apg", 0.03},
       {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.03},
       {"denoise=svgf", 0.03},       {"denoise=oidn", 0.05},      {"history=reproject (backward)", 0.02},
-      {"allocation=adaptive", 0.02}};
+      {"allocation=adaptive", 0.05}};
   const auto found = kBiases.find(slot + "=" + value);
   return found == kBiases.end() ? 0 : found->second;
+}
+
+/// A table of every choice against every other.
+std::string matrix(const std::function<std::string(size_t row, size_t column)>& cell) {
+  const std::vector<Choice>& choices = all_choices();
+  std::string text = "|  |";
+  for (size_t i = 0; i < choices.size(); ++i) text += fmt::format(" {} |", i + 1);
+  text += "\n|---|";
+  for (size_t i = 0; i < choices.size(); ++i) text += "---|";
+  for (size_t row = 0; row < choices.size(); ++row) {
+    text += fmt::format("\n| {} `{}={}` |", row + 1, choices[row].slot, choices[row].value);
+    for (size_t column = 0; column < choices.size(); ++column) text += fmt::format(" {} |", cell(row, column));
+  }
+  return text + "\n";
 }
 
 bool needs_library(const Choice& a, const Choice& b) { return a.value == "oidn" || b.value == "oidn"; }
@@ -88,28 +102,37 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "refused "
       "at start, for the\nreasons below\n\n"
       "How far the mean may be off with a bias (two biased choices: the sum): " +
-      bias_list() + ".\n\n|  |";
-  for (size_t i = 0; i < choices.size(); ++i) text += fmt::format(" {} |", i + 1);
-  text += "\n|---|";
-  for (size_t i = 0; i < choices.size(); ++i) text += "---|";
+      bias_list() + ".\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
-  for (size_t row = 0; row < choices.size(); ++row) {
-    text += fmt::format("\n| {} `{}={}` |", row + 1, choices[row].slot, choices[row].value);
-    for (size_t column = 0; column < choices.size(); ++column) {
-      std::string& cell = symbols[row * choices.size() + column];
-      if (column < row) {
-        cell = symbols[column * choices.size() + row];
-      } else if (choices[row].slot != choices[column].slot) {
-        cell = fmt::format(" {} |", symbol(choices[row], choices[column]));
-      } else {
-        cell = "  |";
-      }
-      text += cell;
+  text += matrix([&](size_t row, size_t column) {
+    std::string& cell = symbols[row * choices.size() + column];
+    if (column < row) {
+      cell = symbols[column * choices.size() + row];
+    } else if (choices[row].slot != choices[column].slot) {
+      cell = symbol(choices[row], choices[column]);
     }
-  }
-  text += "\n\n## Refused\n\n";
+    return cell;
+  });
+  text += "\n## Refused\n\n";
   for (const std::string& reason : reasons) text += fmt::format("- {}\n", reason);
   return text;
+}
+
+std::string deviation_table(const std::function<Deviation(const Choice& a, const Choice& b)>& measured) {
+  const std::vector<Choice>& choices = all_choices();
+  std::string text = kDeviationsTitle;
+  text +=
+      "\nBy how many percent the mean luminance of the pictures was off, and in brackets the standard error. Seeds are "
+      "fixed, but compilers and\nvector units round in ways of their own, so that another machine may show other last "
+      "digits.\n\n";
+  return text + matrix([&](size_t row, size_t column) -> std::string {
+           const Choice& a = choices[row];
+           const Choice& b = choices[column];
+           if (column < row || a.slot == b.slot || needs_library(a, b) || !refusal(combine({}, a, b)).empty())
+             return "";
+           const Deviation deviation = measured(a, b);
+           return fmt::format("{:+.1f} ({:.1f})", 100 * deviation.value, 100 * deviation.error);
+         });
 }
 
 }  // namespace relume::support

@@ -27,7 +27,17 @@ const std::vector<Choice>& all_choices();
 /// Defaults with two choices. Throws Error for a choice that does not exist.
 RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
 
-/// docs/combinations.md, where `holds` says whether a cell's rendering showed the right mean.
+/// How far the mean of a cell's pictures is from path tracing's, and the standard error of that, as shares of it.
+struct Deviation {
+  double value = 0;
+  double error = 0;
+};
+
+/// docs/combinations.md but for the last section. `holds`: whether a cell's rendering showed the right mean.
 std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds);
+
+/// The last section: what cells that are not refused were measured to be off by.
+inline constexpr const char* kDeviationsTitle = "\n## Measured\n";
+std::string deviation_table(const std::function<Deviation(const Choice& a, const Choice& b)>& measured);
 
 }  // namespace relume::support
