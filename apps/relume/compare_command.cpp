@@ -9,6 +9,7 @@
 #include "command.h"
 #include "compare/comparison.h"
 #include "compare/comparison_page.h"
+#include "compare/frame_timing.h"
 #include "console.h"
 #include "core/clock.h"
 #include "frame_sequence.h"
@@ -34,6 +35,7 @@ struct CompareOptions {
   std::string reference;
   int reference_spp = 1024;
   std::string cache_folder;
+  int timed_frames = 0;  ///< 0: errors are measured
   std::vector<std::pair<std::string, std::string>> flags;
 };
 
@@ -103,16 +105,55 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
   return times;
 }
 
-int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
-  ComparisonOptions options = comparison_options(o);
+/// What times alone have no use for.
+void check_timing(const CompareOptions& o) {
+  const std::pair<const char*, bool> others[] = {{"--output", !o.output.empty()},
+                                                 {"--image", !o.images.empty()},
+                                                 {"--budget", o.budget_s > 0},
+                                                 {"--frames", !o.frames.empty()},
+                                                 {"--reference", !o.reference.empty()}};
+  for (const auto& [name, given] : others) {
+    if (given) throw UsageError(fmt::format("--timing prints times and compares no pictures; leave {} out", name));
+  }
+}
+
+int run_timing(const CompareOptions& o, const ComparisonOptions& options, const Scene& scene,
+               const Verbosity& verbosity) {
+  std::vector<TimedContender> contenders;
+  for (const Contender& contender : options.contenders)
+    contenders.push_back({contender.name, resolve_contender(contender, options.common).render});
+  const InterruptGuard interrupts;
+  ProgressPrinter printer(!verbosity.quiet);
+  const auto timings = time_frames(scene, contenders, o.timed_frames, interrupts.token(), [&](double fraction) {
+    printer.show({.label = "timing", .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
+  });
+  printer.clear();
+  if (!timings) {
+    tell(verbosity, "interrupted");
+    return kExitInterrupted;
+  }
+  std::fputs(to_csv(*timings).c_str(), stdout);
+  return kExitDone;
+}
+
+/// The scene as the contenders see it; `options` takes what it says of itself.
+Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, const Verbosity& verbosity) {
   Scene scene = open_scene(o.scene);
-  const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
   warn_all(verbosity, scene.warnings);
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = o.scene;
   const Settings common = resolve(options.common);
   apply(common.scene, scene);
   options.times_s = frame_times(o, common.render.time_s);
+  return scene;
+}
+
+int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
+  if (o.timed_frames > 0) check_timing(o);
+  ComparisonOptions options = comparison_options(o);
+  const Scene scene = open_compared_scene(o, options, verbosity);
+  if (o.timed_frames > 0) return run_timing(o, options, scene, verbosity);
+  const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
 
   const InterruptGuard interrupts;
   const std::stop_token stop = interrupts.token();
@@ -171,6 +212,13 @@ std::vector<Option> declare(CompareOptions& o) {
        0,
        Completion::file},
       {{"reference-spp", &o.reference_spp, "Samples a pixel of the reference", {.min = 2, .max = 1 << 24}}},
+      {{"timing",
+        &o.timed_frames,
+        "Only time so many frames of each, in turns, after a quarter as many in which caches fill; prints "
+        "milliseconds, "
+        "the ratio to the first contender, and both by 95 % intervals",
+        {.min = 0, .max = 1 << 20}},
+       "FRAMES"},
       {{"cache-dir", &o.cache_folder, "Where references are kept; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
        "FOLDER",
        0,
@@ -196,6 +244,7 @@ Command compare_command(Verbosity& verbosity) {
               {"relume compare scene.glb --techniques default,mine.json --budget 2s -o out", "two seconds each"},
               {"relume compare turntable --techniques a=history:none,b=history:accumulate --frames 0-47 -o out",
                "an animation, with its flicker"},
+              {"relume compare scene.glb --techniques default,psf,vlc --timing 64", "what frames cost"},
               {"relume compare scene.glb --techniques default --image cycles=cycles.exr -o out",
                "with a picture made elsewhere"},
           },

@@ -55,6 +55,10 @@ class Errors(ProgramTest):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--exposure", "nan"), says=["--exposure"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--time", "soon"), says=["--time"])
 
+    def test_timing_of_what_is_compared_by_pictures(self):
+        for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr")):
+            self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "leave"])
+
     def test_unknown_choice(self):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--lights", "pwoer"), says=["--lights", "power"])
 

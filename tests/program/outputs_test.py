@@ -231,11 +231,21 @@ class Outputs(ProgramTest):
 
     def test_help_and_version(self):
         self.assertIn("relume", self.succeed("--help").stdout)
-        for command in ("render", "scenes", "export", "info", "metrics", "settings", "devices", "completion"):
-            text = self.succeed(command, "--help").stdout
+        for command in ("render", "view", "scenes", "export", "info", "metrics", "compare", "experiment run", "settings", "devices", "completion"):
+            text = self.succeed(*command.split(), "--help").stdout
             self.assertLess(text.index("Examples:"), text.index("Usage:"))
         self.assertRegex(self.succeed("--version").stdout, r"\d+\.\d+\.\d+")
         self.assertIn("Embree", self.succeed("devices").stdout)
+
+    def test_timing(self):
+        before = self.files()
+        done = self.succeed("compare", "cornell", *SMALL, "--techniques", "default,psf", "--timing", "4")
+        rows = [line.split(",") for line in done.stdout.splitlines()]
+        self.assertEqual(rows[0][:7], ["name", "ms", "ms_low", "ms_high", "ratio", "ratio_low", "ratio_high"])
+        self.assertEqual([row[0] for row in rows[1:]], ["default", "psf"])
+        self.assertEqual(rows[1][4], "1")
+        self.assertGreater(float(rows[2][1]), 0)
+        self.assertEqual(self.files(), before)
 
     def test_completion(self):
         script = self.folder / "relume.bash"
