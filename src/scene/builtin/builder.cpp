@@ -115,14 +115,14 @@ Index SceneBuilder::add_instances(std::string name, Index mesh, std::vector<Mat4
   return scene_.add_node(std::move(node));
 }
 
-Index SceneBuilder::add_camera(const Vec3& eye, const Vec3& target, float fov_y_deg) {
+Index SceneBuilder::add_camera(const Vec3& eye, const Vec3& target, float fov_y_deg, const std::string& name) {
   Camera camera;
-  camera.name = "camera";
+  camera.name = name;
   camera.fov_y_rad = glm::radians(fov_y_deg);
   camera.focus_distance = glm::distance(eye, target);
   scene_.cameras.push_back(camera);
   Node node;
-  node.name = "camera";
+  node.name = name;
   node.transform = look_at(eye, target);
   node.camera = static_cast<Index>(scene_.cameras.size()) - 1;
   return scene_.add_node(std::move(node));

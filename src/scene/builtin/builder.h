@@ -43,8 +43,9 @@ class SceneBuilder {
   /// A node that shows `mesh` once per matrix.
   Index add_instances(std::string name, Index mesh, std::vector<Mat4> instances);
 
-  /// The full vertical angle is in degrees. Returns the camera's node.
-  Index add_camera(const Vec3& eye, const Vec3& target, float fov_y_deg);
+  /// The full vertical angle is in degrees. The first camera is the one that is used unless another is named. Returns
+  /// the camera's node.
+  Index add_camera(const Vec3& eye, const Vec3& target, float fov_y_deg, const std::string& name = "camera");
   /// Moves a camera node through the keys along Catmull-Rom curves of eye and target, resampled every 0.1 s.
   void add_camera_path(Index node, const std::vector<CameraKey>& keys);
   void add_channel(AnimationChannel channel) { scene_.animation.push_back(std::move(channel)); }

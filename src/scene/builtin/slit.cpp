@@ -2,6 +2,7 @@
 // that sweep quickly over floor and walls.
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "scene/builtin/builder.h"
 #include "scene/builtin/rooms.h"
@@ -58,6 +59,10 @@ Scene build_slit() {
   }
 
   builder.add_camera({3.1f, 2.2f, 3.6f}, {-0.4f, 0.75f, -0.8f}, 55);
+  const std::vector<CameraKey> keys{{0, {3.1f, 2.2f, 3.6f}, {-0.4f, 0.75f, -0.8f}},
+                                    {4, {0, 1.6f, 3.2f}, {0, 0.75f, -0.8f}},
+                                    {kSeconds, {-3.1f, 1.9f, 2.6f}, {0.4f, 0.7f, -0.4f}}};
+  builder.add_camera_path(builder.add_camera(keys.front().eye, keys.front().target, 55, "past"), keys);
   return builder.take();
 }
 

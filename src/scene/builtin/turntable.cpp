@@ -1,5 +1,8 @@
 // A round floor inside a round wall, and a lamp that turns below the floor: all light on the floor comes from the
 // bright part of the wall, which goes round once in ten seconds.
+#include <cmath>
+#include <vector>
+
 #include "scene/builtin/builder.h"
 #include "scene/builtin/scenes.h"
 #include "scene/builtin/shapes.h"
@@ -35,6 +38,12 @@ Scene build_turntable() {
   builder.add_turning(arm, 10, 1);
 
   builder.add_camera({0, 6.2f, 4.0f}, {0, 0, 0.25f}, 44);
+  std::vector<CameraKey> keys;
+  for (int i = 0; i <= 10; ++i) {  // against the lamp
+    const float angle = -0.2f * kPi * static_cast<float>(i);
+    keys.push_back({static_cast<float>(i), {3.2f * std::cos(angle), 2.4f, 3.2f * std::sin(angle)}, {0, 0, 0}});
+  }
+  builder.add_camera_path(builder.add_camera(keys.front().eye, keys.front().target, 60, "round"), keys);
   return builder.take();
 }
 
