@@ -21,7 +21,7 @@ function(relume_add_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
   target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 TEST_PREFIX ${name}. PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
 endfunction()
 
 # relume_add_benchmarks(source...): *_bench.cpp files join the one program `relume_bench`.
