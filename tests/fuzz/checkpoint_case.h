@@ -58,6 +58,8 @@ inline Scene turning_triangle() {
 
 /// What keeps a state of its own: histories, octree with light cache and quadtrees, lists, grids of cells, denoisers.
 inline constexpr int kCheckpointCases = 9;
+/// Added to the case if the fuzzed bytes hold the header, too.
+inline constexpr int kWithHeader = 128;
 
 inline RenderSettings checkpoint_settings(int which) {
   RenderSettings s;

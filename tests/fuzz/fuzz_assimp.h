@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "io/assimp/assimp_loader.h"
+#include "rendered.h"
 
 /// assimp leaks when it gives up in the middle of a file. Under LeakSanitizer only this function is looked at.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
@@ -30,13 +31,13 @@ class TrialCount {
   size_t refused_ = 0;
 };
 
-/// Any bytes end in a scene or in an Error.
+/// Any bytes end in a scene that renders or in an Error.
 inline void read_by_assimp(const uint8_t* data, size_t size, const std::string& extension) {
   static TrialCount count;
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   bool refused = false;
   try {
-    relume::load_assimp_from_memory(bytes, extension, "fuzz." + extension);
+    relume::fuzz::render_two_frames(relume::load_assimp_from_memory(bytes, extension, "fuzz." + extension));
   } catch (const relume::Error& error) {
     refused = std::string_view(error.what()).find("would crash") != std::string_view::npos;
   }

@@ -1,5 +1,6 @@
-// Fuzzes checkpoints between their header, which fits, and their checksum, which is right: any bytes end in an Error,
-// or in a session that renders on. The first byte chooses techniques that keep a state of their own.
+// Fuzzes checkpoints before their checksum, which is right: any bytes end in an Error, or in a session that renders on.
+// The first byte chooses techniques that keep a state of their own, and its highest bit whether a header that fits
+// comes before the bytes.
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -11,10 +12,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const relume::fuzz::Scratch scratch(".checkpoint");
   if (size == 0) return 0;
-  relume::Session session = relume::fuzz::checkpoint_session(data[0]);
+  const bool header_fits = data[0] < relume::fuzz::kWithHeader;
+  relume::Session session = relume::fuzz::checkpoint_session(data[0] % relume::fuzz::kWithHeader);
   session.save_checkpoint(scratch.path);
   std::string checkpoint = relume::fuzz::contents(scratch.path);
-  checkpoint.resize(relume::fuzz::header_size(checkpoint));
+  checkpoint.resize(header_fits ? relume::fuzz::header_size(checkpoint) : 0);
   checkpoint.append(reinterpret_cast<const char*>(data) + 1, size - 1);
   std::ofstream(scratch.path, std::ios::binary) << checkpoint << relume::fuzz::checksum(checkpoint);
   try {

@@ -1,15 +1,16 @@
-// Fuzzes the glTF and GLB reader: any bytes end in a scene or in an Error.
+// Fuzzes the glTF and GLB reader: any bytes end in a scene that renders or in an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/error.h"
 #include "io/gltf/gltf_loader.h"
+#include "rendered.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   try {
-    relume::load_gltf_from_memory(bytes, "/nonexistent", "fuzz.gltf");
+    relume::fuzz::render_two_frames(relume::load_gltf_from_memory(bytes, "/nonexistent", "fuzz.gltf"));
   } catch (const relume::Error&) {
     // The expected answer to damaged input.
   }

@@ -1,15 +1,16 @@
-// Fuzzes the PLY reader: any bytes end in a scene or in an Error.
+// Fuzzes the PLY reader: any bytes end in a scene that renders or in an Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/error.h"
 #include "io/ply/ply_loader.h"
+#include "rendered.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   try {
-    relume::load_ply_from_memory(bytes, "fuzz.ply");
+    relume::fuzz::render_two_frames(relume::load_ply_from_memory(bytes, "fuzz.ply"));
   } catch (const relume::Error&) {
     // The expected answer to damaged input.
   }

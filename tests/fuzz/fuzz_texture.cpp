@@ -1,17 +1,29 @@
-// Fuzzes the image reader: any bytes end in a scene or in an Error.
+// Fuzzes the readers of images, for textures and for pictures that are measured: any bytes end in an image or in an
+// Error.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/error.h"
+#include "io/image.h"
 #include "io/texture_decode.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
+namespace {
+
+template <typename Read>
+void try_to(const Read& read) {
   try {
-    relume::decode_texture(bytes, "fuzz", relume::PixelFormat::rgba8_srgb);
+    read();
   } catch (const relume::Error&) {
     // The expected answer to damaged input.
   }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
+  try_to([&] { relume::decode_texture(bytes, "fuzz", relume::PixelFormat::rgba8_srgb); });
+  try_to([&] { relume::parse_image(bytes, "fuzz"); });
   return 0;
 }

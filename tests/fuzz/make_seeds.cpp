@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,8 @@ void write_checkpoints(const fs::path& folder) {
     checkpoint.resize(checkpoint.size() - sizeof(uint64_t));  // without its checksum
     write(folder / "checkpoint" / std::to_string(choice),
           behind(choice, relume::testing::to_bytes(checkpoint.substr(relume::fuzz::header_size(checkpoint)))));
+    write(folder / "checkpoint" / (std::to_string(choice) + "-with-header"),
+          behind(choice + relume::fuzz::kWithHeader, relume::testing::to_bytes(checkpoint)));
   }
   fs::remove(whole);
 }
@@ -111,6 +114,17 @@ void write_records(const fs::path& folder) {
   fs::remove_all(folder / "references");
 }
 
+void write_command_lines(const fs::path& folder) {
+  const char* const texts[] = {"default,psf=cache:psf,interactive,max-bounces:3,b=preview",
+                               "a.exr,cycles=b.exr",
+                               "1h30min",
+                               "0-99",
+                               "frames/a.####.png",
+                               "vlc.bucket-size=16"};  // as fuzz_command_line orders them
+  for (int kind = 0; kind < static_cast<int>(std::size(texts)); ++kind)
+    write(folder / "command_line" / std::to_string(kind), behind(kind, relume::testing::to_bytes(texts[kind])));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -123,5 +137,6 @@ int main(int argc, char** argv) {
   write_settings(argv[1]);
   write_checkpoints(argv[1]);
   write_records(argv[1]);
+  write_command_lines(argv[1]);
   return 0;
 }
