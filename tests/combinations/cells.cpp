@@ -102,7 +102,8 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "refused "
       "at start, for the\nreasons below\n\n"
       "How far the mean may be off with a bias (two biased choices: the sum): " +
-      bias_list() + ".\n\n";
+      bias_list() +
+      ". A cell passes if\nit is off by no more than that and 4.5 of its standard errors, which are 1 % at most.\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {
     std::string& cell = symbols[row * choices.size() + column];
