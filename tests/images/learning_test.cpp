@@ -152,8 +152,8 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
 
 class SlowLearning : public ::testing::TestWithParam<std::string_view> {};
 TEST_P(SlowLearning, EveryWayShowsTheSame) {
-  // What finds a pixel's lamps in one of hundreds of samples leaves spreads that Welch's test takes for differences: 1 to
-  // 15 of 1536 pixels, with every way to choose lights. Means of blocks are judged.
+  // What finds a pixel's lamps in one of hundreds of samples leaves spreads that Welch's test takes for differences: 1
+  // to 15 of 1536 pixels, with every way to choose lights. Means of blocks are judged.
   const bool rare = GetParam() == "warehouse" || GetParam() == "corridor";
   ImageTestOptions options = kOptions;
   options.pixels = !rare;

@@ -14,7 +14,16 @@ struct WeighedLights {
   LightId ids[kMaxWeighedLights] = {};
   float weights[kMaxWeighedLights] = {};
   uint32_t count = 0;
-  float sum = 0;  ///< of the weights; above 0 with lights
+  float sum = 0;  ///< of the weights; above 0 once lights are weighed
+
+  RELUME_HD bool weighed() const { return sum > 0.0f; }
+
+  /// Place of `light`, or `count`.
+  RELUME_HD uint32_t find(LightId light) const {
+    uint32_t place = 0;
+    while (place < count && ids[place] != light) ++place;
+    return place;
+  }
 
   /// Fills in the weights of `ids`.
   RELUME_HD void weigh(const SurfacePoint& sp, const LtcTable& ltc, const LightsView& lights,

@@ -57,8 +57,9 @@ struct VisibilityLightCache {
       bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, chosen.u);
     }
     WeighedLights w;
-    if (buckets.count > 0) weigh(sp, buckets, bucket, w);
+    if (buckets.count > 0) fill(buckets, bucket, w);
     if (!exploring) {
+      w.weigh(sp, ltc, lights, columns);
       chosen.index = w.ids[choose_by_weight(w.weights, w.count, w.sum, chosen.u)];
     }
     return {chosen.index, density(sp, buckets, bucket, w, chosen.index), chosen.u};
@@ -72,7 +73,7 @@ struct VisibilityLightCache {
     uint32_t bucket = 0;
     if (buckets.count > 0) {
       bucket = light % buckets.count;
-      weigh(sp, buckets, bucket, w);
+      fill(buckets, bucket, w);
     }
     return density(sp, buckets, bucket, w, light);
   }
@@ -83,24 +84,24 @@ struct VisibilityLightCache {
   }
   RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
 
-  /// The lights of one bucket.
-  RELUME_HD void weigh(const SurfacePoint& sp, const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
+  /// The lights of one bucket, not weighed yet.
+  RELUME_HD void fill(const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
     const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
     for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
       w.ids[w.count] = CachedLight::id(entry[w.count]);
-    w.weigh(sp, ltc, lights, columns);
   }
 
-  /// Probability of `light`, given its bucket: a one-sample mixture of both strategies.
-  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, const WeighedLights& w,
+  /// Probability of `light`, given its bucket: a one-sample mixture of both strategies. The bucket's lights are weighed
+  /// only if `light` is one of them and they are not yet: most lights that exploration finds are not.
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, WeighedLights& w,
                           LightId light) const {
     const float finite = 1.0f - infinite.share;
     const float explored = all.at(sp.position).pmf(light);
     if (buckets.count == 0) return finite * explored;
     float cached = 0;
-    for (uint32_t i = 0; i < w.count; ++i) {
-      if (w.ids[i] != light) continue;
-      cached = w.weights[i] / w.sum * weights_of(buckets)[bucket];
+    if (const uint32_t place = w.find(light); place < w.count) {
+      if (!w.weighed()) w.weigh(sp, ltc, lights, columns);
+      cached = w.weights[place] / w.sum * weights_of(buckets)[bucket];
     }
     return finite * (exploration * explored + (1.0f - exploration) * cached);
   }
