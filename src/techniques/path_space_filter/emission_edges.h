@@ -45,6 +45,7 @@ struct EmissionEdges {
     constexpr uint32_t kSalt = 0x5bd1e995u;
     Rgb sum(0);
     SurfacePoint points[2];
+    points[1].bsdf.lobe_count = 0;  // the camera
     NoObserver observer;
     for (uint32_t k = 0; k < rays; ++k) {
       const uint32_t sample = (index.independent ? index.frame : index.sample) * rays + k;
