@@ -29,7 +29,7 @@ constexpr size_t kMostGrowth = 8 << 20;    // bytes, in half of all frames
 class Dice {
  public:
   uint32_t below(size_t n) { return static_cast<uint32_t>(unit() * static_cast<float>(n)); }
-  float unit() { return to_unit_float(hash(count_++, 505u)); }
+  float unit() { return to_unit_float(hash(count_++, 77u)); }
   float between(float low, float high) { return low + (high - low) * unit(); }
   bool once_in(size_t n) { return below(n) == 0; }
 
