@@ -1,7 +1,6 @@
 // What the viewport writes over the picture.
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include <fmt/format.h>
 
@@ -57,8 +56,8 @@ void Viewport::draw_overlay(const State& state) const {
     label(list, at, fmt::format("recording {:.1f} s", state.now_s - state.path.since_s), kProblem);
   }
   float y = picture_.end().y - 20 - line;
-  for (const Toast& toast : std::views::reverse(state.toasts)) {
-    label(list, {picture_.at.x + 18, y}, toast.text, toast.problem ? kProblem : IM_COL32(230, 232, 238, 255));
+  for (auto toast = state.toasts.rbegin(); toast != state.toasts.rend(); ++toast) {
+    label(list, {picture_.at.x + 18, y}, toast->text, toast->problem ? kProblem : IM_COL32(230, 232, 238, 255));
     y -= line;
   }
 }
