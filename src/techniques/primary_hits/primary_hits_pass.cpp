@@ -34,8 +34,8 @@ PassDeclaration SurfacePass::declaration() const {
                surface_buffer("surface-previous", BufferType::rgb32f, "where it was one frame ago, metres", false,
                               "XYZ"),
                surface_buffer("surface-normal", BufferType::rgb32f, "shading normal of the first hit", true, "XYZ"),
-               surface_buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", true),
-               surface_buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", true, "Z"),
+               surface_buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", false),
+               surface_buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", false, "Z"),
                surface_buffer("surface-motion", BufferType::vec2f, "motion since the previous frame, pixels", false),
                surface_buffer("surface-instance", BufferType::u32, "instance of the first hit", true)},
       .reads = {"primary-hits"}};

@@ -257,7 +257,7 @@ void ReprojectionPass::tell_all(const FrameContext& frame, bool kept) const {
 size_t ReprojectionPass::memory_bytes() const {
   return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
          claims_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
-         before_.size();
+         before_.capacity();
 }
 
 void ReprojectionPass::save(std::ostream& out) const {
