@@ -103,7 +103,8 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "at start, for the\nreasons below\n\n"
       "How far the mean may be off with a bias (two biased choices: the sum): " +
       bias_list() +
-      ". A cell passes if\nit is off by no more than that and 4.5 of its standard errors, which are 1 % at most.\n\n";
+      ". A cell passes if\nit is off by no more than that and 4.5 of its standard errors, which are 1 % at most: what "
+      "was measured, and how surely,\nstands [below](#measured).\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {
     std::string& cell = symbols[row * choices.size() + column];
