@@ -9,6 +9,7 @@
 #include "techniques/bdpt/bdpt_pass.h"
 #include "techniques/bmfr/bmfr_pass.h"
 #include "techniques/directional_quadtree/direction_view.h"
+#include "techniques/features/edge_emission_pass.h"
 #include "techniques/features/features_pass.h"
 #include "techniques/light_selection/light_selection_pass.h"
 #include "techniques/light_tree/light_tree_pass.h"
@@ -94,7 +95,7 @@ void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSou
     case CacheChoice::apg: add<PathGraphPass>(pipeline, settings.apg, nullptr, source, cells); break;
     case CacheChoice::apsf_apg: add<PathGraphPass>(pipeline, settings.apg, &settings.apsf, source, cells); break;
   }
-  add<ResolveCellsPass>(pipeline, source, cells, settings.denoise != DenoiseChoice::none);
+  add<ResolveCellsPass>(pipeline, source, cells, settings.denoise == DenoiseChoice::none);
 }
 
 /// Changes that the history does not survive.
@@ -121,7 +122,9 @@ void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
 
 void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::none) return;
-  add<FeaturesPass>(pipeline, settings.path.max_bounces, settings.estimator != EstimatorChoice::light);
+  const bool mirrors = settings.estimator != EstimatorChoice::light;
+  add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors);
+  add<EdgeEmissionPass>(pipeline, settings.features, settings.path.max_bounces, mirrors);
   switch (settings.denoise) {
     case DenoiseChoice::none: break;
     case DenoiseChoice::bmfr: add<BmfrPass>(pipeline, settings.bmfr); break;

@@ -41,7 +41,7 @@ const std::vector<Preset>& presets() {
            "denoise": "none"})"},
       {"paper-004", "Bidirectional path tracing, denoised by blockwise regression [Sun20]",
        R"({"estimator": "bdpt", "bdpt.connection-roulette": 0, "cache": "none", "denoise": "bmfr",
-           "bmfr.detail": 0})"},
+           "features.edge-rays": 0, "bmfr.detail": 0})"},
   };
   return list;
 }

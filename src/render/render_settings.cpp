@@ -90,7 +90,8 @@ SettingList describe_frames(RenderSettings& s) {
 }
 
 SettingList describe_denoisers(RenderSettings& s) {
-  SettingList list = with_prefix("bmfr", describe(s.bmfr));
+  SettingList list = with_prefix("features", describe(s.features));
+  append(list, with_prefix("bmfr", describe(s.bmfr)));
   append(list, with_prefix("svgf", describe(s.svgf)));
   return list;
 }

@@ -9,6 +9,7 @@
 #include "techniques/adaptive_sampling/settings.h"
 #include "techniques/bdpt/bdpt_settings.h"
 #include "techniques/bmfr/settings.h"
+#include "techniques/features/settings.h"
 #include "techniques/directional_quadtree/directional_quadtree_settings.h"
 #include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/octree/octree_settings.h"
@@ -61,6 +62,7 @@ struct RenderSettings {
   AdaptiveSamplingSettings adaptive;
   ReprojectionSettings reproject;
   BdptSettings bdpt;
+  FeatureSettings features;
   BmfrSettings bmfr;
   SvgfSettings svgf;
 };

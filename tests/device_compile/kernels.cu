@@ -19,6 +19,7 @@
 #include "techniques/bmfr/regression_kernel.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
 #include "techniques/directional_quadtree/incident_light.h"
+#include "techniques/features/edge_emission.h"
 #include "techniques/features/features.h"
 #include "techniques/features/picture_history.h"
 #include "techniques/hash_grid/maintain.h"
@@ -113,6 +114,8 @@ template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(AdaptiveAllocationKernel, uint32_t, uint32_t);
 template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
 template __global__ void run(FeatureKernel, uint32_t, uint32_t);
+template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);
+template __global__ void run(ReplaceEmissionKernel, uint32_t, uint32_t);
 template __global__ void run(PictureHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(ConvergeKernel, uint32_t, uint32_t);
 template __global__ void run(BlockNoiseKernel, uint32_t, uint32_t);

@@ -41,7 +41,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "svgf": "features reprojection",
     "oidn": "features",
     "reprojection": "path",
-    "path_space_filter": "hash_grid path",
+    "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "hash_grid path path_space_filter",
     "path_graphs": "adaptive_psf hash_grid path path_space_filter",
 }

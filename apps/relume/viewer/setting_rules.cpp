@@ -29,6 +29,8 @@ std::string takes_effect_with(const Settings& settings, const std::string& setti
   if (technique == "path") return {};  // holds for every estimator
   if (technique == "psf")              // what all caches have in common
     return render.cache == CacheChoice::none ? "cache = psf" : std::string();
+  if (technique == "features")  // what all denoisers have in common
+    return render.denoise == DenoiseChoice::none ? "denoise = bmfr" : std::string();
   if (technique == "octree" && render.lights != LightSelectionChoice::vlc && render.guide != GuideChoice::cdq)
     return "lights = vlc or guide = cdq";
   std::string wanted;

@@ -50,10 +50,14 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.depth = frame.view<float>("feature-depth");
   kernel.motion = frame.view<Vec2>("feature-motion");
   kernel.surface = frame.view<uint32_t>("feature-surface");
-  kernel.max_steps = mirrors_ ? std::min(static_cast<uint32_t>(max_bounces_), kMaxFeatureSteps) : 0u;
+  kernel.max_steps = followed_steps(max_bounces_, mirrors_);
   kernel.camera_moved = std::memcmp(&frame.scene.camera, &frame.scene.previous_camera, sizeof(CameraView)) != 0;
   kernel.width = frame.width();
   return frame.launch("features", kernel);
+}
+
+uint32_t followed_steps(int max_bounces, bool mirrors) {
+  return mirrors ? std::min(static_cast<uint32_t>(max_bounces), kMaxFeatureSteps) : 0u;
 }
 
 BufferDescription denoiser_history(const char* name, BufferType type, const char* help) {
@@ -90,7 +94,8 @@ std::vector<std::string_view> feature_buffers() {
           "feature-emission",
           "feature-depth",
           "feature-motion",
-          "feature-surface"};
+          "feature-surface",
+          "edge-rays"};
 }
 
 BackwardReprojection feature_reprojection(const FrameContext& frame) {
@@ -125,6 +130,7 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.motion = frame.view<const Vec2>("feature-motion");
   average.albedo = frame.view<const Rgb>("feature-albedo");
   average.emission = frame.view<const Rgb>("feature-emission");
+  average.edge_rays = frame.view<const uint32_t>("edge-rays");
   average.unfiltered = frame.view<Rgb>(kUnfiltered);
   average.filtered_share = frame.view<float>(kFilteredShare);
   average.picture = frame.view<Rgb>(buffers.history);

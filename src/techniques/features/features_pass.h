@@ -21,6 +21,9 @@ class FeaturesPass final : public Pass {
   bool mirrors_;
 };
 
+/// Mirrors and interfaces that features follow in frames of an estimator with `max_bounces`; `mirrors`: see above.
+uint32_t followed_steps(int max_bounces, bool mirrors);
+
 /// Changes that no denoiser's history survives.
 inline constexpr Change kEndsDenoiserHistory = Change::materials | Change::settings;
 

@@ -22,10 +22,12 @@ struct PictureHistoryKernel {
   View<const Vec2> motion;
   View<const Rgb> albedo;
   View<const Rgb> emission;
+  View<const uint32_t> edge_rays;  ///< camera rays that the emission is the mean of; 0 or empty: the sample's alone
   View<Rgb> unfiltered;        ///< mean of what was not filtered since the last change, 0 where it was; updated
   View<float> filtered_share;  ///< of the frames since then; updated
   View<Rgb> picture;
-  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
+  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept. It is 1 at
+                        ///< edges whose emission many rays have measured: the past could only blur them
   uint32_t frames = 1;  ///< since the last change, this one among them
   bool still = false;   ///< nothing has changed
   uint32_t width = 0;
@@ -42,7 +44,8 @@ struct PictureHistoryKernel {
     }
     unfiltered[pixel] = seen;
     filtered_share[pixel] = filtered ? 1.0f : 0.0f;
-    const Rgb history = newest < 1.0f ? moved(x, y) : now;
+    const bool measured = !edge_rays.empty() && edge_rays[pixel] > 0;
+    const Rgb history = newest < 1.0f && !measured ? moved(x, y) : now;
     picture[pixel] = history + (now - history) * newest;
   }
 

@@ -80,8 +80,6 @@ PassDeclaration ResolveCellsPass::declaration() const {
   const auto layer = [](const char* name, const char* help, BufferType type = BufferType::f32) {
     return BufferDescription{.name = name, .type = type, .help = help, .display = BufferDisplay::value};
   };
-  std::vector<std::string_view> writes{"radiance", "rays"};
-  if (denoised_) writes.emplace_back("feature-emission");
   return {.name = "resolve",
           .stage = Stage::resolve,
           .owns = {layer("cell-identity", "a number that differs from cell to cell", BufferType::u32),
@@ -94,7 +92,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
                    layer("cell-termination", "bounce, from 1, at which the pixel's path ceased to count"),
                    layer("cell-occupancy", "share of taken slots around the pixel's cell")},
           .reads = {"filtered-pixels"},
-          .writes = std::move(writes)};
+          .writes = {"radiance", "rays"}};
 }
 
 std::vector<PassFigure> ResolveCellsPass::figures() const {
@@ -133,9 +131,8 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
                    frame.view<float>("cell-occupancy")};
   kernel.width = frame.width();
   kernel.rays = frame.view<uint32_t>("rays");
-  if (denoised_) kernel.feature_emission = frame.view<Rgb>("feature-emission");
-  kernel.edges = {
-      make_path_context(source_, frame), frame.index, kernel.pixels, cells_.edge_rays(), frame.width(), frame.height()};
+  kernel.edges = {make_path_context(source_, frame),    frame.index,   kernel.pixels,
+                  sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
   if (!frame.launch("resolve", kernel)) return false;
   cells_.adjust_size(frame.backend);
   return true;

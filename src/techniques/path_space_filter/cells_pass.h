@@ -48,9 +48,9 @@ class CellsPass final : public Pass {
 /// Shows the cells. Owns the layers that say what they are like.
 class ResolveCellsPass final : public Pass {
  public:
-  /// `denoised`: a denoiser sets emission apart, which then has to be what this pass shows of it.
-  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool denoised)
-      : source_(source), cells_(cells), denoised_(denoised) {}
+  /// `sharpens_edges`: whether pixels at edges of emission get more camera rays here; denoisers see to that themselves.
+  ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges)
+      : source_(source), cells_(cells), sharpens_edges_(sharpens_edges) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -59,7 +59,7 @@ class ResolveCellsPass final : public Pass {
  private:
   PathSource source_;
   CellsPass& cells_;
-  bool denoised_;
+  bool sharpens_edges_;
   View<const FilteredPixel> pixels_;  ///< of the last frame
 };
 

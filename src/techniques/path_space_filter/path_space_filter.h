@@ -117,8 +117,7 @@ struct ResolveCellsKernel {
   CellLayers layers;
   uint32_t width = 0;
   EmissionEdges edges;
-  View<uint32_t> rays;         ///< of this sample; those of the edges are added
-  View<Rgb> feature_emission;  ///< what denoisers set apart as emission seen; empty: there is none
+  View<uint32_t> rays;  ///< of this sample; those of the edges are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
@@ -137,9 +136,7 @@ struct ResolveCellsKernel {
       leave_out(i);
     }
     if (edges.rays > 0 && rays[i] > 0 && edges.contains(grid, x, y)) {
-      const Rgb beyond_sample = edges.emission(x, y) - p.seen;
-      value += beyond_sample;
-      if (!feature_emission.empty()) feature_emission[i] += beyond_sample;  // or it would be taken for reflected light
+      value += edges.emission(x, y) - p.seen;
       rays[i] += edges.rays;
     }
     radiance[i] = value;

@@ -1,0 +1,12 @@
+#include "techniques/features/settings.h"
+
+namespace relume {
+
+SettingList describe(FeatureSettings& s) {
+  return {{"edge-rays",
+           &s.edge_rays,
+           "Camera rays for pixels where a lamp or the sky ends, which no denoiser filters; 0: the sample's alone",
+           {.min = 0, .max = 256}}};
+}
+
+}  // namespace relume
