@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "accumulate.h"
 #include "backend/launch.h"
 #include "console.h"
 #include "core/clock.h"
@@ -21,6 +20,7 @@
 #include "reports.h"
 #include "scene_source.h"
 #include "settings/settings_json.h"
+#include "stop_criteria.h"
 #include "version.h"
 #include "video.h"
 
@@ -197,13 +197,13 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const StopCriteria criteria = stop_criteria(settings_.stop);
   const FrameSource source{
       .render_frame = [this](std::stop_token token) { return session_->render_frame(std::move(token)); },
-      .sample_count = [this] { return session_->picture_frames(); },
+      .picture_frames = [this] { return session_->picture_frames(); },
       .estimated_error = [this] { return session_->estimated_error(); },
   };
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
-  const StopReason reason = accumulate(source, criteria, now_s, stop,
-                                       [&](const Accumulation& state) { frame_done(index, state, criteria, printer); });
+  const auto done = [&](const Accumulation& state) { frame_done(index, state, criteria, printer); };
+  const StopReason reason = render_until(source, criteria, now_s, stop, done);
   printer.clear();
   save_checkpoint();
   display_.show(*session_);

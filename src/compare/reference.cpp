@@ -150,18 +150,19 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
   double saved_s = now_s();
   const auto wanted = static_cast<uint32_t>(half_spp_);
   bool changed = false;
-  while (s.sample_count() < wanted) {
+  while (s.frames_since_change() < wanted) {
     if (!s.render_frame(stop)) break;
     changed = true;
-    if (progress) progress(0.5 * half + 0.5 * s.sample_count() / wanted);
+    if (progress) progress(0.5 * half + 0.5 * s.frames_since_change() / wanted);
     if (now_s() - saved_s > kCheckpointInterval_s) {
       s.save_checkpoint(checkpoint);
       saved_s = now_s();
       changed = false;
     }
   }
-  if (changed && (s.sample_count() > 0) && (half == 0 || s.sample_count() < wanted)) s.save_checkpoint(checkpoint);
-  return s.sample_count() >= wanted;
+  if (changed && (s.frames_since_change() > 0) && (half == 0 || s.frames_since_change() < wanted))
+    s.save_checkpoint(checkpoint);
+  return s.frames_since_change() >= wanted;
 }
 
 std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,

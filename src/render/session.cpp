@@ -155,7 +155,14 @@ bool Session::render_frame(std::stop_token stop) {
   return complete;
 }
 
-uint32_t Session::sample_count() const { return state_->changes == Change::none ? state_->counters.since_change : 0; }
+uint32_t Session::frames_since_change() const {
+  return state_->changes == Change::none ? state_->counters.since_change : 0;
+}
+
+double Session::kept_samples() const {
+  const View<const uint32_t> samples = state_->buffers->view<const uint32_t>("samples");
+  return static_cast<double>(sum(samples)) / std::max(samples.size, 1u);
+}
 
 void Session::begin_picture() {
   Counters& c = state_->counters;
@@ -195,7 +202,7 @@ Image Session::image() const {
   Image image(static_cast<int>(buffers.width()), static_cast<int>(buffers.height()));
   const View<const Rgb> denoised = buffers.view<const Rgb>("denoised");
   const View<const Rgb> mean = denoised.empty() ? buffers.view<const Rgb>("mean") : denoised;
-  if (sample_count() > 0) std::copy(mean.begin(), mean.end(), image.pixels.begin());
+  if (frames_since_change() > 0) std::copy(mean.begin(), mean.end(), image.pixels.begin());
   return image;
 }
 
@@ -242,7 +249,7 @@ std::vector<std::string> Session::aov_names(const RenderSettings& settings) {
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
-  return aov_planes(*state_->buffers, name, sample_count());
+  return aov_planes(*state_->buffers, name, frames_since_change());
 }
 
 bool Session::set_settings(const RenderSettings& wanted) {

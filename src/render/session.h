@@ -58,8 +58,11 @@ class Session {
   /// numbers from the present state of the scene, as a new session would; only the times of passes go on.
   void restart(int seed);
 
-  /// Frames since the last change: with uniform allocation, samples a pixel.
-  uint32_t sample_count() const;
+  /// Frames since the last change. What pixels keep of their samples, and of those before, kept_samples() says.
+  uint32_t frames_since_change() const;
+  /// Samples that a pixel's mean is made of, mean over the pixels: fewer than frames where allocation leaves some out,
+  /// more where a history went on over a change.
+  double kept_samples() const;
 
   /// The next frame is the first of a picture of its own, whether anything has changed or not. Checkpoints know.
   void begin_picture();

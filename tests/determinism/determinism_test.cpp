@@ -146,7 +146,7 @@ TEST_P(Determinism, ResumedEqualsUninterrupted) {
   other_threads.threads = 1;
   Session second(build(GetParam().scene), other_threads);
   second.load_checkpoint(file);
-  EXPECT_EQ(second.sample_count(), 2u);
+  EXPECT_EQ(second.frames_since_change(), 2u);
   for (int i = 0; i < 3; ++i) second.render_frame();
   EXPECT_EQ(bits_of(second), rendered(GetParam(), settings, 5));
   std::filesystem::remove(file);
@@ -330,7 +330,7 @@ TEST(Cancellation, LeavesCompleteFramesOnly) {
   std::stop_source stopped;
   stopped.request_stop();
   EXPECT_FALSE(session.render_frame(stopped.get_token()));
-  EXPECT_EQ(session.sample_count(), 1u);
+  EXPECT_EQ(session.frames_since_change(), 1u);
   EXPECT_EQ(bits_of(session), before);
   EXPECT_EQ(session.statistics().samples, 160u * 160u);
 }

@@ -118,6 +118,24 @@ TEST(History, NoneShowsTheLatestSampleOnly) {
   session.render_frame();
   EXPECT_NE(session.image().pixels, first.pixels);
   EXPECT_EQ(session.buffers().view<const uint32_t>("samples")[0], 1u);
+  EXPECT_EQ(session.frames_since_change(), 2u);
+  EXPECT_EQ(session.kept_samples(), 1);
+}
+
+TEST(History, KeptSamplesAreNotTheFramesWhereAllocationOrReprojectionDecide) {
+  constexpr int kFrames = 64;
+  Session adaptive(cornell(), settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate));
+  for (int i = 0; i < kFrames; ++i) adaptive.render_frame();
+  EXPECT_GT(adaptive.kept_samples(), 1);
+  EXPECT_LT(adaptive.kept_samples(), kFrames);
+
+  Session walk(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::reproject));
+  for (int i = 0; i < kFrames; ++i) walk.render_frame();
+  EXPECT_EQ(walk.kept_samples(), kFrames);
+  walk.set_camera(moved(walk, 0.05f));
+  walk.render_frame();
+  EXPECT_EQ(walk.frames_since_change(), 1u);
+  EXPECT_GT(walk.kept_samples(), 1);
 }
 
 }  // namespace

@@ -18,14 +18,6 @@ namespace {
 
 constexpr double kRecordInterval_s = 0.1;
 
-/// That a pixel keeps, mean over the pixels.
-std::string kept_samples(const Session& session) {
-  const View<const uint32_t> samples = session.buffers().view<const uint32_t>("samples");
-  double sum = 0;
-  for (const uint32_t n : samples) sum += n;
-  return cli::format_samples(sum / std::max(samples.size, 1u));
-}
-
 /// Metadata as `relume render` writes it.
 cli::Metadata metadata_of(const Session& session, const std::string& scene, Settings settings) {
   settings.render = session.settings();
@@ -33,7 +25,7 @@ cli::Metadata metadata_of(const Session& session, const std::string& scene, Sett
           {"relume.scene", scene},
           {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
           {"relume.settings", settings_to_json(describe(settings))},
-          {"relume.samples_per_pixel", kept_samples(session)}};
+          {"relume.samples_per_pixel", cli::format_samples(session.kept_samples())}};
 }
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
@@ -138,8 +130,8 @@ void save_picture(State& state, const std::filesystem::path& file) {
         std::vector<std::string> aovs;
         if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
         cli::write_picture(file, session, output, aovs, metadata_of(session, scene, settings));
-        renderer->add_notice(
-            {false, fmt::format("wrote {} with {} samples a pixel", file.string(), kept_samples(session))});
+        renderer->add_notice({false, fmt::format("wrote {} with {} samples a pixel", file.string(),
+                                                 cli::format_samples(session.kept_samples()))});
       });
 }
 

@@ -9,6 +9,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "platform.h"
+#include "stop_criteria.h"
 #include "viewer/inspect.h"
 
 namespace relume::viewer {
@@ -150,7 +151,7 @@ void RenderThread::render_round(const std::stop_token& stop) {
   if (request_.pace.hold_rate && scaled) {
     resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.pace.target_hz), full);
   }
-  goal_reached_ = goal_reached(0) && (sides == 1 || goal_reached(1));
+  goal_reached_ = frame(0)->reached_goal && (sides == 1 || frame(1)->reached_goal);
 }
 
 bool RenderThread::render_side(int side, const IVec2& size) {
@@ -162,7 +163,7 @@ bool RenderThread::render_side(int side, const IVec2& size) {
     const std::lock_guard lock(mutex_);
     refinement_ = std::stop_source();
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
-    if (session.sample_count() > 0 || (request_.pace.hold_rate && at_rest())) {
+    if (session.frames_since_change() > 0 || (request_.pace.hold_rate && at_rest())) {
       // A newer request may have come while the scene was compiled or the settings taken on.
       if (wanted_.version != request_.version) return false;
       token = refinement_.get_token();
@@ -190,7 +191,7 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->full_height = request_.settings[0].render.height;
   frame->radiance = std::move(image.pixels);
   frame->statistics = session.statistics();
-  frame->samples = session.sample_count();
+  frame->samples = session.kept_samples();
   frame->seconds = seconds;
   frame->rays_per_s = static_cast<double>(frame->statistics.rays - rays_before) / std::max(seconds, 1e-9);
   frame->passes = differences(frame->statistics.passes, passes_before, seconds);
@@ -209,9 +210,10 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
 bool RenderThread::goal_reached(int side) const {
   const StopSettings& goal = request_.settings[static_cast<size_t>(side)].stop;
   const Session& session = *slots_[static_cast<size_t>(side)].session();
-  if (goal.spp > 0 && session.sample_count() >= static_cast<uint32_t>(goal.spp)) return true;
+  const uint32_t frames = session.frames_since_change();
+  if (goal.spp > 0 && frames >= static_cast<uint32_t>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
-  return goal.error > 0 && session.sample_count() >= 16 && session.estimated_error() <= static_cast<double>(goal.error);
+  return goal.error > 0 && cli::checks_error_at(frames) && session.estimated_error() <= static_cast<double>(goal.error);
 }
 
 }  // namespace relume::viewer

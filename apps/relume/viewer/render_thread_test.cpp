@@ -82,7 +82,7 @@ TEST(RenderThread, RendersAndRefines) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->width, 32);
   EXPECT_GT(mean_luminance(*frame), 0);
-  const uint32_t samples = frame->samples;
+  const double samples = frame->samples;
   for (int i = 0; i < kPatience_ms && stage.thread.frame(0)->samples <= samples; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_GT(stage.thread.frame(0)->samples, samples);
@@ -115,7 +115,7 @@ TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
   for (int i = 0; i < kPatience_ms && !stage.thread.frame(0)->reached_goal; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_EQ(stage.thread.frame(0)->samples, 3u);
+  EXPECT_EQ(stage.thread.frame(0)->samples, 3) << "allocation is uniform";
   stage.settings[0].render.seed = 1;
   stage.post();
   EXPECT_TRUE(stage.next());

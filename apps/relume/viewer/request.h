@@ -84,7 +84,7 @@ struct ViewerFrame {
   std::string channels;       ///< its channels, one letter each, at most three
   std::vector<Rgb> values;    ///< its values; missing channels are 0
   Vec2 value_range{0, 1};     ///< 1st and 99th percentile of its finite values
-  uint32_t samples = 0;       ///< since the last change
+  double samples = 0;         ///< Session::kept_samples()
   double seconds = 0;         ///< that the frame took
   double rays_per_s = 0;      ///< of this frame
   bool reached_goal = false;  ///< --spp, --time or --error asks for no more

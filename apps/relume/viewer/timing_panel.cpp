@@ -5,6 +5,7 @@
 #include <imgui/imgui.h>
 
 #include "console.h"
+#include "reports.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"
 #include "viewer/widgets.h"
@@ -109,7 +110,7 @@ void draw_numbers(const State& state, const ViewerFrame& frame) {
   };
   row("frames", fmt::format("{:.1f} a second", state.frames_per_s));
   row("rays", fmt::format("{:.2f} M a second", frame.rays_per_s * 1e-6));
-  row("samples", fmt::format("{} a pixel", frame.samples));
+  row("samples", cli::format_samples(frame.samples) + " a pixel");
   row("interface", fmt::format("{:.0f} Hz", state.interface_hz));
   row("memory", cli::format_bytes(frame.statistics.buffer_bytes + frame.statistics.technique_bytes));
 }

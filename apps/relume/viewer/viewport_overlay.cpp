@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "reports.h"
 #include "viewer/inspect.h"
 #include "viewer/theme.h"
 #include "viewer/viewport.h"
@@ -28,8 +29,9 @@ std::string status_of(const State& state, const ViewerFrame& frame) {
   const int percent = static_cast<int>(std::lround(100.0 * frame.width / std::max(frame.full_width, 1)));
   std::string text = fmt::format("{}x{}", frame.width, frame.height);
   if (percent < 100) text += fmt::format(" ({} %)", percent);
-  text += fmt::format("  \xc2\xb7  {} sample{}  \xc2\xb7  {:.1f} frames/s", frame.samples,
-                      frame.samples == 1 ? "" : "s", state.frames_per_s);
+  const std::string samples = cli::format_samples(frame.samples);
+  text += fmt::format("  \xc2\xb7  {} sample{} a pixel  \xc2\xb7  {:.1f} frames/s", samples, samples == "1" ? "" : "s",
+                      state.frames_per_s);
   if (state.paused) text += "  \xc2\xb7  paused";
   if (frame.reached_goal) text += "  \xc2\xb7  done";
   if (!frame.buffer.empty()) text += "  \xc2\xb7  " + frame.buffer;

@@ -1,4 +1,4 @@
-#include "accumulate.h"
+#include "stop_criteria.h"
 
 #include <gtest/gtest.h>
 
@@ -28,10 +28,10 @@ struct FakeSession {
   StopReason run(const StopCriteria& criteria) {
     const FrameSource source{
         .render_frame = [this](std::stop_token stop) { return render_frame(stop); },
-        .sample_count = [this] { return samples; },
+        .picture_frames = [this] { return samples; },
         .estimated_error = [this] { return error_of_one / std::sqrt(samples); },
     };
-    return accumulate(
+    return render_until(
         source, criteria, [this] { return clock_s; }, stop_source.get_token(),
         [this](const Accumulation& state) { seen.push_back(state); });
   }
@@ -39,7 +39,7 @@ struct FakeSession {
   std::vector<Accumulation> seen;
 };
 
-TEST(Accumulate, StopsAtTheSampleCount) {
+TEST(RenderUntil, StopsAtTheSampleCount) {
   FakeSession session;
   EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
   EXPECT_EQ(session.samples, 5u);
@@ -48,7 +48,7 @@ TEST(Accumulate, StopsAtTheSampleCount) {
   EXPECT_DOUBLE_EQ(session.seen.back().elapsed_s, 5);
 }
 
-TEST(Accumulate, CountsTheSamplesOfACheckpoint) {
+TEST(RenderUntil, CountsTheSamplesOfACheckpoint) {
   FakeSession session;
   session.samples = 3;
   EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
@@ -57,28 +57,28 @@ TEST(Accumulate, CountsTheSamplesOfACheckpoint) {
   EXPECT_EQ(session.seen.size(), 2u) << "nothing was left to do";
 }
 
-TEST(Accumulate, KeepsWithinTheTime) {
+TEST(RenderUntil, KeepsWithinTheTime) {
   FakeSession session;
   session.frame_s = 3;
   EXPECT_EQ(session.run({.time_s = 10}), StopReason::time);
   EXPECT_EQ(session.samples, 3u) << "a fourth frame would end after 12 s";
 }
 
-TEST(Accumulate, CompletesOneFrameWhateverTheTime) {
+TEST(RenderUntil, CompletesOneFrameWhateverTheTime) {
   FakeSession session;
   session.frame_s = 60;
   EXPECT_EQ(session.run({.time_s = 0.001}), StopReason::time);
   EXPECT_EQ(session.samples, 1u);
 }
 
-TEST(Accumulate, StopsAtTheError) {
+TEST(RenderUntil, StopsAtTheError) {
   FakeSession session;
   EXPECT_EQ(session.run({.error = 0.1}), StopReason::error);
   // 1/sqrt(n) <= 0.1 from n = 100 on, which is a multiple of four and so is looked at.
   EXPECT_EQ(session.samples, 100u);
 }
 
-TEST(Accumulate, ResumedRenderStopsAtTheErrorWhereAnUninterruptedOneDoes) {
+TEST(RenderUntil, ResumedRenderStopsAtTheErrorWhereAnUninterruptedOneDoes) {
   FakeSession whole;
   whole.run({.error = 0.09});
   FakeSession first;
@@ -87,27 +87,27 @@ TEST(Accumulate, ResumedRenderStopsAtTheErrorWhereAnUninterruptedOneDoes) {
   EXPECT_EQ(first.samples, whole.samples);
 }
 
-TEST(Accumulate, FirstCriterionWins) {
+TEST(RenderUntil, FirstCriterionWins) {
   FakeSession session;
   EXPECT_EQ(session.run({.samples = 1000, .time_s = 20, .error = 1e-6}), StopReason::time);
   EXPECT_EQ(session.samples, 20u);
 }
 
-TEST(Accumulate, InterruptDropsTheFrameInProgress) {
+TEST(RenderUntil, InterruptDropsTheFrameInProgress) {
   FakeSession session;
   session.interrupt_at = 4;
   EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);
   EXPECT_EQ(session.samples, 3u);
 }
 
-TEST(Accumulate, InterruptDuringTheFirstFrameStillGivesAPicture) {
+TEST(RenderUntil, InterruptDuringTheFirstFrameStillGivesAPicture) {
   FakeSession session;
   session.interrupt_at = 1;
   EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);
   EXPECT_EQ(session.samples, 1u);
 }
 
-TEST(Accumulate, InterruptAfterTheLastSampleIsACompletePicture) {
+TEST(RenderUntil, InterruptAfterTheLastSampleIsACompletePicture) {
   FakeSession session;
   session.interrupt_at = 1;
   EXPECT_EQ(session.run({.samples = 1}), StopReason::samples);

@@ -1,4 +1,4 @@
-#include "accumulate.h"
+#include "stop_criteria.h"
 
 #include <algorithm>
 #include <bit>
@@ -46,15 +46,15 @@ double remaining_s(const Accumulation& state, const StopCriteria& criteria) {
   return std::max(remaining, 0.0);
 }
 
-bool checks_error_at(uint32_t samples) {
+bool checks_error_at(uint32_t frames) {
   constexpr uint32_t kFirst = 16;
-  return samples >= kFirst && samples % (std::bit_floor(samples) / kFirst) == 0;
+  return frames >= kFirst && frames % (std::bit_floor(frames) / kFirst) == 0;
 }
 
-StopReason accumulate(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
-                      std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done) {
+StopReason render_until(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
+                        std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done) {
   const double start_s = now_s();
-  Accumulation state{.samples = source.sample_count()};
+  Accumulation state{.samples = source.picture_frames()};
   const bool errors_count = criteria.error > 0;
   while (true) {
     if (errors_count && checks_error_at(state.samples)) {
@@ -68,7 +68,7 @@ StopReason accumulate(const FrameSource& source, const StopCriteria& criteria, c
       if (criteria.time_s > 0 && state.elapsed_s + frame_s > criteria.time_s) return StopReason::time;
     }
     if (!source.render_frame(state.samples > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
-    state.samples = source.sample_count();
+    state.samples = source.picture_frames();
     ++state.samples_done_here;
     state.elapsed_s = now_s() - start_s;
     frame_done(state);

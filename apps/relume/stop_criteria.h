@@ -1,4 +1,4 @@
-// The loop that adds samples until a picture is done.
+// When a picture is done, and the loop that renders frames until it is.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace relume::cli {
 /// What the loop needs of a session; tests put something else in its place.
 struct FrameSource {
   std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
-  std::function<uint32_t()> sample_count;             ///< Session::picture_frames
+  std::function<uint32_t()> picture_frames;           ///< Session::picture_frames
   std::function<double()> estimated_error;            ///< Session::estimated_error
 };
 
@@ -44,15 +44,15 @@ double fraction_done(const Accumulation& state, const StopCriteria& criteria);
 /// Seconds until the first criterion is met, as far as one can tell; infinite if one cannot.
 double remaining_s(const Accumulation& state, const StopCriteria& criteria);
 
-/// Whether the error is looked at after `samples`: from 16 on (before, the estimated variance is too noisy to stop by),
-/// at every sample up to 32, every second up to 64, and so on. It depends on nothing else, so that a resumed render
-/// stops where an uninterrupted one does.
-bool checks_error_at(uint32_t samples);
+/// Whether the error is looked at after `frames` of a picture: from 16 on (before, the estimated variance is too noisy
+/// to stop by), at every frame up to 32, every second up to 64, and so on. It depends on nothing else, so that a
+/// resumed render stops where an uninterrupted one does.
+bool checks_error_at(uint32_t frames);
 
 /// Calls render_frame until a criterion is met or `stop` requested, and `frame_done` after each complete frame. The
 /// first frame is always completed, so that there is a picture. With a time limit no frame begins that would, taking as
 /// long as those before it, end beyond it. `now_s` is a clock that only moves forward.
-StopReason accumulate(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
-                      std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done);
+StopReason render_until(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
+                        std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done);
 
 }  // namespace relume::cli
