@@ -47,7 +47,7 @@ SettingList describe_slots(RenderSettings& s) {
        {.biases = true}},
       {"allocation",
        choice(s.allocation, {"uniform", "adaptive"}),
-       "Paths a pixel gets in a frame: one each, or more where there is noise",
+       "Paths a pixel gets in a frame: one each, or none where there is little noise",
        {.biases = true}},
       {"history",
        choice(s.history, {"none", "accumulate", "reproject"}),
