@@ -13,7 +13,10 @@
 #include "io/image.h"
 #include "platform.h"
 #include "render/session.h"
+#include "reports.h"
 #include "settings/nearest_name.h"
+#include "settings/settings_json.h"
+#include "version.h"
 
 namespace relume::cli {
 namespace {
@@ -71,6 +74,21 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
     names.push_back(name);
   }
   return names;
+}
+
+Metadata picture_metadata(const Session& session, const std::string& scene, Settings settings, double load_s) {
+  settings.render = session.settings();
+  const Statistics& statistics = session.statistics();
+  return {
+      {"relume.version", kVersion},
+      {"relume.scene", scene},
+      {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
+      {"relume.settings", settings_to_json(describe(settings))},
+      {"relume.seed", std::to_string(settings.render.seed)},
+      {"relume.samples_per_pixel", format_samples(session.picture_samples())},
+      {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s,
+                                     statistics.build_s, statistics.render_s)},
+  };
 }
 
 void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,

@@ -19,7 +19,6 @@
 #include "render/session.h"
 #include "reports.h"
 #include "scene_source.h"
-#include "settings/settings_json.h"
 #include "stop_criteria.h"
 #include "version.h"
 #include "video.h"
@@ -130,7 +129,6 @@ class RenderJob {
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
   void save_checkpoint();
   void write(size_t index, StopReason reason);
-  Metadata metadata(size_t index) const;
   void report(StopReason reason) const;
 
   float frame_time_s(size_t index) const {
@@ -244,7 +242,8 @@ void RenderJob::write(size_t index, StopReason reason) {
     video_->add(image);
     if (index == first_picture_) written_.push_back(file.string());
   } else {
-    write_picture(file, *session_, settings_.output, plan_.aovs, metadata(index));
+    const Metadata metadata = picture_metadata(*session_, options_.scene, settings_, load_s_);
+    write_picture(file, *session_, settings_.output, plan_.aovs, metadata);
     written_.push_back(file.string());
   }
   write_s_ += now_s() - start_s;
@@ -255,22 +254,6 @@ void RenderJob::write(size_t index, StopReason reason) {
   tell(verbosity_,
        fmt::format("{} {} with {} sample{} a pixel", reason == StopReason::interrupted ? "interrupted; wrote" : "wrote",
                    what, samples, samples == "1" ? "" : "s"));
-}
-
-Metadata RenderJob::metadata(size_t index) const {
-  const Statistics& statistics = session_->statistics();
-  Settings settings = settings_;
-  settings.render.time_s = frame_time_s(index);
-  return {
-      {"relume.version", kVersion},
-      {"relume.scene", options_.scene},
-      {"relume.scene_hash", fmt::format("{:016x}", session_->scene_hash())},
-      {"relume.settings", settings_to_json(describe(settings))},
-      {"relume.seed", std::to_string(settings.render.seed)},
-      {"relume.samples_per_pixel", format_samples(session_->picture_samples())},
-      {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s_,
-                                     statistics.build_s, statistics.render_s)},
-  };
 }
 
 void RenderJob::report(StopReason reason) const {

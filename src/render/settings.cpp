@@ -74,8 +74,9 @@ SettingList describe(OutputSettings& s) {
 
 std::vector<SettingGroup> setting_groups(Settings& s) {
   return {
-      {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)})},
-      {"When to stop", "Whichever comes first.", describe(s.stop)},
+      {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)}),
+       SettingGroupRole::picture},
+      {"When to stop", "Whichever comes first.", describe(s.stop), SettingGroupRole::stopping},
       {"Light transport", "`--max-bounces` and `--path.russian-roulette` hold for every estimator.",
        describe_transport(s.render)},
       {"Radiance caches",
@@ -83,7 +84,8 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
        describe_caches(s.render)},
       {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
       {"Denoisers", "Of the filters over the picture.", describe_denoisers(s.render)},
-      {"Slots", "One technique each; docs/combinations.md says what combines.", describe_slots(s.render)},
+      {"Slots", "One technique each; docs/combinations.md says what combines.", describe_slots(s.render),
+       SettingGroupRole::slots},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
   };
 }

@@ -9,11 +9,15 @@
 
 namespace relume {
 
+/// Groups that interfaces show in a way of their own.
+enum class SettingGroupRole { ordinary, picture, stopping, slots };
+
 /// Settings that are shown together.
 struct SettingGroup {
   std::string_view title;
   std::string_view summary;  ///< one or two sentences
   SettingList settings;
+  SettingGroupRole role = SettingGroupRole::ordinary;
 };
 
 /// All settings, group by group.

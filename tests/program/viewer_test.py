@@ -11,7 +11,7 @@ import sys
 import unittest
 import zlib
 
-from program import PROGRAM, ProgramTest, run
+from program import PROGRAM, ProgramTest, exr_strings, run
 
 SKIPPED = 77  # to ctest
 SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
@@ -285,6 +285,10 @@ class Settings(Viewer):
         self.assertEqual((first["buffer"], depth["buffer"]), ("", "depth"))
         self.assertEqual((first["width"], first["height"]), (160, 120))
         self.assertLessEqual({"a.png", "a.exr", "v.json"}, set(self.files()))
+        metadata = exr_strings(self.folder / "a.exr")
+        self.assertEqual((metadata["relume.scene"], metadata["relume.seed"]), ("cornell", "0"))
+        self.assertGreaterEqual(float(metadata["relume.samples_per_pixel"]), 1)
+        self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(metadata["relume.timings"])))
         # What was recorded renders from the command line.
         self.succeed("render", "v.json", "-o", "f.png", "--frames", "0-1", "--fps", 1, "--spp", 1)
         self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))

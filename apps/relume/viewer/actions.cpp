@@ -4,29 +4,19 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/trigonometric.hpp>
 
 #include "core/error.h"
 #include "picture.h"
 #include "reports.h"
-#include "settings/settings_json.h"
-#include "version.h"
 #include "viewer/panels.h"
 #include "viewer/save_view.h"
+#include "viewer/sun_path.h"
 
 namespace relume::viewer {
 namespace {
 
 constexpr double kRecordInterval_s = 0.1;
-
-/// Metadata as `relume render` writes it.
-cli::Metadata metadata_of(const Session& session, const std::string& scene, Settings settings) {
-  settings.render = session.settings();
-  return {{"relume.version", cli::kVersion},
-          {"relume.scene", scene},
-          {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
-          {"relume.settings", settings_to_json(describe(settings))},
-          {"relume.samples_per_pixel", cli::format_samples(session.kept_samples())}};
-}
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
 float selection_depth(const State& state, const PlacedCamera& camera) {
@@ -39,6 +29,12 @@ float selection_depth(const State& state, const PlacedCamera& camera) {
 }
 
 }  // namespace
+
+void move_sun(const State& state, SunSky& sky) {
+  const SunPosition sun = sun_position(state.sun_hour, state.sun_day, glm::radians(state.latitude_deg));
+  sky.sun_elevation_rad = sun.elevation_rad;
+  sky.sun_azimuth_rad = sun.azimuth_rad;
+}
 
 void add_bookmark(State& state) { store_bookmark(state, state.bookmarks.size()); }
 
@@ -123,16 +119,15 @@ std::filesystem::path free_name(const State& state, const std::string& extension
 }
 
 void save_picture(State& state, const std::filesystem::path& file) {
-  const OutputSettings output = state.settings[0].output;
-  const std::string scene = state.document->name();
-  state.renderer->post_task(
-      [file, output, scene, settings = state.settings[0], renderer = state.renderer](const Session& session) {
-        std::vector<std::string> aovs;
-        if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
-        cli::write_picture(file, session, output, aovs, metadata_of(session, scene, settings));
-        renderer->add_notice({false, fmt::format("wrote {} with {} samples a pixel", file.string(),
-                                                 cli::format_samples(session.kept_samples()))});
-      });
+  state.renderer->post_task([file, loaded = state.document->loaded(), settings = state.settings[0],
+                             renderer = state.renderer](const Session& session) {
+    std::vector<std::string> aovs;
+    if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
+    const cli::Metadata metadata = cli::picture_metadata(session, loaded->name, settings, loaded->load_s);
+    cli::write_picture(file, session, settings.output, aovs, metadata);
+    const std::string samples = cli::format_samples(session.kept_samples());
+    renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
+  });
 }
 
 void save_view_file(State& state, const std::filesystem::path& file) {

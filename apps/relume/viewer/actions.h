@@ -31,6 +31,9 @@ void save_picture(State& state, const std::filesystem::path& file);
 /// Writes camera, path, changes and settings of side A as relume JSON.
 void save_view_file(State& state, const std::filesystem::path& file);
 
+/// Puts the sun of `sky` where it stands at the state's hour, day and latitude.
+void move_sun(const State& state, SunSky& sky);
+
 /// Has the rendering thread find out what lies at a point of the picture; it is then selected.
 void pick_at(State& state, const Vec2& point, bool focus);
 /// Takes the answer.

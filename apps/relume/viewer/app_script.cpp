@@ -3,14 +3,12 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "viewer/actions.h"
 #include "viewer/app.h"
 #include "viewer/panels.h"
-#include "viewer/sun_path.h"
 
 namespace relume::viewer {
 namespace {
@@ -38,9 +36,7 @@ void set_sun(State& state, float hour) {
   Environment e = state.document->outline().environment;
   if (e.kind != EnvironmentKind::sun_sky) throw Error("the environment has no sun");
   state.sun_hour = hour;
-  const SunPosition sun = sun_position(hour, state.sun_day, glm::radians(state.latitude_deg));
-  e.sun_sky.sun_elevation_rad = sun.elevation_rad;
-  e.sun_sky.sun_azimuth_rad = sun.azimuth_rad;
+  move_sun(state, e.sun_sky);
   state.document->set_environment(e);
   state.touch();
 }

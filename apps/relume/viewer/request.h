@@ -19,6 +19,7 @@ namespace relume::viewer {
 struct LoadedScene {
   std::string name;  ///< file or built-in scene, as the user gave it
   Scene scene;
+  double load_s = 0;  ///< that reading it took
 };
 
 /// A value that replaces what the scene says, and when it was last set: versions count up over all edits of a scene.

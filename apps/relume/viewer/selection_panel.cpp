@@ -5,8 +5,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "viewer/actions.h"
 #include "viewer/panels.h"
-#include "viewer/sun_path.h"
 #include "viewer/theme.h"
 #include "viewer/widgets.h"
 
@@ -71,9 +71,7 @@ void draw_sun(State& state, SunSky& sky, bool& changed) {
   moved |= ImGui::SliderInt("day of year", &state.sun_day, 1, 365, "%d", ImGuiSliderFlags_AlwaysClamp);
   moved |= ImGui::SliderFloat("latitude", &state.latitude_deg, -66, 66, "%.0f\xc2\xb0", ImGuiSliderFlags_AlwaysClamp);
   if (moved) {
-    const SunPosition sun = sun_position(state.sun_hour, state.sun_day, glm::radians(state.latitude_deg));
-    sky.sun_elevation_rad = sun.elevation_rad;
-    sky.sun_azimuth_rad = sun.azimuth_rad;
+    move_sun(state, sky);
     changed = true;
   }
   changed |= angle_widget("elevation", sky.sun_elevation_rad, -10, 90);

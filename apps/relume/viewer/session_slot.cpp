@@ -40,12 +40,12 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
   // Time passes through set_time(), so that an animation does not count as another setting.
   if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;
   const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable;
-  if (compiled) {
+  if (compiled) apply(request.edits);
+  if (!compiled || !session_->set_settings(settings)) {
+    compile(request, settings);
     apply(request.edits);
-    if (session_->set_settings(settings)) return;
   }
-  compile(request, settings);
-  apply(request.edits);
+  if (session_->frames_since_change() == 0) session_->begin_picture();
 }
 
 PickResult pick(const Session& session, const Vec2& point) {

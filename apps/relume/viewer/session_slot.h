@@ -12,7 +12,8 @@ namespace relume::viewer {
 class SessionSlot {
  public:
   /// Makes the session what `request` asks of this side, at `size` pixels: takes on settings and edits, and compiles
-  /// the scene anew only where the session cannot. Throws Error; the session then is as it was, if there was one.
+  /// the scene anew only where the session cannot. With a change a picture of its own begins. Throws Error; the session
+  /// then is as it was, if there was one.
   void update(const RenderRequest& request, int side, const IVec2& size);
 
   void close() { session_.reset(); }

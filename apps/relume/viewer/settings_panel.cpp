@@ -156,12 +156,10 @@ void draw_sides(State& state) {
 
 void draw_group(State& state, const SettingGroup& group, Settings& wanted, const SettingList& standard, bool& changed) {
   const std::string title(group.title);
-  const bool rarely_used = title == "When to stop";
+  const bool rarely_used = group.role == SettingGroupRole::stopping;
   if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return;
   tooltip(std::string(group.summary));
-  if (title == "Picture") {
-    ImGui::Checkbox("Size follows the window", &state.follow_window);
-  }
+  if (group.role == SettingGroupRole::picture) ImGui::Checkbox("Size follows the window", &state.follow_window);
   if (!ImGui::BeginTable(title.c_str(), 2)) return;
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 0.5f);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 0.5f);
@@ -184,7 +182,8 @@ void draw_settings_panel(State& state) {
   bool changed = false;
   ImGui::BeginChild("settings");
   std::vector<SettingGroup> groups = setting_groups(wanted);
-  std::stable_partition(groups.begin(), groups.end(), [](const SettingGroup& group) { return group.title == "Slots"; });
+  std::stable_partition(groups.begin(), groups.end(),
+                        [](const SettingGroup& group) { return group.role == SettingGroupRole::slots; });
   for (const SettingGroup& group : groups) draw_group(state, group, wanted, standard, changed);
   ImGui::EndChild();
   if (!changed) return;

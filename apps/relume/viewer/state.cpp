@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "core/error.h"
-#include "core/hash.h"
+#include "core/fnv1a.h"
 #include "platform.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
@@ -21,21 +22,16 @@ constexpr double kToast_s = 5;
 constexpr double kProblemToast_s = 12;
 constexpr size_t kMostToasts = 5;
 
-/// FNV-1a: bookmarks of scenes of the same name in other folders stay apart.
-uint64_t hash_of(const std::string& text) {
-  uint64_t value = 14695981039346656037ull;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return value;
-}
-
 std::filesystem::path bookmarks_file_of(const std::string& scene) {
   const std::string folder = cli::state_folder();
   if (folder.empty()) return {};
   std::error_code failure;
   const std::filesystem::path file = std::filesystem::absolute(scene, failure);
-  const bool is_file = std::filesystem::exists(file, failure);
-  return std::filesystem::path(folder) / "bookmarks" /
-         fmt::format("{:016x}.json", hash_of(is_file ? file.string() : scene));
+  // Scenes of the same name in other folders stay apart.
+  const std::string name = std::filesystem::exists(file, failure) ? file.string() : scene;
+  Fnv1a key;
+  key.add(name.data(), name.size());
+  return std::filesystem::path(folder) / "bookmarks" / fmt::format("{:016x}.json", key.value());
 }
 
 /// Those that belong to the scene that is shown.
@@ -78,7 +74,9 @@ void open_scene(State& state, const std::string& name) {
   state.loading_name = name;
   state.loading = std::async(std::launch::async, [name] {
     cli::lower_thread_priority();
-    return std::make_shared<const LoadedScene>(LoadedScene{name, cli::open_scene(name)});
+    const double start_s = now_s();
+    Scene scene = cli::open_scene(name);
+    return std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene), now_s() - start_s});
   });
 }
 

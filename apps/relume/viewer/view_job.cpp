@@ -4,6 +4,7 @@
 #include <future>
 
 #include "console.h"
+#include "core/clock.h"
 #include "picture.h"
 #include "platform.h"
 #include "render/settings.h"
@@ -17,6 +18,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   resolve(sources);  // finds what is wrong with them before anything is loaded
   if (!options.screenshot.empty()) check_picture_file(options.screenshot, {});
+  const double start_s = now_s();
   // On a thread of low priority, whose children rendering uses later: the interface keeps the right of way.
   auto loading = std::async(std::launch::async, [&] {
     lower_thread_priority();
@@ -27,11 +29,12 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   sources.scene_place = options.scene;
   const Settings settings = viewer::resolve_start(sources);
   apply(settings.scene, scene);
+  const double load_s = now_s() - start_s;
   warn_all(verbosity, scene.warnings);
   const bool fixed_size = std::any_of(options.flags.begin(), options.flags.end(),
                                       [](const auto& flag) { return flag.first == "width" || flag.first == "height"; });
-  viewer::App app(options, settings, fixed_size,
-                  std::make_shared<const viewer::LoadedScene>(viewer::LoadedScene{options.scene, std::move(scene)}));
+  viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
+  viewer::App app(options, settings, fixed_size, std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
   app.run();
   return kExitDone;
 }
