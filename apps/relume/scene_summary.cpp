@@ -5,19 +5,10 @@
 #include <fmt/format.h>
 
 #include "console.h"
+#include "core/box.h"
 
 namespace relume::cli {
 namespace {
-
-struct Box {
-  Vec3 min{kInfinity};
-  Vec3 max{-kInfinity};
-
-  void add(const Vec3& point) {
-    min = glm::min(min, point);
-    max = glm::max(max, point);
-  }
-};
 
 template <typename T>
 uint64_t bytes_of(const std::vector<T>& values) {
@@ -37,15 +28,6 @@ std::vector<Box> mesh_boxes(const Scene& scene) {
   return boxes;
 }
 
-/// Adds the corners of `box` under `matrix`.
-void add_transformed(Box& bounds, const Box& box, const Mat4& matrix) {
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 point((corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
-                     (corner & 4) != 0 ? box.max.z : box.min.z);
-    bounds.add(Vec3(matrix * Vec4(point, 1)));
-  }
-}
-
 /// Counts what the nodes place, and where.
 void add_placed(const Scene& scene, SceneSummary& summary) {
   const std::vector<Box> boxes = mesh_boxes(scene);
@@ -59,13 +41,12 @@ void add_placed(const Scene& scene, SceneSummary& summary) {
       const Mesh& mesh = scene.meshes[static_cast<size_t>(index)];
       summary.mesh_instances += instances.size();
       summary.instanced_triangles += instances.size() * mesh.triangles.size();
-      if (mesh.positions.empty()) continue;
       for (const Mat4& instance : instances)
-        add_transformed(bounds, boxes[static_cast<size_t>(index)], world[i] * instance);
+        bounds.add(transformed(boxes[static_cast<size_t>(index)], world[i] * instance));
     }
   }
-  summary.bounds_min = bounds.min;
-  summary.bounds_max = bounds.max;
+  summary.bounds_min = bounds.low;
+  summary.bounds_max = bounds.high;
 }
 
 std::string environment_text(const Environment& environment) {

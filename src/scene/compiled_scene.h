@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "accel/embree_accel.h"
+#include "core/box.h"
 #include "core/change.h"
 #include "scene/light_builder.h"
 #include "scene/scene_view.h"
@@ -74,14 +75,6 @@ class CompiledScene {
     uint32_t node;
     uint32_t mesh;
     Mat4 local;  ///< below the node
-  };
-  struct Box {
-    Vec3 low{kInfinity};
-    Vec3 high{-kInfinity};
-
-    bool empty() const { return low.x > high.x; }
-    void add(const Vec3& p);
-    void add(const Box& box, const Mat4& to_world);
   };
 
   void list_appearances();

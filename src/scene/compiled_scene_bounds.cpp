@@ -34,25 +34,11 @@ std::vector<float> times_of_animation(const Scene& scene) {
 
 }  // namespace
 
-void CompiledScene::Box::add(const Vec3& p) {
-  low = glm::min(low, p);
-  high = glm::max(high, p);
-}
-
-void CompiledScene::Box::add(const Box& box, const Mat4& to_world) {
-  if (box.empty()) return;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                 corner & 4 ? box.high.z : box.low.z);
-    add(transform_point(to_world, p));
-  }
-}
-
-CompiledScene::Box CompiledScene::moving_box(const std::vector<Mat4>& world) const {
+Box CompiledScene::moving_box(const std::vector<Mat4>& world) const {
   Box box;
   for (size_t i = 0; i < appearances_.size(); ++i) {
     const Appearance& a = appearances_[i];
-    if (!world_space_[i]) box.add(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local);
+    if (!world_space_[i]) box.add(transformed(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local));
   }
   return box;
 }
@@ -74,20 +60,19 @@ void CompiledScene::compute_bounds() {
     }
   });
   for (size_t i = 0; i < appearances_.size(); ++i) {
-    if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]], Mat4(1));
+    if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]]);
   }
   // The time that is shown first must make no difference, so that frames do not depend on which came before.
-  for (const float time_s : times_of_animation(source_))
-    extent_.add(moving_box(world_matrices(source_, time_s)), Mat4(1));
+  for (const float time_s : times_of_animation(source_)) extent_.add(moving_box(world_matrices(source_, time_s)));
   check_extent(extent_);
   set_bounds();
 }
 
 void CompiledScene::set_bounds() {
   if (extent_.empty()) extent_.add(Vec3(0));
-  bounds_.center = 0.5f * (extent_.low + extent_.high);
+  bounds_.center = extent_.center();
   // A margin keeps rays from infinity outside what moves between the times that were looked at.
-  bounds_.radius = std::max(0.55f * glm::length(extent_.high - extent_.low), 1e-3f);
+  bounds_.radius = std::max(0.55f * extent_.diagonal(), 1e-3f);
 }
 
 }  // namespace relume

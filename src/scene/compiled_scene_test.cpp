@@ -4,6 +4,7 @@
 
 #include "scene/builtin.h"
 #include "scene/testing/plate.h"
+#include "scene/world_triangles.h"
 
 namespace relume {
 namespace {
@@ -262,6 +263,16 @@ TEST(CompiledScene, BoundsHoldWhereverAnimationLeads) {
   CompiledScene edited(plate(), {.movable = {0}});
   edited.set_transform(0, {.translation = Vec3(0, 100, 0)});
   EXPECT_GT(edited.bounds().radius, 50.0f);
+}
+
+TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {
+  CompiledScene scene(plate(), {.width = kSize, .height = kSize, .movable = {0}});
+  EXPECT_EQ(world_box(scene.view()).low, Vec3(-1, -1, 0));
+  EXPECT_EQ(world_box(scene.view()).high, Vec3(1, 1, 0));
+  scene.set_transform(0, {.translation = Vec3(0, 100, 2)});
+  EXPECT_EQ(world_box(scene.view()).low, Vec3(-1, 99, 2));
+  EXPECT_EQ(world_box(scene.view()).high, Vec3(1, 101, 2));
+  EXPECT_TRUE(world_box(SceneView{}).empty());
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
   std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
   try {
     std::vector<Mat4> world = checked_world(time_s_);
-    extent_.add(moving_box(world), Mat4(1));
+    extent_.add(moving_box(world));
     set_bounds();
     return place_everything(std::move(world));
   } catch (const Error&) {

@@ -1,6 +1,7 @@
 // All triangles of a scene as they stand in the world.
 #pragma once
 
+#include "core/box.h"
 #include "scene/scene_view.h"
 
 namespace relume {
@@ -20,6 +21,17 @@ void for_each_world_triangle(const SceneView& scene, const F& f) {
       f(v[0], v[1], v[2]);
     }
   }
+}
+
+/// The box about all surfaces as they stand now; empty without any.
+inline Box world_box(const SceneView& scene) {
+  Box box;
+  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    box.add(a);
+    box.add(b);
+    box.add(c);
+  });
+  return box;
 }
 
 }  // namespace relume

@@ -29,21 +29,7 @@ Scene outline_of(const Scene& scene) {
   return outline;
 }
 
-void add_box(const Box& box, const Mat4& to_world, Box& sum) {
-  if (box.empty()) return;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p((corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
-                 (corner & 4) != 0 ? box.high.z : box.low.z);
-    sum.add(transform_point(to_world, p));
-  }
-}
-
 }  // namespace
-
-void Box::add(const Vec3& p) {
-  low = glm::min(low, p);
-  high = glm::max(high, p);
-}
 
 Document::Document(std::shared_ptr<const LoadedScene> loaded)
     : loaded_(std::move(loaded)),
@@ -151,18 +137,15 @@ std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const
 
 Box Document::bounds(Index node) const {
   Box sum;
-  for (const auto& [box, to_world] : boxes(node, std::numeric_limits<size_t>::max())) add_box(box, to_world, sum);
+  for (const auto& [box, to_world] : boxes(node, std::numeric_limits<size_t>::max()))
+    sum.add(transformed(box, to_world));
   return sum;
 }
 
 Box Document::bounds() const {
   Box sum;
   for (size_t i = 0; i < outline_.nodes.size(); ++i) {
-    if (outline_.nodes[i].parent != kNone) continue;
-    const Box box = bounds(static_cast<Index>(i));
-    if (box.empty()) continue;
-    sum.add(box.low);
-    sum.add(box.high);
+    if (outline_.nodes[i].parent == kNone) sum.add(bounds(static_cast<Index>(i)));
   }
   return sum;
 }

@@ -7,20 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/box.h"
 #include "viewer/request.h"
 
 namespace relume::viewer {
-
-/// Axis-aligned, world space.
-struct Box {
-  Vec3 low{kInfinity};
-  Vec3 high{-kInfinity};
-
-  bool empty() const { return !(low.x <= high.x); }
-  void add(const Vec3& p);
-  Vec3 center() const { return 0.5f * (low + high); }
-  float diagonal() const { return empty() ? 0.0f : glm::length(high - low); }
-};
 
 class Document {
  public:

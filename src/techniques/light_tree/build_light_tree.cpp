@@ -4,30 +4,18 @@
 #include <array>
 #include <cmath>
 
+#include "core/box.h"
+
 namespace relume {
 namespace {
 
 constexpr int kBins = 12;
 
-struct Box {
-  Vec3 low{kInfinity};
-  Vec3 high{-kInfinity};
-
-  void add(const Vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  void add(const Box& b) {
-    low = glm::min(low, b.low);
-    high = glm::max(high, b.high);
-  }
-  Vec3 extent() const { return high - low; }
-  /// Surface, and a little for the length of what has none.
-  double area() const {
-    const glm::dvec3 e(extent());
-    return 2 * (e.x * e.y + e.y * e.z + e.z * e.x) + 1e-3 * glm::dot(e, e);
-  }
-};
+/// Surface, and a little for the length of what has none.
+double area_of(const Box& box) {
+  const glm::dvec3 e(box.extent());
+  return 2 * (e.x * e.y + e.y * e.z + e.z * e.x) + 1e-3 * glm::dot(e, e);
+}
 
 /// Normals within angle `o` of the axis.
 struct Cone {
@@ -77,14 +65,14 @@ struct Item {
   double intensity = 0;  ///< along the axis, W/sr
   LightId light = kNoLight;
 
-  Vec3 center() const { return 0.5f * (box.low + box.high); }
+  Vec3 center() const { return box.center(); }
   void add(const Item& other) {
     box.add(other.box);
     cone.add(other.cone);
     two_sided = two_sided || other.two_sided;
     intensity += other.intensity;
   }
-  double cost() const { return intensity * box.area() * cone.measure(); }
+  double cost() const { return intensity * area_of(box) * cone.measure(); }
 };
 
 Item item_of(const LightsView& lights, LightId id) {

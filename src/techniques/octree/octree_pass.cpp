@@ -12,23 +12,12 @@ namespace {
 
 constexpr uint32_t kJitterSeed = 0x6a09e667u;
 
-/// The box about all surfaces as they stand now. What moves out of it later belongs to cells at the border.
-void scene_box(const SceneView& scene, Vec3& low, Vec3& high) {
-  low = Vec3(kInfinity);
-  high = Vec3(-kInfinity);
-  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    low = glm::min(low, glm::min(a, glm::min(b, c)));
-    high = glm::max(high, glm::max(a, glm::max(b, c)));
-  });
-  if (!(low.x <= high.x)) low = high = Vec3(0);
-}
-
+/// About all surfaces as they stand now. What moves out later belongs to cells at the border.
 OctreeTree first_tree(const SceneView& scene) {
-  Vec3 low;
-  Vec3 high;
-  scene_box(scene, low, high);
-  const float edge = std::max(1.001f * max_component(high - low), 1e-3f);
-  return OctreeTree(0.5f * (low + high), edge);
+  Box box = world_box(scene);
+  if (box.empty()) box.add(Vec3(0));
+  const float edge = std::max(1.001f * max_component(box.extent()), 1e-3f);
+  return OctreeTree(box.center(), edge);
 }
 
 }  // namespace

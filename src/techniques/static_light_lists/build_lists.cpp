@@ -14,21 +14,16 @@ namespace {
 constexpr size_t kMostWords = size_t{1} << 30;  // 4 GiB, and what an index of 32 bits reaches
 
 LightGrid make_grid(const SceneView& scene, float cell_size) {
-  Vec3 low(kInfinity);
-  Vec3 high(-kInfinity);
-  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    low = glm::min(low, glm::min(a, glm::min(b, c)));
-    high = glm::max(high, glm::max(a, glm::max(b, c)));
-  });
+  const Box box = world_box(scene);
   LightGrid grid;
-  if (!(low.x <= high.x)) return grid;
-  const Vec3 extent = high - low;
+  if (box.empty()) return grid;
+  const Vec3 extent = box.extent();
   constexpr float kDefaultCells = 24;
   constexpr float kMostCells = 128;  // along one side
   const float longest = std::max(max_component(extent), 1e-3f);
   grid.cell_size = std::max(cell_size > 0 ? cell_size : longest / kDefaultCells, longest / kMostCells);
   // A little of air around, so that surfaces on the border lie inside.
-  grid.corner = low - 0.01f * grid.cell_size;
+  grid.corner = box.low - 0.01f * grid.cell_size;
   for (int axis = 0; axis < 3; ++axis)
     grid.cells[axis] = static_cast<uint32_t>(std::floor((extent[axis] + 0.02f * grid.cell_size) / grid.cell_size)) + 1;
   return grid;
