@@ -10,7 +10,7 @@ namespace relume {
 
 struct BuiltinScene {
   std::string_view name;
-  std::string_view summary;  ///< one line: what is in it and what it is for
+  std::string_view summary;  ///< one line: what is in it and what it is for; says in brackets if something moves
   Scene (*build)();
 };
 

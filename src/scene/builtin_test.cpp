@@ -125,6 +125,15 @@ TEST_P(EveryScene, HasACameraAndLight) {
   EXPECT_TRUE(emissive_count(scene) > 0 || scene.environment.kind != EnvironmentKind::none);
 }
 
+TEST_P(EveryScene, SaysWhetherItMoves) {
+  const Scene& scene = scene_named(GetParam());
+  const std::string_view summary = find_builtin_scene(GetParam())->summary;
+  const bool camera_path = summary.ends_with("(camera path)");
+  const bool camera_moves = moving_nodes(scene)[camera_node(scene)];
+  EXPECT_EQ(camera_path, camera_moves) << summary;
+  EXPECT_EQ(camera_path || summary.ends_with("(animated)"), !scene.animation.empty()) << summary;
+}
+
 TEST_P(EveryScene, NormalsAgreeWithWinding) {
   for (const Mesh& mesh : scene_named(GetParam()).meshes) {
     EXPECT_FALSE(mesh.triangles.empty()) << mesh.name;
