@@ -11,7 +11,7 @@
 #include "compare/reference.h"
 #include "console.h"
 #include "core/clock.h"
-#include "experiments/results.h"
+#include "experiments/output/results.h"
 #include "io/atomic_file.h"
 #include "machine.h"
 #include "picture.h"

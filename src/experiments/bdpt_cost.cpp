@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "experiments/all.h"
-#include "experiments/regions.h"
+#include "experiments/measure/regions.h"
 #include "techniques/bdpt/path_vertex.h"
 
 namespace relume {

@@ -7,7 +7,7 @@
 
 #include "compare/comparison_page.h"
 #include "experiments/all.h"
-#include "experiments/regions.h"
+#include "experiments/measure/regions.h"
 
 namespace relume {
 namespace {

@@ -9,7 +9,7 @@
 #include "compare/comparison_page.h"
 #include "compare/timed_session.h"
 #include "experiments/all.h"
-#include "experiments/regions.h"
+#include "experiments/measure/regions.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "render/session.h"

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "experiments/all.h"
-#include "experiments/scenes.h"
-#include "experiments/trace.h"
+#include "experiments/measure/trace.h"
+#include "experiments/setup/scenes.h"
 
 namespace relume {
 namespace {

@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "experiments/adapted_error.h"
 #include "experiments/all.h"
-#include "experiments/learning_scenes.h"
-#include "experiments/trace.h"
+#include "experiments/measure/adapted_error.h"
+#include "experiments/measure/trace.h"
+#include "experiments/setup/learning_scenes.h"
 
 namespace relume {
 namespace {

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "experiments/adapted_error.h"
 #include "experiments/all.h"
-#include "experiments/learning_scenes.h"
-#include "experiments/moving_error.h"
+#include "experiments/measure/adapted_error.h"
+#include "experiments/measure/moving_error.h"
+#include "experiments/setup/learning_scenes.h"
 #include "render/presets.h"
 #include "report/pictures.h"
 #include "settings/settings_json.h"

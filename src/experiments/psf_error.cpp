@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "experiments/all.h"
-#include "experiments/frame_averages.h"
-#include "experiments/learning_scenes.h"
-#include "experiments/study.h"
-#include "experiments/trace.h"
+#include "experiments/measure/learning_regions.h"
+#include "experiments/measure/study.h"
+#include "experiments/measure/trace.h"
+#include "experiments/setup/cache_scenes.h"
 #include "render/session.h"
 
 namespace relume {

@@ -7,7 +7,7 @@
 
 #include "compare/timed_session.h"
 #include "experiments/all.h"
-#include "experiments/frame_averages.h"
+#include "experiments/setup/cache_scenes.h"
 #include "metrics/statistics.h"
 
 namespace relume {

@@ -1,10 +1,11 @@
 // [Dittebrandt20 §7.2]: how fast octree and visibility light cache adapt from nothing.
 #include <fmt/format.h>
 
-#include "experiments/adaptation.h"
 #include "experiments/all.h"
-#include "experiments/learning_scenes.h"
-#include "experiments/trace.h"
+#include "experiments/measure/adaptation.h"
+#include "experiments/measure/learning_regions.h"
+#include "experiments/measure/trace.h"
+#include "experiments/setup/learning_scenes.h"
 
 namespace relume {
 namespace {

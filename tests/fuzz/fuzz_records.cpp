@@ -7,9 +7,9 @@
 #include <string>
 
 #include "core/error.h"
-#include "experiments/adapted_file.h"
-#include "experiments/results.h"
-#include "experiments/trace_file.h"
+#include "experiments/measure/adapted_file.h"
+#include "experiments/measure/trace_file.h"
+#include "experiments/output/results.h"
 #include "record_case.h"
 #include "scratch.h"
 #include "viewer/camera_path.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "checkpoint_case.h"
-#include "experiments/results.h"
-#include "experiments/trace_file.h"
+#include "experiments/measure/trace_file.h"
+#include "experiments/output/results.h"
 #include "io/image.h"
 #include "io/testing/example_files.h"
 #include "record_case.h"

@@ -1,0 +1,79 @@
+// The error of single frames once techniques have adapted, region by region of the picture.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/reference.h"
+#include "experiments/experiment.h"
+#include "experiments/measure/pixel_mask.h"
+#include "experiments/setup/scenes.h"
+#include "io/image.h"
+#include "metrics/statistics.h"
+#include "render/session.h"
+#include "report/page.h"
+
+namespace relume {
+
+/// Several sessions with seeds of their own, one after the other.
+struct AdaptedOptions {
+  int warm_up = 128;  ///< frames in which a session adapts, before those that are measured
+  int frames = 64;    ///< measured in each session
+  int sessions = 4;
+  /// Frames whose mean counts as one value: what a frame has learned goes into the next, so that single ones do not
+  /// tell how far the mean is off. Divides `frames`.
+  int block = 32;
+  int seed = 1;  ///< of the first session
+};
+
+struct AdaptedError {
+  std::string name;
+  std::vector<std::vector<double>> mse;                ///< by region, by block of frames; without the reference's noise
+  std::vector<double> frame_s;                         ///< seconds of each measured frame
+  std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean of the measured frames
+  std::vector<PassFigure> figures;                     ///< after the last frame
+  Image last;                                          ///< the last frame
+
+  double mean_mse(size_t region = 0) const { return mean(mse[region]); }
+  double median_s() const { return median(frame_s); }
+};
+
+/// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
+/// disturbs the machine disturbs all alike. What learns nothing from frames has no need to start again or to adapt: of
+/// it a single session is rendered, after one frame for what it prepares. What an interrupted experiment has measured
+/// so is not measured again. Throws ExperimentStopped.
+std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
+                                          const std::vector<NamedSettings>& contenders, const Reference& reference,
+                                          const std::vector<PixelMask>& regions, const AdaptedOptions& options);
+
+/// A quotient with a 95 % interval from the spread of independent values (delta method in logarithms, Student's t with
+/// Welch's degrees of freedom).
+struct ErrorRatio {
+  double value = 0;
+  Interval interval;
+};
+/// a's mean over b's: how many times lower b's error is.
+ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
+/// a's median time of a frame over b's: how many times faster b is. Contenders had turns, frame by frame.
+ErrorRatio time_ratio(const AdaptedError& a, const AdaptedError& b);
+/// error_ratio() at equal time: each error times the median time of its contender's frames.
+ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
+
+/// "10.3× (9.8 to 10.9)".
+std::string to_text(const ErrorRatio& ratio);
+
+/// A claim that every ratio is at least `least`, by their intervals; `threshold` is made of it.
+Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
+                    const std::vector<ErrorRatio>& ratios, double least);
+
+/// The reference and the last frame of each.
+PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
+
+/// 128 frames to adapt and four times 64 measured; few in a quick run.
+AdaptedOptions adapted_options(const ExperimentContext& context);
+/// What experiments with measure_adapted() and adapted_options() say of their protocol.
+std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context);
+
+}  // namespace relume

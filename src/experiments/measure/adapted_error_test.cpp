@@ -1,0 +1,167 @@
+#include "experiments/measure/adapted_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "experiments/measure/adaptation.h"
+#include "experiments/measure/adapted_file.h"
+#include "experiments/setup/learning_scenes.h"
+#include "io/atomic_file.h"
+
+namespace relume {
+namespace {
+
+PixelMask whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
+
+TEST(AdaptedError, RatiosHaveStudentsIntervals) {
+  // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom are little more than those of the second.
+  const std::vector<double> a{101, 99, 101, 99};
+  const std::vector<double> b{21, 19, 22, 18};
+  const double sigma_a = std::sqrt(4.0 / 3 / 4) / 100;
+  const double sigma_b = std::sqrt(10.0 / 3 / 4) / 20;
+  const ErrorRatio ratio = error_ratio(a, b);
+  EXPECT_DOUBLE_EQ(ratio.value, 5);
+  const double spread = std::exp(3.182 * std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b));
+  EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
+  EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
+  EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
+  // Below the reference's own noise there is no error to compare with.
+  const ErrorRatio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
+  EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
+}
+
+TEST(AdaptedError, VerdictsFollowIntervals) {
+  const auto verdict = [](std::vector<ErrorRatio> ratios) {
+    return judged_ratios("a", "[X §1]", "c", "m", ratios, 5).verdict;
+  };
+  const ErrorRatio above{7, {5.1, 9, 0.95}};
+  const ErrorRatio around{7, {4.9, 9, 0.95}};
+  const ErrorRatio below{3, {2, 4.9, 0.95}};
+  EXPECT_EQ(verdict({above}), kVerdictHolds);
+  EXPECT_EQ(verdict({above, around}), kVerdictUndecided);
+  EXPECT_EQ(verdict({above, around, below}), kVerdictFails);
+  EXPECT_STREQ(verdict_of({1.5, 2.5, 0.95}, 1, 2), kVerdictUndecided);
+  EXPECT_STREQ(verdict_of({2.1, 2.5, 0.95}, 1, 2), kVerdictFails);
+}
+
+TEST(AdaptedError, MeasuresWhatEachContenderShows) {
+  const ExperimentScene scene = learning_scene("cornell");
+  RenderSettings settings = scene.settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.threads = 1;
+  RenderSettings cache = settings;
+  cache.lights = LightSelectionChoice::vlc;
+  const std::vector<AdaptedError> errors =
+      measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)},
+                      {whole_picture(16 * 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
+  ASSERT_EQ(errors.size(), 2u);
+  for (const AdaptedError& e : errors) {
+    ASSERT_EQ(e.mse[0].size(), 4u);  // two blocks a session
+    EXPECT_EQ(e.frame_s.size(), 8u);
+    EXPECT_NE(e.mse[0][1], e.mse[0][3]);  // other seeds
+    EXPECT_GT(e.mean_mse(), 0);
+    EXPECT_GT(e.median_s(), 0);
+    EXPECT_FALSE(e.pass_s.empty());
+  }
+  EXPECT_EQ(errors[1].name, "vlc");
+  EXPECT_FALSE(errors[1].figures.empty());
+}
+
+TEST(AdaptedError, IsNotMeasuredAgain) {
+  ExperimentContext context;
+  context.parts_folder = std::filesystem::temp_directory_path() / "relume_adapted_error_test";
+  std::filesystem::remove_all(context.parts_folder);
+  const ExperimentScene scene = learning_scene("cornell");
+  RenderSettings settings = scene.settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.lights = LightSelectionChoice::vlc;
+  const std::vector<NamedSettings> contenders{{"vlc", settings}};
+  const std::vector<PixelMask> regions{whole_picture(16 * 12)};
+  AdaptedOptions options{.warm_up = 1, .frames = 2, .sessions = 1, .block = 1, .seed = 1};
+  const auto measure = [&] {
+    return measure_adapted(context, scene, contenders, {.image = Image(16, 12)}, regions, options);
+  };
+  const std::vector<AdaptedError> first = measure();
+  const std::vector<AdaptedError> again = measure();
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].frame_s, first[0].frame_s);
+  EXPECT_EQ(again[0].mse, first[0].mse);
+  EXPECT_EQ(again[0].pass_s, first[0].pass_s);
+  ASSERT_EQ(again[0].figures.size(), first[0].figures.size());
+  EXPECT_EQ(again[0].figures[0].value, first[0].figures[0].value);
+  EXPECT_EQ(again[0].last.pixels, first[0].last.pixels);
+  // What is different is measured.
+  context.program = "another";
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  context.program.clear();
+  options.seed = 2;
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  options.seed = 1;
+  write_file(adapted_file(context, scene, contenders, regions, options), "something else");
+  EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
+  std::filesystem::remove_all(context.parts_folder);
+}
+
+TEST(Adaptation, EndsWhereTheCurveStaysNearItsPlateau) {
+  Adaptation a{"a", {{9, 5, 3, 1.05, 1.05, 1.05, 1, 1, 1, 1, 1, 1}}};
+  EXPECT_DOUBLE_EQ(a.plateau(4), 1);
+  EXPECT_EQ(a.adapted_after(0.1), 3u);
+  EXPECT_EQ(a.adapted_after(0.01), 6u);
+  a.runs[0][5] = 4;  // a relapse
+  EXPECT_EQ(a.adapted_after(0.1), 6u);
+}
+
+TEST(Adaptation, IsThatOfTheFrameItself) {
+  // The mean of frames 1 to 3 is near the plateau, frame 1 is not.
+  EXPECT_EQ((Adaptation{"a", {{9, 1.25, 1, 1, 1, 1, 1, 1}}}.adapted_after(0.1)), 2u);
+}
+
+TEST(Adaptation, ForgivesWhatIsNoise) {
+  // One run in eight is off at frame 5, by as much as its standard error.
+  Adaptation a{"a", std::vector<std::vector<double>>(8, {9, 5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1})};
+  a.runs[0][5] = 2;
+  EXPECT_EQ(a.adapted_after(0.1), 2u);
+  EXPECT_EQ(a.adapted_interval(0.1).high, 2);
+  for (std::vector<double>& run : a.runs) run[5] = 2;  // all are: no noise
+  EXPECT_EQ(a.adapted_after(0.1), 6u);
+}
+
+TEST(Adaptation, HasAnIntervalOverTheRuns) {
+  Adaptation a{"a", {}};
+  for (int run = 0; run < 8; ++run) {
+    a.runs.emplace_back(16, 1.0);
+    for (int frame = 0; frame < 2 + run; ++frame) a.runs.back()[static_cast<size_t>(frame)] = 5;
+  }
+  const Interval interval = a.adapted_interval(0.1);
+  EXPECT_LT(interval.low, static_cast<double>(a.adapted_after(0.1)));
+  EXPECT_EQ(interval.high, 9);  // the slowest run's
+}
+
+AdaptedError timed(std::vector<double> mse, std::vector<double> frame_s) {
+  AdaptedError e;
+  e.mse = {std::move(mse)};
+  e.frame_s = std::move(frame_s);
+  return e;
+}
+
+TEST(EqualTimeRatio, TakesTheTimesIntoAccountAndWhatTheyVaryBy) {
+  const std::vector<double> large{8.0, 8.1, 7.9, 8.0};
+  const std::vector<double> small{1.0, 1.1, 0.9, 1.0};
+  const ErrorRatio errors = error_ratio(large, small);
+  const ErrorRatio even =
+      equal_time_ratio(timed(large, {1, 1, 1, 1, 1, 1, 1, 1}), timed(small, {2, 2, 2, 2, 2, 2, 2, 2}));
+  EXPECT_DOUBLE_EQ(even.value, errors.value / 2);
+  EXPECT_NEAR(even.interval.low, errors.interval.low / 2, 1e-12);
+  EXPECT_NEAR(even.interval.high, errors.interval.high / 2, 1e-12);
+  const ErrorRatio uneven = equal_time_ratio(timed(large, {1, 1, 1, 1}), timed(small, {1, 2, 2, 3}));
+  EXPECT_DOUBLE_EQ(uneven.value, even.value);
+  EXPECT_LT(uneven.interval.low, even.interval.low);
+  EXPECT_GT(uneven.interval.high, even.interval.high);
+}
+
+}  // namespace
+}  // namespace relume

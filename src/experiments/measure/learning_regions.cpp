@@ -1,0 +1,49 @@
+#include "experiments/measure/learning_regions.h"
+
+#include <algorithm>
+
+#include "experiments/measure/trace.h"
+#include "experiments/setup/learning_scenes.h"
+
+namespace relume {
+
+PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene) {
+  ExperimentScene lights = plainly_sampled(scene);
+  lights.settings.path.max_bounces = 0;
+  const Image seen = make_reference(context, lights, 256).image;
+  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
+  for (int y = 0; y < seen.height; ++y) {
+    for (int x = 0; x < seen.width; ++x) {
+      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
+      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
+          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
+      }
+    }
+  }
+  return region;
+}
+
+std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces) {
+  std::vector<float> sorted;
+  for (size_t i = 0; i < direct.pixels.size(); ++i) {
+    if (surfaces.mask[i] != 0) sorted.push_back(luminance(direct.pixels[i]));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  const float sunny = sorted.empty() ? 0.0f : 0.1f * sorted[sorted.size() * 995 / 1000];
+  std::vector<PixelMask> regions{surfaces, {"sun", {}}, {"spot", {}}, {"rest", {}}};
+  for (size_t i = 0; i < reference.pixels.size(); ++i) {
+    const float all = luminance(reference.pixels[i]);
+    const float first = luminance(direct.pixels[i]);
+    const bool surface = surfaces.mask[i] != 0;
+    const bool sun = surface && first > sunny;
+    const bool spot = surface && !sun && all > 0 && all - first > 0.5f * all;
+    regions[1].mask.push_back(sun ? 1 : 0);
+    regions[2].mask.push_back(spot ? 1 : 0);
+    regions[3].mask.push_back(surface && !sun && !spot ? 1 : 0);
+  }
+  return regions;
+}
+
+}  // namespace relume

@@ -1,0 +1,119 @@
+#include "experiments/measure/moving_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "experiments/measure/trace.h"
+#include "experiments/setup/learning_scenes.h"
+#include "metrics/metrics.h"
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+/// One session for everybody: many scenes in memory at once would be too much.
+struct Walk {
+  const ExperimentContext& context;
+  const ExperimentScene& scene;
+  const MovingOptions& options;
+  const std::vector<Reference>& references;
+  TimedSession timed;
+
+  float view_deg(int view) const { return options.step_deg * static_cast<float>(view); }
+
+  void begin(const MovingContender& contender, int seed) {
+    RenderSettings settings = contender.settings;
+    set_size(context, settings);
+    timed.session().set_settings(settings);
+    timed.session().set_camera(turned(scene, view_deg(-1)));
+    timed.restart(seed);
+  }
+
+  /// From the view before to this one.
+  void turn_to(int view, int frames) {
+    for (int i = 1; i <= frames; ++i) {
+      context.check_stop();
+      const float share = static_cast<float>(i) / static_cast<float>(frames);
+      timed.session().set_camera(turned(scene, view_deg(view - 1) + options.step_deg * share));
+      timed.render_frame();
+    }
+  }
+
+  /// Median; the first frames fill caches and are left out.
+  double frame_ms() const {
+    const auto& seconds = timed.frame_s();
+    return 1000 * median({seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 4), seconds.end()});
+  }
+
+  void measure(int view, int repetitions, MovingError& error) {
+    error.last = timed.session().image();
+    const Reference& reference = references[static_cast<size_t>(view)];
+    const Metrics m = compute_metrics(error.last, reference.image, {.tone_map = ToneMap::agx});
+    const double weight = 1.0 / (options.views * repetitions);
+    const double mse = without_noise(m.mse, reference.mse);
+    error.mses.back() += mse / options.views;
+    error.mse += mse * weight;
+    error.rel_mse += without_noise(m.rel_mse, reference.rel_mse) * weight;
+    error.flip += m.flip * weight;
+  }
+};
+
+std::vector<Reference> render_references(const ExperimentContext& context, const ExperimentScene& scene,
+                                         const MovingOptions& options) {
+  std::vector<Reference> references;
+  ExperimentScene seen = plainly_sampled(scene);
+  for (int view = 0; view < options.views; ++view) {
+    seen.camera = turned(scene, options.step_deg * static_cast<float>(view));
+    references.push_back(make_reference(context, seen, options.reference_spp));
+  }
+  return references;
+}
+
+}  // namespace
+
+MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
+                            const std::vector<MovingContender>& contenders, const MovingOptions& options) {
+  const std::vector<Reference> references = render_references(context, scene, options);
+  RenderSettings first = contenders.front().settings;
+  set_size(context, first);
+  Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
+  MovingErrors result{scene.name, {}, references.back().image};
+  const auto repetitions_of = [&](const MovingContender& c) { return std::max(options.repetitions, c.repetitions); };
+  int most = 0;
+  double rounds = 0;
+  for (const MovingContender& contender : contenders) {
+    most = std::max(most, repetitions_of(contender));
+    rounds += 1 + repetitions_of(contender);
+  }
+  double done = 0;
+  for (const MovingContender& contender : contenders) {
+    walk.begin(contender, 0);
+    walk.turn_to(0, options.frames);
+    result.contenders.push_back({.name = contender.name, .frame_ms = walk.frame_ms()});
+    context.report(scene.name, ++done / rounds);
+  }
+  const double leg_ms = options.frames * result.contenders.front().frame_ms;
+  std::vector<std::vector<double>> frame_ms(contenders.size());
+  for (int repetition = 1; repetition <= most; ++repetition) {
+    for (size_t i = 0; i < contenders.size(); ++i) {
+      const int repetitions = repetitions_of(contenders[i]);
+      if (repetition > repetitions) continue;
+      MovingError& error = result.contenders[i];
+      error.frames = std::max(1, static_cast<int>(std::lround(leg_ms / error.frame_ms)));
+      walk.begin(contenders[i], repetition);
+      error.mses.push_back(0);
+      for (int view = 0; view < options.views; ++view) {
+        walk.turn_to(view, error.frames);
+        walk.measure(view, repetitions, error);
+      }
+      frame_ms[i].push_back(walk.frame_ms());
+      context.report(scene.name, ++done / rounds);
+    }
+  }
+  for (size_t i = 0; i < contenders.size(); ++i) result.contenders[i].frame_ms = median(frame_ms[i]);
+  return result;
+}
+
+}  // namespace relume

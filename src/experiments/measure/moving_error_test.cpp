@@ -1,0 +1,89 @@
+#include "experiments/measure/moving_error.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "metrics/metrics.h"
+#include "metrics/statistics.h"
+
+namespace relume {
+namespace {
+
+/// A clock in which a ray takes a microsecond, so that times are those of every machine.
+double rays_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
+
+MovingErrors measure(const MovingOptions& options) {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
+  ExperimentScene box = closed_box();
+  MovingContender few{"one bounce more", box.settings};
+  few.settings.path.max_bounces = 2;
+  few.settings.path.russian_roulette = false;
+  few.settings.history = HistoryChoice::none;
+  MovingContender many = few;
+  many.name = "many";
+  many.settings.path.max_bounces = 6;
+  MovingContender clean = few;
+  clean.name = "denoised";
+  clean.settings.denoise = DenoiseChoice::svgf;
+  box.settings.path.max_bounces = 2;
+  return measure_moving(context, box, {few, many, clean}, options);
+}
+
+TEST(MovingError, SlowContendersHaveFewerFrames) {
+  const MovingErrors errors = measure({.frames = 9, .repetitions = 1, .reference_spp = 64, .clock = rays_clock});
+  ASSERT_EQ(errors.contenders.size(), 3u);
+  const MovingError& few = errors.contenders[0];
+  const MovingError& many = errors.contenders[1];
+  EXPECT_EQ(few.frames, 9);
+  EXPECT_LT(many.frames, 9);
+  EXPECT_NEAR(many.frames * many.frame_ms, 9 * few.frame_ms, 0.6 * many.frame_ms);  // to half a frame
+}
+
+TEST(MovingError, EverybodyEndsAtTheReferencesView) {
+  const MovingErrors errors =
+      measure({.frames = 6, .repetitions = 1, .step_deg = 40, .reference_spp = 256, .clock = rays_clock});
+  const MovingError& clean = errors.contenders[2];
+  // Blurred, noise and all: but the same view. Another view has an error of the order of the picture itself.
+  EXPECT_LT(clean.flip, 0.35);
+  EXPECT_LT(clean.rel_mse, 0.5 * errors.contenders[0].rel_mse);
+  Image mirrored = errors.reference;
+  for (int y = 0; y < mirrored.height; ++y) {
+    for (int x = 0; x < mirrored.width; ++x) mirrored.at(x, y) = errors.reference.at(mirrored.width - 1 - x, y);
+  }
+  EXPECT_GT(compute_metrics(mirrored, errors.reference, {.flip = false}).rel_mse, 2 * clean.rel_mse);
+}
+
+TEST(MovingError, KeepsTheReferencesNoiseOut) {
+  // With four samples a pixel, noise of the reference is a good part of what a denoised picture differs by.
+  const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
+  const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
+  EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);
+}
+
+TEST(MovingError, SomeHaveMoreRepetitions) {
+  ExperimentContext context;
+  context.quick = true;
+  context.cache_folder = std::filesystem::temp_directory_path() / "relume_moving_error_test";
+  const ExperimentScene box = closed_box();
+  const MovingErrors errors = measure_moving(
+      context, box, {{.name = "four", .settings = box.settings, .repetitions = 4}, {"two", box.settings}},
+      {.frames = 2, .views = 2, .repetitions = 2, .reference_spp = 16, .clock = rays_clock});
+  ASSERT_EQ(errors.contenders[0].mses.size(), 4u);
+  ASSERT_EQ(errors.contenders[1].mses.size(), 2u);
+  for (const MovingError& e : errors.contenders) EXPECT_NEAR(mean(e.mses), e.mse, 1e-12) << e.name;
+  EXPECT_EQ(errors.contenders[0].mses[1], errors.contenders[1].mses[1]);
+  EXPECT_NE(errors.contenders[0].mses[2], errors.contenders[0].mses[1]);
+}
+
+TEST(MovingError, IsTheSameTwice) {
+  const MovingOptions options{.frames = 4, .views = 1, .repetitions = 2, .reference_spp = 16, .clock = rays_clock};
+  const MovingErrors a = measure(options);
+  const MovingErrors b = measure(options);
+  for (size_t i = 0; i < a.contenders.size(); ++i) EXPECT_EQ(a.contenders[i].mse, b.contenders[i].mse) << i;
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,42 @@
+#include "experiments/measure/pixel_mask.h"
+
+#include <gtest/gtest.h>
+
+#include "experiments/measure/learning_regions.h"
+
+namespace relume {
+namespace {
+
+PixelMask whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
+
+TEST(PixelMasks, CountsThePixelsOfARegionOnly) {
+  Image reference(2, 1);
+  Image frame(2, 1);
+  frame.pixels = {Rgb(1, 2, 3), Rgb(30)};
+  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, {"left", {1, 0}}), (1.0 + 4 + 9) / 3);
+  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, whole_picture(2)), (1.0 + 4 + 9 + 2700) / 6);
+}
+
+TEST(PixelMasks, TheReferencesNoiseIsThatOfTheRegion) {
+  Reference reference;
+  EXPECT_EQ(reference_noise(reference, whole_picture(2)), 0);
+  reference.squared_error = Image(2, 1);
+  reference.squared_error.pixels = {Rgb(1, 2, 3), Rgb(30)};
+  EXPECT_DOUBLE_EQ(reference_noise(reference, {"left", {1, 0}}), 2);
+  EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2)), 16);
+}
+
+TEST(PixelMasks, TellTheMinesRegionsApart) {
+  Image reference(4, 1);
+  Image direct(4, 1);
+  direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(500)};  // the last is sky
+  reference.pixels = {Rgb(11), Rgb(3), Rgb(0), Rgb(500)};
+  const std::vector<PixelMask> regions = mine_regions(reference, direct, {"surfaces", {1, 1, 1, 0}});
+  ASSERT_EQ(regions.size(), 4u);
+  EXPECT_EQ(regions[1].mask, (std::vector<uint8_t>{1, 0, 0, 0}));
+  EXPECT_EQ(regions[2].mask, (std::vector<uint8_t>{0, 1, 0, 0}));
+  EXPECT_EQ(regions[3].mask, (std::vector<uint8_t>{0, 0, 1, 0}));
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,49 @@
+// Parts of a picture in which something is to be seen: a caustic, a shadow, what a mirror shows.
+#pragma once
+
+#include <string>
+
+#include "compare/comparison.h"
+#include "experiments/measure/study.h"
+#include "io/image.h"
+#include "report/page.h"
+
+namespace relume {
+
+/// A rectangle, as shares of the picture's width and height from its upper left corner.
+struct Rectangle {
+  std::string name;
+  double x0 = 0;
+  double y0 = 0;
+  double x1 = 1;
+  double y1 = 1;
+};
+
+/// Mean over the region of (a − b)², all channels. Both images have the same size, as everywhere here.
+double region_mse(const Image& a, const Image& b, const Rectangle& region);
+
+/// The same of a contender's last frame, mean over its repetitions, without the reference's own noise.
+double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region);
+
+/// Mean luminance of the region.
+double region_mean(const Image& image, const Rectangle& region);
+
+/// Which share of the reference's contrast in the region an image has kept: the slope of its luminance over that of the
+/// reference, both cut off at 1 as a display does. 1: all of it, 0: a flat picture. Noise leaves it as it is.
+double contrast_kept(const Image& image, const Image& reference, const Rectangle& region);
+
+/// Which share of the reference's detail in the region an image has kept: the same of the differences between pixels
+/// side by side, and one above the other. Blur makes it small; noise leaves it as it is.
+double detail_kept(const Image& image, const Image& reference, const Rectangle& region);
+
+/// Mean over the repetitions. A median would overlook what path tracing finds rarely and brightly.
+double mean_mse_of(const Comparison& comparison, std::string_view name);
+
+/// The comparison's pictures with crops at the regions.
+ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
+                            const std::vector<Rectangle>& regions);
+
+/// Sets a square picture for everybody: `side` pixels, 40 in a quick run.
+void use_square(const ExperimentContext& context, int side, StudyOptions& options);
+
+}  // namespace relume

@@ -1,0 +1,82 @@
+#include "experiments/measure/regions.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace relume {
+namespace {
+
+/// A bright quarter, upper left, on grey.
+Image quarter() {
+  Image image(32, 32);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) image.at(x, y) = Rgb(x < 16 && y < 16 ? 0.8f : 0.2f);
+  }
+  return image;
+}
+
+TEST(Regions, AreCutOut) {
+  const Image image = quarter();
+  EXPECT_NEAR(region_mean(image, {"bright", 0, 0, 0.5, 0.5}), 0.8, 1e-6);
+  EXPECT_NEAR(region_mean(image, {"right", 0.5, 0, 1, 1}), 0.2, 1e-6);
+  EXPECT_NEAR(region_mse(image, Image(32, 32), {"right", 0.5, 0, 1, 1}), 0.04, 1e-6);
+  EXPECT_NEAR(region_mse(image, Image(32, 32), {"picture"}), (0.64 + 3 * 0.04) / 4, 1e-6);
+}
+
+TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
+  Comparison comparison;
+  comparison.reference.image = Image(32, 32);
+  comparison.reference.squared_error = Image(32, 32);
+  comparison.contenders.emplace_back().name = "noisy";
+  comparison.contenders[0].squared_error = Image(32, 32);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      comparison.contenders[0].squared_error.at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
+      comparison.reference.squared_error.at(x, y) = Rgb(0.2f, 0, 0.1f);
+    }
+  }
+  EXPECT_NEAR(region_mse(comparison, "noisy", {"left", 0, 0, 0.5, 1}), 0.4, 1e-6);
+  EXPECT_NEAR(region_mse(comparison, "noisy", {"right", 0.5, 0, 1, 1}), 0.01, 1e-6);  // a tenth is left
+}
+
+TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
+  const Image reference = quarter();
+  Image noisy = reference;
+  Image blurred = reference;
+  Image halved = reference;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> noise(-0.15f, 0.15f);
+  for (size_t i = 0; i < noisy.pixels.size(); ++i) {
+    noisy.pixels[i] += noise(random);
+    blurred.pixels[i] = Rgb(0.35f);
+    halved.pixels[i] = 0.5f * (reference.pixels[i] + Rgb(0.35f));
+  }
+  EXPECT_NEAR(contrast_kept(reference, reference, {"picture"}), 1.0, 1e-9);
+  EXPECT_NEAR(contrast_kept(halved, reference, {"picture"}), 0.5, 1e-6);
+  EXPECT_NEAR(contrast_kept(blurred, reference, {"picture"}), 0.0, 1e-6);
+  EXPECT_NEAR(contrast_kept(noisy, reference, {"picture"}), 1.0, 0.05);  // five standard errors
+  EXPECT_EQ(contrast_kept(noisy, blurred, {"picture"}), 1);              // nothing to keep
+}
+
+TEST(Regions, DetailSurvivesNoiseButNotBlur) {
+  Image reference(64, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) reference.at(x, y) = Rgb((x / 2 + y / 2) % 2 == 0 ? 0.3f : 0.6f);
+  }
+  Image noisy = reference;
+  Image blurred = reference;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> noise(-0.15f, 0.15f);
+  for (Rgb& p : noisy.pixels) p += noise(random);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 1; x < 64; ++x) blurred.at(x, y) = 0.5f * (reference.at(x, y) + reference.at(x - 1, y));
+  }
+  EXPECT_NEAR(detail_kept(reference, reference, {"picture"}), 1.0, 1e-9);
+  EXPECT_NEAR(detail_kept(noisy, reference, {"picture"}), 1.0, 0.05);  // five standard errors
+  EXPECT_LT(detail_kept(blurred, reference, {"picture"}), 0.7);
+  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"picture"}), 1);  // nothing to keep
+}
+
+}  // namespace
+}  // namespace relume

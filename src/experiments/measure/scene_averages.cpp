@@ -1,0 +1,109 @@
+#include "experiments/measure/scene_averages.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "compare/comparison_page.h"
+#include "experiments/measure/trace.h"
+#include "experiments/setup/cache_scenes.h"
+#include "report/pictures.h"
+
+namespace relume {
+namespace {
+
+constexpr float kConstants[] = {0, 0.01f, 0.1f, 1, 10, 100};
+constexpr int kReferenceSpp = 1024;
+
+FramePlanOfAverages plan_of(const ExperimentContext& context) {
+  return {.skip = context.choose(16, 8), .count = context.choose(48, 8), .repetitions = context.choose(6, 3)};
+}
+
+/// Constants that matter to the bias of path graphs where they are quiet.
+bool is_moderate(float constant) { return constant == 0.01f || constant == 0.1f || constant == 1; }
+
+TableCell cell(const Estimate& e) { return {short_number(e.value), e.value, "± " + short_number(2 * e.error())}; }
+
+TableBlock table(const SceneAverages& scene) {
+  TableBlock block{
+      scene.name,
+      "Bias²: mean square difference of the average frame from the reference, without what noise adds to it "
+      "(noise can make it negative). Variance: of a frame. ±: two standard errors, from independent repetitions.",
+      "technique",
+      {{"bias²", "", Better::lower}, {"variance", "", Better::lower}, {"bias² + variance", "", Better::lower}},
+      {}};
+  const auto add = [&](const FrameAverages& a, int color) {
+    block.rows.push_back({a.name,
+                          color,
+                          {cell(a.bias2),
+                           cell(a.variance),
+                           {short_number(a.bias2.value + a.variance.value), a.bias2.value + a.variance.value}}});
+  };
+  for (size_t i = 0; i < scene.caches.size(); ++i) add(scene.caches[i], static_cast<int>(i));
+  for (const FrameAverages& a : scene.graphs) add(a, kNeutralColor);
+  return block;
+}
+
+/// Figure 6.14.
+ChartBlock curves(const SceneAverages& scene) {
+  Curve bias{"bias²", 0, false, {}};
+  Curve variance{"variance", 1, false, {}};
+  for (size_t i = 0; i < scene.graphs.size(); ++i) {
+    const double x = std::max(1e-3, static_cast<double>(scene.constants[i]));  // 0 does not fit on a logarithmic axis
+    bias.points.push_back({.x = x, .y = std::max(1e-9, scene.graphs[i].bias2.value)});
+    variance.points.push_back({.x = x, .y = scene.graphs[i].variance.value});
+  }
+  return {scene.name + ": the variance constant",
+          "Bias and variance of apg. The leftmost points are those of the constant 0.",
+          {{"by constant", "variance constant", "bias², variance", true, true, {bias, variance}}}};
+}
+
+ViewerBlock pictures(const std::vector<SceneAverages>& scenes) {
+  ViewerBlock block{"Average frames", "What remains when the noise is gone.", picture_layer_kinds(), {}};
+  for (const SceneAverages& scene : scenes) {
+    std::vector<MeasuredImage> images;
+    for (size_t i = 1; i < scene.caches.size(); ++i)
+      images.push_back({scene.caches[i].name, static_cast<int>(i), &scene.caches[i].average});
+    block.sets.push_back(measured_set(scene.name, scene.reference.image, images, {.values = false}));
+  }
+  return block;
+}
+
+}  // namespace
+
+SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches) {
+  SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 128)), {}, {}, {}};
+  const bool all = caches == CacheSet::techniques;
+  const std::vector<NamedSettings> list = cache_contenders(context, scene);
+  for (const NamedSettings& contender : list) {
+    if (all || contender.name == "path" || contender.name == "psf")
+      result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
+  }
+  for (const float constant : kConstants) {
+    if (all && !is_moderate(constant)) continue;
+    NamedSettings contender{fmt::format("apg, constant {}", constant), list.front().settings};
+    contender.settings.cache = CacheChoice::apg;
+    contender.settings.apg.variance_constant = constant;
+    result.constants.push_back(constant);
+    result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
+  }
+  return result;
+}
+
+const FrameAverages& averaged(const SceneAverages& scene, std::string_view name) {
+  return *std::find_if(scene.caches.begin(), scene.caches.end(), [&](const auto& a) { return a.name == name; });
+}
+
+void show_averages(const ExperimentContext& context, const std::vector<SceneAverages>& scenes,
+                   ExperimentResult& result) {
+  for (const SceneAverages& scene : scenes) result.blocks.emplace_back(table(scene));
+  for (const SceneAverages& scene : scenes) result.blocks.emplace_back(curves(scene));
+  result.blocks.emplace_back(pictures(scenes));
+  const FramePlanOfAverages plan = plan_of(context);
+  result.setup = {common_setup(context).front(),
+                  {"Frames", fmt::format("{} of one sample a pixel after {} others, {} times with other seeds",
+                                         plan.count, plan.skip, plan.repetitions)},
+                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 128))}};
+}
+
+}  // namespace relume

@@ -1,0 +1,47 @@
+// What most experiments are made of: several techniques on a scene, against a reference, as `relume compare` measures
+// them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "compare/comparison.h"
+#include "experiments/experiment.h"
+#include "experiments/setup/scenes.h"
+
+namespace relume {
+
+struct StudyOptions {
+  /// As `relume compare --techniques` takes them: "path=cache:none,psf=cache:psf,psf.cell-size:0.05".
+  std::string techniques;
+  /// Settings for everybody, name and text, on top of the scene's.
+  std::vector<std::pair<std::string, std::string>> common = {};
+  int spp = 1;          ///< samples a pixel; of each frame of an animation
+  double budget_s = 0;  ///< instead of spp: equal time
+  /// Frames of an animation, seconds; empty: the still scene. Only scenes without a camera of the experiment's own
+  /// move along their camera path.
+  std::vector<float> times_s = {};
+  int repetitions = 5;
+  int reference_spp = 1024;
+};
+
+/// A quick run has two repetitions, a tenth of the budget, at most 256 samples in the reference, and small pictures.
+/// Throws ExperimentStopped, and Error for settings that do not fit.
+Comparison study(const ExperimentContext& context, const ExperimentScene& scene, const StudyOptions& options);
+
+/// Frame times of an animation: `count` of them from 0 on, 24 a second.
+std::vector<float> frame_times(int count);
+
+/// The contender of that name. Throws Error if there is none.
+const ContenderResult& contender_named(const Comparison& comparison, std::string_view name);
+
+/// Medians over the repetitions.
+double mse_of(const Comparison& comparison, std::string_view name);
+double frame_ms_of(const Comparison& comparison, std::string_view name);
+
+/// Pictures, table, curves and frame times, with `title` before their titles.
+std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison);
+
+}  // namespace relume

@@ -1,0 +1,100 @@
+// Error against time of several techniques, measured in turns.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/reference.h"
+#include "compare/timed_session.h"
+#include "experiments/experiment.h"
+#include "experiments/setup/scenes.h"
+#include "report/page.h"
+
+namespace relume {
+
+/// After a frame. Values are medians over the repetitions.
+struct TracePoint {
+  double frames = 0;
+  double samples = 0;  ///< a pixel
+  double time_s = 0;
+  double mse = 0;
+  double spread = 0;  ///< distance_spread()
+};
+
+struct Trace {
+  std::string name;
+  std::vector<TracePoint> points;
+  Image picture = {};             ///< of the first repetition; empty: none was asked for
+  TracePoint picture_point = {};  ///< after which it was taken
+  std::vector<float> map = {};    ///< the contender's map at the end of the first repetition
+};
+
+/// Variance over the pixels of the Euclidean distance to the reference's colour, both cut off at 1 as a display does:
+/// what [Schalk18 §4.2] measures.
+double distance_spread(const Image& image, const Image& reference);
+
+/// A technique in an experiment.
+struct TraceContender {
+  std::string name;
+  RenderSettings settings;
+  int samples_per_step = 0;  ///< frames at each view before the last; 0: does not see them
+  std::string map = {};      ///< buffer with values from 0 to 1 that is worth seeing; empty: none
+};
+
+/// How the camera gets to its last view. A step of 0: it was there all along.
+struct Turn {
+  float total_deg = 100;
+  float step_deg = 0;
+  float aside_m = 0;  ///< how far to the right of its last place the eye begins; it comes closer evenly
+};
+
+struct TraceOptions {
+  Turn turn = {};
+  uint32_t frames = 32;  ///< of the first contender at the last view; the others have as much time
+  int repetitions = 3;
+  int first_seed = 1;  ///< the others follow
+  const Image* reference = nullptr;
+  double reference_mse = 0;    ///< its own noise, which is taken off every MSE
+  uint32_t picture_frame = 0;  ///< of the first contender, at which pictures are taken; 0: never
+  FrameClock clock = {};       ///< empty: wall_clock()
+};
+
+/// Contenders take turns frame by frame at the last view; points are measured after 1, 2, 3, 4, 6, 8, … frames. What an
+/// interrupted run of the experiment has measured is taken from the context's parts folder.
+std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
+                         const std::vector<TraceContender>& contenders, const TraceOptions& options);
+
+using TraceValue = double TracePoint::*;
+
+/// Value at a time, between points of a curve that is straight in logarithms; the nearest end outside of it.
+double value_at(const Trace& trace, TraceValue value, double time_s);
+
+/// Geometric mean of a's value over b's at equal times, over 16 times from `begin_s` to `end_s` evenly in logarithms.
+/// Below 1: a is better.
+double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin_s, double end_s);
+
+/// The same of the MSE of traces `a` and `b` from the end of everybody's first frame to the time of `frames` frames of
+/// the first trace.
+double early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames);
+
+/// Curves of traces against time in milliseconds and against frames.
+ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,
+                        const std::string& label);
+
+/// The traces' pictures after the reference, and their maps. Requires that pictures were taken.
+PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference);
+/// Sets of trace_pictures() to choose from.
+ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
+
+/// A reference for the last view, of `spp` samples a pixel; 0: what common_setup() says. Throws ExperimentStopped.
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
+
+/// 64×36 pixels in a quick run, else 192×108, `scale` times along each edge.
+void set_size(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
+
+/// What make_reference() and set_size() do, for ExperimentResult::setup.
+std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context);
+
+}  // namespace relume

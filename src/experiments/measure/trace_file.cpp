@@ -1,0 +1,71 @@
+#include "experiments/measure/trace_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "experiments/measure/parts.h"
+#include "io/json_parse.h"
+#include "settings/settings_json.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kAttribute = "relume.traces";
+
+nlohmann::json to_json(const TracePoint& p) { return {p.frames, p.samples, p.time_s, p.mse, p.spread}; }
+
+TracePoint point_from(const nlohmann::json& json) {
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>(), json.at(3).get<double>(),
+          json.at(4).get<double>()};
+}
+
+std::string layer_of(size_t i) { return fmt::format("trace{}", i); }
+std::string map_of(size_t i) { return fmt::format("trace{}.map", i); }
+
+std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
+  std::vector<Trace> traces;
+  for (const nlohmann::json& json : parse_json(exr.attributes.at(kAttribute), place)) {
+    Trace trace{.name = json.at("name").get<std::string>(), .points = {}};
+    for (const nlohmann::json& point : json.at("points")) trace.points.push_back(point_from(point));
+    trace.picture_point = point_from(json.at("picture_point"));
+    trace.picture = image_from_exr(exr, layer_of(traces.size()), place);
+    if (const ExrChannel* map = exr.find(map_of(traces.size()))) trace.map = map->values;
+    traces.push_back(std::move(trace));
+  }
+  return traces;
+}
+
+}  // namespace
+
+std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
+                                 const std::vector<TraceContender>& contenders, const TraceOptions& options) {
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {}", options.turn.total_deg, options.turn.step_deg, options.turn.aside_m,
+                  options.frames, options.repetitions, options.first_seed, options.picture_frame);
+  for (const TraceContender& c : contenders) {
+    RenderSettings settings = c.settings;
+    text += fmt::format(" {} {} {} {}", c.name, c.samples_per_step, c.map, settings_to_json(describe(settings)));
+  }
+  return part_file(context, scene, "traces", text);
+}
+
+void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces) {
+  ExrFile exr{traces.front().picture.width, traces.front().picture.height, {}, {}};
+  nlohmann::json list = nlohmann::json::array();
+  for (size_t i = 0; i < traces.size(); ++i) {
+    const Trace& trace = traces[i];
+    nlohmann::json points = nlohmann::json::array();
+    for (const TracePoint& p : trace.points) points.push_back(to_json(p));
+    list.push_back({{"name", trace.name}, {"points", points}, {"picture_point", to_json(trace.picture_point)}});
+    for (ExrChannel& channel : exr_channels(trace.picture, layer_of(i))) exr.channels.push_back(std::move(channel));
+    if (!trace.map.empty()) exr.channels.push_back({map_of(i), trace.map});
+  }
+  exr.attributes[kAttribute] = list.dump();
+  write_part(file, exr);
+}
+
+std::optional<std::vector<Trace>> load_traces(const std::filesystem::path& file) {
+  return read_part(file, traces_from);
+}
+
+}  // namespace relume

@@ -1,0 +1,110 @@
+#include "experiments/measure/trace.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "experiments/measure/trace_file.h"
+#include "io/atomic_file.h"
+
+namespace relume {
+namespace {
+
+/// value = factor · time^-1, ten points a decade.
+Trace hyperbola(double factor) {
+  Trace trace{"t", {}};
+  for (int i = 0; i <= 20; ++i) {
+    const double time_s = 0.01 * std::pow(10, 0.1 * i);
+    trace.points.push_back({double(i + 1), double(i + 1), time_s, factor / time_s, 0});
+  }
+  return trace;
+}
+
+TEST(Trace, ValuesBetweenPointsLieOnTheLogarithmicLine) {
+  const Trace trace = hyperbola(2);
+  EXPECT_NEAR(value_at(trace, &TracePoint::mse, 0.0345), 2 / 0.0345, 1e-9 * 2 / 0.0345);
+  EXPECT_DOUBLE_EQ(value_at(trace, &TracePoint::mse, 0.001), 200);  // the first point
+  EXPECT_NEAR(value_at(trace, &TracePoint::mse, 9), 2, 1e-12);      // the last
+}
+
+TEST(Trace, RatiosAreGeometricMeans) {
+  EXPECT_NEAR(mean_ratio(hyperbola(1), hyperbola(4), &TracePoint::mse, 0.02, 0.8), 0.25, 1e-12);
+}
+
+TEST(Trace, EarlyRatiosEndWithTheFramesOfTheFirst) {
+  Trace late = hyperbola(3);
+  for (size_t i = 8; i < late.points.size(); ++i) late.points[i].mse *= 100;
+  const std::vector<Trace> traces{hyperbola(1), late, hyperbola(1)};
+  EXPECT_NEAR(early_ratio(traces, 1, 2, 8), 3, 1e-9);
+  EXPECT_NEAR(early_ratio(traces, 1, 0, 7.5), 3, 1e-9);
+  EXPECT_GT(early_ratio(traces, 1, 2, 9), 3.1);
+  EXPECT_EQ(early_ratio(traces, 1, 2, 21), early_ratio(traces, 1, 2, 1000));  // there are no more
+}
+
+TEST(Trace, SpreadIsTheVarianceOfDistances) {
+  Image reference(2, 1);
+  Image image(2, 1);
+  image.at(0, 0) = Rgb(0.3f, 0.4f, 0.0f);  // at distance 0.5, the other at 0
+  EXPECT_NEAR(distance_spread(image, reference), 0.0625, 1e-7);
+  image.at(0, 0) = Rgb(50, 0, 0);  // shown as 1
+  EXPECT_NEAR(distance_spread(image, reference), 0.25, 1e-7);
+}
+
+/// Measures the box twice as an experiment that was interrupted would.
+TEST(Trace, GoesOnFromWhatWasMeasured) {
+  ExperimentContext context;
+  context.quick = true;
+  context.parts_folder = std::filesystem::temp_directory_path() / "relume_trace_test";
+  std::filesystem::remove_all(context.parts_folder);
+  const ExperimentScene box = closed_box();
+  TraceContender contender{.name = "a", .settings = box.settings};
+  set_size(context, contender.settings);
+  contender.settings.allocation = AllocationChoice::adaptive;
+  contender.map = "sampling-probability";
+  const Image reference(64, 36);
+  TraceOptions options{.frames = 4, .repetitions = 1, .reference = &reference, .picture_frame = 2};
+  const auto first = trace(context, "test", box, {contender}, options);
+  const auto again = trace(context, "test", box, {contender}, options);
+  ASSERT_EQ(again.size(), 1u);
+  ASSERT_EQ(again[0].points.size(), first[0].points.size());
+  EXPECT_EQ(again[0].points.back().time_s, first[0].points.back().time_s);  // not measured again
+  EXPECT_EQ(again[0].picture.pixels, first[0].picture.pixels);
+  EXPECT_EQ(again[0].picture_point.mse, first[0].picture_point.mse);
+  EXPECT_EQ(again[0].map, first[0].map);
+  // What is different is measured.
+  context.program = "another";
+  EXPECT_FALSE(load_traces(trace_file(context, box, {contender}, options)));
+  context.program.clear();
+  options.frames = 5;
+  EXPECT_FALSE(load_traces(trace_file(context, box, {contender}, options)));
+  options.frames = 4;
+  write_file(trace_file(context, box, {contender}, options), "something else");
+  EXPECT_FALSE(load_traces(trace_file(context, box, {contender}, options)));
+  std::filesystem::remove_all(context.parts_folder);
+}
+
+/// Each contender has as much time as the first.
+TEST(Trace, ContendersHaveEqualTimes) {
+  ExperimentContext context;
+  context.quick = true;
+  const ExperimentScene box = closed_box();
+  std::vector<TraceContender> contenders{{"a", box.settings, 0}, {"b", box.settings, 2}};
+  for (TraceContender& c : contenders) set_size(context, c.settings);
+  contenders[0].settings.path.max_bounces = 6;
+  contenders[1].settings.path.max_bounces = 1;
+  contenders[1].settings.history = HistoryChoice::reproject;
+  const Image reference(64, 36);
+  const auto traces =
+      trace(context, "test", box, contenders,
+            {.turn = {100, 50}, .frames = 16, .repetitions = 1, .reference = &reference, .clock = [](const Session& s) {
+               return 1e-6 * static_cast<double>(s.statistics().rays);
+             }});
+  ASSERT_EQ(traces.size(), 2u);
+  EXPECT_EQ(traces[0].points.back().frames, 16);
+  EXPECT_EQ(traces[1].points.front().frames, 1);
+  // Points are powers of two and halfway, so the last one lies within a third of the end.
+  EXPECT_GT(traces[1].points.back().time_s, 0.6 * traces[0].points.back().time_s);
+}
+
+}  // namespace
+}  // namespace relume

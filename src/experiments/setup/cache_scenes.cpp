@@ -1,0 +1,36 @@
+#include "experiments/setup/cache_scenes.h"
+
+#include <optional>
+#include <utility>
+
+#include "experiments/measure/trace.h"
+
+namespace relume {
+
+std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
+  const std::pair<const char*, CacheChoice> list[] = {{"path", CacheChoice::none},
+                                                      {"psf", CacheChoice::psf},
+                                                      {"apsf", CacheChoice::apsf},
+                                                      {"apg", CacheChoice::apg},
+                                                      {"apg+apsf", CacheChoice::apsf_apg}};
+  std::vector<NamedSettings> contenders;
+  for (const auto& [name, cache] : list) {
+    NamedSettings contender{name, scene.settings};
+    set_size(context, contender.settings);
+    contender.settings.cache = cache;
+    contender.settings.history = HistoryChoice::none;
+    contenders.push_back(std::move(contender));
+  }
+  return contenders;
+}
+
+std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context) {
+  std::vector<ExperimentScene> scenes;
+  scenes.push_back(built_in("cornell", 6));
+  scenes.push_back(built_in("corridor", 10));
+  if (std::optional<ExperimentScene> hall = sponza(context)) scenes.push_back(std::move(*hall));
+  if (!context.quick) scenes.push_back(built_in("mine", 6));
+  return scenes;
+}
+
+}  // namespace relume

@@ -1,0 +1,210 @@
+#include "experiments/setup/scenes.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "core/error.h"
+#include "io/scene_io.h"
+#include "scene/builtin.h"
+#include "scene/builtin/builder.h"
+#include "scene/builtin/shapes.h"
+
+namespace relume {
+namespace {
+
+PlacedCamera camera_at(const Vec3& eye, const Vec3& target, float fov_y_deg) {
+  const Transform transform = look_at(eye, target);
+  PlacedCamera camera;
+  camera.to_world = glm::translate(Mat4(1), transform.translation) * glm::mat4_cast(transform.rotation);
+  camera.camera.fov_y_rad = glm::radians(fov_y_deg);
+  return camera;
+}
+
+Node& node_named(Scene& scene, std::string_view name) {
+  const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(), [&](const Node& n) { return n.name == name; });
+  if (node == scene.nodes.end()) throw Error("the box has no node '" + std::string(name) + "'");
+  return *node;
+}
+
+Material& material_named(Scene& scene, std::string_view name) {
+  const auto material =
+      std::find_if(scene.materials.begin(), scene.materials.end(), [&](const Material& m) { return m.name == name; });
+  if (material == scene.materials.end()) throw Error("the box has no material '" + std::string(name) + "'");
+  return *material;
+}
+
+void add_light(Scene& scene, const PunctualLight& light, const Vec3& position, const Vec3& target) {
+  scene.lights.push_back(light);
+  Node node;
+  node.name = "light";
+  node.light = static_cast<Index>(scene.lights.size()) - 1;
+  node.transform = look_at(position, target);
+  scene.add_node(std::move(node));
+}
+
+void use_point_light(Scene& scene) {
+  node_named(scene, "lamp").meshes.clear();
+  PunctualLight light;
+  light.intensity = {23.2f, 17.1f, 8.2f};  // as bright below as the lamp that it replaces
+  add_light(scene, light, {0, 5.3f, 0}, {0.001f, 0, 0});
+}
+
+void use_directional_light(Scene& scene) {
+  node_named(scene, "lamp").meshes.clear();
+  node_named(scene, "ceiling").meshes.clear();
+  PunctualLight light;
+  light.type = PunctualType::directional;
+  light.intensity = {3.0f, 2.8f, 2.4f};
+  add_light(scene, light, {1.2f, 8.0f, 0.6f}, {0, 0, 0});
+}
+
+/// Puts a sphere of 20 · 4^levels triangles in the place of the tall box.
+void use_dense_mesh(Scene& scene, int levels) {
+  Node& node = node_named(scene, "tall box");
+  Mesh& mesh = scene.meshes[static_cast<size_t>(node.meshes.front())];
+  const Index material = mesh.material;
+  mesh = icosphere(1.1f, levels);
+  mesh.material = material;
+  node.transform.translation.y = 1.1f;
+}
+
+void use_reflective_materials(Scene& scene) {
+  for (const char* name : {"boxes", "white", "blue"}) {
+    Material& material = material_named(scene, name);
+    material.metallic = 1;
+    material.roughness = name == std::string_view("boxes") ? 0.05f : 0.25f;
+  }
+}
+
+void use_glass(Scene& scene) {
+  Material clear = glass("boxes", 1.5f);
+  material_named(scene, "boxes") = clear;
+  // Off the floor, or the surfaces of two volumes would meet.
+  for (const char* name : {"tall box", "short box"}) node_named(scene, name).transform.translation.y += 0.05f;
+}
+
+}  // namespace
+
+ExperimentScene closed_box(BoxVariation variation) {
+  ExperimentScene result;
+  result.name = "closed box";
+  result.scene = find_builtin_scene("cornell-closed")->build();
+  result.scene.animation.clear();
+  for (const char* wall : {"white", "red", "green", "blue"}) {
+    Material& material = material_named(result.scene, wall);
+    material.specular = 1;
+    material.roughness = 0.5f;
+  }
+  switch (variation) {
+    case BoxVariation::plain: break;
+    case BoxVariation::point_light:
+      result.property = "light";
+      result.name = "point light";
+      use_point_light(result.scene);
+      break;
+    case BoxVariation::directional_light:
+      result.property = "light";
+      result.name = "directional light";
+      use_directional_light(result.scene);
+      break;
+    case BoxVariation::triangles_80k:
+      result.property = "triangles";
+      result.name = "82 thousand triangles";
+      use_dense_mesh(result.scene, 6);
+      break;
+    case BoxVariation::triangles_1m:
+      result.property = "triangles";
+      result.name = "1.3 million triangles";
+      use_dense_mesh(result.scene, 8);
+      break;
+    case BoxVariation::reflective:
+      result.property = "material";
+      result.name = "highly reflective";
+      use_reflective_materials(result.scene);
+      break;
+    case BoxVariation::glass:
+      result.property = "material";
+      result.name = "glass";
+      use_glass(result.scene);
+      break;
+  }
+  // Looks past both boxes at the end of a turn from the wall behind it.
+  const Vec3 eye(1.9f, 2.9f, 2.2f);
+  result.camera = camera_at(eye, eye + Vec3(-0.62f, -0.22f, -0.76f), 60);
+  result.settings.path.max_bounces = 6;
+  return result;
+}
+
+std::optional<ExperimentScene> sponza(const ExperimentContext& context) {
+  if (context.scene_folder.empty()) return std::nullopt;
+  const std::filesystem::path file = context.scene_folder / "sponza" / "sponza.gltf";
+  if (!std::filesystem::exists(file))
+    throw Error(file.string() + ": there is no such file; --scenes names its folder's folder");
+  ExperimentScene result;
+  result.name = "Sponza";
+  result.scene = load_scene(file);
+  result.scene.environment = {};
+  result.scene.environment.kind = EnvironmentKind::constant;
+  result.scene.environment.color = Rgb(0.25f, 0.3f, 0.4f);
+  result.camera = camera_at({-11.2f, 2.2f, -0.35f}, {8.0f, 3.4f, -0.35f}, 50);
+  result.settings.path.max_bounces = 6;
+  return result;
+}
+
+ExperimentScene city_street() {
+  ExperimentScene result;
+  result.name = "city";
+  result.scene = find_builtin_scene("city")->build();
+  result.scene.animation.clear();
+  result.camera = camera_at({0, 25, 80}, {0, 22, -80}, 50);
+  result.settings.path.max_bounces = 4;
+  return result;
+}
+
+ExperimentScene built_in(std::string_view name, int max_bounces) {
+  const BuiltinScene* scene = find_builtin_scene(name);
+  if (!scene) throw Error("there is no built-in scene '" + std::string(name) + "'; `relume scenes` lists them");
+  ExperimentScene result{.name = std::string(name), .scene = scene->build()};
+  result.settings.path.max_bounces = max_bounces;
+  return result;
+}
+
+ExperimentScene at_rest(ExperimentScene scene) {
+  const std::vector<Node>& nodes = scene.scene.nodes;
+  const auto node = std::find_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.camera != kNone; });
+  if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
+  PlacedCamera camera;  // built-in scenes have it on a node without parents
+  camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
+  camera.camera = scene.scene.cameras[static_cast<size_t>(node->camera)];
+  scene.camera = std::move(camera);
+  return scene;
+}
+
+std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees) {
+  std::optional<PlacedCamera> camera = scene.camera;
+  if (degrees == 0) return camera;
+  if (!camera) throw Error(scene.name + ": the camera can only be turned if the experiment places it");
+  const Vec4 eye = camera->to_world[3];
+  camera->to_world[3] = Vec4(0, 0, 0, 1);
+  camera->to_world = rotation_y(degrees) * camera->to_world;
+  camera->to_world[3] = eye;
+  return camera;
+}
+
+std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
+  std::optional<PlacedCamera> camera = turned(scene, degrees);
+  if (aside_m == 0) return camera;
+  if (!camera) throw Error(scene.name + ": the camera can only be moved if the experiment places it");
+  camera->to_world[3] += aside_m * scene.camera->to_world[0];
+  return camera;
+}
+
+void claim_without_sponza(const ExperimentContext& context, const char* paper, const std::vector<SponzaClaim>& missing,
+                          std::vector<Claim>& claims) {
+  if (!context.scene_folder.empty()) return;
+  for (const SponzaClaim& m : missing) claims.push_back(unmeasured(m.id, paper, m.claim, m.threshold, kNoSponza));
+}
+
+}  // namespace relume

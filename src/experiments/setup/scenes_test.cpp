@@ -1,0 +1,45 @@
+#include "experiments/setup/scenes.h"
+
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace relume {
+namespace {
+
+TEST(ExperimentScenes, EveryVariationOfTheBoxCompiles) {
+  using enum BoxVariation;
+  const size_t walls = CompiledScene(closed_box().scene, {}).triangle_count();
+  for (BoxVariation variation : {point_light, directional_light, triangles_80k, reflective, glass}) {
+    ExperimentScene box = closed_box(variation);
+    validate(box.scene, box.name);
+    const CompiledScene compiled(std::move(box.scene), {});
+    EXPECT_GT(compiled.view().lights.lights.size, 0u) << box.name;
+    EXPECT_GT(compiled.triangle_count(), variation == triangles_80k ? walls + 80000 : 0) << box.name;
+  }
+}
+
+TEST(ExperimentScenes, TurnsKeepThePlace) {
+  const ExperimentScene box = closed_box();
+  const auto quarter = turned(box, 90);
+  EXPECT_EQ(quarter->to_world[3], box.camera->to_world[3]);
+  const Vec3 before(box.camera->to_world[2]);
+  const Vec3 after(quarter->to_world[2]);
+  EXPECT_NEAR(after.y, before.y, 1e-6f);
+  EXPECT_NEAR(before.x * after.x + before.z * after.z, 0, 1e-6f);
+}
+
+TEST(ExperimentScenes, TurnsAsideMoveTheEyeTheSameWayWhereverItLooks) {
+  const ExperimentScene box = closed_box();
+  EXPECT_EQ(turned_aside(box, 30, 0)->to_world, turned(box, 30)->to_world);
+  for (const float degrees : {0.0f, 90.0f}) {
+    const auto camera = turned_aside(box, degrees, 0.25f);
+    EXPECT_EQ(camera->to_world[0], turned(box, degrees)->to_world[0]);
+    const Vec3 way = Vec3(camera->to_world[3]) - Vec3(box.camera->to_world[3]);
+    EXPECT_NEAR(glm::dot(way, Vec3(box.camera->to_world[0])), 0.25f, 1e-6f);
+    EXPECT_NEAR(length_squared(way), 0.0625f, 1e-6f);
+  }
+}
+
+}  // namespace
+}  // namespace relume
