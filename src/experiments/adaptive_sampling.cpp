@@ -6,6 +6,8 @@
 
 #include "experiments/all.h"
 #include "experiments/measure/trace.h"
+#include "experiments/setup/named.h"
+#include "experiments/setup/references.h"
 #include "experiments/setup/scenes.h"
 
 namespace relume {
@@ -71,7 +73,8 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return {scene.name, scene.property, std::move(traces), std::move(pictures)};
 }
 
-const Trace* named(const SceneResult& result, std::string_view name) {
+/// nullptr if it was not measured on this scene.
+const Trace* trace_of(const SceneResult& result, std::string_view name) {
   for (const Trace& t : result.traces) {
     if (t.name == name) return &t;
   }
@@ -81,8 +84,8 @@ const Trace* named(const SceneResult& result, std::string_view name) {
 /// Over the times at which the paper compares: from when the threshold has nearly come down, to the end. 1 if one of
 /// the two was not measured.
 double ratio(const SceneResult& result, std::string_view name, std::string_view baseline) {
-  const Trace* a = named(result, name);
-  const Trace* b = named(result, baseline);
+  const Trace* a = trace_of(result, name);
+  const Trace* b = trace_of(result, baseline);
   if (!a || !b) return 1;
   const Trace& path = result.traces.front();
   double begin_s = path.points.back().time_s / 4;
@@ -101,7 +104,8 @@ std::string best_of(const SceneResult& result) {
   std::string best;
   for (const Bounds& bounds : kTable) {
     const std::string name = "min/max " + name_of(bounds);
-    if (named(result, name) && (best.empty() || ratio_to_path(result, name) < ratio_to_path(result, best))) best = name;
+    if (trace_of(result, name) && (best.empty() || ratio_to_path(result, name) < ratio_to_path(result, best)))
+      best = name;
   }
   return best;
 }
@@ -129,7 +133,7 @@ TableBlock table(const std::vector<SceneResult>& results) {
     TableRow row{.name = result.name, .cells = {}};
     for (const std::string& name : names) {
       const double value = ratio_to_path(result, name);
-      row.cells.push_back(named(result, name) ? TableCell{fmt::format("{:.3f}", value), value} : TableCell{"–"});
+      row.cells.push_back(trace_of(result, name) ? TableCell{fmt::format("{:.3f}", value), value} : TableCell{"–"});
     }
     block.rows.push_back(std::move(row));
   }
@@ -196,19 +200,15 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
   }
   for (BoxVariation variation : variations) results.push_back(measure(context, closed_box(variation), two));
 
-  const auto scene_named = [&](std::string_view name) -> const SceneResult* {
-    for (const SceneResult& result : results) {
-      if (result.name == name) return &result;
-    }
-    return nullptr;
-  };
+  const SceneResult* const box = &named(results, "closed box");
+  const SceneResult* const sponza_hall = hall ? &named(results, hall->name) : nullptr;
   ExperimentResult result;
-  claim_gain(scene_named("closed box"), "gain-box", "the box", "4/32", result.claims);
-  claim_best(scene_named("closed box"), "best-box", "4/32", result.claims);
-  claim_gain(scene_named("Sponza"), "gain-sponza", "Sponza", "2/32", result.claims);
-  claim_best(scene_named("Sponza"), "best-sponza", "2/32", result.claims);
-  claim_no_gain(*scene_named("directional light"), "no-gain-directional", "under directional light", result.claims);
-  claim_no_gain(*scene_named("highly reflective"), "no-gain-reflective", "for highly reflective materials",
+  claim_gain(box, "gain-box", "the box", "4/32", result.claims);
+  claim_best(box, "best-box", "4/32", result.claims);
+  claim_gain(sponza_hall, "gain-sponza", "Sponza", "2/32", result.claims);
+  claim_best(sponza_hall, "best-sponza", "2/32", result.claims);
+  claim_no_gain(named(results, "directional light"), "no-gain-directional", "under directional light", result.claims);
+  claim_no_gain(named(results, "highly reflective"), "no-gain-reflective", "for highly reflective materials",
                 result.claims);
   result.blocks.emplace_back(table(results));
   std::vector<PictureSet> pictures;

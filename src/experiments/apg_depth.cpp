@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
-#include "compare/timed_session.h"
 #include "experiments/all.h"
 #include "experiments/measure/frame_averages.h"
-#include "experiments/measure/trace.h"
+#include "experiments/setup/references.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
+#include "render/session.h"
 #include "report/pictures.h"
 
 namespace relume {

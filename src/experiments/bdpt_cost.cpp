@@ -11,6 +11,7 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Sun20 §5.2.1]";
+constexpr int kSide = 128;
 
 /// [Sun20 §5.2.1], which counts each visibility test twice.
 int paper_rays(int bounces) { return bounces * bounces + 3 * bounces; }
@@ -42,7 +43,7 @@ Case measure(const ExperimentContext& context, ExperimentScene scene, int bounce
                        .spp = context.choose(8, 4),
                        .repetitions = 3,
                        .reference_spp = 2};  // errors are not looked at
-  use_square(context, 128, options);
+  use_square(context, kSide, options);
   const Comparison c = study(context, scene, options);
   return {scene.name,
           bounces,
@@ -144,7 +145,7 @@ ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
   result.claims.push_back(claim_vertex());
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(charts(cases));
-  result.setup = {{"Size", context.quick ? "40 × 40" : "128 × 128"},
+  result.setup = {{"Size", square_text(context, kSide)},
                   {"Time", fmt::format("medians of 3 × {} frames, in turns", context.choose(8, 4))},
                   {"Settings", "the defaults of each, but for \"all\": neither kind of roulette"}};
   return result;

@@ -8,18 +8,20 @@
 #include "compare/comparison_page.h"
 #include "experiments/all.h"
 #include "experiments/measure/regions.h"
+#include "experiments/setup/named.h"
 
 namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Sun20 §5.1]";
 constexpr int kBounces = 8;
+constexpr int kSide = 160;
 
 /// Without the lamp, whose edges are as noisy with every estimator, and brighter than all the rest.
 const Rectangle kAboveWater = {"walls above the water", 0.05, 0.2, 0.95, 0.6};
 
 struct Case {
-  std::string scene;
+  std::string name;  ///< of the scene
   Rectangle region;  ///< what the claim is about
   Comparison samples;
   Comparison time;
@@ -28,7 +30,7 @@ struct Case {
 /// Everybody is measured against bidirectional path tracing.
 StudyOptions options_of(const ExperimentContext& context, const std::string& techniques) {
   StudyOptions options{.techniques = techniques, .repetitions = 6, .reference_spp = 512};
-  use_square(context, 160, options);
+  use_square(context, kSide, options);
   options.common.emplace_back("estimator", "bdpt");
   return options;
 }
@@ -57,7 +59,7 @@ TableBlock table(const std::vector<Case>& cases) {
                    {}};
   const auto cell = [](double x) { return TableCell{short_number(x), x}; };
   for (const Case& c : cases) {
-    block.rows.push_back({c.scene,
+    block.rows.push_back({c.name,
                           kNeutralColor,
                           {cell(ratio(c.samples)),
                            cell(ratio(c.time)),
@@ -66,10 +68,6 @@ TableBlock table(const std::vector<Case>& cases) {
                            cell(region_ratio(c.time, c.region))}});
   }
   return block;
-}
-
-const Case& named(const std::vector<Case>& cases, std::string_view scene) {
-  return *std::find_if(cases.begin(), cases.end(), [&](const Case& c) { return c.scene == scene; });
 }
 
 Claim claim_less_noise(const std::vector<Case>& cases) {
@@ -111,11 +109,11 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
 
 Claim claim_region(const Case& c, std::string id, const char* paper, double factor) {
   const double value = region_ratio(c.time, c.region);
-  return judged(std::move(id), paper,
-                fmt::format("{}: at equal time its MSE is lower by a factor of {} at least ({}).", c.scene, factor,
-                            c.region.name),
-                fmt::format("{} ({} over the picture)", short_number(value), short_number(ratio(c.time))),
-                fmt::format("at least {}", factor), value >= factor);
+  return judged(
+      std::move(id), paper,
+      fmt::format("{}: at equal time its MSE is lower by a factor of {} at least ({}).", c.name, factor, c.region.name),
+      fmt::format("{} ({} over the picture)", short_number(value), short_number(ratio(c.time))),
+      fmt::format("at least {}", factor), value >= factor);
 }
 
 /// The reference by an estimator that shares nothing but the light subpaths: mean of a region in plain view.
@@ -157,13 +155,13 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", "[Veach97 ch. 10]", 2));
   result.claims.push_back(claim_reference(context, cases));
   result.blocks.emplace_back(table(cases));
-  for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.scene + ", equal time", c.time, {c.region}));
+  for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));
   for (const Case& c : cases) {
-    for (Block& block : study_blocks(c.scene + ", equal time", c.time)) {
+    for (Block& block : study_blocks(c.name + ", equal time", c.time)) {
       if (!std::holds_alternative<ViewerBlock>(block)) result.blocks.push_back(std::move(block));
     }
   }
-  result.setup = {{"Size", context.quick ? "40 × 40" : "160 × 160"},
+  result.setup = {{"Size", square_text(context, kSide)},
                   {"Reference", context.quick ? "256 samples of bdpt" : "512 samples of bdpt"},
                   {"Bounces", fmt::format("{}, with roulette", kBounces)},
                   {"Equal samples", context.quick ? "4" : "16"},

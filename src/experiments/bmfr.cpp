@@ -10,6 +10,7 @@
 #include "compare/timed_session.h"
 #include "experiments/all.h"
 #include "experiments/measure/regions.h"
+#include "experiments/setup/named.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr const char* kPaper = "[Sun20 §5.1.3]";
 constexpr const char* kDenoisers[] = {"bmfr", "svgf"};
+constexpr int kSide = 160;  ///< of still pictures
 
 /// What the paper names, and where it is in a still picture.
 struct Feature {
@@ -35,7 +37,7 @@ const Feature kFeatures[] = {
 };
 
 struct Still {
-  std::string scene;
+  std::string name;  ///< of the scene
   std::vector<Rectangle> regions;
   Comparison comparison;
 };
@@ -45,7 +47,7 @@ Still measure_still(const ExperimentContext& context, const std::string& name) {
                        .spp = 8,
                        .repetitions = 3,
                        .reference_spp = 512};
-  use_square(context, 160, options);
+  use_square(context, kSide, options);
   options.common.emplace_back("estimator", "bdpt");
   std::vector<Rectangle> regions;
   for (const Feature& f : kFeatures) {
@@ -162,8 +164,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
 /// Each kind of feature keeps its contrast, and its error falls below that of the same samples without the denoiser.
 void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims) {
   for (const Feature& f : kFeatures) {
-    const Comparison& c =
-        std::find_if(stills.begin(), stills.end(), [&](const Still& s) { return s.scene == f.scene; })->comparison;
+    const Comparison& c = named(stills, f.scene).comparison;
     const Image& reference = c.reference.image;
     const double noisy = region_mse(c, "none", f.region);
     std::string measured;
@@ -190,7 +191,7 @@ Claim claim_error(const std::vector<Still>& stills) {
     const double bmfr = mean_mse_of(s.comparison, "bmfr") / mean_mse_of(s.comparison, "none");
     const double svgf = mean_mse_of(s.comparison, "svgf") / mean_mse_of(s.comparison, "none");
     worst = std::max(worst, bmfr);
-    measured += fmt::format("{}{}: {:.2f} (svgf {:.2f})", measured.empty() ? "" : ", ", s.scene, bmfr, svgf);
+    measured += fmt::format("{}{}: {:.2f} (svgf {:.2f})", measured.empty() ? "" : ", ", s.name, bmfr, svgf);
   }
   return judged("error", kPaper, "Denoised pictures have less error than the mean of the same samples.",
                 measured + " of its MSE after 8 samples", "below 1 in every scene", worst < 1);
@@ -283,14 +284,14 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
   claim_walk(walk ? &*walk : nullptr, result.claims);
   BarBlock times = measure_times(context, result.claims);
   for (const Still& s : stills) {
-    result.blocks.emplace_back(region_pictures(s.scene, s.comparison, s.regions));
+    result.blocks.emplace_back(region_pictures(s.name, s.comparison, s.regions));
     result.blocks.emplace_back(comparison_table(s.comparison));
   }
   if (walk) {
     for (Block& block : study_blocks("Sponza", walk->comparison)) result.blocks.push_back(std::move(block));
   }
   result.blocks.emplace_back(std::move(times));
-  result.setup = {{"Boxes", context.quick ? "40 × 40, 8 samples of bdpt" : "160 × 160, 8 samples of bdpt"},
+  result.setup = {{"Boxes", square_text(context, kSide) + ", 8 samples of bdpt"},
                   {"Sponza",
                    "a sample a frame of path tracing; stands, then walks 5 cm and turns 0.5° a frame; the noise "
                    "of the reference (64 samples) is known and taken off every MSE"},

@@ -3,6 +3,7 @@
 
 #include "experiments/all.h"
 #include "experiments/measure/trace.h"
+#include "experiments/setup/references.h"
 #include "experiments/setup/scenes.h"
 
 namespace relume {

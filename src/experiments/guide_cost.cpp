@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/named.h"
 
 namespace relume {
 namespace {
@@ -86,11 +85,7 @@ TableBlock memory_table(const std::vector<SceneResult>& scenes) {
   return block;
 }
 
-double figure(const AdaptedError& e, std::string_view name) {
-  const auto found = std::find_if(e.figures.begin(), e.figures.end(), [&](const auto& f) { return f.name == name; });
-  if (found == e.figures.end()) throw Error("no pass reports '" + std::string(name) + "'");
-  return found->value;
-}
+double figure(const AdaptedError& e, std::string_view name) { return named(e.figures, name).value; }
 
 /// From what the passes hold, not from what they are declared to.
 Claim claim_memory(const SceneResult& scene, const std::string& id) {

@@ -8,8 +8,8 @@
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
 #include "experiments/measure/learning_regions.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/references.h"
 #include "report/pictures.h"
 
 namespace relume {

@@ -5,11 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
 #include "experiments/measure/moving_error.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/named.h"
+#include "experiments/setup/references.h"
 #include "render/presets.h"
 #include "report/pictures.h"
 #include "settings/settings_json.h"
@@ -139,18 +140,11 @@ TableBlock table(const std::vector<MovingErrors>& scenes) {
   return block;
 }
 
-const MovingError& named(const MovingErrors& scene, std::string_view name) {
-  const auto found = std::find_if(scene.contenders.begin(), scene.contenders.end(),
-                                  [&](const MovingError& e) { return e.name == name; });
-  if (found == scene.contenders.end()) throw Error("nobody is called '" + std::string(name) + "'");
-  return *found;
-}
-
 Claim claim_scene(const MovingErrors& scene) {
   std::string measured;
   std::vector<ErrorRatio> ratios;
   for (const char* paper : kPapers) {
-    ratios.push_back(error_ratio(named(scene, paper).mses, named(scene, kInteractive).mses));
+    ratios.push_back(error_ratio(named(scene.contenders, paper).mses, named(scene.contenders, kInteractive).mses));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", paper, to_text(ratios.back()));
   }
   std::string id = scene.scene;
@@ -166,7 +160,8 @@ ErrorRatio gain_over(const std::vector<MovingErrors>& scenes, std::string_view n
   double log_value = 0;
   double squared_spread = 0;
   for (const MovingErrors& scene : scenes) {
-    const ErrorRatio ratio = error_ratio(named(scene, name).mses, named(scene, kInteractive).mses);
+    const ErrorRatio ratio =
+        error_ratio(named(scene.contenders, name).mses, named(scene.contenders, kInteractive).mses);
     log_value += std::log(ratio.value) / static_cast<double>(scenes.size());
     squared_spread += sqr(std::log(ratio.interval.high / ratio.value) / static_cast<double>(scenes.size()));
   }
@@ -234,7 +229,7 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
            kRepetitions, kManyRepetitions)},
       {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
       {"Bounces", "6; 2 in `warehouse` and `mine`"},
-      {"Size", context.quick ? "64 × 36" : "192 × 108"},
+      {"Size", size_text(context)},
       {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "
                                 "and taken off MSE, not FLIP",
                                 options.reference_spp)}};

@@ -1,15 +1,14 @@
 // [Dittebrandt20 §7.1]: ways to choose a light, at one sample a pixel, once they have adapted.
-#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "experiments/all.h"
 #include "experiments/measure/adapted_error.h"
 #include "experiments/measure/learning_regions.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/named.h"
+#include "experiments/setup/references.h"
 #include "report/pictures.h"
 
 namespace relume {
@@ -81,17 +80,10 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return result;
 }
 
-const AdaptedError& named(const SceneResult& scene, std::string_view name) {
-  const auto found =
-      std::find_if(scene.errors.begin(), scene.errors.end(), [&](const AdaptedError& e) { return e.name == name; });
-  if (found == scene.errors.end()) throw Error(scene.name + ": nobody is called '" + std::string(name) + "'");
-  return *found;
-}
-
 /// Of the static lists, whichever has the least of what `cost` tells.
 template <typename Cost>
 const AdaptedError& best_lists(const SceneResult& scene, const Cost& cost) {
-  const AdaptedError* best = &named(scene, kLists);
+  const AdaptedError* best = &named(scene.errors, kLists);
   for (const AdaptedError& e : scene.errors) {
     if (e.name.starts_with(kLists) && cost(e) < cost(*best)) best = &e;
   }
@@ -111,7 +103,7 @@ TableBlock table(const SceneResult& scene) {
        {"times lower than the light tree", "", Better::higher},
        {"at equal time", "", Better::higher}},
       {}};
-  const AdaptedError& tree = named(scene, kTree);
+  const AdaptedError& tree = named(scene.errors, kTree);
   int color = 0;
   for (const AdaptedError& e : scene.errors) {
     const ErrorRatio ratio = error_ratio(tree.mse[0], e.mse[0]);
@@ -133,8 +125,8 @@ ErrorRatio against(const AdaptedError& worse, const AdaptedError& better) {
 /// What the paper claims of the cache, for one choice of its settings.
 void claim_warehouse(const SceneResult& scene, const char* cache, const std::string& suffix, const char* source,
                      std::vector<Claim>& claims) {
-  const AdaptedError& ours = named(scene, cache);
-  const ErrorRatio tree = against(named(scene, kTree), ours);
+  const AdaptedError& ours = named(scene.errors, cache);
+  const ErrorRatio tree = against(named(scene.errors, kTree), ours);
   claims.push_back(judged_ratios("warehouse-light-tree" + suffix, source,
                                  fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
                                              "magnitude less error than the light hierarchy.",
@@ -142,18 +134,20 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
                                  to_text(tree) + " lower MSE on `warehouse` than the light tree", {tree}, 5));
   const AdaptedError& lists = best_lists(scene, [](const AdaptedError& e) { return e.mean_mse(); });
   const ErrorRatio ratio = against(lists, ours);
-  claims.push_back(judged_ratios("warehouse-static-lists" + suffix, source,
-                                 fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
-                                             "magnitude less error than static light lists.",
-                                             cache),
-                                 fmt::format("{} lower MSE on `warehouse` than the best lists ({}); {} with their "
-                                             "defaults",
-                                             to_text(ratio), lists.name, to_text(against(named(scene, kLists), ours))),
-                                 {ratio}, 5));
+  claims.push_back(
+      judged_ratios("warehouse-static-lists" + suffix, source,
+                    fmt::format("In many rooms the visibility light cache ({}) has almost an order of "
+                                "magnitude less error than static light lists.",
+                                cache),
+                    fmt::format("{} lower MSE on `warehouse` than the best lists ({}); {} with their "
+                                "defaults",
+                                to_text(ratio), lists.name, to_text(against(named(scene.errors, kLists), ours))),
+                    {ratio}, 5));
   std::vector<ErrorRatio> ratios;
   std::string measured;
   const AdaptedError& fast = best_lists(scene, [](const AdaptedError& e) { return e.mean_mse() * e.median_s(); });
-  for (const AdaptedError* other : {&named(scene, "uniform"), &named(scene, "power"), &named(scene, kTree), &fast}) {
+  for (const AdaptedError* other :
+       {&named(scene.errors, "uniform"), &named(scene.errors, "power"), &named(scene.errors, kTree), &fast}) {
     ratios.push_back(equal_time_ratio(*other, ours));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", other->name, to_text(ratios.back()));
   }
@@ -167,7 +161,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
   std::vector<ErrorRatio> ratios;
   std::string measured;
   for (const SceneResult& scene : scenes) {
-    ratios.push_back(against(named(scene, kTree), named(scene, cache)));
+    ratios.push_back(against(named(scene.errors, kTree), named(scene.errors, cache)));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratios.back()));
   }
   claims.push_back(judged_ratios(
@@ -177,7 +171,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, 
 }
 
 void claim_baseline(const SceneResult& field, std::vector<Claim>& claims) {
-  const ErrorRatio ratio = against(named(field, "power"), named(field, kTree));
+  const ErrorRatio ratio = against(named(field.errors, "power"), named(field.errors, kTree));
   claims.push_back(judged_ratios("tree-is-tuned", "[relume]",
                                  "The baseline is no straw man: where nothing is hidden, the light "
                                  "tree beats choosing by power.",

@@ -4,6 +4,7 @@
 #include "experiments/all.h"
 #include "experiments/measure/scene_averages.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/named.h"
 
 namespace relume {
 namespace {
@@ -13,7 +14,7 @@ constexpr const char* kPaper = "[Schipek22 §6.1]";
 /// The apg with the largest constant whose variance is at most half of path tracing's; nullptr if there is none. The
 /// biases have no say in which, or the noise of several would choose the luckiest.
 const FrameAverages* quiet_graph(const SceneAverages& scene) {
-  const double limit = 0.5 * averaged(scene, "path").variance.value;
+  const double limit = 0.5 * named(scene.caches, "path").variance.value;
   const FrameAverages* best = nullptr;
   for (const FrameAverages& a : scene.graphs) {
     if (a.variance.value <= limit) best = &a;
@@ -32,7 +33,7 @@ void claim_less_bias(std::string id, std::string claim, const FrameAverages& a, 
 }
 
 void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
-  const FrameAverages& path = averaged(scene, "path");
+  const FrameAverages& path = named(scene.caches, "path");
   const FrameAverages* graph = quiet_graph(scene);
   const std::string id = "graph-bias-" + scene.name;
   const std::string claim =
@@ -44,7 +45,7 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
     claims.push_back(judged(id, kPaper, claim, measured, kBeyondNoise, false));
     return;
   }
-  claim_less_bias(id, claim, *graph, averaged(scene, "psf"), 1,
+  claim_less_bias(id, claim, *graph, named(scene.caches, "psf"), 1,
                   fmt::format("; variance {:.2f} of path tracing's", graph->variance.value / path.variance.value),
                   claims);
 }
@@ -52,7 +53,7 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
 /// With the same cells the two have nearly the same bias, so that "no more" needs a margin.
 void claim_primary(const SceneAverages& scene, std::vector<Claim>& claims) {
   claim_less_bias("primary-bias-" + scene.name, fmt::format("{}: apsf has no more bias than psf.", scene.name),
-                  averaged(scene, "apsf"), averaged(scene, "psf"), 1.05, "", claims);
+                  named(scene.caches, "apsf"), named(scene.caches, "psf"), 1.05, "", claims);
 }
 
 ExperimentResult run_psf_bias(const ExperimentContext& context) {

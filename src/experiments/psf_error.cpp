@@ -8,8 +8,8 @@
 #include "experiments/all.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/study.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/references.h"
 #include "render/session.h"
 
 namespace relume {

@@ -1,13 +1,15 @@
 // [Schipek22 §6.2]: time of a frame of one sample a pixel, with two and with ten levels of indirection; and what psf
 // and apg take in Sponza with six.
-#include <algorithm>
 #include <ctime>
+#include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "compare/timed_session.h"
 #include "experiments/all.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/named.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -34,9 +36,7 @@ struct Timing {
   std::string scene;
   int bounces = 0;
   std::vector<FrameFigures> list;
-  double of(std::string_view name) const {
-    return std::find_if(list.begin(), list.end(), [&](const FrameFigures& f) { return f.name == name; })->frame_ms;
-  }
+  double of(std::string_view name) const { return named(list, name).frame_ms; }
 };
 
 /// Frames that do not count: cells fill, and their variance comes to be believed.

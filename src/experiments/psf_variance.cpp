@@ -4,6 +4,7 @@
 #include "experiments/all.h"
 #include "experiments/measure/scene_averages.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/named.h"
 
 namespace relume {
 namespace {
@@ -11,12 +12,12 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 
 void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims) {
-  const FrameAverages& psf = averaged(scene, "psf");
-  const FrameAverages* least = &averaged(scene, "path");
+  const FrameAverages& psf = named(scene.caches, "psf");
+  const FrameAverages* least = &named(scene.caches, "path");
   for (const FrameAverages& a : scene.graphs) {
     if (a.variance.value < least->variance.value) least = &a;
   }
-  std::vector<const char*> verdicts{verdict_below(difference(psf.variance, averaged(scene, "path").variance))};
+  std::vector<const char*> verdicts{verdict_below(difference(psf.variance, named(scene.caches, "path").variance))};
   for (const FrameAverages& a : scene.graphs) verdicts.push_back(verdict_below(difference(psf.variance, a.variance)));
   claims.push_back(
       {"least-variance-" + scene.name, kPaper, fmt::format("{}: psf has the least variance.", scene.name),

@@ -4,8 +4,8 @@
 #include "experiments/all.h"
 #include "experiments/measure/adaptation.h"
 #include "experiments/measure/learning_regions.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/references.h"
 
 namespace relume {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "core/clock.h"
 #include "experiments/measure/adapted_file.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
 #include "render/build_pipeline.h"
 #include "report/pictures.h"

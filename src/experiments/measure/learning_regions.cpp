@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/references.h"
 
 namespace relume {
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "experiments/measure/trace.h"
 #include "experiments/setup/learning_scenes.h"
+#include "experiments/setup/references.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 

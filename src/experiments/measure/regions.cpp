@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "compare/comparison_page.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
@@ -35,6 +37,8 @@ double mean_over(const Image& image, const Rectangle& region, const Value& value
   }
   return sum / std::max(1, (r.x1 - r.x0) * (r.y1 - r.y0));
 }
+
+int side_of_square(const ExperimentContext& context, int side) { return context.choose(side, 40); }
 
 double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(luminance(pixel)), 1.0); }
 
@@ -110,9 +114,13 @@ ViewerBlock region_pictures(const std::string& title, const Comparison& comparis
 }
 
 void use_square(const ExperimentContext& context, int side, StudyOptions& options) {
-  const std::string text = std::to_string(context.choose(side, 40));
+  const std::string text = std::to_string(side_of_square(context, side));
   options.common.emplace_back("width", text);
   options.common.emplace_back("height", text);
+}
+
+std::string square_text(const ExperimentContext& context, int side) {
+  return fmt::format("{0} × {0}", side_of_square(context, side));
 }
 
 }  // namespace relume

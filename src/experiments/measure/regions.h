@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "compare/comparison.h"
 #include "experiments/measure/study.h"
@@ -45,5 +47,7 @@ ViewerBlock region_pictures(const std::string& title, const Comparison& comparis
 
 /// Sets a square picture for everybody: `side` pixels, 40 in a quick run.
 void use_square(const ExperimentContext& context, int side, StudyOptions& options);
+/// What use_square() sets, for ExperimentResult::setup: "160 × 160".
+std::string square_text(const ExperimentContext& context, int side);
 
 }  // namespace relume

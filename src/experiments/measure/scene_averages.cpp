@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
-#include "experiments/measure/trace.h"
 #include "experiments/setup/cache_scenes.h"
+#include "experiments/setup/references.h"
 #include "report/pictures.h"
 
 namespace relume {
@@ -88,10 +88,6 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
     result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
   }
   return result;
-}
-
-const FrameAverages& averaged(const SceneAverages& scene, std::string_view name) {
-  return *std::find_if(scene.caches.begin(), scene.caches.end(), [&](const auto& a) { return a.name == name; });
 }
 
 void show_averages(const ExperimentContext& context, const std::vector<SceneAverages>& scenes,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "compare/reference.h"
@@ -31,9 +30,6 @@ struct SceneAverages {
 
 /// Throws ExperimentStopped.
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches);
-
-/// The cache of that name, or path tracing; requires that it was measured.
-const FrameAverages& averaged(const SceneAverages& scene, std::string_view name);
 
 /// Adds tables, curves and pictures, and says what was rendered.
 void show_averages(const ExperimentContext& context, const std::vector<SceneAverages>& scenes,

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
-#include "core/error.h"
-#include "experiments/measure/trace.h"
+#include "experiments/setup/named.h"
+#include "experiments/setup/references.h"
 #include "metrics/statistics.h"
 
 namespace relume {
@@ -80,10 +80,7 @@ std::vector<float> frame_times(int count) {
 }
 
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name) {
-  for (const ContenderResult& c : comparison.contenders) {
-    if (c.name == name) return c;
-  }
-  throw Error(fmt::format("{}: there is no contender '{}'", comparison.options.scene_name, name));
+  return named(comparison.contenders, name);
 }
 
 double mse_of(const Comparison& comparison, std::string_view name) {

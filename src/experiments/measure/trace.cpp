@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -14,9 +17,6 @@
 
 namespace relume {
 namespace {
-
-/// Of the scenes that a paper shows; for variations of them half as many will do.
-int reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
 
 /// A contender on its way: its session, and its points in each repetition.
 struct Runner {
@@ -232,34 +232,6 @@ PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& tr
 
 ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets) {
   return {std::move(title), std::move(text), picture_layer_kinds(), std::move(sets)};
-}
-
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
-  RenderSettings settings = scene.settings;
-  set_size(context, settings, scene.scale);
-  if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
-  ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder, context.program);
-  const float time_s = settings.time_s;
-  std::optional<Reference> reference =
-      renderer.render(time_s, time_s, scene.camera, context.stop,
-                      [&](double fraction) { context.report("reference of " + scene.name, fraction); });
-  if (!reference) throw ExperimentStopped();
-  return std::move(*reference);
-}
-
-void set_size(const ExperimentContext& context, RenderSettings& settings, int scale) {
-  settings.width = context.choose(192 * scale, 64);
-  settings.height = context.choose(108 * scale, 36);
-}
-
-std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context) {
-  RenderSettings settings;
-  set_size(context, settings);
-  return {
-      {"Size", fmt::format("{} × {} (the paper: 1280 × 720)", settings.width, settings.height)},
-      {"Reference", fmt::format("{} samples a pixel, half as many for variations (the paper: 4096); its own noise is "
-                                "known and taken off every MSE",
-                                reference_spp(context))}};
 }
 
 }  // namespace relume

@@ -1,15 +1,14 @@
 // Error against time of several techniques, measured in turns.
 #pragma once
 
-#include <memory>
+#include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "compare/reference.h"
 #include "compare/timed_session.h"
 #include "experiments/experiment.h"
 #include "experiments/setup/scenes.h"
+#include "io/image.h"
 #include "report/page.h"
 
 namespace relume {
@@ -87,14 +86,5 @@ ChartBlock trace_charts(std::string title, std::string text, const std::vector<T
 PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference);
 /// Sets of trace_pictures() to choose from.
 ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
-
-/// A reference for the last view, of `spp` samples a pixel; 0: what common_setup() says. Throws ExperimentStopped.
-Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp = 0);
-
-/// 64×36 pixels in a quick run, else 192×108, `scale` times along each edge.
-void set_size(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
-
-/// What make_reference() and set_size() do, for ExperimentResult::setup.
-std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context);
 
 }  // namespace relume

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/measure/trace_file.h"
+#include "experiments/setup/references.h"
 #include "io/atomic_file.h"
 
 namespace relume {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/measure/trace.h"
+#include "experiments/setup/references.h"
 
 namespace relume {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/hash.h"
+#include "experiments/setup/references.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
 
@@ -100,7 +101,7 @@ void use_paper_cache(RenderSettings& settings) {
 int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 256); }
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
-  return {{"Size", context.quick ? "64 × 36" : "192 × 108"},
+  return {{"Size", size_text(context)},
           {"Path", "two indirect rays, as in the paper"},
           {"Reference", std::to_string(learning_reference_spp(context)) +
                             " samples a pixel with the light tree; its own noise is known and taken off every MSE"}};

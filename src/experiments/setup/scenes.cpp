@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/error.h"
+#include "experiments/setup/named.h"
 #include "io/scene_io.h"
 #include "scene/builtin.h"
 #include "scene/builtin/builder.h"
@@ -22,19 +23,6 @@ PlacedCamera camera_at(const Vec3& eye, const Vec3& target, float fov_y_deg) {
   return camera;
 }
 
-Node& node_named(Scene& scene, std::string_view name) {
-  const auto node = std::find_if(scene.nodes.begin(), scene.nodes.end(), [&](const Node& n) { return n.name == name; });
-  if (node == scene.nodes.end()) throw Error("the box has no node '" + std::string(name) + "'");
-  return *node;
-}
-
-Material& material_named(Scene& scene, std::string_view name) {
-  const auto material =
-      std::find_if(scene.materials.begin(), scene.materials.end(), [&](const Material& m) { return m.name == name; });
-  if (material == scene.materials.end()) throw Error("the box has no material '" + std::string(name) + "'");
-  return *material;
-}
-
 void add_light(Scene& scene, const PunctualLight& light, const Vec3& position, const Vec3& target) {
   scene.lights.push_back(light);
   Node node;
@@ -45,15 +33,15 @@ void add_light(Scene& scene, const PunctualLight& light, const Vec3& position, c
 }
 
 void use_point_light(Scene& scene) {
-  node_named(scene, "lamp").meshes.clear();
+  named(scene.nodes, "lamp").meshes.clear();
   PunctualLight light;
   light.intensity = {23.2f, 17.1f, 8.2f};  // as bright below as the lamp that it replaces
   add_light(scene, light, {0, 5.3f, 0}, {0.001f, 0, 0});
 }
 
 void use_directional_light(Scene& scene) {
-  node_named(scene, "lamp").meshes.clear();
-  node_named(scene, "ceiling").meshes.clear();
+  named(scene.nodes, "lamp").meshes.clear();
+  named(scene.nodes, "ceiling").meshes.clear();
   PunctualLight light;
   light.type = PunctualType::directional;
   light.intensity = {3.0f, 2.8f, 2.4f};
@@ -62,7 +50,7 @@ void use_directional_light(Scene& scene) {
 
 /// Puts a sphere of 20 · 4^levels triangles in the place of the tall box.
 void use_dense_mesh(Scene& scene, int levels) {
-  Node& node = node_named(scene, "tall box");
+  Node& node = named(scene.nodes, "tall box");
   Mesh& mesh = scene.meshes[static_cast<size_t>(node.meshes.front())];
   const Index material = mesh.material;
   mesh = icosphere(1.1f, levels);
@@ -72,7 +60,7 @@ void use_dense_mesh(Scene& scene, int levels) {
 
 void use_reflective_materials(Scene& scene) {
   for (const char* name : {"boxes", "white", "blue"}) {
-    Material& material = material_named(scene, name);
+    Material& material = named(scene.materials, name);
     material.metallic = 1;
     material.roughness = name == std::string_view("boxes") ? 0.05f : 0.25f;
   }
@@ -80,9 +68,9 @@ void use_reflective_materials(Scene& scene) {
 
 void use_glass(Scene& scene) {
   Material clear = glass("boxes", 1.5f);
-  material_named(scene, "boxes") = clear;
+  named(scene.materials, "boxes") = clear;
   // Off the floor, or the surfaces of two volumes would meet.
-  for (const char* name : {"tall box", "short box"}) node_named(scene, name).transform.translation.y += 0.05f;
+  for (const char* name : {"tall box", "short box"}) named(scene.nodes, name).transform.translation.y += 0.05f;
 }
 
 }  // namespace
@@ -93,7 +81,7 @@ ExperimentScene closed_box(BoxVariation variation) {
   result.scene = find_builtin_scene("cornell-closed")->build();
   result.scene.animation.clear();
   for (const char* wall : {"white", "red", "green", "blue"}) {
-    Material& material = material_named(result.scene, wall);
+    Material& material = named(result.scene.materials, wall);
     material.specular = 1;
     material.roughness = 0.5f;
   }

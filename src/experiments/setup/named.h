@@ -1,0 +1,24 @@
+// Looking things up by name.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+#include "settings/nearest_name.h"
+
+namespace relume {
+
+/// The first of a list's elements whose `name` that is. Throws Error, with the names that exist, if there is none.
+template <typename List>
+auto& named(List& list, std::string_view name) {
+  std::vector<std::string> names;
+  for (auto& element : list) {
+    if (element.name == name) return element;
+    names.emplace_back(element.name);
+  }
+  throw Error("nothing is called '" + std::string(name) + "'" + suggestion(name, names));
+}
+
+}  // namespace relume

@@ -1,0 +1,32 @@
+#include "experiments/setup/named.h"
+
+#include <gtest/gtest.h>
+
+namespace relume {
+namespace {
+
+struct Technique {
+  std::string name;
+  int samples = 0;
+};
+
+TEST(Named, IsTheElementItself) {
+  std::vector<Technique> list{{"path", 1}, {"psf", 2}};
+  named(list, "psf").samples = 3;
+  EXPECT_EQ(list[1].samples, 3);
+  const std::vector<Technique>& same = list;
+  EXPECT_EQ(&named(same, "path"), &list[0]);
+}
+
+TEST(Named, AnErrorTellsTheNamesThatExist) {
+  const std::vector<Technique> list{{"path", 1}, {"psf", 2}};
+  try {
+    named(list, "vlc");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "nothing is called 'vlc'; there are path and psf");
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,48 @@
+#include "experiments/setup/references.h"
+
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace relume {
+namespace {
+
+/// Of the scenes that a paper shows; for variations of them half as many will do.
+int reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
+
+}  // namespace
+
+void set_size(const ExperimentContext& context, RenderSettings& settings, int scale) {
+  settings.width = context.choose(192 * scale, 64);
+  settings.height = context.choose(108 * scale, 36);
+}
+
+std::string size_text(const ExperimentContext& context) {
+  RenderSettings settings;
+  set_size(context, settings);
+  return fmt::format("{} × {}", settings.width, settings.height);
+}
+
+Reference make_reference(const ExperimentContext& context, const ExperimentScene& scene, int spp) {
+  RenderSettings settings = scene.settings;
+  set_size(context, settings, scene.scale);
+  if (spp == 0) spp = scene.property.empty() ? reference_spp(context) : reference_spp(context) / 2;
+  ReferenceRenderer renderer(scene.scene, settings, spp, context.cache_folder, context.program);
+  const float time_s = settings.time_s;
+  std::optional<Reference> reference =
+      renderer.render(time_s, time_s, scene.camera, context.stop,
+                      [&](double fraction) { context.report("reference of " + scene.name, fraction); });
+  if (!reference) throw ExperimentStopped();
+  return std::move(*reference);
+}
+
+std::vector<std::pair<std::string, std::string>> common_setup(const ExperimentContext& context) {
+  return {
+      {"Size", size_text(context) + " (the paper: 1280 × 720)"},
+      {"Reference", fmt::format("{} samples a pixel, half as many for variations (the paper: 4096); its own noise is "
+                                "known and taken off every MSE",
+                                reference_spp(context))}};
+}
+
+}  // namespace relume
