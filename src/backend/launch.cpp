@@ -13,6 +13,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include "core/clock.h"
+
 namespace relume {
 namespace {
 
@@ -69,7 +71,7 @@ void Backend::add_time(std::string_view name, double seconds) {
 bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                             void (*run_tile)(const void*, const Tile&), const void* context,
                             const std::stop_token& stop, uint32_t tile_size) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start_s = now_s();
   const uint32_t columns = (width + tile_size - 1) / tile_size;
   const uint32_t rows = (height + tile_size - 1) / tile_size;
   std::atomic<bool> complete{true};
@@ -88,17 +90,17 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
         },
         tbb::simple_partitioner());
   });
-  add_time(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  add_time(name, now_s() - start_s);
   return complete.load();
 }
 
 void Backend::run(std::string_view name, const std::function<void()>& function) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start_s = now_s();
   state_->arena.execute([&] {
     const FlushDenormals guard;
     function();
   });
-  add_time(name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  add_time(name, now_s() - start_s);
 }
 
 }  // namespace relume

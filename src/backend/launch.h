@@ -9,7 +9,6 @@
 //   void operator()(const Tile& tile) const;
 #pragma once
 
-#include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <functional>

@@ -57,7 +57,7 @@ struct Repetition {
   double temporal_error = 0;  ///< relative; of an animation only
   /// Still scene: while samples arrive. Animation: each of its frames, `frames` counting them from 1.
   std::vector<ErrorPoint> curve = {};
-  std::vector<std::pair<std::string, double>> passes = {};  ///< seconds
+  std::vector<PassTime> passes = {};
 };
 
 struct ContenderResult {

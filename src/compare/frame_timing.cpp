@@ -9,7 +9,7 @@ namespace relume {
 namespace {
 
 FrameTiming timing_of(const std::string& name, const TimedSession& session, const TimedSession& first,
-                      std::vector<std::pair<std::string, double>> passes_before, int warm_up) {
+                      const std::vector<PassTime>& passes_before, int warm_up) {
   FrameTiming timing{.name = name};
   std::vector<double> ms;
   std::vector<double> ratios;
@@ -17,13 +17,8 @@ FrameTiming timing_of(const std::string& name, const TimedSession& session, cons
     ms.push_back(1000 * session.frame_s()[i]);
     ratios.push_back(session.frame_s()[i] / first.frame_s()[i]);
   }
-  timing.pass_ms = session.passes();
-  for (auto& [pass, value] : timing.pass_ms) {
-    for (const auto& [other, seconds] : passes_before) {
-      if (other == pass) value -= seconds;
-    }
-    value *= 1000 / static_cast<double>(ms.size());
-  }
+  for (const PassTime& pass : pass_times_since(session.passes(), passes_before))
+    timing.pass_ms.emplace_back(pass.name, pass.seconds * (1000 / static_cast<double>(ms.size())));
   timing.ms_interval = median_interval(ms);
   timing.ms = median(std::move(ms));
   timing.ratio_interval = median_interval(ratios);
@@ -41,7 +36,7 @@ std::optional<std::vector<FrameTiming>> time_frames(const Scene& scene, const st
   for (const TimedContender& contender : contenders)
     sessions.push_back(std::make_unique<TimedSession>(scene, contender.settings, clock));
   const int warm_up = (frames + 3) / 4;
-  std::vector<std::vector<std::pair<std::string, double>>> passes_before(sessions.size());
+  std::vector<std::vector<PassTime>> passes_before(sessions.size());
   for (int i = 0; i < warm_up + frames; ++i) {
     for (size_t k = 0; k < sessions.size(); ++k) {
       if (stop.stop_requested()) return std::nullopt;

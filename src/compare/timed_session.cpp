@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/clock.h"
 #include "metrics/statistics.h"
@@ -50,15 +51,9 @@ double TimedSession::samples_per_pixel() const {
 
 uint64_t TimedSession::rays() const { return session_.statistics().rays; }
 
-std::vector<std::pair<std::string, double>> TimedSession::passes() const {
-  std::vector<std::pair<std::string, double>> result;
-  for (const PassTime& pass : session_.statistics().passes) {
-    double seconds = pass.seconds;
-    for (const PassTime& before : passes_before_) {
-      if (before.name == pass.name) seconds -= before.seconds;
-    }
-    if (pass.name != "build") result.emplace_back(pass.name, seconds);
-  }
+std::vector<PassTime> TimedSession::passes() const {
+  std::vector<PassTime> result = pass_times_since(session_.statistics().passes, passes_before_);
+  std::erase_if(result, [](const PassTime& pass) { return pass.name == "build"; });
   return result;
 }
 

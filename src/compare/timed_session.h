@@ -3,8 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "render/session.h"
@@ -30,8 +28,8 @@ class TimedSession {
   /// Mean over the pixels, all frames together.
   double samples_per_pixel() const;
   uint64_t rays() const;
-  /// Seconds by pass.
-  std::vector<std::pair<std::string, double>> passes() const;
+  /// Without "build".
+  std::vector<PassTime> passes() const;
 
   Session& session() { return session_; }
   const Session& session() const { return session_; }

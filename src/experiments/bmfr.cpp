@@ -135,13 +135,11 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
     std::map<std::string, std::vector<double>> times;  // of each frame
     for (int i = 0; i <= frames; ++i) {
       context.check_stop();
-      const auto before = session.passes();
+      const std::vector<PassTime> before = session.passes();
       session.render_frame();
-      for (const auto& [pass, seconds] : session.passes()) {
-        const auto old =
-            std::find_if(before.begin(), before.end(), [&wanted = pass](const auto& p) { return p.first == wanted; });
-        if (i > 0) times[pass].push_back(1000 * (seconds - (old == before.end() ? 0 : old->second)));
-      }
+      if (i == 0) continue;
+      for (const PassTime& pass : pass_times_since(session.passes(), before))
+        times[pass.name].push_back(1000 * pass.seconds);
     }
     Bar bar{name, {}};
     double sum = 0;

@@ -54,9 +54,10 @@ double figure_of(const Session& session, std::string_view name) {
 }
 
 FrameFigures figures_of(std::string name, const TimedSession& session, int skip, uint64_t rays) {
-  FrameFigures f{.name = std::move(name), .passes = session.passes()};
+  FrameFigures f{.name = std::move(name), .passes = {}};
   f.frame_ms = 1000 * median({session.frame_s().begin() + skip, session.frame_s().end()});
-  for (auto& [pass, seconds] : f.passes) seconds *= 1000.0 / session.frames();
+  for (const PassTime& pass : session.passes())
+    f.passes.emplace_back(pass.name, pass.seconds * (1000.0 / session.frames()));
   f.rays = static_cast<double>(rays) / (static_cast<double>(session.frames()) - skip) / (kWidth * kHeight);
   f.cells = figure_of(session.session(), "cells.cells");
   f.table_mb = figure_of(session.session(), "cells.bytes") / 1e6;

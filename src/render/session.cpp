@@ -1,7 +1,6 @@
 #include "render/session.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,6 +10,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "backend/launch.h"
+#include "core/clock.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "render/aov.h"
@@ -21,9 +21,6 @@
 
 namespace relume {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Sum over all threads; integers, so that their order does not matter.
 uint64_t sum(View<const uint32_t> values) {
@@ -56,10 +53,18 @@ void check_size(const RenderSettings& settings) {
 
 }  // namespace
 
+std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vector<PassTime>& before) {
+  for (PassTime& pass : now) {
+    const auto old = std::find_if(before.begin(), before.end(), [&](const PassTime& b) { return b.name == pass.name; });
+    if (old != before.end()) pass.seconds -= old->seconds;
+  }
+  return now;
+}
+
 struct Session::State {
   State(Scene source, const RenderSettings& s, std::vector<Index> movable)
       : settings(s), hash(relume::scene_hash(source)), backend(std::make_unique<Backend>(s.threads)) {
-    const auto start = Clock::now();
+    const double start_s = now_s();
     rebuild_pipeline();
     backend->run("build", [&] {
       scene = std::make_unique<CompiledScene>(
@@ -67,7 +72,7 @@ struct Session::State {
                                             settings.texture_filter, std::move(movable)});
     });
     counters.time_s = counters.previous_time_s = settings.time_s;
-    statistics.build_s = seconds_since(start);
+    statistics.build_s = now_s() - start_s;
   }
 
   /// Buffers and passes for the settings, both empty.
@@ -139,7 +144,7 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 bool Session::render_frame(std::stop_token stop) {
   State& s = *state_;
-  const auto start = Clock::now();
+  const double start_s = now_s();
   s.apply_changes();
   s.buffers->swap();
   const bool complete = s.pipeline.run(s.frame(stop));
@@ -151,7 +156,7 @@ bool Session::render_frame(std::stop_token stop) {
   } else {
     s.buffers->swap();
   }
-  s.statistics.render_s += seconds_since(start);
+  s.statistics.render_s += now_s() - start_s;
   return complete;
 }
 

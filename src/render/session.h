@@ -25,6 +25,10 @@ struct PassTime {
   double seconds = 0;
 };
 
+/// What each pass of `now` has taken since `before`, which may lack passes that had not run by then. "build", compiling
+/// the scene, is among them if it is in `now`.
+std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vector<PassTime>& before);
+
 /// What has been done since the session began. Counters are exact and do not depend on the number of threads.
 struct Statistics {
   double build_s = 0;    ///< compiling the scene and building the acceleration structure

@@ -20,15 +20,10 @@ constexpr size_t kMostFollowed = 256;
 /// Time of each pass since `before`, and under "other" what no pass accounts for.
 std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::vector<PassTime>& before,
                                   double seconds) {
-  std::vector<PassTime> result;
+  std::vector<PassTime> result = pass_times_since(now, before);
+  std::erase_if(result, [](const PassTime& pass) { return pass.seconds <= 0 || pass.name == "build"; });
   double sum = 0;
-  for (const PassTime& pass : now) {
-    const auto old = std::find_if(before.begin(), before.end(), [&](const PassTime& b) { return b.name == pass.name; });
-    const double spent = pass.seconds - (old != before.end() ? old->seconds : 0);
-    if (spent <= 0 || pass.name == "build") continue;
-    result.push_back({pass.name, spent});
-    sum += spent;
-  }
+  for (const PassTime& pass : result) sum += pass.seconds;
   result.push_back({"other", std::max(0.0, seconds - sum)});
   return result;
 }

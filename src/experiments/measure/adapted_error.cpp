@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/clock.h"
+#include "compare/timed_session.h"
 #include "experiments/measure/adapted_file.h"
 #include "experiments/setup/learning_scenes.h"
 #include "render/build_pipeline.h"
@@ -17,22 +17,17 @@ namespace {
 
 /// A contender under way.
 struct Running {
-  Session session;
+  TimedSession timed;
   bool learns = false;
   std::vector<PassTime> passes_before = {};
   std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the present block
   AdaptedError result = {};
 };
 
-double render(Session& session) {
-  const double start_s = now_s();
-  session.render_frame();
-  return now_s() - start_s;
-}
-
 void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions, int block) {
-  r.result.frame_s.push_back(render(r.session));
-  r.result.last = r.session.image();
+  r.timed.render_frame();
+  r.result.frame_s.push_back(r.timed.frame_s().back());
+  r.result.last = r.timed.session().image();
   for (size_t i = 0; i < regions.size(); ++i) {
     r.mse[i].push_back(frame_mse(r.result.last, reference.image, regions[i]));
     if (r.mse[i].size() < static_cast<size_t>(block)) continue;
@@ -44,16 +39,12 @@ void measure_frame(Running& r, const Reference& reference, const std::vector<Pix
 /// Adds what passes took since `passes_before` to the contender's sums.
 void add_pass_times(Running& r) {
   auto& sums = r.result.pass_s;
-  for (const PassTime& pass : r.session.statistics().passes) {
-    double seconds = pass.seconds;
-    for (const PassTime& before : r.passes_before) {
-      if (before.name == pass.name) seconds -= before.seconds;
-    }
+  for (const PassTime& pass : pass_times_since(r.timed.session().statistics().passes, r.passes_before)) {
     const auto sum = std::find_if(sums.begin(), sums.end(), [&](const auto& s) { return s.first == pass.name; });
     if (sum == sums.end()) {
-      sums.emplace_back(pass.name, seconds);
+      sums.emplace_back(pass.name, pass.seconds);
     } else {
-      sum->second += seconds;
+      sum->second += pass.seconds;
     }
   }
 }
@@ -65,8 +56,8 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Named
     RenderSettings settings = contender.settings;
     settings.history = HistoryChoice::none;
     settings.seed = seed;
-    running.push_back({Session(Scene(scene.scene), settings), learns(settings)});
-    running.back().session.set_camera(scene.camera);
+    running.push_back({TimedSession(scene.scene, settings), learns(settings)});
+    running.back().timed.session().set_camera(scene.camera);
     running.back().mse.resize(regions);
     running.back().result.name = contender.name;
     running.back().result.mse.resize(regions);
@@ -88,12 +79,12 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
     const int frame = i % all;
     for (Running& r : running) {
       context.check_stop();
-      if (r.learns && frame == 0 && session > 0) r.session.restart(options.seed + session);
+      if (r.learns && frame == 0 && session > 0) r.timed.restart(options.seed + session);
       if (frame < options.warm_up) {
-        if (r.learns || i == 0) render(r.session);
+        if (r.learns || i == 0) r.timed.render_frame();
         continue;
       }
-      if (frame == options.warm_up) r.passes_before = r.session.statistics().passes;
+      if (frame == options.warm_up) r.passes_before = r.timed.session().statistics().passes;
       measure_frame(r, reference, regions, options.block);
       if (frame + 1 == all) add_pass_times(r);
     }
@@ -102,7 +93,7 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
   std::vector<AdaptedError> results;
   for (Running& r : running) {
     for (auto& [pass, seconds] : r.result.pass_s) seconds /= options.sessions * options.frames;
-    r.result.figures = r.session.statistics().figures;
+    r.result.figures = r.timed.session().statistics().figures;
     results.push_back(std::move(r.result));
   }
   if (!file.empty()) save_adapted(file, results);
