@@ -60,7 +60,7 @@ struct FirstFrames {
 FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene& scene, const RenderSettings& settings,
                          const Image& reference, const PixelMask& surfaces) {
   const int count = context.choose(16, 4);
-  const PixelMask all{"picture", std::vector<uint8_t>(reference.pixels.size(), 1)};
+  const PixelMask all = mask_of({"picture"}, reference.width, reference.height);
   Session session(scene.scene, settings);
   session.set_camera(scene.camera);
   FirstFrames means;

@@ -13,8 +13,6 @@
 namespace relume {
 namespace {
 
-PixelMask whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
-
 TEST(AdaptedError, RatiosHaveStudentsIntervals) {
   // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom are little more than those of the second.
   const std::vector<double> a{101, 99, 101, 99};
@@ -54,9 +52,9 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   settings.threads = 1;
   RenderSettings cache = settings;
   cache.lights = LightSelectionChoice::vlc;
-  const std::vector<AdaptedError> errors =
-      measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)},
-                      {whole_picture(16 * 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
+  const std::vector<AdaptedError> errors = measure_adapted(
+      {}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)}, {mask_of({"picture"}, 16, 12)},
+      {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
   ASSERT_EQ(errors.size(), 2u);
   for (const AdaptedError& e : errors) {
     ASSERT_EQ(e.mse[0].size(), 4u);  // two blocks a session
@@ -80,7 +78,7 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
   settings.height = 12;
   settings.lights = LightSelectionChoice::vlc;
   const std::vector<NamedSettings> contenders{{"vlc", settings}};
-  const std::vector<PixelMask> regions{whole_picture(16 * 12)};
+  const std::vector<PixelMask> regions{mask_of({"picture"}, 16, 12)};
   AdaptedOptions options{.warm_up = 1, .frames = 2, .sessions = 1, .block = 1, .seed = 1};
   const auto measure = [&] {
     return measure_adapted(context, scene, contenders, {.image = Image(16, 12)}, regions, options);

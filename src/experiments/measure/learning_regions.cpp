@@ -11,7 +11,7 @@ PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& s
   ExperimentScene lights = plainly_sampled(scene);
   lights.settings.path.max_bounces = 0;
   const Image seen = make_reference(context, lights, 256).image;
-  PixelMask region{"surfaces", std::vector<uint8_t>(seen.pixels.size(), 1)};
+  PixelMask region = mask_of({"surfaces"}, seen.width, seen.height);
   for (int y = 0; y < seen.height; ++y) {
     for (int x = 0; x < seen.width; ++x) {
       if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;

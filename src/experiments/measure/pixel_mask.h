@@ -1,6 +1,8 @@
-// Parts of a picture, pixel by pixel.
+// Parts of a picture, and errors there.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,6 +12,25 @@
 
 namespace relume {
 
+/// A rectangle, as shares of the picture's width and height from its upper left corner.
+struct Rectangle {
+  std::string name;
+  double x0 = 0;
+  double y0 = 0;
+  double x1 = 1;
+  double y1 = 1;
+};
+
+/// Pixels [x0, x1) × [y0, y1).
+struct PixelRange {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+};
+/// Those of a rectangle in a picture of this size.
+PixelRange pixels_of(const Rectangle& rectangle, int width, int height);
+
 /// A part of the picture.
 struct PixelMask {
   std::string name;
@@ -17,6 +38,21 @@ struct PixelMask {
 
   size_t pixels() const;
 };
+/// pixels_of() as a mask of the rectangle's name.
+PixelMask mask_of(const Rectangle& rectangle, int width, int height);
+
+/// Mean over the region's pixels of what `value` makes of a pixel's index; 0 without pixels.
+template <typename Value>
+double mean_over(const PixelMask& region, const Value& value) {
+  double sum = 0;
+  for (size_t p = 0; p < region.mask.size(); ++p) {
+    if (region.mask[p] != 0) sum += value(p);
+  }
+  return sum / static_cast<double>(std::max<size_t>(region.pixels(), 1));
+}
+
+/// Mean over the region's pixels and over R, G and B. The image has the mask's size, as in all that follows.
+double mean_of_channels(const Image& image, const PixelMask& region);
 
 /// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
 double frame_mse(const Image& frame, const Image& reference, const PixelMask& region);

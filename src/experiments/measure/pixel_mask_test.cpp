@@ -7,23 +7,29 @@
 namespace relume {
 namespace {
 
-PixelMask whole_picture(size_t pixels) { return {"picture", std::vector<uint8_t>(pixels, 1)}; }
+TEST(PixelMasks, AreMadeFromRectangles) {
+  const PixelMask mask = mask_of({"middle", 0.25, 0, 0.75, 0.5}, 4, 2);
+  EXPECT_EQ(mask.name, "middle");
+  EXPECT_EQ(mask.mask, (std::vector<uint8_t>{0, 1, 1, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(mask.pixels(), 2u);
+  EXPECT_EQ(mask_of({"beyond", -1, 0.5, 2, 3}, 4, 2).mask, (std::vector<uint8_t>{0, 0, 0, 0, 1, 1, 1, 1}));
+}
 
 TEST(PixelMasks, CountsThePixelsOfARegionOnly) {
   Image reference(2, 1);
   Image frame(2, 1);
   frame.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(frame_mse(frame, reference, {"left", {1, 0}}), (1.0 + 4 + 9) / 3);
-  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, whole_picture(2)), (1.0 + 4 + 9 + 2700) / 6);
+  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, mask_of({"picture"}, 2, 1)), (1.0 + 4 + 9 + 2700) / 6);
 }
 
 TEST(PixelMasks, TheReferencesNoiseIsThatOfTheRegion) {
   Reference reference;
-  EXPECT_EQ(reference_noise(reference, whole_picture(2)), 0);
+  EXPECT_EQ(reference_noise(reference, mask_of({"picture"}, 2, 1)), 0);
   reference.squared_error = Image(2, 1);
   reference.squared_error.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(reference_noise(reference, {"left", {1, 0}}), 2);
-  EXPECT_DOUBLE_EQ(reference_noise(reference, whole_picture(2)), 16);
+  EXPECT_DOUBLE_EQ(reference_noise(reference, mask_of({"picture"}, 2, 1)), 16);
 }
 
 TEST(PixelMasks, TellTheMinesRegionsApart) {

@@ -6,28 +6,17 @@
 #include <vector>
 
 #include "compare/comparison.h"
+#include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/study.h"
 #include "io/image.h"
 #include "report/page.h"
 
 namespace relume {
 
-/// A rectangle, as shares of the picture's width and height from its upper left corner.
-struct Rectangle {
-  std::string name;
-  double x0 = 0;
-  double y0 = 0;
-  double x1 = 1;
-  double y1 = 1;
-};
-
-/// Mean over the region of (a − b)², all channels. Both images have the same size, as everywhere here.
-double region_mse(const Image& a, const Image& b, const Rectangle& region);
-
-/// The same of a contender's last frame, mean over its repetitions, without the reference's own noise.
+/// MSE of a contender's last frame in the region, mean over its repetitions, without the reference's own noise.
 double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region);
 
-/// Mean luminance of the region.
+/// Mean luminance of the region. Images have one size, as in all that follows.
 double region_mean(const Image& image, const Rectangle& region);
 
 /// Which share of the reference's contrast in the region an image has kept: the slope of its luminance over that of the

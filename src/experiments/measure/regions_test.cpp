@@ -20,8 +20,8 @@ TEST(Regions, AreCutOut) {
   const Image image = quarter();
   EXPECT_NEAR(region_mean(image, {"bright", 0, 0, 0.5, 0.5}), 0.8, 1e-6);
   EXPECT_NEAR(region_mean(image, {"right", 0.5, 0, 1, 1}), 0.2, 1e-6);
-  EXPECT_NEAR(region_mse(image, Image(32, 32), {"right", 0.5, 0, 1, 1}), 0.04, 1e-6);
-  EXPECT_NEAR(region_mse(image, Image(32, 32), {"picture"}), (0.64 + 3 * 0.04) / 4, 1e-6);
+  EXPECT_NEAR(frame_mse(image, Image(32, 32), mask_of({"right", 0.5, 0, 1, 1}, 32, 32)), 0.04, 1e-6);
+  EXPECT_NEAR(frame_mse(image, Image(32, 32), mask_of({"picture"}, 32, 32)), (0.64 + 3 * 0.04) / 4, 1e-6);
 }
 
 TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
