@@ -3,44 +3,24 @@
 #pragma once
 
 #include "techniques/features/light_history.h"
-#include "techniques/reprojection/backward.h"
 
 namespace relume {
 
 /// First accumulation: this frame's samples join the history of their surface. Histories of what was fitted come along.
 struct BmfrAccumulateKernel {
-  BackwardReprojection reprojection;
-  SurfaceLight samples;
-  View<const Rgb> light_before;
-  View<const uint32_t> count_before;
+  LightHistory history;
   View<const Rgb> fitted_before;
   View<const float> square_before;
-  View<Rgb> light;
-  View<uint32_t> count;
   View<Rgb> fitted_history;  ///< fitted_before where this frame's surface was
   View<float> square;        ///< mean square of the samples' luminance
   View<uint32_t> age;        ///< samples that were known before this frame
-  uint32_t max_samples = kNoHistoryLimit;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * reprojection.width + x;
-    const SurfaceLightSample sample = samples.at(pixel);
-    const BackwardTaps taps = reprojection.taps_or_nearest(x, y);
-    uint32_t n = taps.least(count_before);
-    if (n > max_samples) n = max_samples;
-    Rgb sum = n > 0 ? taps.fetch(light_before) : Rgb(0);
-    age[pixel] = n;
-    fitted_history[pixel] = n > 0 ? taps.fetch(fitted_before) : Rgb(0);
-    float squares = n > 0 ? taps.fetch(square_before) : 0.0f;
-    if (sample.valid) {
-      ++n;
-      const float share = 1.0f / static_cast<float>(n);
-      sum += (sample.light - sum) * share;
-      squares += (sqr(luminance(sample.light)) - squares) * share;
-    }
-    square[pixel] = squares;
-    light[pixel] = sum;  // black texels, too, carry the history of what surrounds them
-    count[pixel] = n;
+    const PixelHistory pixel = history.accumulate(x, y);
+    const uint32_t i = history.pixel(x, y);
+    age[i] = pixel.age;
+    fitted_history[i] = pixel.past(fitted_before);
+    square[i] = pixel.mean(square_before, sqr(luminance(pixel.sample.light)));
   }
 };
 

@@ -52,18 +52,12 @@ bool BmfrPass::run(const FrameContext& frame) {
 
 void BmfrPass::accumulate(const FrameContext& frame) const {
   BmfrAccumulateKernel kernel;
-  kernel.reprojection = feature_reprojection(frame);
-  kernel.samples = surface_light(frame);
-  kernel.light_before = frame.previous<const Rgb>("bmfr-light");
-  kernel.count_before = frame.previous<const uint32_t>("bmfr-samples");
+  kernel.history = light_history(frame, {"bmfr-light", "bmfr-samples"}, settings_.history);
   kernel.fitted_before = frame.previous<const Rgb>("bmfr-fit");
   kernel.square_before = frame.previous<const float>("bmfr-square");
-  kernel.light = frame.view<Rgb>("bmfr-light");
-  kernel.count = frame.view<uint32_t>("bmfr-samples");
   kernel.fitted_history = frame.view<Rgb>("bmfr-fit-history");
   kernel.square = frame.view<float>("bmfr-square");
   kernel.age = frame.view<uint32_t>("bmfr-age");
-  kernel.max_samples = history_limit(frame, settings_.max_history, settings_.max_history_changed);
   launch(frame.backend, "bmfr-accumulate", kernel, frame.width(), frame.height());
 }
 
@@ -105,7 +99,7 @@ void BmfrPass::present(const FrameContext& frame) const {
   kernel.max_fits = static_cast<uint32_t>(settings_.max_fits);
   kernel.width = frame.width();
   launch(frame.backend, "bmfr-present", kernel, frame.width(), frame.height());
-  finish_picture(frame, {"bmfr-present", "bmfr-shown", "bmfr-picture"}, settings_.newest);
+  finish_picture(frame, {"bmfr-present", "bmfr-shown", "bmfr-picture"}, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -233,28 +233,28 @@ struct History {
     count.swap(count_before);
     square.swap(square_before);
     BmfrAccumulateKernel kernel;
-    kernel.reprojection = {view_of(motion),
-                           view_of(came_from),
-                           view_of(normal),
-                           view_of(depth),
-                           view_of(surface),
-                           view_of(position),
-                           view_of(normal),
-                           view_of(surface_before),
-                           {},
-                           kWidth,
-                           kHeight};
-    kernel.samples = {view_of(radiance), view_of(allocation), view_of(albedo), view_of(emission)};
-    kernel.light_before = view_of(light_before);
-    kernel.count_before = view_of(count_before);
+    kernel.history.reprojection = {view_of(motion),
+                                   view_of(came_from),
+                                   view_of(normal),
+                                   view_of(depth),
+                                   view_of(surface),
+                                   view_of(position),
+                                   view_of(normal),
+                                   view_of(surface_before),
+                                   {},
+                                   kWidth,
+                                   kHeight};
+    kernel.history.samples = {view_of(radiance), view_of(allocation), view_of(albedo), view_of(emission)};
+    kernel.history.light_before = view_of(light_before);
+    kernel.history.count_before = view_of(count_before);
     kernel.fitted_before = view_of(light_before);
     kernel.square_before = view_of(square_before);
-    kernel.light = mutable_view_of(light);
-    kernel.count = mutable_view_of(count);
+    kernel.history.light = mutable_view_of(light);
+    kernel.history.count = mutable_view_of(count);
     kernel.fitted_history = mutable_view_of(fitted_history);
     kernel.square = mutable_view_of(square);
     kernel.age = mutable_view_of(age);
-    kernel.max_samples = max_samples;
+    kernel.history.max_samples = max_samples;
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
     }
@@ -289,7 +289,9 @@ TEST(Bmfr, StillPixelsKeepTheMeanOfTheirSamples) {
   }
   EXPECT_EQ(h.count[17], 5u);
   EXPECT_NEAR(h.light[17].r, 3.0f / 0.5f, 1e-5f);  // mean over albedo
-  h.accumulate(3);                                 // the history now counts for three
+  EXPECT_NEAR(h.square[17], 11.0f / 0.25f, 1e-3f);
+  EXPECT_EQ(h.age[17], 4u);
+  h.accumulate(3);  // the history now counts for three
   EXPECT_EQ(h.count[17], 4u);
   EXPECT_NEAR(h.light[17].r, (3.0f * 6.0f + 10.0f) / 4.0f, 1e-5f);
 }

@@ -1,7 +1,5 @@
 #include "techniques/bmfr/settings.h"
 
-#include "techniques/features/history_settings.h"
-
 namespace relume {
 
 SettingList describe(BmfrSettings& s) {
@@ -16,7 +14,7 @@ SettingList describe(BmfrSettings& s) {
        "What features do not explain is kept as far as it exceeds this many variances of the noise; 0: nothing is",
        {.min = 0, .max = 1000, .biases = true}},
   };
-  add_history_settings(list, s.max_history, s.max_history_changed, s.newest);
+  add_settings(list, s.history);
   return list;
 }
 

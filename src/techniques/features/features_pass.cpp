@@ -16,6 +16,13 @@ BufferDescription kept(const char* name, BufferType type, const char* help) {
   return {.name = name, .type = type, .help = help, .persistent = true, .display = BufferDisplay::value};
 }
 
+/// Samples that histories count for at most in this frame.
+uint32_t history_limit(const FrameContext& frame, const DenoiserHistorySettings& settings) {
+  if (includes(frame.changes, Change::geometry | Change::lights))
+    return static_cast<uint32_t>(settings.max_history_changed);
+  return frame.changes == Change::none ? kNoHistoryLimit : static_cast<uint32_t>(settings.max_history);
+}
+
 }  // namespace
 
 PassDeclaration FeaturesPass::declaration() const {
@@ -117,9 +124,15 @@ SurfaceLight surface_light(const FrameContext& frame) {
           frame.view<const Rgb>("feature-albedo"), frame.view<const Rgb>("feature-emission")};
 }
 
-uint32_t history_limit(const FrameContext& frame, int moving, int changed) {
-  if (includes(frame.changes, Change::geometry | Change::lights)) return static_cast<uint32_t>(changed);
-  return frame.changes == Change::none ? kNoHistoryLimit : static_cast<uint32_t>(moving);
+LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
+                           const DenoiserHistorySettings& settings) {
+  return {.reprojection = feature_reprojection(frame),
+          .samples = surface_light(frame),
+          .light_before = frame.previous<const Rgb>(buffers.light),
+          .count_before = frame.previous<const uint32_t>(buffers.samples),
+          .light = frame.view<Rgb>(buffers.light),
+          .count = frame.view<uint32_t>(buffers.samples),
+          .max_samples = history_limit(frame, settings)};
 }
 
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/pass.h"
+#include "techniques/features/history_settings.h"
 #include "techniques/features/light_history.h"
-#include "techniques/reprojection/backward.h"
 
 namespace relume {
 
@@ -46,8 +46,14 @@ BackwardReprojection feature_reprojection(const FrameContext& frame);
 /// This frame's samples beside its features.
 SurfaceLight surface_light(const FrameContext& frame);
 
-/// Samples that histories count for at most in this frame; without a limit where nothing has changed.
-uint32_t history_limit(const FrameContext& frame, int moving, int changed);
+/// What a denoiser remembers of light, in double-buffered buffers of its own.
+struct LightHistoryBuffers {
+  std::string_view light;
+  std::string_view samples;
+};
+/// What accumulates this frame's samples there. The past counts without a limit where nothing has changed.
+LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
+                           const DenoiserHistorySettings& settings);
 
 /// The last step of a denoiser, which owns these besides "denoised" and the two above: `shown`, this frame's filtered
 /// picture, and `history`, double-buffered. See picture_history.h.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/features/features.h"
+#include "techniques/reprojection/backward.h"
 
 namespace relume {
 
@@ -35,5 +36,57 @@ struct SurfaceLight {
 };
 
 inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
+
+/// A pixel's past and its sample of this frame: how anything that is known of its samples is averaged.
+struct PixelHistory {
+  BackwardTaps taps;
+  SurfaceLightSample sample;
+  uint32_t age = 0;  ///< samples that the past counts for
+
+  /// Samples, this frame's included.
+  RELUME_HD uint32_t count() const { return age + (sample.valid ? 1u : 0u); }
+
+  /// What a buffer of the frame before holds where this pixel's surface was; zero where nothing is known.
+  template <typename T>
+  RELUME_HD T past(const View<const T>& before) const {
+    return age > 0 ? taps.fetch(before) : T(0);
+  }
+
+  /// The mean over all samples, from that of the frame before and this frame's `value`, which counts if the sample
+  /// does.
+  template <typename T>
+  RELUME_HD T mean(const View<const T>& before, const T& value) const {
+    T result = past(before);
+    if (!sample.valid) return result;
+    const float share = 1.0f / static_cast<float>(count());
+    result += (value - result) * share;
+    return result;
+  }
+};
+
+/// Accumulates the light at the pixels' surfaces: what the first kernels of denoisers have in common.
+struct LightHistory {
+  BackwardReprojection reprojection;
+  SurfaceLight samples;
+  View<const Rgb> light_before;
+  View<const uint32_t> count_before;
+  View<Rgb> light;                         ///< mean of the samples
+  View<uint32_t> count;                    ///< of them
+  uint32_t max_samples = kNoHistoryLimit;  ///< that the past counts for at most
+
+  RELUME_HD uint32_t pixel(uint32_t x, uint32_t y) const { return y * reprojection.width + x; }
+
+  /// Brings the light of pixel (x, y) up to date. Black texels, too, carry the history of what surrounds them.
+  RELUME_HD PixelHistory accumulate(uint32_t x, uint32_t y) const {
+    const uint32_t i = pixel(x, y);
+    PixelHistory history;
+    history.sample = samples.at(i);
+    history.taps = reprojection.taps_or_nearest(x, y);
+    history.age = relume::min(history.taps.least(count_before), max_samples);
+    light[i] = history.mean(light_before, history.sample.light);
+    count[i] = history.count();
+    return history;
+  }
+};
 
 }  // namespace relume

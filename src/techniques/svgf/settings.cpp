@@ -1,7 +1,5 @@
 #include "techniques/svgf/settings.h"
 
-#include "techniques/features/history_settings.h"
-
 namespace relume {
 
 SettingList describe(SvgfSettings& s) {
@@ -19,7 +17,7 @@ SettingList describe(SvgfSettings& s) {
        "How far off a pixel's plane others may lie, as a share of how far they are apart",
        {.min = 0.001, .max = 1000, .biases = true}},
   };
-  add_history_settings(list, s.max_history, s.max_history_changed, s.newest);
+  add_settings(list, s.history);
   return list;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "techniques/features/light_history.h"
-#include "techniques/reprojection/backward.h"
 #include "techniques/svgf/atrous.h"
 
 namespace relume {
@@ -13,34 +12,14 @@ inline constexpr uint32_t kYoungHistory = 4;
 
 /// Temporal accumulation of light and of the first two moments of its luminance.
 struct SvgfAccumulateKernel {
-  BackwardReprojection reprojection;
-  SurfaceLight samples;
-  View<const Rgb> light_before;
+  LightHistory history;
   View<const Vec2> moments_before;
-  View<const uint32_t> count_before;
-  View<Rgb> light;
   View<Vec2> moments;
-  View<uint32_t> count;
-  uint32_t max_samples = kNoHistoryLimit;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * reprojection.width + x;
-    const SurfaceLightSample sample = samples.at(pixel);
-    const BackwardTaps taps = reprojection.taps_or_nearest(x, y);
-    uint32_t n = taps.least(count_before);
-    if (n > max_samples) n = max_samples;
-    Rgb mean = n > 0 ? taps.fetch(light_before) : Rgb(0);
-    Vec2 m = n > 0 ? taps.fetch(moments_before) : Vec2(0);
-    if (sample.valid) {
-      ++n;
-      const float share = 1.0f / static_cast<float>(n);
-      const float brightness = luminance(sample.light);
-      mean += (sample.light - mean) * share;
-      m += (Vec2(brightness, sqr(brightness)) - m) * share;
-    }
-    light[pixel] = mean;
-    moments[pixel] = m;
-    count[pixel] = n;
+    const PixelHistory pixel = history.accumulate(x, y);
+    const float brightness = luminance(pixel.sample.light);
+    moments[history.pixel(x, y)] = pixel.mean(moments_before, Vec2(brightness, sqr(brightness)));
   }
 };
 

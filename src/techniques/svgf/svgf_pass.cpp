@@ -40,15 +40,9 @@ bool SvgfPass::run(const FrameContext& frame) {
 
 void SvgfPass::accumulate(const FrameContext& frame) const {
   SvgfAccumulateKernel kernel;
-  kernel.reprojection = feature_reprojection(frame);
-  kernel.samples = surface_light(frame);
-  kernel.light_before = frame.previous<const Rgb>("svgf-light");
+  kernel.history = light_history(frame, {"svgf-light", "svgf-samples"}, settings_.history);
   kernel.moments_before = frame.previous<const Vec2>("svgf-moments");
-  kernel.count_before = frame.previous<const uint32_t>("svgf-samples");
-  kernel.light = frame.view<Rgb>("svgf-light");
   kernel.moments = frame.view<Vec2>("svgf-moments");
-  kernel.count = frame.view<uint32_t>("svgf-samples");
-  kernel.max_samples = history_limit(frame, settings_.max_history, settings_.max_history_changed);
   launch(frame.backend, "svgf-accumulate", kernel, frame.width(), frame.height());
 }
 
@@ -95,7 +89,7 @@ void SvgfPass::present(const FrameContext& frame) {
   kernel.shown = frame.view<Rgb>("svgf-shown");
   kernel.width = frame.width();
   launch(frame.backend, "svgf-present", kernel, frame.width(), frame.height());
-  finish_picture(frame, {"svgf-present", "svgf-shown", "svgf-picture"}, settings_.newest);
+  finish_picture(frame, {"svgf-present", "svgf-shown", "svgf-picture"}, settings_.history.newest);
 }
 
 }  // namespace relume
