@@ -26,7 +26,7 @@
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/region_view.h"
 #include "techniques/oidn/oidn.h"
-#include "techniques/path/path.h"
+#include "techniques/path/path_kernel.h"
 #include "techniques/path/recorded_path.h"
 #include "techniques/path_graphs/path_graphs.h"
 #include "techniques/path_space_filter/path_space_filter.h"

@@ -7,10 +7,7 @@ namespace relume {
 PassDeclaration AdaptivePsfPass::declaration() const { return cell_paths_declaration(); }
 
 bool AdaptivePsfPass::run(const FrameContext& frame) {
-  AdaptivePsfKernel kernel;
-  kernel.context = make_path_context(source_, frame);
-  kernel.cache = {cells_.filter(), make_adaptive_psf(settings_)};
-  return trace_into_cells(frame, kernel);
+  return trace_into_cells(source_, frame, AdaptiveFilterContext{cells_.filter(), make_adaptive_psf(settings_)});
 }
 
 }  // namespace relume

@@ -2,7 +2,7 @@
 // Histories need it to judge what a sample is worth from another viewpoint or under moved lights.
 #pragma once
 
-#include "techniques/path/path.h"
+#include "techniques/path/path_kernel.h"
 
 namespace relume {
 
@@ -17,17 +17,14 @@ struct FirstVertex {
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };
 
-/// Fills one of them while a path is traced; none if there is none.
+/// Fills an empty one while a path is traced; none if there is none.
 struct FirstVertexObserver {
   FirstVertex* vertex;
   Rgb radiance_before{0};
   Rgb throughput{0};
 
   RELUME_HD void emitted(const PathState&, bool) {}
-  RELUME_HD bool arrived(const SurfacePoint&, const PathState& path) {
-    if (vertex && path.bounce == 0) *vertex = FirstVertex{};
-    return true;
-  }
+  RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
   RELUME_HD void connected(const SurfacePoint&, const PathState& path, const Connection& c, bool visible) {
     if (!vertex || path.bounce != 0) return;
     vertex->to_light = c.ray.direction;
@@ -51,16 +48,30 @@ struct FirstVertexObserver {
   }
 };
 
-/// PathKernel that also leaves the first vertex of each path.
-struct FirstVertexPathKernel {
-  PathKernel path;
+/// Begins the record of a pixel's path; none if there are no records.
+RELUME_HD inline FirstVertexObserver watch_first_vertex(const View<FirstVertex>& vertices, uint32_t pixel) {
+  if (vertices.empty()) return {nullptr};
+  vertices[pixel] = {};
+  return {&vertices[pixel]};
+}
+
+/// Keeps radiance and first vertex of each path.
+struct FirstVertexObservation {
+  View<Rgb> radiance;  ///< of this sample; may be not finite
   View<FirstVertex> first_vertices;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    FirstVertex& vertex = first_vertices[y * path.width + x];
-    vertex = FirstVertex{};
-    path.trace(x, y, FirstVertexObserver{&vertex});
+  RELUME_HD FirstVertexObserver observer(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
+    return watch_first_vertex(first_vertices, pixel);
+  }
+  RELUME_HD void finish(uint32_t pixel, const FirstVertexObserver&, const PathState& path) const {
+    radiance[pixel] = path.radiance;
+  }
+  RELUME_HD void leave_out(uint32_t pixel) const {
+    radiance[pixel] = Rgb(0);
+    first_vertices[pixel] = {};
   }
 };
+
+using FirstVertexPathKernel = ObservedPathKernel<FirstVertexObservation>;
 
 }  // namespace relume

@@ -1,5 +1,5 @@
 // Unidirectional path tracing with next event estimation and multiple importance sampling at every vertex ([Veach97],
-// ch. 9 and 10). The steps are functions of their own; the kernel at the end strings them together.
+// ch. 9 and 10). The steps are functions of their own, which trace_path() strings together.
 #pragma once
 
 #include <concepts>
@@ -316,59 +316,4 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
   return path;
 }
 
-/// How kernels that trace one path a pixel do so, on a device and in the one-element form. Such a kernel has the
-/// members `context`, `index`, `hits`, `width` and
-///   wanted(pixel), leave_out(pixel)     whether the pixel gets a path, and what is written if not
-///   observer(x, y)                      watches the pixel's path
-///   finish(pixel, observer, path)       writes what came out
-template <typename Kernel>
-RELUME_HD inline void trace_pixel(const Kernel& kernel, uint32_t x, uint32_t y) {
-  const uint32_t pixel = y * kernel.width + x;
-  if (!kernel.wanted(pixel)) return kernel.leave_out(pixel);
-  Sampler sampler = kernel.index.sampler(x, y);
-  auto observer = kernel.observer(x, y);
-  PathState path = trace_path(kernel.context, x, y, sampler, kernel.hits[pixel], observer);
-  kernel.finish(pixel, observer, path);
-}
-
-/// Traces one path a pixel from the primary hits.
-struct PathKernel {
-  PathContext context;
-  SampleIndex index;
-  View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
-  View<Rgb> radiance;               ///< of this sample; may be not finite
-  View<uint32_t> rays;              ///< of this sample
-  uint32_t width = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace(x, y, NoObserver{}); }
-
-  /// The same, watched by an observer of this path.
-  template <typename Observer>
-  RELUME_HD void trace(uint32_t x, uint32_t y, Observer&& observer) const {
-    const uint32_t pixel = y * width + x;
-    if (!wanted(pixel)) return leave_out(pixel);
-    Sampler sampler = index.sampler(x, y);
-    const PathState path = trace_path(context, x, y, sampler, hits[pixel], observer);
-    radiance[pixel] = path.radiance;
-    rays[pixel] = path.rays;
-  }
-
-  /// Host: some paths of the tile side by side.
-  void operator()(const Tile& tile) const;
-
-  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    radiance[pixel] = Rgb(0);
-    rays[pixel] = 0;
-  }
-  RELUME_HD NoObserver observer(uint32_t, uint32_t) const { return {}; }
-  RELUME_HD void finish(uint32_t pixel, const NoObserver&, const PathState& path) const {
-    radiance[pixel] = path.radiance;
-    rays[pixel] = path.rays;
-  }
-};
-
 }  // namespace relume
-
-#include "techniques/path/path_batch.h"

@@ -96,7 +96,7 @@ inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
   }
 }
 
-/// The tile form of a kernel that offers what trace_pixel() asks for.
+/// The tile form of ObservedPathKernel.
 template <typename Kernel>
 inline void trace_tile(const Kernel& kernel, const Tile& tile) {
   using Observer = decltype(kernel.observer(0u, 0u));
@@ -134,7 +134,5 @@ inline void trace_tile(const Kernel& kernel, const Tile& tile) {
 }
 
 }  // namespace path_batch
-
-inline void PathKernel::operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
 
 }  // namespace relume

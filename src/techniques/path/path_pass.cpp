@@ -1,6 +1,7 @@
 #include "techniques/path/path_pass.h"
 
 #include "techniques/path/recorded_path.h"
+#include "techniques/path/trace_paths.h"
 
 namespace relume {
 
@@ -41,21 +42,11 @@ PassDeclaration PathPass::declaration() const {
 }
 
 bool PathPass::run(const FrameContext& frame) {
-  PathKernel kernel;
-  kernel.context = make_path_context(source_, frame);
-  kernel.index = frame.index;
-  kernel.hits = frame.view<const Hit>("primary-hits");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.radiance = frame.view<Rgb>("radiance");
-  kernel.rays = frame.view<uint32_t>("rays");
-  kernel.width = frame.width();
+  const View<Rgb> radiance = frame.view<Rgb>("radiance");
   const View<FirstVertex> vertices = first_vertices_ ? frame.view<FirstVertex>("first-vertices") : View<FirstVertex>{};
-  if (recording_) {
-    return frame.launch("trace", RecordedPathKernel{kernel.context, kernel.index, kernel.hits, kernel.allocation,
-                                                    kernel.radiance, kernel.rays, *recording_, vertices, kernel.width});
-  }
-  if (!first_vertices_) return frame.launch("trace", kernel);
-  return frame.launch("trace", FirstVertexPathKernel{kernel, vertices});
+  if (recording_) return trace_paths(source_, frame, RecordingObservation{radiance, *recording_, vertices});
+  if (first_vertices_) return trace_paths(source_, frame, FirstVertexObservation{radiance, vertices});
+  return trace_paths(source_, frame, RadianceObservation{radiance});
 }
 
 }  // namespace relume

@@ -6,6 +6,7 @@
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
+#include "techniques/path/path_kernel.h"
 
 namespace relume {
 namespace {
@@ -338,7 +339,7 @@ Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32
   kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
   kernel.index = index;
   kernel.hits = view_of(hits);
-  kernel.radiance = mutable_view_of(traced.radiance);
+  kernel.observation.radiance = mutable_view_of(traced.radiance);
   kernel.rays = mutable_view_of(traced.rays);
   kernel.width = width;
   for (uint32_t y = 0; y < height; ++y) {

@@ -7,9 +7,7 @@ namespace relume {
 PassDeclaration PathGraphPass::declaration() const { return cell_paths_declaration(); }
 
 bool PathGraphPass::run(const FrameContext& frame) {
-  PathGraphKernel kernel;
-  kernel.context = make_path_context(source_, frame);
-  PathGraphContext& graph = kernel.cache;
+  PathGraphContext graph;
   graph.filter = cells_.filter();
   graph.primary = make_adaptive_psf(primary_ ? *primary_ : AdaptivePsfSettings{}, BlendFunction::zero);
   graph.primary.enabled = primary_ != nullptr;
@@ -17,7 +15,7 @@ bool PathGraphPass::run(const FrameContext& frame) {
   graph.measure = settings_.variance;
   graph.feed = settings_.feed;
   graph.deep_coarsening = static_cast<uint16_t>(settings_.deep_coarsening);
-  return trace_into_cells(frame, kernel);
+  return trace_into_cells(source_, frame, graph);
 }
 
 }  // namespace relume

@@ -1,7 +1,8 @@
-// What caches in a hash grid have in common where they trace paths: the kernel, and random numbers of their own.
+// What caches in a hash grid have in common where they trace paths: how they watch them, and random numbers of their
+// own.
 #pragma once
 
-#include "techniques/path/path.h"
+#include "techniques/path/path_kernel.h"
 #include "techniques/path_space_filter/filtered_pixel.h"
 
 namespace relume {
@@ -15,37 +16,29 @@ RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uin
   return {filter_random(index, x, y, 2 * purpose + 0x10000u), filter_random(index, x, y, 2 * purpose + 0x10001u)};
 }
 
-/// Traces one path a pixel and fills the cells. `Cache` makes what watches a path,
+/// Fills the cells. `Cache` makes what watches a path,
 ///   observer(index, x, y)
 /// an observer of trace_path() with
 ///   finish(path)   when the path has ended: gives its samples to the cells
 ///   pixel()        what the pixel is made of once the cells have all samples
 template <typename Cache>
-struct CellPathsKernel {
-  PathContext context;
+struct CellObservation {
   Cache cache;
-  SampleIndex index;
-  View<const Hit> hits;
-  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
   View<FilteredPixel> pixels;
-  View<uint32_t> rays;  ///< of this sample
-  uint32_t width = 0;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { trace_pixel(*this, x, y); }
-  void operator()(const Tile& tile) const { path_batch::trace_tile(*this, tile); }
-
-  RELUME_HD bool wanted(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    pixels[pixel] = {};
-    rays[pixel] = 0;
+  RELUME_HD auto observer(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
+    return cache.observer(index, x, y);
   }
-  RELUME_HD auto observer(uint32_t x, uint32_t y) const { return cache.observer(index, x, y); }
   template <typename Observer>
-  RELUME_HD void finish(uint32_t pixel, Observer& observer, PathState& path) const {
-    observer.finish(path);
-    pixels[pixel] = observer.pixel();
-    rays[pixel] = path.rays;
+  RELUME_HD void finish(uint32_t pixel, Observer& watcher, PathState& path) const {
+    watcher.finish(path);
+    pixels[pixel] = watcher.pixel();
   }
+  RELUME_HD void leave_out(uint32_t pixel) const { pixels[pixel] = {}; }
 };
+
+/// Traces one path a pixel and fills the cells.
+template <typename Cache>
+using CellPathsKernel = ObservedPathKernel<CellObservation<Cache>>;
 
 }  // namespace relume

@@ -8,6 +8,7 @@
 #include "pipeline/pass.h"
 #include "techniques/hash_grid/hash_grid_table.h"
 #include "techniques/path/path_pass.h"
+#include "techniques/path/trace_paths.h"
 #include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/path_space_filter/settings.h"
 
@@ -66,16 +67,10 @@ class ResolveCellsPass final : public Pass {
 /// Of a pass that traces paths and fills cells: owns what estimators own, and what pixels leave for the cells.
 PassDeclaration cell_paths_declaration();
 
-/// Runs a kernel that traces paths and fills cells.
-template <typename Kernel>
-bool trace_into_cells(const FrameContext& frame, Kernel& kernel) {
-  kernel.index = frame.index;
-  kernel.hits = frame.view<const Hit>("primary-hits");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.pixels = frame.view<FilteredPixel>("filtered-pixels");
-  kernel.rays = frame.view<uint32_t>("rays");
-  kernel.width = frame.width();
-  return frame.launch("trace", kernel);
+/// Traces paths and fills cells; `cache` as for CellObservation.
+template <typename Cache>
+bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache) {
+  return trace_paths(source, frame, CellObservation<Cache>{cache, frame.view<FilteredPixel>("filtered-pixels")});
 }
 
 }  // namespace relume

@@ -4,11 +4,6 @@ namespace relume {
 
 PassDeclaration PathSpaceFilterPass::declaration() const { return cell_paths_declaration(); }
 
-bool PathSpaceFilterPass::run(const FrameContext& frame) {
-  PathSpaceFilterKernel kernel;
-  kernel.context = make_path_context(source_, frame);
-  kernel.cache = cells_.filter();
-  return trace_into_cells(frame, kernel);
-}
+bool PathSpaceFilterPass::run(const FrameContext& frame) { return trace_into_cells(source_, frame, cells_.filter()); }
 
 }  // namespace relume

@@ -90,13 +90,13 @@ class CachedFrames {
     const auto rays = mutable_view_of(rays_);
     switch (settings_.kind) {
       case CacheKind::none:
-        run("trace", PathKernel{context, index, hits, {}, mutable_view_of(radiance_), rays, width()});
+        run("trace", PathKernel{context, index, hits, {}, rays, width(), {mutable_view_of(radiance_)}});
         break;
       case CacheKind::psf:
-        run("trace", PathSpaceFilterKernel{context, filter, index, hits, {}, pixels, rays, width()});
+        run("trace", PathSpaceFilterKernel{context, index, hits, {}, rays, width(), {filter, pixels}});
         break;
       case CacheKind::apsf:
-        run("trace", AdaptivePsfKernel{context, {filter, adaptive}, index, hits, {}, pixels, rays, width()});
+        run("trace", AdaptivePsfKernel{context, index, hits, {}, rays, width(), {{filter, adaptive}, pixels}});
         break;
       case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
       case CacheKind::apsf_apg:
@@ -106,7 +106,7 @@ class CachedFrames {
                                      settings_.apg.variance,
                                      settings_.apg.feed,
                                      static_cast<uint16_t>(settings_.apg.deep_coarsening)};
-        run("trace", PathGraphKernel{context, graph, index, hits, {}, pixels, rays, width()});
+        run("trace", PathGraphKernel{context, index, hits, {}, rays, width(), {graph, pixels}});
         break;
     }
   }
