@@ -2,6 +2,7 @@
 // smooth glass, and apart from it the emission that is seen along the way, which carries no noise.
 #pragma once
 
+#include "scene/medium.h"
 #include "techniques/primary_hits/primary_hits.h"
 
 namespace relume {
@@ -144,12 +145,15 @@ struct FeatureTracer {
   RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp) const {
     Feature f;
     Rgb seen(1);
+    Rgb medium(0);  // of what the way leads through
     Mat3 unfold(1);
     uint32_t path_id = 0;
     f.albedo = Rgb(1);
     f.depth = hit.t;
     for (uint32_t step = 0;; ++step) {
-      absorb(sp, hit.t, seen, f.albedo);
+      const Rgb let_through = transmittance_to(scene, sp, hit.t, medium);
+      seen *= let_through;
+      f.albedo *= let_through;
       f.emission += seen * sp.emission;
       const NarrowStep next = step < max_steps ? narrow_step(sp) : NarrowStep{};
       if (!next.valid) break;
@@ -158,6 +162,7 @@ struct FeatureTracer {
       path_id = hash(sp.instance, path_id + 1);
       if (next.reflected) unfold = unfold * reflection(sp.frame.n);
       const Ray ray = sp.spawn_ray(next.wi);
+      medium = medium_along(scene, sp, next.wi, medium);
       hit = intersect(scene.accel, ray, hash(ray_id, step));
       if (!hit.valid()) {
         reach_background(camera_ray, ray, seen, path_id, f);
@@ -176,14 +181,6 @@ struct FeatureTracer {
 
   /// I − 2 n nᵀ.
   RELUME_HD static Mat3 reflection(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
-
-  RELUME_HD void absorb(const SurfacePoint& sp, float distance, Rgb& seen, Rgb& albedo) const {
-    const MaterialData& material = scene.materials[sp.material];
-    if (!material.volume || sp.front_face) return;
-    const Rgb factor = exp(-material.absorption * distance);
-    seen *= factor;
-    albedo *= factor;
-  }
 
   RELUME_HD void reach_background(const Ray& camera_ray, const Ray& ray, const Rgb& seen, uint32_t path_id,
                                   Feature& f) const {

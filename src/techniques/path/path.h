@@ -5,6 +5,7 @@
 #include <concepts>
 
 #include "sampling/mis.h"
+#include "scene/medium.h"
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/primary_hits/primary_hits.h"
@@ -93,21 +94,6 @@ RELUME_HD inline bool add_infinite_lights(const PathContext& c, const SurfacePoi
   return lights_know;
 }
 
-/// What absorbs light beyond the surface in direction `w`, if `medium` does on the viewer's side. A body begins where
-/// its front is passed and ends where its back is; bodies that overlap add up.
-RELUME_HD inline Rgb medium_along(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, const Rgb& medium) {
-  if (!scene.absorbs || glm::dot(w, sp.ng) >= 0.0f) return medium;
-  const MaterialData& material = scene.materials[sp.material];
-  if (!material.volume) return medium;
-  return sp.front_face ? medium + material.absorption : glm::max(medium - material.absorption, Rgb(0));
-}
-
-/// Share of light that `distance` metres let through. All of what comes from infinity: whoever sees that far has left a
-/// body unnoticed, through an opening.
-RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
-  return is_black(medium) || distance == kInfinity ? Rgb(1) : exp(-medium * distance);
-}
-
 /// A light and a point on it, as seen from a surface.
 struct LightPick {
   LightId id = kNoLight;
@@ -150,11 +136,7 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
 
 /// Absorption along the segment that ends at a surface.
 RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, float distance, PathState& path) {
-  if (!scene.absorbs) return;
-  const MaterialData& material = scene.materials[sp.material];
-  // Who meets an inner side is inside, even if it did not see itself enter: the camera may stand there.
-  if (material.volume && !sp.front_face) path.medium = glm::max(path.medium, material.absorption);
-  path.throughput *= transmittance(path.medium, distance);
+  path.throughput *= transmittance_to(scene, sp, distance, path.medium);
 }
 
 /// Roulette begins where throughput, relative to that of the first bounce, falls below the inverse of this, and keeps

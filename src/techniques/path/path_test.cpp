@@ -6,10 +6,17 @@
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
+#include "scene/testing/bodies.h"
 #include "techniques/path/path_kernel.h"
 
 namespace relume {
 namespace {
+
+using testing::add_body;
+using testing::glowing_plate;
+using testing::lambert;
+using testing::plate;
+using testing::tint;
 
 struct Rendered {
   Rgb mean{0};  ///< over all pixels
@@ -35,41 +42,6 @@ RenderSettings small(int size, int max_bounces) {
   s.width = s.height = size;
   s.path.max_bounces = max_bounces;
   return s;
-}
-
-/// Camera straight above a square plate of `material` that lies in y = 0 and fills the picture. Orthographic, so that
-/// all pixels see the plate alike.
-Scene plate(const Material& material, float half_size, float seen) {
-  Scene scene;
-  scene.name = "plate";
-  scene.materials.push_back(material);
-  Mesh mesh;
-  const float h = half_size;
-  mesh.positions = {{-h, 0, -h}, {-h, 0, h}, {h, 0, h}, {h, 0, -h}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.material = 0;
-  scene.meshes.push_back(mesh);
-  Node node;
-  node.meshes = {0};
-  scene.add_node(node);
-  Camera camera;
-  camera.projection = Projection::orthographic;
-  camera.half_height = seen;
-  scene.cameras.push_back(camera);
-  Node eye;
-  eye.camera = 0;
-  eye.transform.translation = Vec3(0, 0.5f, 0);
-  eye.transform.rotation = glm::angleAxis(-kPi / 2, Vec3(1, 0, 0));
-  scene.add_node(eye);
-  return scene;
-}
-
-Material lambert(const Rgb& albedo) {
-  Material m;
-  m.base_color = albedo;
-  m.metallic = 0;
-  m.specular = 0;
-  return m;
 }
 
 void add_light(Scene& scene, const PunctualLight& light, const Vec3& position) {
@@ -184,46 +156,6 @@ TEST(Path, SelectorsAgreeInTheMean) {
   const Rendered a = render(scene, 256, power);
   const Rendered b = render(scene, 256, uniform);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a.mean[c] / b.mean[c], 1.0f, 0.05f);
-}
-
-/// Absorbs but neither reflects nor refracts.
-Material tint(const Rgb& absorption) {
-  Material m = lambert(Rgb(1));
-  m.transmission = 1;
-  m.roughness = 0;
-  m.ior = 1;
-  m.thickness = 1;
-  m.attenuation_distance = 1;
-  m.attenuation_color = exp(-absorption);
-  return m;
-}
-
-/// Surface of a body between two heights, or at one an open sheet.
-void add_body(Scene& scene, const Material& material, float top, float bottom) {
-  Mesh mesh;
-  for (const float y : {top, bottom}) {
-    const auto first = static_cast<uint32_t>(mesh.positions.size());
-    for (const Vec2& p : {Vec2(-4), Vec2(-4, 4), Vec2(4), Vec2(4, -4)}) mesh.positions.emplace_back(p.x, y, p.y);
-    const bool up = first == 0;
-    mesh.triangles.emplace_back(first, first + (up ? 1 : 2), first + (up ? 2 : 1));
-    mesh.triangles.emplace_back(first, first + (up ? 2 : 3), first + (up ? 3 : 2));
-    if (bottom == top) break;
-  }
-  mesh.material = static_cast<Index>(scene.materials.size());
-  scene.materials.push_back(material);
-  Node node;
-  node.meshes = {static_cast<Index>(scene.meshes.size())};
-  scene.meshes.push_back(mesh);
-  scene.add_node(node);
-}
-
-/// A glowing plate in y = 0, seen from above, from height `eye`.
-Scene glowing_plate(float eye) {
-  Material material = lambert(Rgb(1));
-  material.unlit = true;
-  Scene scene = plate(material, 3, 1);
-  scene.nodes[1].transform.translation.y = eye;
-  return scene;
 }
 
 const Rgb kAbsorption(0.2f, 0.5f, 1.0f);
