@@ -13,6 +13,8 @@ struct Ray {
 
 /// No instance: the ray left the scene.
 inline constexpr uint32_t kNoHit = 0xffffffffu;
+/// The same in buffers that tell surfaces apart by numbers.
+inline constexpr uint32_t kNoSurface = kNoHit;
 
 /// What a ray met. `u`, `v` weigh vertices 1 and 2 of the triangle.
 struct Hit {

@@ -5,6 +5,7 @@
 
 #include "techniques/features/picture_history.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
+#include "techniques/reprojection/backward_buffers.h"
 
 namespace relume {
 namespace {
@@ -14,6 +15,16 @@ constexpr const char* kFilteredShare = "filtered-share";
 
 BufferDescription kept(const char* name, BufferType type, const char* help) {
   return {.name = name, .type = type, .help = help, .persistent = true, .display = BufferDisplay::value};
+}
+
+/// Where pixels were one frame ago, by their features.
+BackwardReprojection feature_reprojection(const FrameContext& frame) {
+  return backward_reprojection(frame, {.motion = "feature-motion",
+                                       .previous = "feature-previous",
+                                       .position = "feature-position",
+                                       .normal = "feature-normal",
+                                       .depth = "feature-depth",
+                                       .surface = "feature-surface"});
 }
 
 /// Samples that histories count for at most in this frame.
@@ -103,20 +114,6 @@ std::vector<std::string_view> feature_buffers() {
           "feature-motion",
           "feature-surface",
           "edge-rays"};
-}
-
-BackwardReprojection feature_reprojection(const FrameContext& frame) {
-  return {frame.view<const Vec2>("feature-motion"),
-          frame.view<const Vec3>("feature-previous"),
-          frame.view<const Vec3>("feature-normal"),
-          frame.view<const float>("feature-depth"),
-          frame.view<const uint32_t>("feature-surface"),
-          frame.previous<const Vec3>("feature-position"),
-          frame.previous<const Vec3>("feature-normal"),
-          frame.previous<const uint32_t>("feature-surface"),
-          {},
-          frame.width(),
-          frame.height()};
 }
 
 SurfaceLight surface_light(const FrameContext& frame) {

@@ -40,9 +40,6 @@ BufferDescription filtered_share_buffer();
 /// What a denoiser reads of the features and samples, for its declaration.
 std::vector<std::string_view> feature_buffers();
 
-/// Where pixels were one frame ago, by their features.
-BackwardReprojection feature_reprojection(const FrameContext& frame);
-
 /// This frame's samples beside its features.
 SurfaceLight surface_light(const FrameContext& frame);
 

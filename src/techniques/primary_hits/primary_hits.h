@@ -34,9 +34,6 @@ struct PrimaryHitsKernel {
   }
 };
 
-/// No surface: the camera ray left the scene.
-inline constexpr uint32_t kNoSurface = 0xffffffffu;
-
 /// Film position at which a point is seen, through the middle of a lens. False if it lies behind the camera.
 RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, Vec2* film) {
   if (camera.projection == Projection::perspective) {

@@ -2,6 +2,7 @@
 // "reproject" with method "backward" read the frame before through it.
 #pragma once
 
+#include "core/ray.h"
 #include "core/vec.h"
 #include "core/view.h"
 #include "techniques/reprojection/reprojection_fate.h"
@@ -49,16 +50,17 @@ struct BackwardTolerance {
   float plane_distance = 0.01f;  ///< of the old surface from the plane of the new one, as a share of the depth
 };
 
-/// Views on the buffers of SurfacePass (primary_hits_pass.h): of this frame and of the one before.
+/// Views on what pixels show, in this frame and in the one before: buffers of SurfacePass (primary_hits_pass.h) or of
+/// FeaturesPass (features_pass.h).
 struct BackwardReprojection {
-  View<const Vec2> motion;
-  View<const Vec3> came_from;  ///< where this frame's surface was one frame ago
+  View<const Vec2> motion;     ///< pixels, from the frame before to this one
+  View<const Vec3> came_from;  ///< where this frame's surface was one frame ago, metres
   View<const Vec3> normal;
-  View<const float> depth;
-  View<const uint32_t> instance;
+  View<const float> depth;       ///< metres
+  View<const uint32_t> surface;  ///< tells surfaces apart; kNoSurface: the background
   View<const Vec3> previous_position;
   View<const Vec3> previous_normal;
-  View<const uint32_t> previous_instance;
+  View<const uint32_t> previous_surface;
   BackwardTolerance tolerance;
   uint32_t width = 0;
   uint32_t height = 0;
@@ -139,8 +141,8 @@ struct BackwardReprojection {
   }
 
   RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
-    if (instance[pixel] != previous_instance[other]) return false;
-    if (instance[pixel] == 0xffffffffu) return true;  // the background
+    if (surface[pixel] != previous_surface[other]) return false;
+    if (surface[pixel] == kNoSurface) return true;
     if (glm::dot(normal[pixel], previous_normal[other]) < tolerance.normal_cosine) return false;
     const float distance = std::fabs(glm::dot(previous_position[other] - came_from[pixel], normal[pixel]));
     return distance <= tolerance.plane_distance * depth[pixel];

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <ostream>
 
-#include "techniques/reprojection/backward.h"
+#include "techniques/reprojection/backward_buffers.h"
 #include "techniques/reprojection/reprojection.h"
 
 namespace relume {
@@ -195,17 +195,12 @@ void ReprojectionPass::note_covered(const FrameContext& frame) {
 
 void ReprojectionPass::run_backward(const FrameContext& frame) {
   BackwardHistoryKernel kernel;
-  kernel.reprojection = {frame.view<const Vec2>("surface-motion"),
-                         frame.view<const Vec3>("surface-previous"),
-                         frame.view<const Vec3>("surface-normal"),
-                         frame.view<const float>("surface-depth"),
-                         frame.view<const uint32_t>("surface-instance"),
-                         frame.previous<const Vec3>("surface-position"),
-                         frame.previous<const Vec3>("surface-normal"),
-                         frame.previous<const uint32_t>("surface-instance"),
-                         {},
-                         frame.width(),
-                         frame.height()};
+  kernel.reprojection = backward_reprojection(frame, {.motion = "surface-motion",
+                                                      .previous = "surface-previous",
+                                                      .position = "surface-position",
+                                                      .normal = "surface-normal",
+                                                      .depth = "surface-depth",
+                                                      .surface = "surface-instance"});
   const auto copy = [](auto view) {
     using T = std::remove_const_t<std::remove_pointer_t<decltype(view.data)>>;
     return std::vector<T>(view.begin(), view.end());
