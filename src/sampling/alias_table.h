@@ -6,6 +6,7 @@
 
 #include "core/vec.h"
 #include "core/view.h"
+#include "sampling/choose.h"
 
 namespace relume {
 
@@ -28,14 +29,11 @@ struct AliasTable {
   RELUME_HD bool empty() const { return entries.empty(); }
 
   RELUME_HD_INLINE DiscreteSample sample(float u) const {
-    const float scaled = u * static_cast<float>(entries.size);
-    uint32_t i = static_cast<uint32_t>(scaled);
-    if (i >= entries.size) i = entries.size - 1;
-    const float v = scaled - static_cast<float>(i);
+    const uint32_t i = choose_evenly(entries.size, u);
     const AliasEntry& entry = entries[i];
-    if (v < entry.keep) return {i, entry.pmf, clamp(v / entry.keep, 0.0f, kOneMinusEpsilon)};
+    if (u < entry.keep) return {i, entry.pmf, clamp(u / entry.keep, 0.0f, kOneMinusEpsilon)};
     return {entry.alias, entries[entry.alias].pmf,
-            clamp((v - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
+            clamp((u - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
   }
 
   RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }

@@ -1,4 +1,4 @@
-// Chooses among few things whose weights are computed on the spot.
+// Chooses among things that are alike, or few whose weights are computed on the spot.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,14 @@ RELUME_HD inline bool takes_share(float share, float& u) {
   const bool first = u < share;
   u = clamp(first ? u / share : (u - share) / (1.0f - share), 0.0f, kOneMinusEpsilon);
   return first;
+}
+
+/// Index below `count` > 0, all alike; `u` in [0, 1) becomes what is left of it.
+RELUME_HD_INLINE uint32_t choose_evenly(uint32_t count, float& u) {
+  const float scaled = u * static_cast<float>(count);
+  const uint32_t chosen = relume::min(static_cast<uint32_t>(scaled), count - 1);  // rounding may reach the end
+  u = clamp(scaled - static_cast<float>(chosen), 0.0f, kOneMinusEpsilon);
+  return chosen;
 }
 
 /// Index below `count` with probability weights[i] / sum; `sum` > 0 is that of the weights, which are not negative. `u`

@@ -182,6 +182,29 @@ TEST(TakesShare, LeavesAUniformRest) {
   }
 }
 
+TEST(ChooseEvenly, LeavesAUniformRest) {
+  for (const uint32_t count : {1u, 3u, 64u, 1000u}) {
+    std::vector<int> chosen(count, 0);
+    for (int i = 0; i < 64000; ++i) {
+      const float before = (static_cast<float>(i) + 0.5f) / 64000;
+      float u = before;
+      const uint32_t k = choose_evenly(count, u);
+      ASSERT_LT(k, count);
+      ++chosen[k];
+      EXPECT_NEAR((static_cast<float>(k) + u) / static_cast<float>(count), before, 1e-6f);
+      EXPECT_GE(u, 0.0f);
+      EXPECT_LT(u, 1.0f);
+    }
+    for (const int times : chosen) EXPECT_NEAR(times, 64000 / static_cast<double>(count), 1) << count;
+  }
+  for (const uint32_t count : {1u, 3u, 64u, 1000u, 1u << 24, 0xffffffffu}) {
+    float last = kOneMinusEpsilon;
+    EXPECT_LT(choose_evenly(count, last), count);
+    EXPECT_GE(last, 0.0f);
+    EXPECT_LT(last, 1.0f);
+  }
+}
+
 TEST(Mis, WeightsSumToOne) {
   Random random(24);
   for (int i = 0; i < 10000; ++i) {

@@ -8,6 +8,7 @@
 
 #include "core/octahedral.h"
 #include "core/view.h"
+#include "sampling/choose.h"
 #include "techniques/directional_quadtree/bit_field.h"
 
 namespace relume {
@@ -69,9 +70,7 @@ struct DirectionalQuadtree {
 
   /// A direction: the leaf by `u.x`, whose rest with `u.y` gives the place inside.
   RELUME_HD Vec3 sample(Vec2 u) const {
-    const float scaled = u.x * static_cast<float>(leaf_count());
-    const uint32_t leaf = relume::min(static_cast<uint32_t>(scaled), leaf_count() - 1);
-    u.x = clamp(scaled - static_cast<float>(leaf), 0.0f, kOneMinusEpsilon);
+    const uint32_t leaf = choose_evenly(leaf_count(), u.x);
     const QuadtreeCell cell = cell_of(bits.select(leaf, false));
     return direction_from_square(cell.corner + cell.edge() * u);
   }
@@ -112,13 +111,8 @@ struct DirectionalQuadtree {
   }
 
  private:
-  /// Decides between two weights and stretches `u` to what is left of it.
-  RELUME_HD static bool choose(float low, float high, float& u) {
-    const float p = low / (low + high);
-    const bool second = u >= p;
-    u = clamp(second ? (u - p) / (1.0f - p) : u / p, 0.0f, kOneMinusEpsilon);
-    return second;
-  }
+  /// Decides between two weights, true: for the second, and stretches `u` to what is left of it.
+  RELUME_HD static bool choose(float low, float high, float& u) { return !takes_share(low / (low + high), u); }
 };
 
 /// The evenest tree: inner nodes fill it from the top.

@@ -55,10 +55,7 @@ struct StaticLightLists {
       const DiscreteSample s = all.sample(u);
       return {s.index, pmf(sp, s.index), s.u};
     }
-    const float scaled = u * static_cast<float>(list.stride);
-    uint32_t offset = static_cast<uint32_t>(scaled);
-    if (offset >= list.stride) offset = list.stride - 1;
-    u = clamp(scaled - static_cast<float>(offset), 0.0f, kOneMinusEpsilon);
+    const uint32_t offset = choose_evenly(list.stride, u);
     WeighedLights w;
     weigh(sp, list, offset, w);
     const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, u);

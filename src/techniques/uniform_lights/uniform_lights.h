@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lights/light.h"
+#include "sampling/choose.h"
 #include "techniques/light_selection/infinite_lights.h"
 #include "techniques/light_selection/light_selection.h"
 
@@ -12,10 +13,8 @@ struct UniformLights {
 
   RELUME_HD LightSelection sample(float u) const {
     if (count == 0) return {};
-    const float scaled = u * static_cast<float>(count);
-    uint32_t i = static_cast<uint32_t>(scaled);
-    if (i >= count) i = count - 1;
-    return {i, 1.0f / static_cast<float>(count), clamp(scaled - static_cast<float>(i), 0.0f, kOneMinusEpsilon)};
+    const uint32_t i = choose_evenly(count, u);
+    return {i, 1.0f / static_cast<float>(count), u};
   }
   RELUME_HD float pmf(LightId light) const { return light < count ? 1.0f / static_cast<float>(count) : 0.0f; }
 };
