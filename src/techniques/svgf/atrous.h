@@ -22,8 +22,13 @@ enum class AtrousPlane : uint32_t {
   count,
 };
 inline constexpr uint32_t kAtrousPlanes = static_cast<uint32_t>(AtrousPlane::count);
+/// Place of a plane; of the one for a vector's component, counted from the first.
+RELUME_HD constexpr uint32_t place_of(AtrousPlane first, uint32_t component = 0) {
+  return static_cast<uint32_t>(first) + component;
+}
 /// What a level filters: red, green, blue, and the variance of the luminance.
 inline constexpr uint32_t kAtrousChannels = 4;
+inline constexpr uint32_t kAtrousVariance = 3;
 
 /// Pictures one after another, with a margin on either side in which nothing is valid, so that strips of pixels may be
 /// read and written beyond the border.
@@ -93,15 +98,29 @@ struct Pixels {
   F channels[kAtrousChannels];
 
   RELUME_HD_INLINE Pixels(const AtrousPicture& features, const AtrousPicture& light, uint32_t x, uint32_t y) {
-    constexpr auto kNormal = static_cast<uint32_t>(AtrousPlane::normal_x);
-    constexpr auto kPosition = static_cast<uint32_t>(AtrousPlane::position_x);
     for (uint32_t c = 0; c < 3; ++c) {
-      normal[c] = load<F>(features.at(kNormal + c, x, y));
-      position[c] = load<F>(features.at(kPosition + c, x, y));
+      normal[c] = load<F>(features.at(place_of(AtrousPlane::normal_x, c), x, y));
+      position[c] = load<F>(features.at(place_of(AtrousPlane::position_x, c), x, y));
     }
     for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(light.at(c, x, y));
   }
   RELUME_HD_INLINE F brightness() const { return luminance(channels[0], channels[1], channels[2]); }
+};
+
+/// What the taps of a pixel are compared with.
+template <typename F>
+struct Centre {
+  Pixels<F> pixels;
+  F brightness;
+  F inverse_light;  ///< 1 / by how much brightness may differ
+  F inverse_plane;  ///< 1 / metres that a tap one step away may lie off the plane
+};
+
+/// What the taps add up to.
+template <typename F>
+struct TapSums {
+  F channels[kAtrousChannels];
+  F weight;
 };
 
 }  // namespace atrous_detail
@@ -139,9 +158,9 @@ struct AtrousKernel {
       if (row < 0 || row >= static_cast<int>(light.height)) continue;
       for (int dx = -1; dx <= 1; ++dx) {
         const auto column = static_cast<uint32_t>(static_cast<int>(x) + dx);  // −1 lies in the margin
-        const F weight = load<F>(at(features, 0, column, static_cast<uint32_t>(row))) *
+        const F weight = load<F>(at(features, place_of(AtrousPlane::valid), column, static_cast<uint32_t>(row))) *
                          of<F>((dx == 0 ? 0.5f : 0.25f) * (dy == 0 ? 0.5f : 0.25f));
-        sum = sum + weight * load<F>(at(light, 3, column, static_cast<uint32_t>(row)));
+        sum = sum + weight * load<F>(at(light, kAtrousVariance, column, static_cast<uint32_t>(row)));
         total = total + weight;
       }
     }
@@ -156,53 +175,53 @@ struct AtrousKernel {
   template <typename F>
   RELUME_HD_INLINE void filter(uint32_t x, uint32_t y) const {
     using namespace atrous_detail;
-    const Pixels<F> here(features, light, x, y);
-    const F brightness = here.brightness();
-    const F inverse_light =
-        of<F>(1.0f) / (of<F>(light_tolerance) * square_root(steady_variance<F>(x, y)) + of<F>(1e-6f));
-    const F inverse_plane = load<F>(features.at(static_cast<uint32_t>(AtrousPlane::inverse_footprint), x, y)) *
-                            of<F>(1.0f / (plane_tolerance * static_cast<float>(step)));
-    F total = of<F>(spline(0) * spline(0));
-    F sums[kAtrousChannels];
-    for (uint32_t c = 0; c < 3; ++c) sums[c] = total * here.channels[c];
-    sums[3] = total * total * here.channels[3];
+    const Pixels<F> pixels(features, light, x, y);
+    const Centre<F> here{pixels, pixels.brightness(),
+                         of<F>(1.0f) / (of<F>(light_tolerance) * square_root(steady_variance<F>(x, y)) + of<F>(1e-6f)),
+                         load<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y)) *
+                             of<F>(1.0f / (plane_tolerance * static_cast<float>(step)))};
+    TapSums<F> sums;
+    sums.weight = of<F>(spline(0) * spline(0));
+    for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.weight * pixels.channels[c];
+    sums.channels[kAtrousVariance] = sums.weight * sums.weight * pixels.channels[kAtrousVariance];
     for (int dy = -2; dy <= 2; ++dy) {
       const int row = static_cast<int>(y) + dy * static_cast<int>(step);
       if (row < 0 || row >= static_cast<int>(light.height)) continue;
       for (int dx = -2; dx <= 2; ++dx) {
         if (dx == 0 && dy == 0) continue;
-        tap<F>(here, brightness, inverse_light, inverse_plane, static_cast<int>(x) + dx * static_cast<int>(step), row,
-               dx, dy, total, sums);
+        tap<F>(here, static_cast<int>(x) + dx * static_cast<int>(step), row, dx, dy, sums);
       }
     }
-    const F inverse = of<F>(1.0f) / total;
-    for (uint32_t c = 0; c < 3; ++c) store(filtered.at(c, x, y), sums[c] * inverse);
-    store(filtered.at(3, x, y), sums[3] * inverse * inverse);
+    const F inverse = of<F>(1.0f) / sums.weight;
+    for (uint32_t c = 0; c < 3; ++c) store(filtered.at(c, x, y), sums.channels[c] * inverse);
+    store(filtered.at(kAtrousVariance, x, y), sums.channels[kAtrousVariance] * inverse * inverse);
   }
 
   template <typename F>
-  RELUME_HD_INLINE void tap(const atrous_detail::Pixels<F>& here, const F& brightness, const F& inverse_light,
-                            const F& inverse_plane, int column, int row, int dx, int dy, F& total,
-                            F (&sums)[kAtrousChannels]) const {
+  RELUME_HD_INLINE void tap(const atrous_detail::Centre<F>& here, int column, int row, int dx, int dy,
+                            atrous_detail::TapSums<F>& sums) const {
     using namespace atrous_detail;
     const auto x = static_cast<uint32_t>(column);
     const auto y = static_cast<uint32_t>(row);
     F cosine = of<F>(0.0f);
     F distance = of<F>(0.0f);
     for (uint32_t c = 0; c < 3; ++c) {
-      cosine = cosine + here.normal[c] * load<F>(at(features, 1 + c, x, y));
-      distance = distance + here.normal[c] * (load<F>(at(features, 4 + c, x, y)) - here.position[c]);
+      const F normal = here.pixels.normal[c];
+      cosine = cosine + normal * load<F>(at(features, place_of(AtrousPlane::normal_x, c), x, y));
+      const F position = load<F>(at(features, place_of(AtrousPlane::position_x, c), x, y));
+      distance = distance + normal * (position - here.pixels.position[c]);
     }
     F channels[kAtrousChannels];
     for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(at(light, c, x, y));
-    const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - brightness);
+    const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - here.brightness);
     const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
-    const F weight = of<F>(spline(dx) * spline(dy)) * load<F>(at(features, 0, x, y)) *
-                     sharpened(max(cosine, of<F>(0.0f))) *
-                     falloff(absolute(distance) * inverse_plane * of<F>(1.0f / apart) + contrast * inverse_light);
-    for (uint32_t c = 0; c < 3; ++c) sums[c] = sums[c] + weight * channels[c];
-    sums[3] = sums[3] + weight * weight * channels[3];
-    total = total + weight;
+    const F weight =
+        of<F>(spline(dx) * spline(dy)) * load<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
+        sharpened(max(cosine, of<F>(0.0f))) *
+        falloff(absolute(distance) * here.inverse_plane * of<F>(1.0f / apart) + contrast * here.inverse_light);
+    for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.channels[c] + weight * channels[c];
+    sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] + weight * weight * channels[kAtrousVariance];
+    sums.weight = sums.weight + weight;
   }
 };
 

@@ -57,11 +57,11 @@ struct SvgfPrepareKernel {
     put(AtrousPlane::valid, x, y, valid ? 1.0f : 0.0f);
     put(AtrousPlane::inverse_footprint, x, y, footprint > 0.0f ? 1.0f / footprint : 0.0f);
     for (uint32_t c = 0; c < 3; ++c) {
-      *features.at(static_cast<uint32_t>(AtrousPlane::normal_x) + c, x, y) = normal[pixel][static_cast<int>(c)];
-      *features.at(static_cast<uint32_t>(AtrousPlane::position_x) + c, x, y) = position[pixel][static_cast<int>(c)];
+      *features.at(place_of(AtrousPlane::normal_x, c), x, y) = normal[pixel][static_cast<int>(c)];
+      *features.at(place_of(AtrousPlane::position_x, c), x, y) = position[pixel][static_cast<int>(c)];
       *planes.at(c, x, y) = shown[static_cast<int>(c)];
     }
-    *planes.at(3, x, y) = variance;
+    *planes.at(kAtrousVariance, x, y) = variance;
   }
 
  private:
@@ -76,7 +76,7 @@ struct SvgfPrepareKernel {
 
   RELUME_HD float footprint_at(uint32_t pixel) const { return cone_width + cone_spread * depth[pixel]; }
   RELUME_HD void put(AtrousPlane plane, uint32_t x, uint32_t y, float value) const {
-    *features.at(static_cast<uint32_t>(plane), x, y) = value;
+    *features.at(place_of(plane), x, y) = value;
   }
 
   /// Of the mean of n samples whose moments are known.
