@@ -19,7 +19,7 @@ struct AdaptivePsf {
 
   /// The variance that thresholds are compared with. Infinite for what is too thin to have one.
   RELUME_HD float variance(const HashGridView& grid, const CellMoments& cell) const {
-    if (cell.count < relume::max(min_count, grid.min_count)) return kInfinity;
+    if (cell.count < relume::max(min_count, grid.rule.min_count)) return kInfinity;
     const float v = cell.variance();
     if (measure == VarianceMeasure::absolute) return v;
     const float mean = luminance(cell.mean);

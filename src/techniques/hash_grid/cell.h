@@ -118,7 +118,7 @@ static_assert(sizeof(CellHistory) == 52);
 struct AveragingRule {
   float max_count = 1024;      ///< maximum cell size N ([Schipek22 §5.3]); what is above is forgotten exponentially
   float change_threshold = 0;  ///< standard errors a window's mean may stray from the history; 0: no limit
-  float min_count = 8;         ///< samples below which neither a window nor a history says anything of changes
+  float min_count = 8;         ///< samples below which a cell is thin and neither it nor a window tells of changes
 };
 
 /// What to do about cells with fewer samples than `min_count`.

@@ -53,7 +53,7 @@ struct CellKeys {
   float cone_spread = 0;   ///< metres it grows a metre
   float cell_size = 8;     ///< edge of a cell in footprints; rounded to the nearest power of two in metres
   int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not told apart
-  int direction_bins = 4;  ///< the same for directions of directional points
+  int direction_bins = 0;  ///< the same for directions of directional points
   bool jitter = true;
 
   /// Exponent of the cells' edge at `p`: edge = 2^level metres.

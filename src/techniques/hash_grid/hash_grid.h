@@ -41,7 +41,6 @@ struct HashGridView {
   CellKeys keys;
   AveragingRule rule;
   ThinCells thin_cells = ThinCells::coarser;
-  float min_count = 8;
   float inherited_count = 0;  ///< most samples that a new cell takes over from another level; 0: none
   float clamp_factor = 0;     ///< samples are cut to this multiple of their cell's mean; 0: not
 
@@ -157,7 +156,7 @@ struct HashGridView {
     return m;
   }
 
-  RELUME_HD bool thin(const CellMoments& m) const { return m.count < min_count; }
+  RELUME_HD bool thin(const CellMoments& m) const { return m.count < rule.min_count; }
 
   /// Share of taken slots among those where probing begins: how crowded that part of the table is.
   RELUME_HD float occupancy(const CellAddress& address) const {

@@ -83,7 +83,6 @@ HashGridView HashGrid::view(const CameraView& camera) {
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
             static_cast<float>(settings_.min_count)};
   v.thin_cells = settings_.thin_cells;
-  v.min_count = static_cast<float>(settings_.min_count);
   v.inherited_count = static_cast<float>(settings_.inherited_count);
   v.clamp_factor = settings_.clamp;
   return v;

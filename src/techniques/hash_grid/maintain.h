@@ -55,7 +55,7 @@ struct MaintainCellsKernel {
   View<CellHistory> histories;
   View<const RegionChange> regions;  ///< empty: nothing is known of changes
   HashGridCensus* census = nullptr;
-  uint32_t max_age = 64;  ///< frames without samples after which a cell is emptied
+  uint32_t max_age = 0;  ///< frames without samples after which a cell is emptied
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     HashGridCensus part;

@@ -22,7 +22,7 @@ struct CacheBuildOptions {
   uint32_t bucket_size = 32;    ///< lights a bucket holds, at most kMaxBucketSize
   uint32_t max_samples = 4096;  ///< looked at in each region, spread evenly over what there is
   float hysteresis = 0.75f;     ///< share of a bucket that must suffice before there are fewer of them than before
-  uint32_t memory = 0;          ///< frames for which lights are remembered that were not seen again
+  uint32_t memory = 0;          ///< frames for which lights are remembered that were not seen again; 0: none
   float even_buckets = 0.1f;    ///< share of the choice among buckets that is even
 };
 
