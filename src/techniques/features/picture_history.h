@@ -23,8 +23,8 @@ struct PictureHistoryKernel {
   View<const Rgb> albedo;
   View<const Rgb> emission;
   View<const uint32_t> edge_rays;  ///< camera rays that the emission is the mean of; 0 or empty: the sample's alone
-  View<Rgb> unfiltered;        ///< mean of what was not filtered since the last change, 0 where it was; updated
-  View<float> filtered_share;  ///< of the frames since then; updated
+  View<Rgb> unfiltered;            ///< mean of what was not filtered since the last change, 0 where it was; updated
+  View<float> filtered_share;      ///< of the frames since then; updated
   View<Rgb> picture;
   float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept. It is 1 at
                         ///< edges whose emission many rays have measured: the past could only blur them

@@ -131,7 +131,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
                    frame.view<float>("cell-occupancy")};
   kernel.width = frame.width();
   kernel.rays = frame.view<uint32_t>("rays");
-  kernel.edges = {make_path_context(source_, frame),    frame.index,   kernel.pixels,
+  kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
                   sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
   if (!frame.launch("resolve", kernel)) return false;
   cells_.adjust_size(frame.backend);
