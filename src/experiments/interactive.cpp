@@ -73,12 +73,8 @@ const Variation kAdaptive[] = {
 };
 
 /// Combinations that led in earlier runs: only more repetitions tell which of them is the best.
-constexpr std::string_view kLeaders[] = {"apg, light-tree, svgf",
-                                         "apsf, light-tree, svgf",
-                                         "psf, light-tree, svgf",
-                                         "apsf+apg, light-tree, svgf",
-                                         "vlc, svgf",
-                                         "vlc, cdq, svgf"};
+constexpr std::string_view kLeaders[] = {"vlc, svgf",        "vlc, cdq, svgf",        "static-lists, svgf",
+                                         "light-tree, svgf", "psf, light-tree, svgf", "apg, light-tree, svgf"};
 
 bool leads(std::string_view name) {
   return std::find(std::begin(kLeaders), std::end(kLeaders), name) != std::end(kLeaders);

@@ -19,7 +19,7 @@ constexpr std::string_view kBackward = "reproject (backward)";
 double stated_bias(const std::string& slot, const std::string& value) {
   static const std::map<std::string, double> kBiases = {
       {"cache=psf", 0.02},          {"cache=apsf", 0.02},        {"cache=apg", 0.03},
-      {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.03},
+      {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.05},
       {"denoise=svgf", 0.03},       {"denoise=oidn", 0.05},      {"history=reproject (backward)", 0.02},
       {"allocation=adaptive", 0.05}};
   const auto found = kBiases.find(slot + "=" + value);

@@ -9,14 +9,14 @@
 namespace relume::viewer {
 namespace {
 
-CacheChoice interactive_cache() { return resolve({.preset = "interactive"}).render.cache; }
+LightSelectionChoice interactive_lights() { return resolve({.preset = "interactive"}).render.lights; }
 DenoiseChoice interactive_denoiser() { return resolve({.preset = "interactive"}).render.denoise; }
 
 TEST(StartSettings, AreInteractiveWhereNobodySaysOtherwise) {
   SettingSources sources;
   sources.flags = {{"width", "100"}, {"max-bounces", "3"}};
   const Settings settings = resolve_start(sources);
-  EXPECT_EQ(settings.render.cache, interactive_cache());
+  EXPECT_EQ(settings.render.lights, interactive_lights());
   EXPECT_EQ(settings.render.denoise, interactive_denoiser());
   EXPECT_EQ(settings.render.width, 100);
   EXPECT_EQ(settings.render.path.max_bounces, 3);
@@ -83,11 +83,11 @@ TEST(SettingsInScene, StayButForWhatTheSceneAsksFor) {
   EXPECT_EQ(kept.render.camera, "");
   EXPECT_EQ(kept.render.time_s, 0);
   EXPECT_EQ(kept.scene.env, "");
-  EXPECT_EQ(kept.render.cache, interactive_cache());
+  EXPECT_EQ(kept.render.lights, interactive_lights());
   const Settings asked = settings_in_scene(current, R"({"max-bounces": 3})", "scene");
   EXPECT_EQ(asked.render.path.max_bounces, 3);
   EXPECT_EQ(asked.render.width, 123);
-  EXPECT_EQ(asked.render.cache, interactive_cache());
+  EXPECT_EQ(asked.render.lights, interactive_lights());
 }
 
 TEST(SettingsInScene, AreTheScenesWhereTheyDoNotCombineWithTheUsers) {

@@ -115,14 +115,9 @@ class CachedFrames {
   void resolve() {
     if (settings_.kind == CacheKind::none) return;
     grid_.advance(backend_);
-    run("resolve", ResolveCellsKernel{grid_.view(scene_.view().camera),
-                                      view_of(pixels_),
-                                      mutable_view_of(radiance_),
-                                      layers_,
-                                      width(),
-                                      {},
-                                      {},
-                                      {}});
+    run("resolve",
+        ResolveCellsKernel{
+            grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}});
   }
 
  private:
