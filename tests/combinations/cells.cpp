@@ -19,12 +19,17 @@ constexpr std::string_view kBackward = "reproject (backward)";
 double stated_bias(const std::string& slot, const std::string& value) {
   static const std::map<std::string, double> kBiases = {
       {"cache=psf", 0.02},          {"cache=apsf", 0.02},        {"cache=apg", 0.03},
-      {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.05},
+      {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.03},
       {"denoise=svgf", 0.03},       {"denoise=oidn", 0.05},      {"history=reproject (backward)", 0.02},
       {"allocation=adaptive", 0.05}};
   const auto found = kBiases.find(slot + "=" + value);
   return found == kBiases.end() ? 0 : found->second;
 }
+
+/// Fits that fall below black are held at it, which adds light where samples are few and bright.
+constexpr double kFitsOverSplats = 0.02;
+
+bool fits_over_splats(const Choice& a, const Choice& b) { return a.value == "light" && b.value == "bmfr"; }
 
 /// A table of every choice against every other.
 std::string matrix(const std::function<std::string(size_t row, size_t column)>& cell) {
@@ -48,10 +53,14 @@ std::string bias_list() {
     if (choice.bias <= 0) continue;
     text += fmt::format("{}`{}={}` {:.0f} %", text.empty() ? "" : ", ", choice.slot, choice.value, 100 * choice.bias);
   }
-  return text;
+  return text + fmt::format(", `bmfr` over `light` {:.0f} % more", 100 * kFitsOverSplats);
 }
 
 }  // namespace
+
+double bias_of(const Choice& a, const Choice& b) {
+  return a.bias + b.bias + (fits_over_splats(a, b) || fits_over_splats(b, a) ? kFitsOverSplats : 0.0);
+}
 
 const std::vector<Choice>& all_choices() {
   static const std::vector<Choice> choices = [] {
@@ -90,7 +99,7 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       return "–";
     }
     if (!holds(a, b)) return "✗";
-    return a.bias + b.bias > 0 ? "◐" : "●";
+    return bias_of(a, b) > 0 ? "◐" : "●";
   };
   std::string text =
       "# What combines with what\n\n"

@@ -21,6 +21,9 @@ struct Choice {
 
 inline void PrintTo(const Choice& choice, std::ostream* out) { *out << choice.slot << '=' << choice.value; }
 
+/// How far a cell's mean may be off at most, as a share of it.
+double bias_of(const Choice& a, const Choice& b);
+
 /// The choices of all slots as the settings declare them, slot by slot, with the two ways to reproject apart.
 const std::vector<Choice>& all_choices();
 

@@ -118,7 +118,7 @@ Deviation measure_cell(const Choice& a, const Choice& b) {
 std::string problem_of(const Choice& a, const Choice& b, const Deviation& deviation) {
   if (deviation.error > kMostError)
     return fmt::format("a standard error of {:.2f} % says too little", 100 * deviation.error);
-  if (std::fabs(deviation.value) <= a.bias + b.bias + kStandardErrors * deviation.error) return {};
+  if (std::fabs(deviation.value) <= bias_of(a, b) + kStandardErrors * deviation.error) return {};
   return fmt::format("{:+.2f} % with a standard error of {:.2f} %", 100 * deviation.value, 100 * deviation.error);
 }
 

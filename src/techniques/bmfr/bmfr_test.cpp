@@ -244,7 +244,8 @@ struct History {
                                    {},
                                    kWidth,
                                    kHeight};
-    kernel.history.samples = {view_of(radiance), view_of(allocation), view_of(albedo), view_of(emission)};
+    for (uint32_t i = 0; i < kPixels; ++i) scattered[i] = radiance[i] - emission[i];
+    kernel.history.samples = samples();
     kernel.history.light_before = view_of(light_before);
     kernel.history.count_before = view_of(count_before);
     kernel.fitted_before = view_of(light_before);
@@ -260,6 +261,10 @@ struct History {
     }
   }
 
+  SurfaceLight samples() const {
+    return {view_of(radiance), view_of(scattered), view_of(allocation), view_of(albedo), view_of(emission)};
+  }
+
   std::vector<Vec3> position = std::vector<Vec3>(kPixels);
   std::vector<Vec3> came_from = std::vector<Vec3>(kPixels);
   std::vector<Vec3> normal = std::vector<Vec3>(kPixels, Vec3(0, 0, 1));
@@ -270,6 +275,7 @@ struct History {
   std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
   std::vector<Rgb> emission = std::vector<Rgb>(kPixels, Rgb(0));
   std::vector<Rgb> radiance = std::vector<Rgb>(kPixels, Rgb(1));
+  std::vector<Rgb> scattered = radiance;
   std::vector<uint32_t> allocation = std::vector<uint32_t>(kPixels, 1);
   std::vector<Rgb> light = std::vector<Rgb>(kPixels, Rgb(0));
   std::vector<Rgb> light_before = light;
@@ -342,7 +348,7 @@ TEST(Bmfr, EmissionAndBlackSurfacesAreNotFiltered) {
   h.emission.assign(kPixels, Rgb(0.75f));
   h.accumulate(kNoHistoryLimit);
   EXPECT_NEAR(h.light[5].g, 0.5f, 1e-6f);  // (1 − 0.75) / 0.5
-  const SurfaceLight samples{view_of(h.radiance), view_of(h.allocation), view_of(h.albedo), view_of(h.emission)};
+  const SurfaceLight samples = h.samples();
   EXPECT_NEAR(samples.picture(5, h.light[5]).g, 1.0f, 1e-6f);
   EXPECT_EQ(samples.picture(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: no darker than black
   h.albedo[5] = Rgb(0);

@@ -15,8 +15,9 @@ struct MeasureEdgesKernel {
   View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
   View<const Rgb> albedo;           ///< the samples' features
   View<const Rgb> emission;
-  View<Rgb> edge_emission;   ///< mean of the rays
-  View<uint32_t> edge_rays;  ///< their number; 0: no edge
+  View<Rgb> shown_emission;  ///< mean of the rays; elsewhere the sample's
+  View<uint32_t> edge_rays;  ///< their number, 0: no edge. An edge stays one until something changes: by chance in some
+                             ///< frames and not in others, the samples of a sequence would no longer complete it
   uint32_t rays = 0;         ///< for each such pixel
   uint32_t max_steps = kMaxFeatureSteps;
   uint32_t width = 0;
@@ -24,20 +25,23 @@ struct MeasureEdgesKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const bool edge = rays > 0 && is_edge(x, y);
+    const bool edge = rays > 0 && (edge_rays[pixel] > 0 || is_edge(x, y));
     edge_rays[pixel] = edge ? rays : 0u;
-    edge_emission[pixel] = edge ? measure(x, y) : Rgb(0);
+    shown_emission[pixel] = edge ? measure(x, y) : emission[pixel];
   }
 
  private:
-  /// Samples of single pixels are too noisy to say how dark it is beside a lamp; their mean stands for each of them.
   RELUME_HD bool is_edge(uint32_t x, uint32_t y) const {
     const auto seen = [&](uint32_t i) { return luminance(emission[i]); };
-    const auto shown = [&](uint32_t i) { return seen(i) + (is_filtered(albedo[i]) ? scattered_around(x, y) : 0.0f); };
-    return is_emission_edge(x, y, width, height, seen, shown);
+    const float contrast = emission_contrast(x, y, width, height, seen);
+    if (!(contrast > 0.0f)) return false;
+    const float scattered = scattered_around(x, y);
+    const auto shown = [&](uint32_t i) { return seen(i) + (is_filtered(albedo[i]) ? scattered : 0.0f); };
+    return contrast > kEmissionContrast * darkest_around(x, y, width, height, shown);
   }
 
-  /// Mean luminance of what the surfaces around scatter.
+  /// Mean luminance of what the surfaces around scatter: samples of single pixels are too noisy to say how dark it is
+  /// beside a lamp. Infinity where none was taken, which makes no edge.
   RELUME_HD float scattered_around(uint32_t x, uint32_t y) const {
     float sum = 0;
     float count = 0;
@@ -48,7 +52,7 @@ struct MeasureEdgesKernel {
       sum += relume::max(luminance(radiance[i] - emission[i]), 0.0f);
       count += 1.0f;
     }
-    return count > 0.0f ? sum / count : 0.0f;
+    return count > 0.0f ? sum / count : kInfinity;
   }
 
   /// One sequence runs through all frames, as nothing here adapts.
@@ -67,22 +71,22 @@ struct MeasureEdgesKernel {
   }
 };
 
-/// Puts it in the place of the sample's, in the radiance and among the features.
+/// Takes the sample's emission out of its radiance, and puts in what is shown.
 struct ReplaceEmissionKernel {
-  View<const Rgb> edge_emission;
+  View<const Rgb> emission;
+  View<const Rgb> shown_emission;
   View<const uint32_t> edge_rays;
   View<const uint32_t> allocation;
   View<Rgb> radiance;
-  View<Rgb> emission;
-  View<uint32_t> rays;  ///< of this frame's sample; those of edges are added
+  View<Rgb> scattered;  ///< radiance of the sample without its emission; beside a sun no sum of both would keep it
+  View<uint32_t> rays;  ///< of this frame's sample; camera rays of edges are added
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
+    scattered[pixel] = radiance[pixel] - emission[pixel];
     if (edge_rays[pixel] == 0) return;
-    const bool sampled = allocation.empty() || allocation[pixel] != 0;
-    if (sampled) radiance[pixel] = edge_emission[pixel] + (radiance[pixel] - emission[pixel]);
-    emission[pixel] = edge_emission[pixel];
+    if (allocation.empty() || allocation[pixel] != 0) radiance[pixel] = shown_emission[pixel] + scattered[pixel];
     rays[pixel] += edge_rays[pixel];
   }
 };

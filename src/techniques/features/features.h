@@ -195,14 +195,14 @@ struct FeatureTracer {
   }
 };
 
-/// Light that arrives at the surface, times π: what it would return if it were white. Channels in which it returns
-/// nothing take the largest of the others.
-RELUME_HD inline Rgb demodulate(const Rgb& radiance, const Rgb& emission, const Rgb& albedo) {
+/// Light that arrives at a surface which scatters this much of it, times π: what it would return if it were white.
+/// Channels in which it returns nothing take the largest of the others.
+RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
   Rgb light(0);
   float largest = 0;
   for (int c = 0; c < 3; ++c) {
     if (albedo[c] < kLeastAlbedo) continue;
-    light[c] = (radiance[c] - emission[c]) / albedo[c];
+    light[c] = scattered[c] / albedo[c];
     largest = relume::max(largest, light[c]);
   }
   for (int c = 0; c < 3; ++c) {

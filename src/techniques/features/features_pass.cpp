@@ -109,16 +109,18 @@ std::vector<std::string_view> feature_buffers() {
           "feature-previous",
           "feature-normal",
           "feature-albedo",
-          "feature-emission",
           "feature-depth",
           "feature-motion",
           "feature-surface",
-          "edge-rays"};
+          "edge-rays",
+          "shown-emission",
+          "scattered"};
 }
 
 SurfaceLight surface_light(const FrameContext& frame) {
-  return {frame.view<const Rgb>("radiance"), frame.view<const uint32_t>("allocation"),
-          frame.view<const Rgb>("feature-albedo"), frame.view<const Rgb>("feature-emission")};
+  return {frame.view<const Rgb>("radiance"), frame.view<const Rgb>("scattered"),
+          frame.view<const uint32_t>("allocation"), frame.view<const Rgb>("feature-albedo"),
+          frame.view<const Rgb>("shown-emission")};
 }
 
 LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
@@ -139,7 +141,8 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.before = frame.previous<const Rgb>(buffers.history);
   average.motion = frame.view<const Vec2>("feature-motion");
   average.albedo = frame.view<const Rgb>("feature-albedo");
-  average.emission = frame.view<const Rgb>("feature-emission");
+  average.emission = frame.view<const Rgb>("shown-emission");
+  average.emission_before = frame.previous<const Rgb>("shown-emission");
   average.edge_rays = frame.view<const uint32_t>("edge-rays");
   average.unfiltered = frame.view<Rgb>(kUnfiltered);
   average.filtered_share = frame.view<float>(kFilteredShare);

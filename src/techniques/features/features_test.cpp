@@ -82,7 +82,7 @@ TEST(Features, EmissionInMirrorsIsWhatPathsFindThere) {
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (!frame.indirect(i)) continue;
     const Rgb radiance = frame.view<Rgb>("radiance")[i];
-    const Rgb emission = frame.view<Rgb>("feature-emission")[i];
+    const Rgb emission = frame.view<Rgb>("shown-emission")[i];
     EXPECT_LE(max_component(abs(radiance - emission)), 1e-5f * max_component(radiance)) << i;
     lamps += emission.r > 1.0f ? 1 : 0;
   }
@@ -152,7 +152,8 @@ TEST(Features, TheBackgroundIsEmission) {
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (frame.view<Hit>("primary-hits")[i].valid()) continue;
     EXPECT_EQ(frame.view<Rgb>("feature-albedo")[i], Rgb(0));
-    EXPECT_EQ(frame.view<Rgb>("feature-emission")[i], frame.view<Rgb>("radiance")[i]);
+    EXPECT_EQ(frame.view<Rgb>("shown-emission")[i], frame.view<Rgb>("radiance")[i]);
+    EXPECT_EQ(frame.view<Rgb>("scattered")[i], Rgb(0));
     EXPECT_EQ(frame.view<uint32_t>("feature-surface")[i], kNoSurface);
     ++background;
   }
@@ -224,7 +225,7 @@ TEST(Features, TilesShowWhatSinglePixelsShow) {
 }
 
 TEST(Features, DemodulationDividesByTheAlbedo) {
-  const Rgb light = demodulate(Rgb(0.4f, 0.3f, 0.1f), Rgb(0.1f, 0, 0), Rgb(0.5f, 0.25f, 0));
+  const Rgb light = light_at_surface(Rgb(0.3f, 0.3f, 0.1f), Rgb(0.5f, 0.25f, 0));
   EXPECT_NEAR(light.r, 0.6f, 1e-6f);
   EXPECT_NEAR(light.g, 1.2f, 1e-6f);
   EXPECT_NEAR(light.b, 1.2f, 1e-6f);  // says nothing: takes the largest

@@ -16,15 +16,16 @@ struct SurfaceLightSample {
 /// Views on this frame's samples and features.
 struct SurfaceLight {
   View<const Rgb> radiance;
+  View<const Rgb> scattered;        ///< the same without the emission that the sample saw
   View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
   View<const Rgb> albedo;
-  View<const Rgb> emission;
+  View<const Rgb> emission;  ///< that the picture shows
 
   RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
 
   RELUME_HD SurfaceLightSample at(uint32_t pixel) const {
-    if (!taken(pixel) || !is_filtered(albedo[pixel]) || !is_finite(radiance[pixel])) return {};
-    return {demodulate(radiance[pixel], emission[pixel], albedo[pixel]), true};
+    if (!taken(pixel) || !is_filtered(albedo[pixel]) || !is_finite(scattered[pixel])) return {};
+    return {light_at_surface(scattered[pixel], albedo[pixel]), true};
   }
 
   /// The picture from filtered light. What is not filtered shows this frame's sample or, without one, the emission

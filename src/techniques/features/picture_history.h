@@ -21,13 +21,13 @@ struct PictureHistoryKernel {
   View<const Rgb> before;
   View<const Vec2> motion;
   View<const Rgb> albedo;
-  View<const Rgb> emission;
-  View<const uint32_t> edge_rays;  ///< camera rays that the emission is the mean of; 0 or empty: the sample's alone
-  View<Rgb> unfiltered;            ///< mean of what was not filtered since the last change, 0 where it was; updated
-  View<float> filtered_share;      ///< of the frames since then; updated
+  View<const Rgb> emission;         ///< shown
+  View<const Rgb> emission_before;  ///< the frame before's; read where edge_rays is not 0
+  View<const uint32_t> edge_rays;   ///< camera rays that the emission is the mean of; 0 or empty: the sample's alone
+  View<Rgb> unfiltered;             ///< mean of what was not filtered since the last change, 0 where it was; updated
+  View<float> filtered_share;       ///< of the frames since then; updated
   View<Rgb> picture;
-  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept. It is 1 at
-                        ///< edges whose emission many rays have measured: the past could only blur them
+  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
   uint32_t frames = 1;  ///< since the last change, this one among them
   bool still = false;   ///< nothing has changed
   uint32_t width = 0;
@@ -44,9 +44,17 @@ struct PictureHistoryKernel {
     }
     unfiltered[pixel] = seen;
     filtered_share[pixel] = filtered ? 1.0f : 0.0f;
-    const bool measured = !edge_rays.empty() && edge_rays[pixel] > 0;
-    const Rgb history = newest < 1.0f && !measured ? moved(x, y) : now;
-    picture[pixel] = history + (now - history) * newest;
+    if (newest >= 1.0f) {
+      picture[pixel] = now;
+    } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
+      // Many rays have measured the emission, which a picture that was moved along could only blur.
+      const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
+      const auto scattered_before = [this](uint32_t i) { return before[i] - emission_before[i]; };
+      picture[pixel] = glm::max(emission[pixel] + blended(x, y, scattered, scattered_before), Rgb(0));
+    } else {
+      picture[pixel] = blended(
+          x, y, [this](uint32_t i) { return shown[i]; }, [this](uint32_t i) { return before[i]; });
+    }
   }
 
  private:
@@ -74,12 +82,20 @@ struct PictureHistoryKernel {
     w[3] = (0.5f * t - 0.5f) * t * t;
   }
 
-  RELUME_HD Rgb moved(uint32_t x, uint32_t y) const {
+  /// What is seen now and what was seen before where this pixel's surface was then.
+  template <typename Now, typename Before>
+  RELUME_HD Rgb blended(uint32_t x, uint32_t y, const Now& now, const Before& past) const {
+    const Rgb history = moved(x, y, now, past);
+    return history + (now(y * width + x) - history) * newest;
+  }
+
+  template <typename Now, typename Before>
+  RELUME_HD Rgb moved(uint32_t x, uint32_t y, const Now& now, const Before& past) const {
     const uint32_t pixel = y * width + x;
     const float fx = static_cast<float>(x) - motion[pixel].x;
     const float fy = static_cast<float>(y) - motion[pixel].y;
     if (!(fx >= 0.0f && fy >= 0.0f && fx <= static_cast<float>(width - 1) && fy <= static_cast<float>(height - 1)))
-      return shown[pixel];
+      return now(pixel);
     const int x0 = static_cast<int>(fx);
     const int y0 = static_cast<int>(fy);
     float wx[4];
@@ -89,14 +105,14 @@ struct PictureHistoryKernel {
     Rgb history(0);
     for (int j = 0; j < 4; ++j) {
       const uint32_t row = inside(y0 + j - 1, height) * width;
-      for (int i = 0; i < 4; ++i) history += before[row + inside(x0 + i - 1, width)] * (wx[i] * wy[j]);
+      for (int i = 0; i < 4; ++i) history += past(row + inside(x0 + i - 1, width)) * (wx[i] * wy[j]);
     }
-    Rgb low = shown[pixel];
+    Rgb low = now(pixel);
     Rgb high = low;
     for (int j = -1; j <= 1; ++j) {
       const uint32_t row = inside(static_cast<int>(y) + j, height) * width;
       for (int i = -1; i <= 1; ++i) {
-        const Rgb& neighbour = shown[row + inside(static_cast<int>(x) + i, width)];
+        const Rgb neighbour = now(row + inside(static_cast<int>(x) + i, width));
         low = glm::min(low, neighbour);
         high = glm::max(high, neighbour);
       }

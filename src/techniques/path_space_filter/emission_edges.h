@@ -17,9 +17,11 @@ struct EmissionEdges {
 
   /// Whether something bright ends around pixel (x, y).
   RELUME_HD bool contains(const HashGridView& grid, uint32_t x, uint32_t y) const {
-    return is_emission_edge(
-        x, y, width, height, [&](uint32_t i) { return luminance(pixels[i].seen); },
-        [&](uint32_t i) { return luminance(shown(grid, pixels[i])); });
+    const float contrast =
+        emission_contrast(x, y, width, height, [&](uint32_t i) { return luminance(pixels[i].seen); });
+    if (!(contrast > 0.0f)) return false;
+    const auto radiance = [&](uint32_t i) { return luminance(shown(grid, pixels[i])); };
+    return contrast > kEmissionContrast * darkest_around(x, y, width, height, radiance);
   }
 
   /// Mean emission of what pixel (x, y) sees. One sequence runs through all frames, as nothing here adapts.

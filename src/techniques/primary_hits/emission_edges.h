@@ -1,12 +1,14 @@
 // Where something bright ends, one camera ray in a pixel sees all of it or nothing. No filter averages emission, so the
-// noise of such pixels would outweigh whatever a filter removes elsewhere: they deserve more camera rays.
+// noise of such pixels would outweigh whatever a filter removes elsewhere: they deserve more camera rays. Whether a
+// pixel is one its eight neighbours tell. Its own sample has no say, or what it saw would be counted more or less often
+// than it deserves.
 #pragma once
 
 #include "core/vec.h"
 
 namespace relume {
 
-/// Neighbours differ if their emission does by more than this multiple of the darkest one's radiance.
+/// Something bright ends where emission differs by more than this multiple of the darkest radiance.
 inline constexpr float kEmissionContrast = 4;
 inline constexpr uint32_t kNeighbours = 8;
 
@@ -19,12 +21,10 @@ RELUME_HD inline bool neighbour_of(uint32_t k, uint32_t x, uint32_t y, uint32_t 
   return nx < width && ny < height;
 }
 
-/// Whether something bright ends around pixel (x, y). `emission(i)` and `radiance(i)`: luminance of pixel i, of the
-/// emission that it sees and of all that it shows. The pixel's own sample has no say, or what it saw would be counted
-/// more or less often than it deserves.
-template <typename Emission, typename Radiance>
-RELUME_HD inline bool is_emission_edge(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
-                                       const Emission& emission, const Radiance& radiance) {
+/// Largest difference of `emission(i)`, luminance that pixel i sees, among the neighbours.
+template <typename Emission>
+RELUME_HD inline float emission_contrast(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                                         const Emission& emission) {
   float least = kInfinity;
   float most = 0;
   uint32_t i = 0;
@@ -34,12 +34,19 @@ RELUME_HD inline bool is_emission_edge(uint32_t x, uint32_t y, uint32_t width, u
     least = relume::min(least, seen);
     most = relume::max(most, seen);
   }
-  if (!(most > least)) return false;
+  return most > least ? most - least : 0.0f;
+}
+
+/// Least `radiance(i)`, luminance that pixel i shows, among the neighbours.
+template <typename Radiance>
+RELUME_HD inline float darkest_around(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
+                                      const Radiance& radiance) {
   float darkest = kInfinity;
+  uint32_t i = 0;
   for (uint32_t k = 0; k < kNeighbours; ++k) {
     if (neighbour_of(k, x, y, width, height, i)) darkest = relume::min(darkest, radiance(i));
   }
-  return most - least > kEmissionContrast * darkest;
+  return darkest;
 }
 
 }  // namespace relume

@@ -290,7 +290,7 @@ PassDeclaration StoreSamplesPass::declaration() const {
           .stage = Stage::present,
           .reads = {"primary-hits", "first-vertices", "radiance"},
           .writes = {"mean", "m2", "samples", "history-reason"},
-          .reads_if_any = {"allocation"},
+          .reads_if_any = {"allocation", "edge-rays"},
           .writes_if_any = {"adaptive-m2"}};
 }
 
@@ -299,6 +299,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.hits = frame.view<const Hit>("primary-hits");
   kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");
   kernel.allocation = frame.view<const uint32_t>("allocation");
+  kernel.edge_rays = frame.view<const uint32_t>("edge-rays");
   kernel.radiance = frame.view<const Rgb>("radiance");
   kernel.reasons = frame.view<uint32_t>("history-reason");
   kernel.samples = frame.view<uint32_t>("samples");

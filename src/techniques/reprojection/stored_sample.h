@@ -71,6 +71,7 @@ struct StoreKernel {
   View<const Hit> hits;  ///< of this frame
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
+  View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
   View<const Rgb> radiance;         ///< of this frame
   View<uint32_t> reasons;           ///< ReprojectionFate
   View<uint32_t> samples;           ///< that the pixel keeps, this one included
@@ -104,7 +105,7 @@ struct StoreKernel {
       reasons[i] = kEnded;
       forget(pixel, samples_of_pixel);
     }
-    if (elsewhere) pixel.mixed = 1;
+    if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
     const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
     if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
     if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
