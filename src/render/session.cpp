@@ -276,7 +276,10 @@ bool Session::set_settings(const RenderSettings& wanted) {
   if (settings.time_s != current.time_s) set_time(settings.time_s);
   current = settings;
   if (resized) s.scene->set_resolution(settings.width, settings.height);
-  if (resized || !same_slots || !same_passes) s.rebuild_pipeline();
+  if (resized || !same_slots || !same_passes) {
+    s.rebuild_pipeline();
+    s.edit(Change::settings);  // its buffers are empty, whether a described setting asked for that or `auxiliary`
+  }
   return true;
 }
 

@@ -2,8 +2,46 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/builtin.h"
+
 namespace relume {
 namespace {
+
+/// A white sphere in uniform light: every pixel is 1.
+Session furnace(const RenderSettings& settings) { return {find_builtin_scene("furnace")->build(), settings}; }
+
+RenderSettings small_settings() {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.threads = 1;
+  return settings;
+}
+
+double mean_luminance(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
+  RenderSettings settings = small_settings();
+  settings.denoise = DenoiseChoice::svgf;
+  Session session = furnace(settings);
+  for (const bool auxiliary : {true, false}) {
+    for (int i = 0; i < 8; ++i) session.render_frame();
+    settings.auxiliary = auxiliary;
+    ASSERT_TRUE(session.set_settings(settings));
+    EXPECT_EQ(session.frames_since_change(), 0u);
+    session.render_frame();
+    EXPECT_EQ(session.frames_since_change(), 1u);
+    EXPECT_EQ(session.kept_samples(), 1);
+    EXPECT_NEAR(mean_luminance(session.image()), 1, 0.1) << "within the noise of one sample a pixel";
+    if (auxiliary) {
+      EXPECT_NEAR(session.aov("albedo").front().values[6 * 16 + 8], 1, 0.01) << "of the sphere, in the middle";
+    }
+  }
+}
 
 TEST(PassTimes, AreWhatHasBeenTakenSince) {
   const std::vector<PassTime> before{{"trace", 1}, {"build", 3}};
