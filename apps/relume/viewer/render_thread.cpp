@@ -202,13 +202,25 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frames_[static_cast<size_t>(side)] = std::move(frame);
 }
 
-bool RenderThread::goal_reached(int side) const {
+bool RenderThread::goal_reached(int side) {
   const StopSettings& goal = request_.settings[static_cast<size_t>(side)].stop;
   const Session& session = *slots_[static_cast<size_t>(side)].session();
-  const uint32_t frames = session.frames_since_change();
-  if (goal.spp > 0 && frames >= static_cast<uint32_t>(goal.spp)) return true;
+  const bool accurate = error_reached(side);  // first: it follows every frame
+  if (goal.spp > 0 && session.frames_since_change() >= static_cast<uint32_t>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
-  return goal.error > 0 && cli::checks_error_at(frames) && session.estimated_error() <= static_cast<double>(goal.error);
+  return accurate;
+}
+
+bool RenderThread::error_reached(int side) {
+  const float limit = request_.settings[static_cast<size_t>(side)].stop.error;
+  const Session& session = *slots_[static_cast<size_t>(side)].session();
+  const uint32_t frames = session.frames_since_change();
+  ErrorVerdict& verdict = verdicts_[static_cast<size_t>(side)];
+  if (frames <= verdict.frames || limit != verdict.limit) verdict = {limit, 0, false};
+  verdict.frames = frames;
+  if (limit > 0 && !verdict.met && cli::checks_error_at(frames))
+    verdict.met = session.estimated_error() <= static_cast<double>(limit);
+  return verdict.met;
 }
 
 }  // namespace relume::viewer

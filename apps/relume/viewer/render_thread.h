@@ -4,6 +4,7 @@
 
 #include <array>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -46,6 +47,14 @@ class RenderThread {
   void add_notice(Notice notice);
 
  private:
+  /// Whether a side has met --error. Kept until its frames begin anew: the error is looked at in few of them, and these
+  /// need not be the same on both sides.
+  struct ErrorVerdict {
+    float limit = 0;
+    uint32_t frames = 0;  ///< since the change, as of the last look
+    bool met = false;
+  };
+
   void run(const std::stop_token& stop);
   bool wait_for_work(const std::stop_token& stop);
   void run_tasks();
@@ -54,7 +63,8 @@ class RenderThread {
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   IVec2 choose_size() const;
   bool at_rest() const;
-  bool goal_reached(int side) const;
+  bool goal_reached(int side);
+  bool error_reached(int side);
 
   mutable std::mutex mutex_;  ///< guards what follows; held for moments only
   std::condition_variable_any wake_;
@@ -73,6 +83,7 @@ class RenderThread {
   uint64_t refused_version_ = 0;  ///< a request that ended in an error; not tried again
   double changed_s_ = 0;          ///< when the request last changed
   bool goal_reached_ = false;
+  std::array<ErrorVerdict, kSides> verdicts_;
   std::jthread thread_;  ///< last: it ends before anything that it uses
 };
 

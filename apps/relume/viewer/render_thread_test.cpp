@@ -36,6 +36,7 @@ struct Stage {
     request.edits = document.edits();
     request.settings = settings;
     request.split = split;
+    request.paused = paused;
     request.buffer = buffer;
     request.pace.hold_rate = false;
     thread.post(request);
@@ -64,6 +65,7 @@ struct Stage {
   Document document;
   std::array<Settings, kSides> settings;
   bool split = false;
+  bool paused = false;
   std::string buffer;
   uint64_t version = 0;
   RenderThread thread;
@@ -119,6 +121,29 @@ TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
   stage.settings[0].render.seed = 1;
   stage.post();
   EXPECT_TRUE(stage.next());
+}
+
+TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
+  Stage stage;
+  stage.paused = true;  // a frame a request
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  stage.split = true;
+  stage.post();
+  ASSERT_TRUE(stage.next(0) && stage.next(1));
+  stage.paused = false;
+  stage.post();
+  // From 64 frames on the error is looked at in every fourth, which is never the same one on both sides.
+  for (int i = 0; i < kPatience_ms && stage.thread.frame(1)->samples < 70; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  for (Settings& s : stage.settings) s.stop.error = 1000;
+  stage.post();
+  const auto both_stopped = [&] { return stage.thread.frame(0)->reached_goal && stage.thread.frame(1)->reached_goal; };
+  for (int i = 0; i < kPatience_ms && !both_stopped(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const uint64_t serial = stage.thread.frame(0)->serial;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(stage.thread.frame(0)->serial, serial);
+  EXPECT_TRUE(both_stopped());
 }
 
 TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
