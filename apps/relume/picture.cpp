@@ -78,7 +78,6 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
 
 Metadata picture_metadata(const Session& session, const std::string& scene, Settings settings, double load_s) {
   settings.render = session.settings();
-  const Statistics& statistics = session.statistics();
   return {
       {"relume.version", kVersion},
       {"relume.scene", scene},
@@ -87,7 +86,7 @@ Metadata picture_metadata(const Session& session, const std::string& scene, Sett
       {"relume.seed", std::to_string(settings.render.seed)},
       {"relume.samples_per_pixel", format_samples(session.picture_samples())},
       {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s,
-                                     statistics.build_s, statistics.render_s)},
+                                     session.statistics().build_s, session.picture_render_s())},
   };
 }
 

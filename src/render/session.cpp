@@ -132,6 +132,7 @@ struct Session::State {
   bool edited = false;  ///< some of them are not the animation's
   Counters counters;
   mutable Statistics statistics;
+  double picture_begun_s = 0;  ///< statistics.render_s when the picture began
 };
 
 Session::Session(Scene scene, const RenderSettings& settings, std::vector<Index> movable) {
@@ -173,6 +174,7 @@ void Session::begin_picture() {
   Counters& c = state_->counters;
   c.picture_frames = c.frames;
   c.picture_paths = c.paths;
+  state_->picture_begun_s = state_->statistics.render_s;
 }
 
 uint32_t Session::picture_frames() const { return state_->counters.frames - state_->counters.picture_frames; }
@@ -182,6 +184,8 @@ double Session::picture_samples() const {
   const double pixels = double{1} * state_->buffers->width() * state_->buffers->height();
   return static_cast<double>(c.paths - c.picture_paths) / pixels;
 }
+
+double Session::picture_render_s() const { return state_->statistics.render_s - state_->picture_begun_s; }
 
 void Session::set_time(float time_s) {
   state_->settings.time_s = state_->counters.time_s = time_s;
@@ -289,6 +293,7 @@ void Session::restart(int seed) {
   s.rebuild_pipeline();
   s.scene->end_frame();
   s.counters = {};
+  s.picture_begun_s = s.statistics.render_s;
   s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
   s.changes = Change::none;
 }
@@ -301,6 +306,7 @@ void Session::save_checkpoint(const std::filesystem::path& file) const {
 void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
   s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *s.buffers, s.pipeline);
+  s.picture_begun_s = s.statistics.render_s;
   s.scene->set_time(s.counters.previous_time_s);
   s.scene->end_frame();
   set_time(s.counters.time_s);

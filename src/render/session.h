@@ -74,6 +74,8 @@ class Session {
   uint32_t picture_frames() const;
   /// Samples that a pixel got in them, mean over the pixels.
   double picture_samples() const;
+  /// Seconds inside render_frame since then, without those that a loaded checkpoint's frames took.
+  double picture_render_s() const;
 
   /// What changes from one frame to the next. Histories keep what they can; without one, samples start anew.
   /// Times lie in the range of the setting "scene-time".

@@ -43,6 +43,22 @@ TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
   }
 }
 
+TEST(Session, PicturesHaveSamplesAndSecondsOfTheirOwn) {
+  Session session = furnace(small_settings());
+  for (int i = 0; i < 3; ++i) session.render_frame();
+  const double before_s = session.statistics().render_s;
+  EXPECT_EQ(session.picture_samples(), 3);
+  EXPECT_EQ(session.picture_render_s(), before_s);
+  session.begin_picture();
+  EXPECT_EQ(session.picture_render_s(), 0);
+  session.render_frame();
+  EXPECT_EQ(session.picture_samples(), 1);
+  EXPECT_GT(session.picture_render_s(), 0);
+  EXPECT_EQ(session.picture_render_s(), session.statistics().render_s - before_s);
+  session.restart(1);
+  EXPECT_EQ(session.picture_render_s(), 0);
+}
+
 TEST(PassTimes, AreWhatHasBeenTakenSince) {
   const std::vector<PassTime> before{{"trace", 1}, {"build", 3}};
   const std::vector<PassTime> now{{"build", 3}, {"trace", 1.5}, {"bmfr-fit", 0.25}};

@@ -121,6 +121,11 @@ class Outputs(ProgramTest):
         self.assertRegex(strings["relume.scene_hash"], "^[0-9a-f]{16}$")
         self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(strings["relume.timings"])))
         self.assertTrue(strings["relume.version"])
+        # Each picture of a sequence names the seconds that it took itself.
+        self.succeed("render", "slit", "-o", "f.exr", *SMALL, "--spp", "2", "--frames", "0-2", "--stats", "s.json")
+        seconds = [json.loads(exr_strings(file)["relume.timings"])["render_s"] for file in sorted(self.folder.glob("f.*.exr"))]
+        self.assertEqual(len(seconds), 3)
+        self.assertAlmostEqual(sum(seconds), json.loads((self.folder / "s.json").read_text())["render_s"], delta=1e-5)
 
     def test_an_image_can_be_made_again_from_itself(self):
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
