@@ -119,11 +119,11 @@ std::filesystem::path free_name(const State& state, const std::string& extension
 }
 
 void save_picture(State& state, const std::filesystem::path& file) {
-  state.renderer->post_task([file, loaded = state.document->loaded(), settings = state.settings[0],
-                             renderer = state.renderer](const Session& session) {
+  state.renderer->post_task([file, settings = state.settings[0], renderer = state.renderer](const Session& session,
+                                                                                            const LoadedScene& scene) {
     std::vector<std::string> aovs;
     if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
-    const cli::Metadata metadata = cli::picture_metadata(session, loaded->name, settings, loaded->load_s);
+    const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
     cli::write_picture(file, session, settings.output, aovs, metadata);
     const std::string samples = cli::format_samples(session.kept_samples());
     renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
@@ -145,7 +145,8 @@ void pick_at(State& state, const Vec2& point, bool focus) {
   auto promise = std::make_shared<std::promise<PickResult>>();
   state.picked = promise->get_future();
   state.pick_focuses = focus;
-  state.renderer->post_task([promise, point](const Session& session) { promise->set_value(pick(session, point)); });
+  state.renderer->post_task(
+      [promise, point](const Session& session, const LoadedScene&) { promise->set_value(pick(session, point)); });
 }
 
 void show_directions_at(State& state, const Vec2& point) {

@@ -45,7 +45,7 @@ void RenderThread::post(RenderRequest request) {
   wake_.notify_one();
 }
 
-void RenderThread::post_task(std::function<void(const Session&)> task) {
+void RenderThread::post_task(Task task) {
   const std::lock_guard lock(mutex_);
   tasks_.push_back(std::move(task));
   wake_.notify_one();
@@ -114,7 +114,7 @@ void RenderThread::run_tasks() {
   lock.unlock();
   for (const auto& task : tasks) {
     try {
-      task(*slots_[0].session());
+      task(*slots_[0].session(), *slots_[0].scene());
     } catch (const std::exception& error) {
       add_notice({true, error.what()});
     }

@@ -32,8 +32,10 @@ class RenderThread {
   /// after a change never is, so that a picture follows every stream of changes.
   void post(RenderRequest request);
 
-  /// Asks for something to be done with side A's session between two frames: it may take as long as it likes.
-  void post_task(std::function<void(const Session&)> task);
+  /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
+  using Task = std::function<void(const Session&, const LoadedScene&)>;
+  /// Asks for something to be done between two frames: it may take as long as it likes.
+  void post_task(Task task);
 
   /// The newest frame of a side; nullptr before the first.
   std::shared_ptr<const ViewerFrame> frame(int side) const;
@@ -69,7 +71,7 @@ class RenderThread {
   mutable std::mutex mutex_;  ///< guards what follows; held for moments only
   std::condition_variable_any wake_;
   RenderRequest wanted_;
-  std::deque<std::function<void(const Session&)>> tasks_;
+  std::deque<Task> tasks_;
   std::array<std::shared_ptr<const ViewerFrame>, kSides> frames_;
   std::deque<std::pair<uint64_t, uint64_t>> followed_;  ///< request and serial of side A's latest frames
   std::vector<Notice> notices_;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "scene/builtin.h"
+#include "scene/scene_hash.h"
 #include "viewer/document.h"
 #include "viewer/inspect.h"
 #include "viewer/settings_panel.h"
@@ -256,17 +257,33 @@ TEST(RenderThread, PicksWhatIsUnderAPoint) {
   stage.post();
   ASSERT_TRUE(stage.next());
   std::promise<PickResult> promise;
-  stage.thread.post_task([&](const Session& session) { promise.set_value(pick(session, {0.5f, 0.5f})); });
+  stage.thread.post_task([&](const Session& session, const LoadedScene&) {
+    promise.set_value(pick(session, {0.5f, 0.5f}));
+  });
   const PickResult result = promise.get_future().get();
   EXPECT_TRUE(result.hit);
   EXPECT_GE(result.node, 0);
   EXPECT_GT(result.distance, 0);
 }
 
+TEST(RenderThread, TasksGetTheSceneOfTheirSessionWhileAnotherIsAskedFor) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  stage.document =
+      Document(std::make_shared<const LoadedScene>(LoadedScene{"furnace", find_builtin_scene("furnace")->build()}));
+  stage.post();
+  std::promise<bool> promise;
+  stage.thread.post_task([&](const Session& session, const LoadedScene& scene) {
+    promise.set_value(scene_hash(scene.scene) == session.scene_hash());
+  });
+  EXPECT_TRUE(promise.get_future().get());
+}
+
 TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {
   Stage stage;
   std::promise<bool> promise;
-  stage.thread.post_task([&](const Session&) { promise.set_value(true); });
+  stage.thread.post_task([&](const Session&, const LoadedScene&) { promise.set_value(true); });
   const std::clock_t before = std::clock();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10) << "processor time, half of what a spinning thread takes";
@@ -281,7 +298,7 @@ TEST(RenderThread, EndsAtAnyMoment) {
     if (i % 2 == 1) {
       ASSERT_TRUE(stage.next());
     }
-    stage.thread.post_task([](const Session&) {});
+    stage.thread.post_task([](const Session&, const LoadedScene&) {});
     std::this_thread::sleep_for(std::chrono::microseconds(300 * i));
   }
 }
