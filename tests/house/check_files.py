@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files: each technique has its page, test and benchmark; nothing is larger than 1 MiB; links in the docs lead
-somewhere."""
+"""Files: each technique has its page, test and benchmark; every test is built; nothing is larger than 1 MiB; links in
+the docs lead somewhere."""
 
 import re
 
@@ -8,6 +8,8 @@ import house
 
 MAX_FILE_BYTES = 1 << 20
 TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "benchmark"}
+TEST_FOLDERS = ("src", "apps", "tests")
+TEST = re.compile(r"[\w./-]+_test\.cpp\b")
 
 LINK = re.compile(r"(?<!\\)\[(?:[^\[\]]|\[[^\]]*\])*\]\(<?([^()\s>]+(?:\([^()]*\))?)>?(?:\s+\"[^\"]*\")?\)|(?:src|href)=\"([^\"]+)\"")
 CODE = re.compile(r"^```.*?^```[ \t]*$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
@@ -21,6 +23,17 @@ def check_techniques(root):
             if not any(folder.glob(pattern)):
                 problems.append(f"{folder.relative_to(root)}: has no {what} ({pattern})")
     return problems
+
+
+def check_tests(root):
+    """A test that no CMakeLists.txt names is never built, and nobody sees it fail."""
+    paths = house.files(root)
+    built = set()
+    for listing in (p for p in paths if p.name == "CMakeLists.txt"):
+        text = re.sub(r"#.*", "", listing.read_text(encoding="utf-8"))
+        built.update(listing.parent / name for name in TEST.findall(text))
+    tests = [p for p in paths if p.name.endswith("_test.cpp") and p.relative_to(root).parts[0] in TEST_FOLDERS]
+    return [f"{path.relative_to(root)}: no CMakeLists.txt names this test" for path in tests if path not in built]
 
 
 def check_sizes(root):
@@ -56,7 +69,7 @@ def check_links(root):
 
 
 def check(root):
-    return check_techniques(root) + check_sizes(root) + check_links(root)
+    return check_techniques(root) + check_tests(root) + check_sizes(root) + check_links(root)
 
 
 if __name__ == "__main__":
