@@ -340,12 +340,16 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
   EXPECT_EQ(takes_effect_with(settings, "accumulate.anything"), "history = accumulate");
   EXPECT_EQ(takes_effect_with(settings, "unknown.anything"), "");
   EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "cache = psf");
+  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "cache = psf");
   EXPECT_EQ(takes_effect_with(settings, "features.edge-rays"), "denoise = bmfr");
   settings.render.denoise = DenoiseChoice::svgf;
   EXPECT_EQ(takes_effect_with(settings, "features.edge-rays"), "");
   settings.render.cache = CacheChoice::apsf_apg;
   for (const char* name : {"psf.cell-size", "apsf.blend", "apg.blend"})
     EXPECT_EQ(takes_effect_with(settings, name), "") << name;
+  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "denoise = none");
+  settings.render.denoise = DenoiseChoice::none;
+  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "");
   settings.render.cache = CacheChoice::apg;
   EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "");
   EXPECT_EQ(takes_effect_with(settings, "apsf.blend"), "cache = apsf");

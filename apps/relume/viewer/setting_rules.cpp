@@ -27,8 +27,11 @@ std::string takes_effect_with(const Settings& settings, const std::string& setti
   const std::string technique = setting.substr(0, dot);
   RenderSettings render = settings.render;
   if (technique == "path") return {};  // holds for every estimator
-  if (technique == "psf")              // what all caches have in common
-    return render.cache == CacheChoice::none ? "cache = psf" : std::string();
+  if (technique == "psf") {            // what all caches have in common
+    if (render.cache == CacheChoice::none) return "cache = psf";
+    // Denoisers have edge rays of their own.
+    return setting == "psf.edge-rays" && render.denoise != DenoiseChoice::none ? "denoise = none" : std::string();
+  }
   if (technique == "features")  // what all denoisers have in common
     return render.denoise == DenoiseChoice::none ? "denoise = bmfr" : std::string();
   if (technique == "octree" && render.lights != LightSelectionChoice::vlc && render.guide != GuideChoice::cdq)

@@ -14,7 +14,7 @@ SettingList describe(PathSpaceFilterSettings& s) {
   list.push_back({"edge-rays",
                   &s.edge_rays,
                   "Camera rays with which pixels at the edge of something bright find out how much of it they see; 0: "
-                  "the path's own says it alone",
+                  "the path's own says it alone. With a denoiser features.edge-rays counts instead",
                   {.min = 0, .max = 256}});
   return list;
 }
