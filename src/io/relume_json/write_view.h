@@ -20,7 +20,8 @@ nlohmann::json material_to_json(const Material& material);
 /// One of "nodes": where it stands below its parent.
 nlohmann::json transform_to_json(const Transform& transform);
 
-/// "environment"; for a map without the file, whose name a scene does not know: the caller adds "map".
+/// "environment"; for a map without the file, whose name a scene does not know: the caller adds "map". `none` comes
+/// back as `constant` 0: the format has no word for it.
 nlohmann::json environment_to_json(const Environment& environment);
 
 }  // namespace relume
