@@ -122,7 +122,7 @@ class Scenes(Viewer):
 
     def test_a_scene_brings_settings_that_do_not_combine_with_those_before(self):
         (self.folder / "guided.json").write_text('{"scene": "builtin:mine", "settings": {"guide": "cdq"}}')
-        script = "set cache apg\nframes 1\ndrop guided.json\nloaded\nframes 2\nreport\n"
+        script = "set lights light-tree\nset cache apg\nframes 1\ndrop guided.json\nloaded\nframes 2\nreport\n"
         report, _ = self.view("cornell", script)
         self.assertEqual(report["scene"], "guided.json")
         self.assertGreater(report["mean_luminance"], 0)
