@@ -269,7 +269,8 @@ struct ConvergeKernel {
     const float variance = around.variance + around.most_variance;
     float share = around.squared > 0.0f ? 1.0f - variance / around.squared : 0.0f;
     if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
-    converged[pixel] = picture[pixel] + (mean[pixel] - picture[pixel]) * share;
+    // At edges of emission samples that find less of it than is shown leave a mean a little below black.
+    converged[pixel] = glm::max(picture[pixel] + (mean[pixel] - picture[pixel]) * share, Rgb(0));
   }
 };
 
