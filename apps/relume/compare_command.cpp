@@ -18,6 +18,7 @@
 #include "picture.h"
 #include "platform.h"
 #include "progress.h"
+#include "render/build_pipeline.h"
 #include "scene_source.h"
 
 namespace relume::cli {
@@ -39,24 +40,43 @@ struct CompareOptions {
   std::vector<std::pair<std::string, std::string>> flags;
 };
 
+/// Makes a folder, and takes it away again if nothing was written into it.
+class NewFolder {
+ public:
+  explicit NewFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+    std::error_code failure;
+    made_ = std::filesystem::create_directories(folder_, failure);
+    if (failure)
+      throw UsageError(fmt::format("{}: the folder cannot be made ({})", folder_.string(), failure.message()));
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code not_empty;
+    if (made_) std::filesystem::remove(folder_, not_empty);
+  }
+
+ private:
+  std::filesystem::path folder_;
+  bool made_ = false;
+};
+
 /// The three files that a comparison writes.
 struct OutputFiles {
   std::filesystem::path page;
   std::filesystem::path json;
   std::filesystem::path csv;
+  std::unique_ptr<NewFolder> folder;  ///< none if a page was named
 };
 
 OutputFiles output_files(const CompareOptions& o) {
   const std::string output = o.output.empty() ? std::filesystem::path(o.scene).stem().string() + "-compare" : o.output;
-  std::filesystem::path page = output;
-  if (page.extension() != ".html") {
-    std::error_code failure;
-    std::filesystem::create_directories(page, failure);
-    if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
-    page /= "compare.html";
-  }
-  check_folder_of(page);
-  OutputFiles files{page, page, page};
+  const bool names_page = std::filesystem::path(output).extension() == ".html";
+  OutputFiles files;
+  if (!names_page) files.folder = std::make_unique<NewFolder>(output);
+  files.page = names_page ? std::filesystem::path(output) : std::filesystem::path(output) / "compare.html";
+  check_folder_of(files.page);
+  files.json = files.csv = files.page;
   files.json.replace_extension(".json");
   files.csv.replace_extension(".csv");
   return files;
@@ -145,6 +165,9 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   const Settings common = resolve(options.common);
   apply(common.scene, scene);
   options.times_s = frame_times(o, common.render.time_s);
+  // What the scene's own settings leave possible, before a reference is rendered, which may take long.
+  for (const Contender& contender : options.contenders)
+    check_combination(resolve_contender(contender, options.common).render);
   return scene;
 }
 
@@ -236,8 +259,8 @@ Command compare_command(Verbosity& verbosity) {
       .summary = "Compare techniques on a scene, against a reference and each other.",
       .examples =
           {
-              {"relume compare scene.glb --budget 50ms",
-               "what relume shows in 50 ms against plain path tracing; the page is in scene-compare"},
+              {"relume compare scene.glb --budget 2s --width 640 --height 360",
+               "what relume shows in two seconds against plain path tracing; the page is in scene-compare"},
               {"relume compare scene.glb --techniques default,psf,apg,bmfr", "techniques by their names"},
               {"relume compare cornell --techniques uniform=lights:uniform,power=lights:power -o out",
                "64 samples each"},

@@ -31,6 +31,16 @@ std::string to_text(const Metrics& m, bool with_hdr_flip) {
       m.mean_b[1], m.mean_b[2]);
 }
 
+Metrics measure(const MetricsOptions& options, const Image& a, const Image& b) {
+  try {
+    return compute_metrics(
+        a, b,
+        {.tone_map = options.display.tone_map, .exposure = options.display.exposure, .hdr_flip = options.hdr_flip});
+  } catch (const Error& error) {
+    throw Error(fmt::format("{} and {}: {}", options.a, options.b, error.what()));
+  }
+}
+
 void write_flip_map(const MetricsOptions& options, const Image& a, const Image& b) {
   const std::vector<float> map = flip_map(tone_map(a, options.display.tone_map, options.display.exposure),
                                           tone_map(b, options.display.tone_map, options.display.exposure));
@@ -46,8 +56,7 @@ int run_metrics(const MetricsOptions& options) {
         fmt::format("{} has {} x {} pixels, but {} has {} x {}; pictures must have the same size to be compared",
                     options.a, a.width, a.height, options.b, b.width, b.height));
   }
-  const Metrics metrics = compute_metrics(
-      a, b, {.tone_map = options.display.tone_map, .exposure = options.display.exposure, .hdr_flip = options.hdr_flip});
+  const Metrics metrics = measure(options, a, b);
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
     warn(fmt::format("left out pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,
                      metrics.nonfinite_b, options.b));

@@ -53,6 +53,7 @@ class Comparing {
   }
 
   void prepare();
+  void read_pictures();
   bool make_references();
   bool measure_contenders();
   void measure_pictures();
@@ -63,6 +64,7 @@ class Comparing {
   const std::stop_token& stop_;
   const ComparisonProgress& progress_;
   std::vector<Settings> settings_;  ///< of the contenders
+  std::vector<Image> pictures_;     ///< made elsewhere
   std::vector<Reference> references_;
   Comparison result_;
 };
@@ -85,17 +87,26 @@ void Comparing::prepare() {
   result_.reference_settings = resolve(sources);
   // What contenders converge to: light from longer paths than theirs is nobody's error.
   if (!o.contenders.empty()) result_.reference_settings.render.path.max_bounces = max_bounces;
+  read_pictures();
+}
+
+/// Files are looked at before anything is rendered, which may take long.
+void Comparing::read_pictures() {
+  const ComparisonOptions& o = options();
+  const RenderSettings& size = result_.reference_settings.render;
+  for (const PictureContender& picture : o.pictures) {
+    pictures_.push_back(read_image(picture.file));
+    check_size(picture.file.string(), pictures_.back(), size.width, size.height);
+  }
+  if (o.reference_file.empty()) return;
+  if (o.times_s.size() > 1) throw Error("a reference from a file is one picture; leave --frames or --reference out");
+  references_.push_back(read_reference(o.reference_file));
+  check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
 }
 
 bool Comparing::make_references() {
   const ComparisonOptions& o = options();
-  if (!o.reference_file.empty()) {
-    if (o.times_s.size() > 1) throw Error("a reference from a file is one picture; leave --frames or --reference out");
-    references_.push_back(read_reference(o.reference_file));
-    const RenderSettings& size = result_.reference_settings.render;
-    check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
-    return true;
-  }
+  if (!references_.empty()) return true;
   ReferenceRenderer renderer(scene_, result_.reference_settings.render, o.reference_spp, o.cache_folder, o.program);
   const std::vector<float> times =
       o.times_s.empty() ? std::vector<float>{result_.reference_settings.render.time_s} : o.times_s;
@@ -154,10 +165,10 @@ bool Comparing::measure_contenders() {
 void Comparing::measure_pictures() {
   const OutputSettings display = resolve(options().common).output;
   const Image& reference = references_.back().image;
-  for (const PictureContender& picture : options().pictures) {
+  for (size_t i = 0; i < pictures_.size(); ++i) {
+    const PictureContender& picture = options().pictures[i];
     ContenderResult contender{.name = picture.name, .is_picture = true, .settings = picture.file.string()};
-    contender.image = read_image(picture.file);
-    check_size(picture.file.string(), contender.image, reference.width, reference.height);
+    contender.image = std::move(pictures_[i]);
     const Metrics m =
         compute_metrics(contender.image, reference, {.tone_map = display.tone_map, .exposure = display.exposure});
     contender.repetitions.push_back({.mse = m.mse, .rel_mse = m.rel_mse, .mape = m.mape, .flip = m.flip});

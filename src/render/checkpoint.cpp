@@ -166,7 +166,7 @@ std::string checkpoint_key(const RenderSettings& settings) {
   RenderSettings relevant = settings;
   relevant.threads = 0;
   relevant.time_s = 0;
-  return settings_to_json(describe(relevant)) + (settings.auxiliary ? " with auxiliary buffers" : "");
+  return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "");
 }
 
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers,

@@ -200,11 +200,45 @@ class Outputs(ProgramTest):
         self.assert_same_pixels("a.exr", "c.exr")
         self.assertGreater(self.metrics("a.exr", "d.exr")["mse"], 0)
 
+    def write_moving_card(self):
+        """moving.json: a small card before a wall that is 9 m away; it goes right by 0.5 m/s and away by 1 m/s, from 1 m.
+        A metre is nine pixels of 24 x 18."""
+        write_gltf(self.folder / "card.gltf", {
+            "nodes": [{"mesh": 0, "name": "card", "scale": [0.2, 0.2, 1]}, {"mesh": 0, "name": "wall", "scale": [10, 10, 1], "translation": [0, 0, -8]}],
+        })
+        keys = [{"time": 0, "translation": [-0.5, 0, 0]}, {"time": 2, "translation": [0.5, 0, -2]}]
+        camera = {"eye": [0, 0, 1], "target": [0, 0, 0], "projection": "orthographic", "half_height": 1}
+        scene = {"scene": "card.gltf", "camera": camera, "environment": {"constant": 1}, "nodes": {"card": {"keys": keys}}}
+        (self.folder / "moving.json").write_text(json.dumps(scene))
+
+    def bounds(self, file):
+        """The least and the greatest value of each channel."""
+        channels = json.loads(self.succeed("info", file, "--json").stdout)["channels"]
+        return {channel["name"]: (channel["min"], channel["max"]) for channel in channels}
+
+    def assert_bounds(self, found, least, greatest):
+        self.assertAlmostEqual(found[0], least, places=4)
+        self.assertAlmostEqual(found[1], greatest, places=4)
+
     def test_sequence_moves(self):
-        self.succeed("render", "slit", "-o", "f.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", "2", "--aov", "motion", timeout=240)
+        # Depth and motion have no noise here, so that they tell of movement alone.
+        self.write_moving_card()
+        for fps in (2, 4):
+            self.succeed("render", "moving.json", "-o", f"at{fps}.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", fps, "--aov", "depth,motion")
+            for frame in range(3):
+                with self.subTest(fps=fps, frame=frame):
+                    time_s = frame / fps
+                    sequence = self.bounds(f"at{fps}.{frame:03}.exr")
+                    self.assert_bounds(sequence["depth.Z"], 1 + time_s, 9)
+                    self.assert_bounds(sequence["motion.X"], 0, 0.5 / fps * 9 if frame > 0 else 0)
+                    self.assert_bounds(sequence["motion.Y"], 0, 0)
+                    self.succeed("render", "moving.json", "-o", "still.exr", *SMALL, "--spp", "4", "--scene-time", time_s, "--aov", "depth")
+                    self.assertEqual(self.bounds("still.exr")["depth.Z"], sequence["depth.Z"])
+                    self.assert_same_pixels("still.exr", f"at{fps}.{frame:03}.exr")
+
+    def test_a_frame_of_its_own_shows_what_the_sequence_shows(self):
+        self.succeed("render", "slit", "-o", "f.###.exr", *SMALL, "--spp", "4", "--frames", "0-2", "--fps", "2", timeout=240)
         self.assertEqual(self.files(), ["f.000.exr", "f.001.exr", "f.002.exr"])
-        self.assertGreater(self.metrics("f.000.exr", "f.001.exr")["mse"], 0)
-        # A frame of its own shows what the sequence shows.
         self.succeed("render", "slit", "-o", "alone.exr", *SMALL, "--spp", "4", "--frames", "2-2", "--fps", "2")
         self.assert_same_pixels("f.002.exr", "alone.0002.exr")
 

@@ -2,6 +2,8 @@
 """When a render ends: samples, time, error, interruption, kill -9 and resumption."""
 
 import json
+import pathlib
+import re
 import signal
 import time
 import unittest
@@ -72,6 +74,30 @@ class Stopping(ProgramTest):
         self.assert_same_pixels("resumed.exr", "whole.exr")
         resumed, whole = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("resumed", "whole"))
         self.assertEqual((resumed["samples"], resumed["rays"]), (whole["samples"], whole["rays"]))
+
+    def wait_for_handler(self, process, seconds=60):
+        """Until the process handles SIGINT, which would end it before."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+            if int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) & 1 << (signal.SIGINT - 1):
+                return
+            time.sleep(0.01)
+        self.fail("it handles no interrupt")
+
+    def test_second_interrupt_ends_at_once(self):
+        # The first sample is always finished, and this one takes seconds: paths go on until they meet the lamp.
+        process = start("render", "cornell-closed", "--width", "640", "--height", "480", "--threads", "1", "--max-bounces", "1024", "--no-path.russian-roulette",
+                        "-o", "out.exr", "--stats", "s.json", "--resume", "a.ckpt", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for_handler(process)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.stderr.readline(), "stopping; interrupt again to abort\n")
+        self.assertIsNone(process.poll(), "the first interrupt ended it")
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=10)
+        self.assertEqual((process.returncode, errors), (130, ""))
+        self.assertEqual(self.files(), [])
 
     def test_termination_is_an_interrupt(self):
         process = start("render", *ROOM, "-o", "out.png", "--spp", "1000000", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)

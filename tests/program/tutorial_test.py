@@ -28,7 +28,7 @@ class Tutorial(ProgramTest):
         self.assertLess(time.monotonic() - start, MOST_SECONDS)
         for picture in ("first.png", "evening.png"):
             self.assertEqual(png_size(folder / picture), (320, 240))
-        for page in ("lights/compare.html", "adaptive/compare.html"):
+        for page in ("lights/compare.html", "adaptive/compare.html", "moving/compare.html"):
             self.assertIn("</html>", (folder / page).read_text(), page)
 
 

@@ -4,6 +4,7 @@
 import json
 import os
 import pathlib
+import re
 import shutil
 import struct
 import subprocess
@@ -11,8 +12,9 @@ import sys
 import unittest
 import zlib
 
-from program import PROGRAM, ProgramTest, exr_strings, run
+from program import PROGRAM, SMALL, ProgramTest, exr_strings, run
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 SKIPPED = 77  # to ctest
 SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
 # Set on machines that do nothing else: rates are then required, not only reported.
@@ -56,6 +58,26 @@ def unfilter(kind, row, previous, step):
         guess = left + up - corner
         paeth = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
         row[i] = (row[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
+
+
+def combination_table():
+    """Of docs/combinations.md: the cell of each pair of choices ("cache=psf", "guide=cdq"), and the sentences of refusals."""
+    table, refused = (ROOT / "docs/combinations.md").read_text().split("\n## Measured")[0].split("\n## Refused")
+    rows = [line for line in table.splitlines() if re.match(r"\| \d+ `", line)]
+    choices = [re.search("`(.+?)`", row)[1] for row in rows]
+    cells = {}
+    for i, row in enumerate(rows):
+        for k, cell in enumerate(row.split("|")[2:-1]):
+            if k > i and cell.strip():
+                cells[choices[i], choices[k]] = cell.strip()
+    return cells, re.findall(r"^- (.*)$", refused, re.MULTILINE)
+
+
+def steps_to(choice):
+    """Settings, with their values, that make a choice of that table."""
+    slot, value = choice.split("=")
+    value, _, method = value.partition(" ")
+    return ([("reproject.method", method.strip("()"))] if method else []) + [(slot, value)]
 
 
 class Viewer(ProgramTest):
@@ -223,20 +245,58 @@ class Input(Viewer):
 class Settings(Viewer):
     def test_every_choice_of_every_slot_is_taken_live(self):
         choices = self.slots()
-        script = "pace moving\nset static-lists.rays 64\nframes 1\n"  # prepared soon on a machine that is busy
-        expected = []
+        script = "pace moving\nset static-lists.rays 64\n"  # prepared soon on a machine that is busy
+        script += self.all_defaults(choices) + "frames 1\n"
+        tried = []
         for slot, values in choices.items():
             for value in values:
-                script += f"try {slot} {value}\nframes 2\nreport\n"
-                expected.append((slot, value))
+                # Messages go after some seconds, which a busy machine takes for a frame.
+                script += f"try {slot} {value}\nreport\nframes 2\nreport\n"
+                tried.append((slot, value))
             script += f"set {slot} {values[0]}\nframes 1\n"
         reports = self.view("cornell", script, "--width", 160, "--height", 120)
-        for (slot, value), report in zip(expected, reports):
-            if report["slots"][slot] != value:  # refused: with a sentence, and only because it does not combine
-                self.assertTrue(report.get("messages"), (slot, value))
-            self.assertGreater(report["mean_luminance"], 0, (slot, value))
+        self.assertEqual(len(reports), 2 * len(tried) + 1)
+        refused = set()
+        for (slot, value), at_once, rendered in zip(tried, reports[::2], reports[1::2]):
+            self.assertGreater(rendered["mean_luminance"], 0, (slot, value))
+            if rendered["slots"][slot] != value:
+                refused.add((slot, value))
+                self.assertIn("Open Image Denoise", at_once["messages"][-1])
+        # Beside defaults everything combines; what is left is what this build lacks.
+        self.assertEqual(refused, self.missing_choices())
+
+    def test_the_pairs_that_are_refused_are_those_of_the_table(self):
+        table, sentences = combination_table()
+        choices = self.slots()
+        missing = {"=".join(choice) for choice in self.missing_choices()}
+        expected = {pair for pair, cell in table.items() if cell == "–" or (cell == "◌" and missing & set(pair))}
+        script = "pace moving\n" + self.all_defaults(choices)
+        for pair in table:
+            wanted = dict(step for choice in pair for step in steps_to(choice))
+            script += "".join(f"try {name} {value}\n" for name, value in wanted.items()) + "report\n"
+            # The slots first, as the method may be what makes them combine.
+            script += "".join(f"set {name} {choices[name][0]}\n" for name in wanted if name in choices) + "set reproject.method forward\n"
+        reports = self.view("cornell", script, "--width", 160, "--height", 120)
+        self.assertEqual(len(reports), len(table) + 1)
+        refused = set()
+        for pair, report in zip(table, reports):
+            wanted = dict(step for choice in pair for step in steps_to(choice) if step[0] in choices)
+            if {name: report["slots"][name] for name in wanted} != wanted:
+                refused.add(pair)
+                said = report["messages"][-1]
+                self.assertTrue(said in sentences or "Open Image Denoise" in said, f"{pair}: {said}")
+        self.assertEqual(refused, expected)
+
+    def all_defaults(self, choices):
+        return "".join(f"set {slot} {values[0]}\n" for slot, values in choices.items())
+
+    def missing_choices(self):
+        """Choices that this build has no library for."""
+        done = run("render", "furnace", "-o", "denoised.png", *SMALL, "--spp", "1", "--denoise", "oidn", cwd=self.folder)
+        return set() if done.returncode == 0 else {("denoise", "oidn")}
 
     def test_every_setting_is_known(self):
+        """Of names alone: every setting gets the value that it has."""
         values = json.loads(self.succeed("settings", "--json").stdout)
         self.assertGreater(len(values), 30)
         steps = ""
@@ -258,7 +318,8 @@ class Settings(Viewer):
         self.assertNotIn("mean_luminance_b", single)
 
     def test_times_of_passes_add_up_to_the_frame(self):
-        report = self.view("cornell", "pace off\nframes 6\n")[-1]
+        # One by one: of frames that come at once the interface sees the newest alone.
+        report = self.view("cornell", "pace off\n" + 6 * "frames 1\n")[-1]
         self.assertGreater(len(report["pass_ms"]), 3)
         self.assertAlmostEqual(sum(report["pass_ms"].values()) / report["frame_ms"], 1, delta=0.02)
         self.assertGreaterEqual(report["graph_frames"], 4)

@@ -45,11 +45,19 @@ void configure(Assimp::Importer& importer) {
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }
 
+[[noreturn]] void fail_without_triangles(const std::string& place) {
+  throw Error(fmt::format("{}: the file has no triangles; check that it is the right one", place));
+}
+
 Scene convert(const aiScene* source, const std::string& problem, const std::filesystem::path& base_dir,
               const std::string& place) {
   if (!source) {
     std::string reason = problem.empty() ? "its content is not understood" : problem;
     std::replace(reason.begin(), reason.end(), '\n', ' ');
+    // What assimp says of files with points and lines only, or with nothing at all.
+    for (const char* empty : {"No meshes", "no faces", "no meshes"}) {
+      if (reason.find(empty) != std::string::npos) fail_without_triangles(place);
+    }
     throw Error(fmt::format("{}: the file cannot be read: {}", place, reason));
   }
   Scene scene;
@@ -62,8 +70,7 @@ Scene convert(const aiScene* source, const std::string& problem, const std::file
   mask_transparent_textures(textures, scene);
   const std::vector<Index> mesh_of = import_assimp_meshes(*source, scene, warnings);
   import_assimp_nodes(*source, mesh_of, scene, warnings);
-  if (scene.meshes.empty())
-    throw Error(fmt::format("{}: the file has no triangles; check that it is the right one", place));
+  if (scene.meshes.empty()) fail_without_triangles(place);
   scene.warnings = warnings.take();
   validate(scene, place);
   return scene;
