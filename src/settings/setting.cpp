@@ -39,8 +39,15 @@ std::string range_text(const SettingTraits& traits) {
   return {};
 }
 
-void check_range(const Setting& setting, double value, std::string_view text, std::string_view place) {
-  if (value >= setting.traits.min && value <= setting.traits.max) return;
+bool in_range(const SettingTraits& traits, int value) { return value >= traits.min && value <= traits.max; }
+/// Bounds such as 0.01 are rounded to what the setting can hold, or they would refuse themselves.
+bool in_range(const SettingTraits& traits, float value) {
+  return value >= static_cast<float>(traits.min) && value <= static_cast<float>(traits.max);
+}
+
+template <typename Number>
+void check_range(const Setting& setting, Number value, std::string_view text, std::string_view place) {
+  if (in_range(setting.traits, value)) return;
   const std::string range = range_text(setting.traits);
   fail(setting, text, place, "must be " + (range.empty() ? "finite" : range));
 }
@@ -82,7 +89,7 @@ float parse_float(const Setting& setting, std::string_view text, std::string_vie
   } else if (failure == std::errc::result_out_of_range) {
     fail(setting, text, place, "that is not a number of single precision");
   }
-  check_range(setting, static_cast<double>(value), text, place);  // refuses NaN too
+  check_range(setting, value, text, place);  // refuses NaN too
   return value;
 }
 

@@ -86,6 +86,13 @@ TEST(Setting, RefusesWhatDoesNotFit) {
   EXPECT_EQ(assign_message("conut", "1"), "here: there is no setting 'conut'; did you mean 'count'?");
 }
 
+TEST(Setting, TakesItsBounds) {
+  float value = 1;
+  const Setting setting{"value", &value, "", {.min = 0.01, .max = 0.7}};
+  for (const char* bound : {"0.01", "0.7"}) EXPECT_NO_THROW(assign(setting, bound, "")) << bound;
+  EXPECT_THROW(assign(setting, "0.00999", ""), Error);
+}
+
 TEST(Setting, TextRoundTripsEveryFloat) {
   Sample sample;
   const SettingList list = describe(sample);
