@@ -1,5 +1,6 @@
 // Eight floats side by side: a vector register of the host, plain code on a device. Each lane is computed as if it were
-// alone, so the bits are the same either way, and those of the functions for one float.
+// alone, so the bits are the same either way, and those of one float: code for a type T of numbers runs with T = float
+// and with T = Lanes.
 #pragma once
 
 #include <cmath>
@@ -12,99 +13,159 @@ namespace relume {
 
 inline constexpr uint32_t kLanes = 8;
 
-#if defined(__CUDACC__)
-
-struct Lanes {
-  float values[kLanes];
-
-  RELUME_HD float operator[](uint32_t i) const { return values[i]; }
-};
-
 namespace lanes_detail {
 
-template <typename Function>
-RELUME_HD inline Lanes each(Function&& function) {
-  Lanes result;
-  for (uint32_t i = 0; i < kLanes; ++i) result.values[i] = function(i);
+#if defined(__CUDACC__)
+
+template <typename Number>
+struct Register {
+  Number values[kLanes];
+
+  RELUME_HD const Number& operator[](uint32_t i) const { return values[i]; }
+  RELUME_HD Number& operator[](uint32_t i) { return values[i]; }
+};
+using Floats = Register<float>;
+using Bools = Register<bool>;
+
+/// f of one lane after another.
+template <typename Result, typename Function, typename... Registers>
+RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
+  Result result;
+  for (uint32_t i = 0; i < kLanes; ++i) result[i] = f(registers[i]...);
   return result;
-}
-
-}  // namespace lanes_detail
-
-RELUME_HD inline Lanes lanes_of(float x) {
-  return lanes_detail::each([&](uint32_t) { return x; });
-}
-RELUME_HD inline Lanes operator+(const Lanes& a, const Lanes& b) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] + b[i]; });
-}
-RELUME_HD inline Lanes operator-(const Lanes& a, const Lanes& b) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] - b[i]; });
-}
-RELUME_HD inline Lanes operator*(const Lanes& a, const Lanes& b) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] * b[i]; });
-}
-RELUME_HD inline Lanes operator/(const Lanes& a, const Lanes& b) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] / b[i]; });
-}
-RELUME_HD inline Lanes max(const Lanes& a, const Lanes& b) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] > b[i] ? a[i] : b[i]; });
-}
-RELUME_HD inline Lanes square_root(const Lanes& a) {
-  return lanes_detail::each([&](uint32_t i) { return std::sqrt(a[i]); });
-}
-
-/// a < b ? x : y.
-RELUME_HD inline Lanes select_less(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
-  return lanes_detail::each([&](uint32_t i) { return a[i] < b[i] ? x[i] : y[i]; });
 }
 
 #else
 
-using Lanes = float __attribute__((vector_size(4 * kLanes)));
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+using Bools = int32_t __attribute__((vector_size(4 * kLanes)));  // all bits of a lane are set, or none
 
-RELUME_HD_INLINE Lanes lanes_of(float x) { return Lanes{x, x, x, x, x, x, x, x}; }
-RELUME_HD_INLINE Lanes max(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
-RELUME_HD_INLINE Lanes select_less(const Lanes& a, const Lanes& b, const Lanes& x, const Lanes& y) {
-  return a < b ? x : y;
-}
-RELUME_HD_INLINE Lanes square_root(const Lanes& a) {
-  Lanes result;
-  for (uint32_t i = 0; i < kLanes; ++i) result[i] = std::sqrt(a[i]);
-  return result;
+/// f of whole registers.
+template <typename Result, typename Function, typename... Registers>
+RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
+  return f(registers...);
 }
 
 #endif
 
+}  // namespace lanes_detail
+
+/// What comparing lanes gives.
+struct LaneMask {
+  lanes_detail::Bools b;
+
+  RELUME_HD_INLINE friend LaneMask operator&(const LaneMask& m, const LaneMask& n) {
+    return {lanes_detail::each<lanes_detail::Bools>([](const auto& x, const auto& y) { return x & y; }, m.b, n.b)};
+  }
+  RELUME_HD_INLINE friend LaneMask operator|(const LaneMask& m, const LaneMask& n) {
+    return {lanes_detail::each<lanes_detail::Bools>([](const auto& x, const auto& y) { return x | y; }, m.b, n.b)};
+  }
+  RELUME_HD_INLINE friend LaneMask operator!(const LaneMask& m) {
+    return {lanes_detail::each<lanes_detail::Bools>([](const auto& x) { return x == 0; }, m.b)};
+  }
+};
+
+struct Lanes {
+  lanes_detail::Floats v;
+
+  Lanes() = default;
+  RELUME_HD_INLINE Lanes(float x) : v{x, x, x, x, x, x, x, x} {}  // NOLINT: constants mix with lanes
+  RELUME_HD_INLINE explicit Lanes(const lanes_detail::Floats& values) : v(values) {}
+
+  RELUME_HD_INLINE float operator[](uint32_t i) const { return v[i]; }
+
+  RELUME_HD_INLINE friend Lanes operator+(const Lanes& a, const Lanes& b) {
+    return each([](const auto& x, const auto& y) { return x + y; }, a.v, b.v);
+  }
+  RELUME_HD_INLINE friend Lanes operator-(const Lanes& a, const Lanes& b) {
+    return each([](const auto& x, const auto& y) { return x - y; }, a.v, b.v);
+  }
+  RELUME_HD_INLINE friend Lanes operator*(const Lanes& a, const Lanes& b) {
+    return each([](const auto& x, const auto& y) { return x * y; }, a.v, b.v);
+  }
+  RELUME_HD_INLINE friend Lanes operator/(const Lanes& a, const Lanes& b) {
+    return each([](const auto& x, const auto& y) { return x / y; }, a.v, b.v);
+  }
+  RELUME_HD_INLINE friend Lanes operator-(const Lanes& a) {
+    return each([](const auto& x) { return -x; }, a.v);
+  }
+  RELUME_HD_INLINE friend LaneMask operator<(const Lanes& a, const Lanes& b) {
+    return {lanes_detail::each<lanes_detail::Bools>([](const auto& x, const auto& y) { return x < y; }, a.v, b.v)};
+  }
+  RELUME_HD_INLINE friend LaneMask operator>(const Lanes& a, const Lanes& b) { return b < a; }
+
+ private:
+  template <typename Function, typename... Registers>
+  RELUME_HD_INLINE static Lanes each(const Function& f, const Registers&... registers) {
+    return Lanes(lanes_detail::each<lanes_detail::Floats>(f, registers...));
+  }
+};
+
+/// What comparing numbers of type T gives.
+template <typename T>
+using MaskOf = decltype(T() < T());
+
+/// `yes` where the condition holds, `no` elsewhere.
+RELUME_HD_INLINE constexpr float select(bool condition, float yes, float no) { return condition ? yes : no; }
+RELUME_HD_INLINE Lanes select(const LaneMask& condition, const Lanes& yes, const Lanes& no) {
+  return Lanes(lanes_detail::each<lanes_detail::Floats>(
+      [](const auto& c, const auto& x, const auto& y) { return c ? x : y; }, condition.b, yes.v, no.v));
+}
+RELUME_HD_INLINE Lanes max(const Lanes& a, const Lanes& b) { return select(a > b, a, b); }
+RELUME_HD_INLINE Lanes min(const Lanes& a, const Lanes& b) { return select(a < b, a, b); }
+
 RELUME_HD_INLINE float square_root(float x) { return std::sqrt(x); }
+RELUME_HD_INLINE Lanes square_root(const Lanes& a) {
+  Lanes result;
+  for (uint32_t i = 0; i < kLanes; ++i) result.v[i] = std::sqrt(a[i]);
+  return result;
+}
+
+RELUME_HD_INLINE float absolute(float x) { return std::fabs(x); }
+RELUME_HD_INLINE Lanes absolute(const Lanes& a) { return max(a, 0.0f - a); }
 
 /// From and to any address.
-RELUME_HD_INLINE Lanes load_lanes(const float* from) {
-  Lanes lanes;
+template <typename T = Lanes>
+RELUME_HD_INLINE T load_lanes(const float* from) {
+  T lanes;
   std::memcpy(&lanes, from, sizeof lanes);
   return lanes;
 }
-RELUME_HD_INLINE void store_lanes(float* to, const Lanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+template <typename T>
+RELUME_HD_INLINE void store_lanes(float* to, const T& lanes) {
+  std::memcpy(to, &lanes, sizeof lanes);
+}
+
+/// table[indices[0 … kLanes − 1]].
+RELUME_HD_INLINE Lanes gather_lanes(const float* table, const uint32_t* indices) {
+  Lanes result;
+  for (uint32_t i = 0; i < kLanes; ++i) result.v[i] = table[indices[i]];
+  return result;
+}
 
 /// Eight vectors one after another, by component.
 RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #if defined(__CUDACC__)
   for (uint32_t i = 0; i < kLanes; ++i) {
-    for (uint32_t c = 0; c < 3; ++c) v[c].values[i] = from[3 * i + c];
+    for (uint32_t c = 0; c < 3; ++c) v[c].v[i] = from[3 * i + c];
   }
 #else
-  const Lanes a = load_lanes(from);
-  const Lanes b = load_lanes(from + kLanes);
-  const Lanes c = load_lanes(from + 2 * kLanes);
-  v[0] = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1, 2, 3, 4, 5, 10, 13);
-  v[1] = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0, 1, 2, 3, 4, 8, 11, 14);
-  v[2] = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c, 0, 1, 2, 3, 4, 9, 12, 15);
+  const auto a = load_lanes(from).v;
+  const auto b = load_lanes(from + kLanes).v;
+  const auto c = load_lanes(from + 2 * kLanes).v;
+  v[0].v =
+      __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1, 2, 3, 4, 5, 10, 13);
+  v[1].v =
+      __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0, 1, 2, 3, 4, 8, 11, 14);
+  v[2].v =
+      __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c, 0, 1, 2, 3, 4, 9, 12, 15);
 #endif
 }
 
 /// Relative luminance, as of a Rgb (core/vec.h).
 RELUME_HD_INLINE float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 RELUME_HD_INLINE Lanes luminance(const Lanes& r, const Lanes& g, const Lanes& b) {
-  return lanes_of(0.2126f) * r + lanes_of(0.7152f) * g + lanes_of(0.0722f) * b;
+  return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }
 
 /// Sum of all lanes, in an order of its own.

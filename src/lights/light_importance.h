@@ -60,7 +60,7 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
     if (lobe.kind == LobeKind::reflection) {
       r.glossy += albedo;
       roughness += albedo * std::sqrt(lobe.microfacet.alpha);
-    } else if (lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::thin_transmission) {
+    } else if (is_rough_transmission(lobe.kind)) {
       // Where refraction sends light is not modelled: half to each side, as a cosine.
       r.behind += 0.5f * albedo;
       r.diffuse += 0.5f * albedo;
@@ -126,7 +126,7 @@ RELUME_HD inline T of_columns(const LightReceiver& r, const LightColumns& column
   const Triple<T> corner = triple(LightColumns::v0) - p;
   const T side = T(0.0f) - dot(triple(LightColumns::normal), corner);
   const T two_sided = load(columns.column(LightColumns::two_sided));
-  const T facing = select(two_sided > T(0.0f), abs_of(side), side);
+  const T facing = select(two_sided > T(0.0f), absolute(side), side);
   return triangle_importance<T>(r, corner, triple(LightColumns::e1), triple(LightColumns::e2), facing,
                                 load(columns.column(LightColumns::emission)));
 }
@@ -142,26 +142,19 @@ RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsV
   return light_importance::of_columns<float>(r, columns, [id](const float* column) { return column[id]; });
 }
 
-/// Importances of `count` finite lights; returns their sum. The same bits with and without SIMD.
+/// Importances of `count` finite lights; returns their sum.
 RELUME_HD inline float light_importances(const LightReceiver& r, const LightsView& lights, const LightColumns& columns,
                                          const LightId* ids, uint32_t count, float* weights) {
-  uint32_t first = 0;
-#if RELUME_HAS_FLOAT8
-  for (; first < count; first += kSimdWidth) {
-    uint32_t block[kSimdWidth];
-    for (uint32_t k = 0; k < kSimdWidth; ++k) block[k] = ids[first + k < count ? first + k : first];
-    float values[kSimdWidth];
-    light_importance::of_columns<Float8>(r, columns, [&](const float* column) {
-      return Float8::gather(column, block);
-    }).store(values);
-    for (uint32_t k = 0; k < kSimdWidth && first + k < count; ++k) {
+  for (uint32_t first = 0; first < count; first += kLanes) {
+    uint32_t block[kLanes];
+    for (uint32_t k = 0; k < kLanes; ++k) block[k] = ids[first + k < count ? first + k : first];
+    const Lanes triangles = light_importance::of_columns<Lanes>(
+        r, columns, [&](const float* column) { return gather_lanes(column, block); });
+    for (uint32_t k = 0; k < kLanes && first + k < count; ++k) {
       const bool triangle = lights.lights[block[k]].kind == LightKind::triangle;
-      weights[first + k] = triangle ? values[k] : light_importance_of(r, lights, columns, block[k]);
+      weights[first + k] = triangle ? triangles[k] : light_importance_of(r, lights, columns, block[k]);
     }
   }
-#else
-  for (; first < count; ++first) weights[first] = light_importance_of(r, lights, columns, ids[first]);
-#endif
   float sum = 0;
   for (uint32_t i = 0; i < count; ++i) sum += weights[i];
   return sum;

@@ -45,7 +45,7 @@ void bm_light_importances(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations() * 32);
 }
-BENCHMARK(bm_light_importances)->ArgNames({"glossy", "simd"})->ArgsProduct({{0, 1}, {0, 1}});
+BENCHMARK(bm_light_importances)->ArgNames({"glossy", "lanes"})->ArgsProduct({{0, 1}, {0, 1}});
 
 }  // namespace
 }  // namespace relume

@@ -39,10 +39,21 @@ struct Bsdf {
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
   RELUME_HD bool has_coat() const { return coat > 0.0f; }
+  RELUME_HD bool is_coat(int lobe) const { return lobe == 0 && has_coat(); }
 };
 
 RELUME_HD constexpr bool is_delta(LobeKind kind) {
   return kind == LobeKind::mirror || kind == LobeKind::smooth_dielectric || kind == LobeKind::pass_through;
+}
+
+/// Takes light from the other side, in all directions.
+RELUME_HD constexpr bool is_rough_transmission(LobeKind kind) {
+  return kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
+}
+
+/// As wide as its microfacets are rough.
+RELUME_HD constexpr bool is_glossy(LobeKind kind) {
+  return kind == LobeKind::reflection || is_rough_transmission(kind);
 }
 
 /// Whether any lobe can be evaluated, so that next event estimation makes sense.
@@ -122,8 +133,7 @@ RELUME_HD inline float lobe_weights(const Bsdf& bsdf, float cos_theta, float wei
   const float below_coat = coat_transmittance(bsdf, cos_theta);
   float sum = 0;
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const bool is_coat = i == 0 && bsdf.has_coat();
-    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * (is_coat ? 1.0f : below_coat);
+    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * (bsdf.is_coat(i) ? 1.0f : below_coat);
     sum += weights[i];
   }
   return sum;
@@ -181,8 +191,7 @@ RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, 
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     const LobeEval e = eval_lobe(lobe, *bsdf.tables, wo, wi, mode);
-    const bool is_coat = i == 0 && bsdf.has_coat();
-    result.f += e.f * (lobe.weight * (is_coat ? 1.0f : below_coat));
+    result.f += e.f * (lobe.weight * (bsdf.is_coat(i) ? 1.0f : below_coat));
     result.pdf_forward += lobe.probability * e.pdf_w;
   }
   if constexpr (kReverse) result.pdf_reverse = reverse_pdf(bsdf, wo, wi);
@@ -231,8 +240,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {
-    const bool is_coat = i == 0 && bsdf.has_coat();
-    const float below_coat = is_coat ? 1.0f : coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, s.wi.z);
+    const float below_coat = bsdf.is_coat(i) ? 1.0f : coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, s.wi.z);
     result.weight = s.weight * (lobe.weight * below_coat / lobe.probability);
     result.alpha = 0.0f;
     result.valid = true;
@@ -242,9 +250,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   if (!(e.pdf_forward > 0.0f)) return {};
   result.weight = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
   result.pdf_w = e.pdf_forward;
-  const bool narrow = lobe.kind == LobeKind::reflection || lobe.kind == LobeKind::dielectric ||
-                      lobe.kind == LobeKind::thin_transmission;
-  result.alpha = narrow ? lobe.microfacet.alpha : 1.0f;
+  result.alpha = is_glossy(lobe.kind) ? lobe.microfacet.alpha : 1.0f;
   result.valid = true;
   return result;
 }
@@ -254,8 +260,7 @@ RELUME_HD inline Rgb albedo(const Bsdf& bsdf, float cos_theta_o) {
   const float below_coat = coat_transmittance(bsdf, cos_theta_o);
   Rgb sum(0);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const bool is_coat = i == 0 && bsdf.has_coat();
-    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * (is_coat ? 1.0f : below_coat);
+    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * (bsdf.is_coat(i) ? 1.0f : below_coat);
   }
   return sum;
 }

@@ -2,7 +2,8 @@
 // judge which light matters, never for shading.
 #pragma once
 
-#include "core/simd.h"
+#include "core/lanes.h"
+#include "core/vec.h"
 #include "core/view.h"
 
 namespace relume {
@@ -81,12 +82,12 @@ namespace ltc {
 /// (Lambert's formula). acos by [Abramowitz64, 4.4.45], in a form that needs no special case at small angles.
 template <typename T>
 RELUME_HD inline T edge_integral(const Triple<T>& a, const Triple<T>& b) {
-  const T scale = T(1.0f) / sqrt_of(max(dot(a, a) * dot(b, b), T(1e-30f)));
+  const T scale = T(1.0f) / square_root(max(dot(a, a) * dot(b, b), T(1e-30f)));
   const T x = max(min(dot(a, b) * scale, T(1.0f)), T(-1.0f));
-  const T y = abs_of(x);
+  const T y = absolute(x);
   const T polynomial = T(1.5707288f) + y * (T(-0.2121144f) + y * (T(0.0742610f) + y * T(-0.0187293f)));
-  const T acute = polynomial / sqrt_of(T(1.0f) + y);  // angle / sin of angle
-  const T obtuse = T(kPi) / sqrt_of(max(T(1.0f) - x * x, T(1e-7f))) - acute;
+  const T acute = polynomial / square_root(T(1.0f) + y);  // angle / sin of angle
+  const T obtuse = T(kPi) / square_root(max(T(1.0f) - x * x, T(1e-7f))) - acute;
   return select(x > T(0.0f), acute, obtuse) * (a.x * b.y - a.y * b.x) * scale;
 }
 
@@ -117,7 +118,7 @@ RELUME_HD inline T form_factor(const Triple<T>& v0, const Triple<T>& v1, const T
     const Mask a_above = a.z > zero;
     const Mask b_above = b.z > zero;
     const T difference = a.z - b.z;
-    const T t = a.z / relume::select(abs_of(difference) > zero, difference, T(1.0f));
+    const T t = a.z / relume::select(absolute(difference) > zero, difference, T(1.0f));
     const Triple<T> crossing{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), zero};
     const T integral = edge_integral(select<T>(a_above, a, crossing), select<T>(b_above, b, crossing));
     sum = sum + relume::select(a_above | b_above, integral, zero);
@@ -133,9 +134,9 @@ RELUME_HD inline T form_factor(const Triple<T>& v0, const Triple<T>& v1, const T
   const Triple<T> middle = (v0 + v1 + v2) * T(1.0f / 3.0f);
   const T distance2 = max(dot(middle, middle), T(1e-30f));
   const T as_point =
-      T(0.5f * kInvPi) * abs_of(dot(cross(e1, e2), middle)) * max(middle.z, zero) / (distance2 * distance2);
+      T(0.5f * kInvPi) * absolute(dot(cross(e1, e2), middle)) * max(middle.z, zero) / (distance2 * distance2);
   const Mask small = max(dot(e1, e1), dot(e2, e2)) < T(kSmallTriangle) * distance2;
-  return relume::select(small, as_point, abs_of(sum) * T(0.5f * kInvPi));
+  return relume::select(small, as_point, absolute(sum) * T(0.5f * kInvPi));
 }
 
 }  // namespace ltc

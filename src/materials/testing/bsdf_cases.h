@@ -35,10 +35,8 @@ inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
 inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughness, MicrofacetModel model,
                             float eta = 1) {
   const Microfacet microfacet{model, roughness * roughness};
-  const bool peaked =
-      kind == LobeKind::reflection || kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
   return {name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model),
-          peaked ? microfacet.alpha : 1.0f, eta, [=](float cos_theta_o, bool front_face) {
+          is_glossy(kind) ? microfacet.alpha : 1.0f, eta, [=](float cos_theta_o, bool front_face) {
             Bsdf bsdf{};
             bsdf.tables = &energy_tables();
             bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, front_face ? eta : 1.0f / eta);

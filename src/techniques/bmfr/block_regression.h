@@ -91,8 +91,8 @@ struct BlockRegression {
   }
 
   RELUME_HD_INLINE static float squared_length(const float* a) {
-    Lanes even = lanes_of(0.0f);
-    Lanes odd = lanes_of(0.0f);
+    Lanes even(0.0f);
+    Lanes odd(0.0f);
     for (uint32_t i = 0; i < kRows; i += 2 * kLanes) {
       const Lanes first = load_lanes(a + i);
       const Lanes second = load_lanes(a + i + kLanes);
@@ -106,12 +106,12 @@ struct BlockRegression {
   template <int kCount>
   RELUME_HD_INLINE static void reflect(const float* v, float scale, float (*a)[kRows]) {
     Lanes sums[kCount];
-    for (int c = 0; c < kCount; ++c) sums[c] = lanes_of(0.0f);
+    for (int c = 0; c < kCount; ++c) sums[c] = Lanes(0.0f);
     for (uint32_t i = 0; i < kRows; i += kLanes) {
       const Lanes vi = load_lanes(v + i);
       for (int c = 0; c < kCount; ++c) sums[c] = sums[c] + vi * load_lanes(a[c] + i);
     }
-    for (int c = 0; c < kCount; ++c) sums[c] = lanes_of(scale * sum_of(sums[c]));
+    for (int c = 0; c < kCount; ++c) sums[c] = Lanes(scale * sum_of(sums[c]));
     for (uint32_t i = 0; i < kRows; i += kLanes) {
       const Lanes vi = load_lanes(v + i);
       for (int c = 0; c < kCount; ++c) store_lanes(a[c] + i, load_lanes(a[c] + i) - sums[c] * vi);

@@ -147,25 +147,25 @@ struct BlockRegressionKernel {
       load_vectors(normals, normal);
       load_vectors(albedos, albedo);
       load_vectors(lights, light);
-      const Lanes zero = lanes_of(0.0f);
-      filtered = select_less(max(max(albedo[0], albedo[1]), albedo[2]), lanes_of(kLeastAlbedo), zero, lanes_of(1.0f));
+      const Lanes zero(0.0f);
+      filtered = select(max(max(albedo[0], albedo[1]), albedo[2]) < kLeastAlbedo, zero, 1.0f);
       count = count * filtered;
       for (int c = 0; c < 3; ++c) {
         position[c] = position[c] * filtered;
         normal[c] = normal[c] * filtered;
-        light[c] = select_less(zero, count, light[c], zero);
+        light[c] = select(zero < count, light[c], zero);
       }
     }
 
     RELUME_HD_INLINE void put(uint32_t i, BlockPixels& p) const {
-      const Lanes zero = lanes_of(0.0f);
-      const Lanes one = lanes_of(1.0f);
+      const Lanes zero(0.0f);
+      const Lanes one(1.0f);
       for (int c = 0; c < 3; ++c) {
         store_lanes(p.position[c] + i, position[c]);
         store_lanes(p.normal[c] + i, normal[c]);
         store_lanes(p.light[c] + i, light[c]);
       }
-      const Lanes known = select_less(count, lanes_of(static_cast<float>(kKnownSamples)), zero, one);
+      const Lanes known = select(count < Lanes(static_cast<float>(kKnownSamples)), zero, one);
       const Lanes y = luminance(light[0], light[1], light[2]);
       store_lanes(p.filtered + i, filtered);
       store_lanes(p.weight + i, square_root(count));
@@ -176,15 +176,15 @@ struct BlockRegressionKernel {
 
   /// Of a component of the positions of pixels that are filtered; low above high if there are none.
   RELUME_HD static void range_of(const BlockPixels& p, int c, float& low, float& high) {
-    const Lanes one = lanes_of(1.0f);
-    const Lanes far = lanes_of(kFar);
-    Lanes highest = lanes_of(-kFar);
+    const Lanes one(1.0f);
+    const Lanes far(kFar);
+    Lanes highest(-kFar);
     Lanes lowest_negated = highest;
     for (uint32_t i = 0; i < kBlockPixels; i += kLanes) {
       const Lanes x = load_lanes(p.position[c] + i);
       const Lanes away = (one - load_lanes(p.filtered + i)) * far;
       highest = max(highest, x - away);
-      lowest_negated = max(lowest_negated, lanes_of(0.0f) - x - away);
+      lowest_negated = max(lowest_negated, 0.0f - x - away);
     }
     low = kFar;
     high = -kFar;
@@ -198,8 +198,8 @@ struct BlockRegressionKernel {
   RELUME_HD static void normalise(const Vec3& low, const Vec3& high, BlockPixels& p) {
     for (int c = 0; c < 3; ++c) {
       const float extent = high[c] - low[c];
-      const Lanes middle = lanes_of(0.5f * (low[c] + high[c]));
-      const Lanes scale = lanes_of(extent > 0.0f ? 2.0f / extent : 0.0f);
+      const Lanes middle(0.5f * (low[c] + high[c]));
+      const Lanes scale(extent > 0.0f ? 2.0f / extent : 0.0f);
       for (uint32_t i = 0; i < kBlockPixels; i += kLanes)
         store_lanes(p.position[c] + i, (load_lanes(p.position[c] + i) - middle) * scale);
     }
@@ -207,7 +207,7 @@ struct BlockRegressionKernel {
 
   /// A feature of kLanes pixels.
   RELUME_HD_INLINE static Lanes feature(const BlockPixels& p, int f, uint32_t i) {
-    if (f == 0) return lanes_of(1.0f);
+    if (f == 0) return Lanes(1.0f);
     if (f < 4) return load_lanes(p.normal[f - 1] + i);
     const Lanes x = load_lanes(p.position[(f - 4) % 3] + i);
     return f < 7 ? x : x * x;
@@ -216,7 +216,7 @@ struct BlockRegressionKernel {
   RELUME_HD BlockFit solve(const BlockPixels& p) const {
     BlockRegression regression;
     regression.begin();
-    const Lanes scale = lanes_of(noise_scale);
+    const Lanes scale(noise_scale);
     for (uint32_t first = 0; first < kBlockPixels; first += BlockRegression::kPanelRows) {
       for (int f = 0; f < kBlockColumns; ++f) {
         float* column = regression.columns[f] + BlockRegression::kTriangle;
@@ -234,10 +234,10 @@ struct BlockRegressionKernel {
 
   RELUME_HD static void evaluate(const BlockFit& fit, BlockPixels& p) {
     for (uint32_t i = 0; i < kBlockPixels; i += kLanes) {
-      Lanes sums[3] = {lanes_of(0.0f), lanes_of(0.0f), lanes_of(0.0f)};
+      Lanes sums[3] = {Lanes(0.0f), Lanes(0.0f), Lanes(0.0f)};
       for (int f = 0; f < kBlockFeatures; ++f) {
         const Lanes value = feature(p, f, i);
-        for (int c = 0; c < 3; ++c) sums[c] = sums[c] + value * lanes_of(fit.coefficients[c][f]);
+        for (int c = 0; c < 3; ++c) sums[c] = sums[c] + value * fit.coefficients[c][f];
       }
       for (int c = 0; c < 3; ++c) store_lanes(p.fit[c] + i, sums[c]);
     }
@@ -256,8 +256,8 @@ struct BlockRegressionKernel {
   RELUME_HD void restore_cell(uint32_t first, BlockPixels& p) const {
     static_assert(kDetailCell == kLanes);
     constexpr uint32_t kEnd = kDetailCell * kBlockSize;
-    Lanes differences = lanes_of(0.0f);
-    Lanes variances = lanes_of(0.0f);
+    Lanes differences(0.0f);
+    Lanes variances(0.0f);
     for (uint32_t i = first; i < first + kEnd; i += kBlockSize) {
       Lanes left_over[3];
       for (int c = 0; c < 3; ++c) left_over[c] = load_lanes(p.light[c] + i) - load_lanes(p.fit[c] + i);
@@ -269,7 +269,7 @@ struct BlockRegressionKernel {
     const float kept = all > 0.0f ? 1.0f - detail * sum_of(variances) / all : 0.0f;
     if (!(kept > 0.0f)) return;
     for (uint32_t i = first; i < first + kEnd; i += kBlockSize) {
-      const Lanes share_kept = lanes_of(kept) * load_lanes(p.known + i);
+      const Lanes share_kept = kept * load_lanes(p.known + i);
       for (int c = 0; c < 3; ++c) {
         const Lanes fit = load_lanes(p.fit[c] + i);
         store_lanes(p.fit[c] + i, fit + (load_lanes(p.light[c] + i) - fit) * share_kept);

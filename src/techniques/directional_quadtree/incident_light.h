@@ -5,12 +5,16 @@
 
 namespace relume {
 
-/// Leaves out what next event estimation at the first vertex could have found.
-struct KnownEmission : NoObserver {
+/// Leaves out what next event estimation at the first vertex could have found, and guides no direction.
+struct IncidentObserver : NoObserver {
   Rgb known{0};
 
   RELUME_HD void emitted(const PathState& path, bool lights_know) {
     if (path.bounce == 1 && lights_know) known = path.radiance;
+  }
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState&) {
+    sp.region = kNoRegion;
+    return true;
   }
 };
 
@@ -22,20 +26,10 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   path.delta = false;
   path.pdf_w = 1.0f;  // only the ratio to next event estimation's, whose share is left out anyway
   path.bounce = 1;
-  KnownEmission observer;
   SurfacePoint points[2];
   points[0] = sp;
-  Hit hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
-  for (;;) {
-    SurfacePoint& here = points[path.bounce & 1u];
-    if (!arrive(c, hit, points[(path.bounce & 1u) ^ 1u], here, path, observer)) break;
-    here.region = kNoRegion;
-    Connection connection;
-    if (connect(c, here, path, sampler, connection) && !occluded(c.scene.accel, connection.ray, connection.ray_id))
-      path.radiance += connection.contribution;
-    if (!continue_path(c, here, path, sampler)) break;
-    hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
-  }
+  IncidentObserver observer;
+  walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, observer);
   return path.radiance - observer.known;
 }
 

@@ -15,7 +15,7 @@ PassDeclaration EdgeEmissionPass::declaration() const {
                     .persistent = true,
                     .reset = Change::any,
                     .display = BufferDisplay::value},
-                   surface_buffer("shown-emission", BufferType::rgb32f, "emission that the picture shows", true),
+                   surface_buffer("shown-emission", BufferType::rgb32f, "emission that the picture shows", false),
                    {.name = "scattered",
                     .type = BufferType::rgb32f,
                     .help = "radiance of this frame's sample without the emission that it saw"}},

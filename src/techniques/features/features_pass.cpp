@@ -91,8 +91,11 @@ BufferDescription denoiser_history(const char* name, BufferType type, const char
 BufferDescription denoised_buffer() { return kept("denoised", BufferType::rgb32f, "the picture, denoised"); }
 
 BufferDescription unfiltered_buffer() {
-  return kept(kUnfiltered, BufferType::rgb32f,
-              "mean of what the denoiser does not filter, emission above all, since the last change");
+  BufferDescription buffer =
+      kept(kUnfiltered, BufferType::rgb32f,
+           "mean of what the denoiser does not filter, emission above all, since the last change");
+  buffer.double_buffered = true;
+  return buffer;
 }
 
 BufferDescription filtered_share_buffer() {
@@ -142,8 +145,8 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.motion = frame.view<const Vec2>("feature-motion");
   average.albedo = frame.view<const Rgb>("feature-albedo");
   average.emission = frame.view<const Rgb>("shown-emission");
-  average.emission_before = frame.previous<const Rgb>("shown-emission");
   average.edge_rays = frame.view<const uint32_t>("edge-rays");
+  average.unfiltered_before = frame.previous<const Rgb>(kUnfiltered);
   average.unfiltered = frame.view<Rgb>(kUnfiltered);
   average.filtered_share = frame.view<float>(kFilteredShare);
   average.picture = frame.view<Rgb>(buffers.history);

@@ -21,11 +21,11 @@ struct PictureHistoryKernel {
   View<const Rgb> before;
   View<const Vec2> motion;
   View<const Rgb> albedo;
-  View<const Rgb> emission;         ///< shown
-  View<const Rgb> emission_before;  ///< the frame before's; read where edge_rays is not 0
-  View<const uint32_t> edge_rays;   ///< camera rays that the emission is the mean of; 0 or empty: the sample's alone
-  View<Rgb> unfiltered;             ///< mean of what was not filtered since the last change, 0 where it was; updated
-  View<float> filtered_share;       ///< of the frames since then; updated
+  View<const Rgb> emission;           ///< shown
+  View<const uint32_t> edge_rays;     ///< camera rays that it is the mean of; 0 or empty: the sample's alone
+  View<const Rgb> unfiltered_before;  ///< the frame before's `unfiltered`
+  View<Rgb> unfiltered;               ///< what of `picture` was not filtered: a mean since the last change
+  View<float> filtered_share;         ///< of the frames since then; updated
   View<Rgb> picture;
   float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
   uint32_t frames = 1;  ///< since the last change, this one among them
@@ -49,7 +49,7 @@ struct PictureHistoryKernel {
     } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
       // Many rays have measured the emission, which a picture that was moved along could only blur.
       const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
-      const auto scattered_before = [this](uint32_t i) { return before[i] - emission_before[i]; };
+      const auto scattered_before = [this](uint32_t i) { return before[i] - unfiltered_before[i]; };
       picture[pixel] = glm::max(emission[pixel] + blended(x, y, scattered, scattered_before), Rgb(0));
     } else {
       picture[pixel] = blended(
@@ -61,7 +61,7 @@ struct PictureHistoryKernel {
   /// The picture is what was not filtered + share · what was, the latter with weights that grow with their number.
   RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
     const auto n = static_cast<float>(static_cast<int>(frames));
-    const Rgb seen_before = unfiltered[pixel];
+    const Rgb seen_before = unfiltered_before[pixel];
     const float share_before = filtered_share[pixel];
     const Rgb mean = seen_before + (seen - seen_before) / n;
     const float share = share_before + ((filtered ? 1.0f : 0.0f) - share_before) / n;
@@ -204,8 +204,8 @@ struct ConvergeKernel {
         const Lanes most = load_lanes(most_squared + i);
         const Lanes other = load_lanes(most_squares + i);
         store_lanes(most_variance + i,
-                    select_less(most, other, load_lanes(most_variances + i), load_lanes(most_variance + i)));
-        store_lanes(most_squared + i, select_less(most, other, other, most));
+                    select(most < other, load_lanes(most_variances + i), load_lanes(most_variance + i)));
+        store_lanes(most_squared + i, select(most < other, other, most));
       }
     }
   };
@@ -247,11 +247,11 @@ struct ConvergeKernel {
   void at(uint32_t pixel, float* squares, float* variances, float* most_variances) const {
     float counts[kLanes];
     for (uint32_t k = 0; k < kLanes; ++k) counts[k] = static_cast<float>(static_cast<int>(samples[pixel + k]));
-    const Lanes least = lanes_of(static_cast<float>(kKnownSamples));
-    const Lanes one = lanes_of(1.0f);
-    const Lanes known = select_less(load_lanes(counts), least, lanes_of(0.0f), one);
+    const Lanes least(static_cast<float>(kKnownSamples));
+    const Lanes one(1.0f);
+    const Lanes known = select(load_lanes(counts) < least, Lanes(0.0f), one);
     const Lanes n = max(load_lanes(counts), least);
-    const Lanes many = lanes_of(kStratifiedSamples);
+    const Lanes many(kStratifiedSamples);
     const Lanes gain = stratified ? square_root(many / max(n, many)) : one;
     Lanes of_mean[3];
     Lanes of_picture[3];

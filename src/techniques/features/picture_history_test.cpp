@@ -18,12 +18,15 @@ constexpr uint32_t kPixels = kWidth * kHeight;
 /// Pictures of a gradient with noise.
 struct Pictures {
   void average(bool still, float newest) {
+    const std::vector<Rgb> unfiltered_before = unfiltered;
     PictureHistoryKernel kernel;
     kernel.shown = view_of(shown);
     kernel.before = view_of(before);
     kernel.motion = view_of(motion);
     kernel.albedo = view_of(albedo);
     kernel.emission = view_of(emission);
+    kernel.edge_rays = view_of(edge_rays);
+    kernel.unfiltered_before = view_of(unfiltered_before);
     kernel.unfiltered = mutable_view_of(unfiltered);
     kernel.picture = mutable_view_of(picture);
     kernel.newest = newest;
@@ -46,6 +49,7 @@ struct Pictures {
   std::vector<Rgb> picture = std::vector<Rgb>(kPixels);
   std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
   std::vector<Rgb> emission = std::vector<Rgb>(kPixels, Rgb(0));
+  std::vector<uint32_t> edge_rays = std::vector<uint32_t>(kPixels, 0);
   std::vector<Rgb> unfiltered = std::vector<Rgb>(kPixels, Rgb(0));
   std::vector<float> filtered_share = std::vector<float>(kPixels, 1.0f);
   uint32_t frames = 1;
@@ -85,6 +89,25 @@ TEST(PictureHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
   }
   EXPECT_NEAR(p.picture[0].r, 10 + sum_of_wall * 2 / 3, 1e-4);
   EXPECT_NEAR(p.picture[1].r, 10 + sum_of_all, 1e-4);
+}
+
+/// What rays measured of a lamp's edge differs from frame to frame; none of that is light that the surface scatters.
+TEST(PictureHistory, WhatAMovedPictureKeepsIsWhatWasScattered) {
+  Pictures p;
+  std::fill(p.edge_rays.begin(), p.edge_rays.end(), 16u);
+  for (int i = 0; i < 5; ++i) {
+    const Rgb emission(i % 2 == 0 ? 8.0f : 12.0f);
+    std::fill(p.emission.begin(), p.emission.end(), emission);
+    std::fill(p.shown.begin(), p.shown.end(), emission + Rgb(2));
+    p.frames = static_cast<uint32_t>(i % 4 + 1);
+    const bool still = i > 0 && i < 4;
+    p.average(still, i > 0 ? 0.2f : 1.0f);
+    if (i == 3) {
+      EXPECT_NEAR(p.picture[7].r, 12, 1e-5);  // the mean of both
+    }
+    p.before = p.picture;
+  }
+  EXPECT_NEAR(p.picture[7].r, 8 + 2, 1e-5);
 }
 
 TEST(PictureHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {

@@ -2,7 +2,8 @@
 // ([Conty18], [Moreau19]): eight children a node, up to two lights a leaf. No visibility.
 #pragma once
 
-#include "core/simd.h"
+#include "core/lanes.h"
+#include "core/vec.h"
 #include "sampling/choose.h"
 #include "scene/surface_point.h"
 #include "techniques/light_selection/infinite_lights.h"
@@ -54,7 +55,7 @@ RELUME_HD inline T sin_of_difference(T cos_a, T sin_a, T cos_b, T sin_b) {
 }
 template <typename T>
 RELUME_HD inline T sine(T cosine) {
-  return sqrt_of(max(T(1.0f) - cosine * cosine, T(0.0f)));
+  return square_root(max(T(1.0f) - cosine * cosine, T(0.0f)));
 }
 
 /// Receiver of light.
@@ -73,20 +74,20 @@ RELUME_HD inline T importance(const Point& p, const T center[3], T radius, const
   const T d[3] = {center[0] - T(p.position.x), center[1] - T(p.position.y), center[2] - T(p.position.z)};
   const T d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   const T r2 = radius * radius;
-  const T inverse = one / sqrt_of(max(d2, T(1e-20f)));
+  const T inverse = one / square_root(max(d2, T(1e-20f)));
   // Angle under which the group is seen; all directions from inside.
   const auto inside = d2 < r2;
-  const T cos_b = select(inside, T(-1.0f), sqrt_of(max(one - r2 / max(d2, T(1e-20f)), zero)));
+  const T cos_b = select(inside, T(-1.0f), square_root(max(one - r2 / max(d2, T(1e-20f)), zero)));
   const T sin_b = sine(cos_b);
   const T cos_signed = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]) * (zero - inverse);
-  const T cos_w = max(min(select(two_sided > zero, abs_of(cos_signed), cos_signed), one), T(-1.0f));
+  const T cos_w = max(min(select(two_sided > zero, absolute(cos_signed), cos_signed), one), T(-1.0f));
   const T sin_w = sine(cos_w);
   const T sin_o = sine(cos_o);
   const T cos_x = cos_of_difference(cos_w, sin_w, cos_o, sin_o);
   const T sin_x = sin_of_difference(cos_w, sin_w, cos_o, sin_o);
   const T cos_emitted = cos_of_difference(cos_x, sin_x, cos_b, sin_b);
   const T incident_signed = (d[0] * T(p.normal.x) + d[1] * T(p.normal.y) + d[2] * T(p.normal.z)) * inverse;
-  const T incident = select(T(p.both_sides) > zero, abs_of(incident_signed), incident_signed);
+  const T incident = select(T(p.both_sides) > zero, absolute(incident_signed), incident_signed);
   const T cos_i = max(min(incident, one), T(-1.0f));
   const T cos_incident = max(cos_of_difference(cos_i, sine(cos_i), cos_b, sin_b), zero);
   const T value = intensity * max(cos_emitted, zero) * cos_incident / max(max(d2, r2), T(1e-12f));
@@ -101,21 +102,12 @@ RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
 
 /// Weights of a node's children and their sum; the intensity decides where nothing seems to arrive.
 RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, float weights[kLightTreeWidth]) {
-#if RELUME_HAS_FLOAT8
-  const auto lanes = [](const float* from) { return Float8::load(from); };
-  const Float8 center[3] = {lanes(n.center[0]), lanes(n.center[1]), lanes(n.center[2])};
-  const Float8 axis[3] = {lanes(n.axis[0]), lanes(n.axis[1]), lanes(n.axis[2])};
-  importance<Float8>(p, center, lanes(n.radius), axis, lanes(n.cos_o), lanes(n.cos_e), lanes(n.intensity),
-                     lanes(n.two_sided))
-      .store(weights);
-#else
-  for (uint32_t i = 0; i < kLightTreeWidth; ++i) {
-    const float center[3] = {n.center[0][i], n.center[1][i], n.center[2][i]};
-    const float axis[3] = {n.axis[0][i], n.axis[1][i], n.axis[2][i]};
-    weights[i] =
-        importance<float>(p, center, n.radius[i], axis, n.cos_o[i], n.cos_e[i], n.intensity[i], n.two_sided[i]);
-  }
-#endif
+  static_assert(kLightTreeWidth == kLanes);
+  const auto lanes = [](const float* from) { return load_lanes(from); };
+  const Lanes center[3] = {lanes(n.center[0]), lanes(n.center[1]), lanes(n.center[2])};
+  const Lanes axis[3] = {lanes(n.axis[0]), lanes(n.axis[1]), lanes(n.axis[2])};
+  store_lanes(weights, importance<Lanes>(p, center, lanes(n.radius), axis, lanes(n.cos_o), lanes(n.cos_e),
+                                         lanes(n.intensity), lanes(n.two_sided)));
   float sum = 0;
   for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i];
   if (sum > 0.0f) return sum;
@@ -184,8 +176,7 @@ struct LightTree {
   RELUME_HD static light_tree::Point point_of(const SurfacePoint& sp) {
     light_tree::Point p{sp.position, sp.frame.n, 0.0f};
     for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
-      const LobeKind kind = sp.bsdf.lobes[i].kind;
-      if (kind == LobeKind::dielectric || kind == LobeKind::thin_transmission) p.both_sides = 1.0f;
+      if (is_rough_transmission(sp.bsdf.lobes[i].kind)) p.both_sides = 1.0f;
     }
     return p;
   }

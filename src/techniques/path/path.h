@@ -268,13 +268,11 @@ RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, cons
   return has_non_delta(sp.bsdf) && sample_connection(c, sp, path, sampler, connection);
 }
 
-/// Radiance of one sample of pixel (x, y) from its primary hit on.
-template <typename Observer = NoObserver>
-RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, Hit hit,
-                                      Observer&& observer = Observer{}) {
-  PathState path = start_path(c, x, y, sampler);
-  SurfacePoint points[2];  // this vertex and the previous one, in turn
-  points[1].position = path.ray.origin;
+/// Takes a path on from what its ray has hit until it ends. The vertex there goes into points[bounce & 1]; the other
+/// one is the vertex before.
+template <typename Observer>
+RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)[2], PathState& path, Sampler& sampler,
+                           Observer& observer) {
   for (;;) {
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
@@ -295,6 +293,16 @@ RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t
     ++path.rays;
   }
   observer.finished(path);
+}
+
+/// Radiance of one sample of pixel (x, y) from its primary hit on.
+template <typename Observer = NoObserver>
+RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, const Hit& hit,
+                                      Observer&& observer = Observer{}) {
+  PathState path = start_path(c, x, y, sampler);
+  SurfacePoint points[2];
+  points[1].position = path.ray.origin;
+  walk(c, hit, points, path, sampler, observer);
   return path;
 }
 

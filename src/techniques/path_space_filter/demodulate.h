@@ -27,10 +27,6 @@ struct Demodulation {
   }
 };
 
-RELUME_HD constexpr bool has_microfacets(LobeKind kind) {
-  return kind == LobeKind::reflection || kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
-}
-
 /// Colour of a diffuse lobe that radiance may be divided by.
 RELUME_HD inline Rgb raised_color(const Rgb& color) { return glm::max(color, Rgb(kSmallestDiffuseColor)); }
 
@@ -54,9 +50,9 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
   const float below_coat = coat_transmittance(bsdf, cos_theta_o);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    const float share = i == 0 && bsdf.has_coat() ? 1.0f : below_coat;
+    const float share = bsdf.is_coat(i) ? 1.0f : below_coat;
     const Rgb albedo = lobe_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
-    const bool microfacets = has_microfacets(lobe.kind);
+    const bool microfacets = is_glossy(lobe.kind);
     const bool delta = is_delta(lobe.kind);
     total += luminance(albedo);
     if (delta || (microfacets && lobe.microfacet.alpha < narrow_alpha)) narrow += luminance(albedo);
@@ -69,7 +65,7 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
   d.filtered = max_component(d.albedo) > 0.0f && narrow * 2.0f <= total;
   for (int i = 0; d.filtered && i < bsdf.lobe_count; ++i) {
     Lobe& lobe = bsdf.lobes[i];
-    if (!is_delta(lobe.kind) && !has_microfacets(lobe.kind)) lobe.color = raised_color(lobe.color);
+    if (!is_delta(lobe.kind) && !is_glossy(lobe.kind)) lobe.color = raised_color(lobe.color);
   }
   return d;
 }

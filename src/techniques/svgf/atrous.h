@@ -50,37 +50,13 @@ struct AtrousPicture {
 
 namespace atrous_detail {
 
-template <typename F>
-RELUME_HD_INLINE F of(float x) {
-  if constexpr (std::is_same_v<F, float>) {
-    return x;
-  } else {
-    return lanes_of(x);
-  }
-}
-template <typename F>
-RELUME_HD_INLINE F load(const float* from) {
-  if constexpr (std::is_same_v<F, float>) {
-    return *from;
-  } else {
-    return load_lanes(from);
-  }
-}
-RELUME_HD_INLINE void store(float* to, float value) { *to = value; }
-RELUME_HD_INLINE void store(float* to, const Lanes& value) { store_lanes(to, value); }
-
-template <typename F>
-RELUME_HD_INLINE F absolute(const F& x) {
-  return max(x, of<F>(0.0f) - x);
-}
-
 /// (1 + x/8)⁻⁸ for x ≥ 0: e⁻ˣ but for at most 0.03, without a table.
 template <typename F>
 RELUME_HD_INLINE F falloff(const F& x) {
-  const F root = of<F>(1.0f) + x * of<F>(0.125f);
+  const F root = 1.0f + x * 0.125f;
   const F square = root * root;
   const F fourth = square * square;
-  return of<F>(1.0f) / (fourth * fourth);
+  return 1.0f / (fourth * fourth);
 }
 
 /// x¹²⁸.
@@ -99,10 +75,10 @@ struct Pixels {
 
   RELUME_HD_INLINE Pixels(const AtrousPicture& features, const AtrousPicture& light, uint32_t x, uint32_t y) {
     for (uint32_t c = 0; c < 3; ++c) {
-      normal[c] = load<F>(features.at(place_of(AtrousPlane::normal_x, c), x, y));
-      position[c] = load<F>(features.at(place_of(AtrousPlane::position_x, c), x, y));
+      normal[c] = load_lanes<F>(features.at(place_of(AtrousPlane::normal_x, c), x, y));
+      position[c] = load_lanes<F>(features.at(place_of(AtrousPlane::position_x, c), x, y));
     }
-    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(light.at(c, x, y));
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(light.at(c, x, y));
   }
   RELUME_HD_INLINE F brightness() const { return luminance(channels[0], channels[1], channels[2]); }
 };
@@ -151,20 +127,20 @@ struct AtrousKernel {
   template <typename F>
   RELUME_HD_INLINE F steady_variance(uint32_t x, uint32_t y) const {
     using namespace atrous_detail;
-    F sum = of<F>(0.0f);
-    F total = of<F>(0.0f);
+    F sum(0.0f);
+    F total(0.0f);
     for (int dy = -1; dy <= 1; ++dy) {
       const int row = static_cast<int>(y) + dy;
       if (row < 0 || row >= static_cast<int>(light.height)) continue;
       for (int dx = -1; dx <= 1; ++dx) {
         const auto column = static_cast<uint32_t>(static_cast<int>(x) + dx);  // −1 lies in the margin
-        const F weight = load<F>(at(features, place_of(AtrousPlane::valid), column, static_cast<uint32_t>(row))) *
-                         of<F>((dx == 0 ? 0.5f : 0.25f) * (dy == 0 ? 0.5f : 0.25f));
-        sum = sum + weight * load<F>(at(light, kAtrousVariance, column, static_cast<uint32_t>(row)));
+        const F weight = load_lanes<F>(at(features, place_of(AtrousPlane::valid), column, static_cast<uint32_t>(row))) *
+                         ((dx == 0 ? 0.5f : 0.25f) * (dy == 0 ? 0.5f : 0.25f));
+        sum = sum + weight * load_lanes<F>(at(light, kAtrousVariance, column, static_cast<uint32_t>(row)));
         total = total + weight;
       }
     }
-    return sum / max(total, of<F>(1e-6f));
+    return sum / max(total, F(1e-6f));
   }
 
   /// `column` may be negative, as an unsigned number that wraps around.
@@ -177,11 +153,11 @@ struct AtrousKernel {
     using namespace atrous_detail;
     const Pixels<F> pixels(features, light, x, y);
     const Centre<F> here{pixels, pixels.brightness(),
-                         of<F>(1.0f) / (of<F>(light_tolerance) * square_root(steady_variance<F>(x, y)) + of<F>(1e-6f)),
-                         load<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y)) *
-                             of<F>(1.0f / (plane_tolerance * static_cast<float>(step)))};
+                         1.0f / (light_tolerance * square_root(steady_variance<F>(x, y)) + 1e-6f),
+                         load_lanes<F>(features.at(place_of(AtrousPlane::inverse_footprint), x, y)) *
+                             (1.0f / (plane_tolerance * static_cast<float>(step)))};
     TapSums<F> sums;
-    sums.weight = of<F>(spline(0) * spline(0));
+    sums.weight = F(spline(0) * spline(0));
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.weight * pixels.channels[c];
     sums.channels[kAtrousVariance] = sums.weight * sums.weight * pixels.channels[kAtrousVariance];
     for (int dy = -2; dy <= 2; ++dy) {
@@ -192,9 +168,9 @@ struct AtrousKernel {
         tap<F>(here, static_cast<int>(x) + dx * static_cast<int>(step), row, dx, dy, sums);
       }
     }
-    const F inverse = of<F>(1.0f) / sums.weight;
-    for (uint32_t c = 0; c < 3; ++c) store(filtered.at(c, x, y), sums.channels[c] * inverse);
-    store(filtered.at(kAtrousVariance, x, y), sums.channels[kAtrousVariance] * inverse * inverse);
+    const F inverse = 1.0f / sums.weight;
+    for (uint32_t c = 0; c < 3; ++c) store_lanes(filtered.at(c, x, y), sums.channels[c] * inverse);
+    store_lanes(filtered.at(kAtrousVariance, x, y), sums.channels[kAtrousVariance] * inverse * inverse);
   }
 
   template <typename F>
@@ -203,22 +179,21 @@ struct AtrousKernel {
     using namespace atrous_detail;
     const auto x = static_cast<uint32_t>(column);
     const auto y = static_cast<uint32_t>(row);
-    F cosine = of<F>(0.0f);
-    F distance = of<F>(0.0f);
+    F cosine(0.0f);
+    F distance(0.0f);
     for (uint32_t c = 0; c < 3; ++c) {
       const F normal = here.pixels.normal[c];
-      cosine = cosine + normal * load<F>(at(features, place_of(AtrousPlane::normal_x, c), x, y));
-      const F position = load<F>(at(features, place_of(AtrousPlane::position_x, c), x, y));
+      cosine = cosine + normal * load_lanes<F>(at(features, place_of(AtrousPlane::normal_x, c), x, y));
+      const F position = load_lanes<F>(at(features, place_of(AtrousPlane::position_x, c), x, y));
       distance = distance + normal * (position - here.pixels.position[c]);
     }
     F channels[kAtrousChannels];
-    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load<F>(at(light, c, x, y));
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) channels[c] = load_lanes<F>(at(light, c, x, y));
     const F contrast = absolute(luminance(channels[0], channels[1], channels[2]) - here.brightness);
     const float apart = std::sqrt(static_cast<float>(dx * dx + dy * dy));
-    const F weight =
-        of<F>(spline(dx) * spline(dy)) * load<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
-        sharpened(max(cosine, of<F>(0.0f))) *
-        falloff(absolute(distance) * here.inverse_plane * of<F>(1.0f / apart) + contrast * here.inverse_light);
+    const F weight = (spline(dx) * spline(dy)) * load_lanes<F>(at(features, place_of(AtrousPlane::valid), x, y)) *
+                     sharpened(max(cosine, F(0.0f))) *
+                     falloff(absolute(distance) * here.inverse_plane * (1.0f / apart) + contrast * here.inverse_light);
     for (uint32_t c = 0; c < 3; ++c) sums.channels[c] = sums.channels[c] + weight * channels[c];
     sums.channels[kAtrousVariance] = sums.channels[kAtrousVariance] + weight * weight * channels[kAtrousVariance];
     sums.weight = sums.weight + weight;
