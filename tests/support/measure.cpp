@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "metrics/metrics.h"
 #include "render/session.h"
 
 namespace relume::support {
@@ -39,6 +40,14 @@ Estimate estimate_of(const Image& image) {
   }
   return estimate;
 }
+
+double mean_luminance(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+double mse(const Image& a, const Image& b) { return compute_metrics(a, b, {.flip = false}).mse; }
 
 void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance) {
   for (int c = 0; c < 3; ++c) {

@@ -21,6 +21,11 @@ struct Estimate {
 };
 Estimate estimate_of(const Image& image);
 
+/// Mean luminance over all pixels.
+double mean_luminance(const Image& image);
+/// Mean squared difference over pixels and channels.
+double mse(const Image& a, const Image& b);
+
 /// Expects `estimate` to be `expected` within the share `tolerance` in every channel, and its standard error to be a
 /// third of that at most: less could not be told from chance. Black is expected exactly.
 void expect_near(const Estimate& estimate, const Rgb& expected, double tolerance);

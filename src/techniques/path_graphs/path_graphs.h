@@ -58,6 +58,7 @@ class PathGraph : public NoObserver {
     const uint32_t slot = grid().find(address_);
     if (first && !begin(slot, path)) return false;
     if (!first) advance(path);
+    at_first_ = first;
     before_ = now_;
     // Cells that nobody sees directly have no other to stand in for them: who reaches a cell that is rarely reached
     // would be given the light of places that many reach, and the light of the rare ones would be lost.
@@ -70,7 +71,7 @@ class PathGraph : public NoObserver {
     }
     const bool wanted = now_.share > 0.0f || feeds_;
     // Whether there is room must not depend on how the path goes on: samples would be chosen by what they find.
-    has_own_ = wanted && open_count_ < kMaxOpen;
+    has_own_ = wanted && (closed_ || open_count_ < kMaxOpen);
     if (wanted && !has_own_) ++unfed_;
     if (has_own_) {
       own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight(), !first};
@@ -84,14 +85,22 @@ class PathGraph : public NoObserver {
   }
 
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
-    const bool through_delta = at_anchor_ && path.delta;
+    if (!at_anchor_) return;
     at_anchor_ = false;
-    if (!through_delta) return;
+    if (!path.delta) {
+      if (closed_) insert_open();
+      return;
+    }
     // The cell holds nothing of delta lobes: its sample ends here, and the path goes on as if there were no cell.
     settle(path);
+    closed_ = false;
     if (has_own_) insert(own_);
     has_own_ = false;
     now_ = before_;
+    if (at_first_) {
+      past_cell_ = true;
+      beside_ = contribution_;
+    }
     albedo_ = Rgb(1);
     path.throughput *= raised_;
     path.first_throughput *= max_component(raised_);
@@ -106,11 +115,14 @@ class PathGraph : public NoObserver {
     }
     if (pixel_.culled) return;
     settle(path);
-    for (uint32_t i = 0; i < open_count_; ++i) insert(open_[i]);
+    insert_open();
     if (has_own_) insert(own_);
     if (unfed_ > 0) atomic_add(&grid().counters->unfed, uint64_t{unfed_});
     if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
-    pixel_.traced = is_finite(contribution_) ? contribution_ : Rgb(0);
+    // What a delta lobe at the first anchor shows is no part of what its cell stands for.
+    if (past_cell_) pixel_.unfiltered += contribution_ - beside_;
+    const Rgb traced = past_cell_ ? beside_ : contribution_;
+    pixel_.traced = is_finite(traced) ? traced : Rgb(0);
   }
 
  private:
@@ -171,17 +183,16 @@ class PathGraph : public NoObserver {
     if (has_own_) own_.value += found;
     const Rgb leaving = albedo_ * found;
     contribution_ += now_.share * arriving_ * leaving;
-    for (uint32_t i = 0; i < open_count_; ++i) open_[i].value += open_[i].transport * leaving;
+    for (uint32_t i = 0; i < open_count_ && !closed_; ++i) open_[i].value += open_[i].transport * leaving;
   }
 
-  /// The cell of this vertex, which reflects `leaving`, stands for the rest of all samples behind; and, if a cell has
-  /// taken over with α > 0 at the last vertex, for the rest of that α (algorithm 2 drops it).
+  /// The cell of this vertex, which reflects `leaving`, stands for the rest of all samples behind, but for what a delta
+  /// lobe shows; and, if a cell has taken over with α > 0 at the last vertex, for the rest of that α (algorithm 2 drops
+  /// it).
   RELUME_HD void close_samples(const Rgb& leaving) {
-    for (uint32_t i = 0; i < open_count_; ++i) {
-      open_[i].value += open_[i].transport * leaving;
-      insert(open_[i]);
-    }
-    open_count_ = 0;
+    for (uint32_t i = 0; i < open_count_; ++i) open_[i].value += open_[i].transport * leaving;
+    closed_ = demodulation_.has_delta;
+    if (!closed_) insert_open();
     if (!now_.terminated) return;
     contribution_ += now_.share * arriving_ * leaving;
     now_.share = 0.0f;
@@ -229,6 +240,12 @@ class PathGraph : public NoObserver {
                   sample.slot, sample.deep);
   }
 
+  RELUME_HD void insert_open() {
+    for (uint32_t i = 0; i < open_count_; ++i) insert(open_[i]);
+    open_count_ = 0;
+    closed_ = false;
+  }
+
   const PathGraphContext* context_ = nullptr;
   const SampleIndex* index_ = nullptr;
   uint32_t x_ = 0;
@@ -239,6 +256,7 @@ class PathGraph : public NoObserver {
   CellPoint point_;
   CellAddress address_;
   Rgb contribution_{0};
+  Rgb beside_{0};    ///< of it, what was found before the path left the first anchor through a delta lobe
   Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
   Rgb albedo_{1};    ///< ρ of the last anchor
   Rgb raised_{1};    ///< ρ' of the last anchor
@@ -247,6 +265,9 @@ class PathGraph : public NoObserver {
   Progress before_;        ///< on arrival at the last anchor
   bool scatters_ = false;  ///< the path has met a surface that takes it on
   bool at_anchor_ = false;
+  bool at_first_ = false;   ///< the last anchor is the first one
+  bool past_cell_ = false;  ///< the path has left that one through a delta lobe
+  bool closed_ = false;     ///< open samples wait for what a delta lobe of the last anchor shows, for nothing else
   bool has_own_ = false;
   bool feeds_ = false;
   bool decided_ = false;

@@ -45,7 +45,10 @@ struct EmissionEdges {
 
  private:
   RELUME_HD static Rgb shown(const HashGridView& grid, const FilteredPixel& p) {
-    return p.filtered ? p.seen + p.factor * grid.own_moments(p.slot).mean : p.seen;
+    if (!p.filtered) return p.seen;
+    // Whether a path knew its cell depends on whether another one had just made it.
+    const uint32_t slot = p.slot != kNoCell ? p.slot : grid.find(grid.keys.address(p.point));
+    return p.seen + p.factor * grid.own_moments(slot).mean;
   }
 };
 

@@ -203,7 +203,10 @@ TEST(PathSpaceFilter, LayersSayWhatTheCellsAreLike) {
   EXPECT_GT(*std::max_element(count.begin(), count.end()), before);
   EXPECT_GT(occupancy[16 * 32 + 16], 0.0f);
   EXPECT_NE(identity[16 * 32 + 4], identity[16 * 32 + 28]);
-  EXPECT_NE(level[16 * 32 + 16], 0.0f);
+  // The power of two next to eight footprints of a pixel.
+  const CameraView camera = frames.scene().view().camera;
+  const float distance = glm::length(frames.pixels()[16 * 32 + 16].point.position - camera.position);
+  EXPECT_EQ(level[16 * 32 + 16], std::round(std::log2(8 * camera.cone_spread() * distance)));
 }
 
 }  // namespace
