@@ -173,12 +173,24 @@ struct BackwardHistoryKernel {
     reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
     samples[pixel] = count;
     mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
-    m2[pixel] = count > 0 ? taps.fetch(m2_before) : 0.0f;
-    if (!m2_rgb.empty()) m2_rgb[pixel] = count > 0 ? taps.fetch(m2_rgb_before) : Rgb(0);
+    m2[pixel] = squares(taps, m2_before, count);
+    if (!m2_rgb.empty()) m2_rgb[pixel] = squares(taps, m2_rgb_before, count);
     sources[pixel] = count > 0 ? taps.heaviest() : kNoSource;
   }
 
  private:
+  /// What `count` samples with the taps' mean variance add up to. `count`: the least of the taps'.
+  template <typename T>
+  RELUME_HD T squares(const BackwardTaps& taps, const View<const T>& sums, uint32_t count) const {
+    T variance(0);
+    for (int k = 0; k < 4 && count > 1; ++k) {
+      if (!(taps.weights[k] > 0.0f)) continue;
+      const uint32_t tap = taps.pixels[k];
+      variance += sums[tap] * (taps.weights[k] / static_cast<float>(samples_before[tap] - 1u));
+    }
+    return count > 1 ? variance * static_cast<float>(count - 1u) : variance;
+  }
+
   RELUME_HD ReprojectionFate reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
     if (count > 0) return ReprojectionFate::kept;
     if (taps.valid) return ReprojectionFate::empty;

@@ -51,43 +51,65 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
 }
 
+struct History {
+  std::vector<Rgb> mean = std::vector<Rgb>(16, Rgb(3));
+  std::vector<float> m2 = std::vector<float>(16, 1.0f);
+  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(1, 2, 3));
+  std::vector<uint32_t> samples = std::vector<uint32_t>(16, 9);
+};
+
+struct NewHistory {
+  std::vector<Rgb> mean = std::vector<Rgb>(16);
+  std::vector<float> m2 = std::vector<float>(16);
+  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(9));
+  std::vector<uint32_t> samples = std::vector<uint32_t>(16);
+  std::vector<uint32_t> sources = std::vector<uint32_t>(16);
+  std::vector<uint32_t> kept = std::vector<uint32_t>(16);
+  std::vector<uint32_t> reasons = std::vector<uint32_t>(16);
+};
+
+BackwardHistoryKernel kernel_of(const Plane& plane, const History& before, NewHistory& now) {
+  return {plane.reprojection(),         view_of(before.mean),        view_of(before.m2),
+          view_of(before.m2_rgb),       view_of(before.samples),     mutable_view_of(now.mean),
+          mutable_view_of(now.m2),      mutable_view_of(now.m2_rgb), mutable_view_of(now.samples),
+          mutable_view_of(now.sources), mutable_view_of(now.kept),   mutable_view_of(now.reasons)};
+}
+
+TEST(BackwardReprojection, InterpolatesVariances) {
+  const Plane plane;
+  History before;
+  NewHistory now;
+  before.samples[6] = 3;
+  before.m2[6] = 2 * 1.0f;  // (n − 1) times the variance
+  before.m2[7] = 8 * 5.0f;
+  before.m2_rgb[6] = 2.0f * Rgb(1, 2, 3);
+  before.m2_rgb[7] = 8.0f * Rgb(5, 4, 3);
+  kernel_of(plane, before, now)(3, 1);  // between 6 and 7
+  EXPECT_EQ(now.samples[7], 3u);
+  EXPECT_FLOAT_EQ(now.m2[7], 2 * 3.0f);
+  EXPECT_EQ(now.m2_rgb[7], 2.0f * Rgb(3));
+  before.samples[6] = 1;  // one sample has no variance
+  kernel_of(plane, before, now)(3, 1);
+  EXPECT_EQ(now.samples[7], 1u);
+  EXPECT_EQ(now.m2[7], 0.0f);
+}
+
 TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   Plane plane;
   plane.motion[0] = Vec2(9, 0);
   plane.motion[1] = Vec2(-1, -1);  // was where pixel 6 is, which knew nothing
   plane.motion[2] = Vec2(1, -1);   // was where pixel 5 is, another surface
-  const std::vector<Rgb> mean(16, Rgb(3));
-  const std::vector<float> m2(16, 1.0f);
-  const std::vector<Rgb> m2_rgb(16, Rgb(1, 2, 3));
-  std::vector<uint32_t> samples(16, 9);
-  samples[6] = 0;
-  std::vector<Rgb> mean_now(16);
-  std::vector<float> m2_now(16);
-  std::vector<Rgb> m2_rgb_now(16, Rgb(9));
-  std::vector<uint32_t> samples_now(16);
-  std::vector<uint32_t> sources(16);
-  std::vector<uint32_t> kept(16);
-  std::vector<uint32_t> reasons(16);
-  const BackwardHistoryKernel kernel{plane.reprojection(),
-                                     view_of(mean),
-                                     view_of(m2),
-                                     view_of(m2_rgb),
-                                     view_of(samples),
-                                     mutable_view_of(mean_now),
-                                     mutable_view_of(m2_now),
-                                     mutable_view_of(m2_rgb_now),
-                                     mutable_view_of(samples_now),
-                                     mutable_view_of(sources),
-                                     mutable_view_of(kept),
-                                     mutable_view_of(reasons)};
-  for (uint32_t x = 0; x < kWidth; ++x) kernel(x, 0);
+  History before;
+  NewHistory now;
+  before.samples[6] = 0;
+  for (uint32_t x = 0; x < kWidth; ++x) kernel_of(plane, before, now)(x, 0);
   const ReprojectionFate expected[] = {ReprojectionFate::off_screen, ReprojectionFate::empty,
                                        ReprojectionFate::other_surface, ReprojectionFate::kept};
   for (size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(static_cast<ReprojectionFate>(reasons[i]), expected[i]) << i;
-    EXPECT_EQ(kept[i], i == 3 ? 1u : 0u) << i;
-    EXPECT_EQ(m2_rgb_now[i], i == 3 ? Rgb(1, 2, 3) : Rgb(0)) << i;
-    EXPECT_EQ(sources[i], i == 3 ? 2u : kNoSource) << i;
+    EXPECT_EQ(static_cast<ReprojectionFate>(now.reasons[i]), expected[i]) << i;
+    EXPECT_EQ(now.kept[i], i == 3 ? 1u : 0u) << i;
+    EXPECT_EQ(now.m2_rgb[i], i == 3 ? Rgb(1, 2, 3) : Rgb(0)) << i;
+    EXPECT_EQ(now.sources[i], i == 3 ? 2u : kNoSource) << i;
   }
 }
 
