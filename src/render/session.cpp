@@ -95,7 +95,7 @@ struct Session::State {
 
   void edit(Change change) {
     changes |= change;
-    edited = true;
+    edited = edited || change != Change::none;
   }
 
   /// Seed of this stretch of frames. Each time of the animation has numbers of its own, whichever frames came before.
@@ -296,6 +296,7 @@ void Session::restart(int seed) {
   s.picture_begun_s = s.statistics.render_s;
   s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
   s.changes = Change::none;
+  s.edited = false;
 }
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {
@@ -311,6 +312,7 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   s.scene->end_frame();
   set_time(s.counters.time_s);
   if (s.counters.time_s == s.counters.previous_time_s) s.changes = Change::none;
+  s.edited = false;
 }
 
 }  // namespace relume

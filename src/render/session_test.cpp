@@ -59,6 +59,33 @@ TEST(Session, PicturesHaveSamplesAndSecondsOfTheirOwn) {
   EXPECT_EQ(session.picture_render_s(), 0);
 }
 
+/// Each time of an animation has random numbers of its own, unless something was edited.
+TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
+  const auto picture_after = [](auto&& touch) {
+    Session session(find_builtin_scene("turntable")->build(), small_settings());
+    session.render_frame();
+    touch(session);
+    session.set_time(1);
+    session.render_frame();
+    return session.image().pixels;
+  };
+  const auto untouched = picture_after([](Session&) {});
+  EXPECT_EQ(picture_after([](Session& s) { s.set_camera(s.scene().camera()); }), untouched);
+  const auto moved = [](Session& s) {
+    PlacedCamera camera = s.scene().camera();
+    camera.to_world[3].x += 0.1f;
+    s.set_camera(camera);
+  };
+  EXPECT_NE(picture_after(moved), untouched);
+  EXPECT_EQ(picture_after([&](Session& s) {
+              const PlacedCamera camera = s.scene().camera();
+              moved(s);
+              s.set_camera(camera);
+              s.restart(s.settings().seed);
+            }),
+            untouched);
+}
+
 TEST(PassTimes, AreWhatHasBeenTakenSince) {
   const std::vector<PassTime> before{{"trace", 1}, {"build", 3}};
   const std::vector<PassTime> now{{"build", 3}, {"trace", 1.5}, {"bmfr-fit", 0.25}};
