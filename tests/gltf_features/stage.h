@@ -12,7 +12,7 @@
 
 #include "io/testing/scene_files.h"
 #include "support/measure.h"
-#include "techniques/path/path_settings.h"
+#include "techniques/path/settings.h"
 
 namespace relume::support {
 

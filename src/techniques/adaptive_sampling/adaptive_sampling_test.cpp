@@ -149,6 +149,8 @@ TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
                                  mutable_view_of(samples), mutable_view_of(allocation), 1};
   kernel(0, 0);
   EXPECT_EQ(mean[0], Rgb(0));
+  EXPECT_EQ(m2[0], 0.0f);
+  EXPECT_EQ(m2_rgb[0], Rgb(0));
   EXPECT_EQ(samples[0], 0u);
   EXPECT_EQ(allocation[0], 1u);
 }

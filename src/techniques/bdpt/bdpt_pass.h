@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "pipeline/pass.h"
-#include "techniques/bdpt/bdpt_settings.h"
+#include "techniques/bdpt/settings.h"
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/light_selection/light_selector.h"
-#include "techniques/path/path_settings.h"
+#include "techniques/path/settings.h"
 
 namespace relume {
 

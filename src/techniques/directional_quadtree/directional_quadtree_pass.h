@@ -4,7 +4,7 @@
 #include "pipeline/pass.h"
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
-#include "techniques/directional_quadtree/directional_quadtree_settings.h"
+#include "techniques/directional_quadtree/settings.h"
 #include "techniques/octree/octree_pass.h"
 
 namespace relume {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "pipeline/pass.h"
-#include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/light_selection/light_selector.h"
+#include "techniques/light_selection/settings.h"
 
 namespace relume {
 

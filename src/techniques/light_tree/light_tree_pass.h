@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/light_selection/light_selector.h"
+#include "techniques/light_selection/settings.h"
 #include "techniques/light_tree/build_light_tree.h"
 
 namespace relume {

@@ -22,26 +22,6 @@ OctreeTree first_tree(const SceneView& scene) {
 
 }  // namespace
 
-SettingList describe(OctreeSettings& s) {
-  return {
-      {"collapse",
-       &s.collapse,
-       "Eight regions with fewer samples a frame than this together are joined",
-       {.min = 1, .max = 1 << 24}},
-      {"split", &s.split, "A region with more samples a frame than this is split in eight", {.min = 8, .max = 1 << 24}},
-      {"scale", &s.scale, "The two numbers are meant for 1920 x 1080 pixels and scaled with the size of the picture"},
-      {"max-depth", &s.max_depth, "Levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
-      {"vertices",
-       &s.vertices,
-       "Vertices of a path that leave samples to learn from",
-       {.min = 1, .max = kMaxRecordedVertices}},
-      {"jitter",
-       &s.jitter,
-       "How far from its place a vertex may take its region from, in edges of the region; hides borders",
-       {.min = 0, .max = 2}},
-  };
-}
-
 OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
   const double scale = s.scale ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
   constexpr double kFewest = 1024;

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "pipeline/pass.h"
-#include "techniques/octree/octree_settings.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/path_recording.h"
+#include "techniques/octree/settings.h"
 
 namespace relume {
 

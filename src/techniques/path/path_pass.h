@@ -5,7 +5,7 @@
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/octree/path_recording.h"
-#include "techniques/path/path_settings.h"
+#include "techniques/path/settings.h"
 
 namespace relume {
 

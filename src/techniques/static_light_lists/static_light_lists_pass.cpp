@@ -26,27 +26,6 @@ bool is_consistent(const LightListData& data, uint32_t lights) {
 
 }  // namespace
 
-SettingList describe(StaticLightListsSettings& s) {
-  return {
-      {"cell-size",
-       &s.cell_size,
-       "Edge of a cell; 0: a 24th of the scene's longest side",
-       {.min = 0, .max = 1e6, .unit = "m"}},
-      {"rays",
-       &s.rays,
-       "Rays that look for lights from each cell; a 64th of that for each light, if that is more",
-       {.min = 64, .max = 1 << 20}},
-      {"max-lights",
-       &s.max_lights,
-       "Lights that are weighed at a point, at most; longer lists are strided",
-       {.min = 1, .max = kMaxWeighedLights}},
-      {"exploration",
-       &s.exploration,
-       "Share of samples among all lights, in proportion to power, for what the lists miss",
-       {.min = 0.001, .max = 1}},
-  };
-}
-
 bool StaticLightListsPass::run(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
   const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/light_selection/light_selector.h"
+#include "techniques/light_selection/settings.h"
 #include "techniques/static_light_lists/build_lists.h"
-#include "techniques/static_light_lists/static_light_lists_settings.h"
+#include "techniques/static_light_lists/settings.h"
 
 namespace relume {
 

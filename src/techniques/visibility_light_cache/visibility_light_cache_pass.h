@@ -2,12 +2,12 @@
 #pragma once
 
 #include "pipeline/pass.h"
-#include "techniques/light_selection/light_selection_settings.h"
 #include "techniques/light_selection/light_selector.h"
+#include "techniques/light_selection/settings.h"
 #include "techniques/octree/octree_pass.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/exploration.h"
-#include "techniques/visibility_light_cache/visibility_light_cache_settings.h"
+#include "techniques/visibility_light_cache/settings.h"
 
 namespace relume {
 

@@ -18,10 +18,6 @@ struct LightSelectionSettings {
   }
 };
 
-inline SettingList describe(LightSelectionSettings& s) {
-  return {
-      {"environment", &s.environment,
-       "Next event estimation samples the environment and the disks of suns; without, paths find them on their own"}};
-}
+SettingList describe(LightSelectionSettings& settings);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-#include "techniques/path/path_settings.h"
+#include "techniques/path/settings.h"
 
 namespace relume {
 

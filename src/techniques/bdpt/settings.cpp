@@ -1,4 +1,4 @@
-#include "techniques/bdpt/bdpt_settings.h"
+#include "techniques/bdpt/settings.h"
 
 #include "techniques/bdpt/path_vertex.h"
 
