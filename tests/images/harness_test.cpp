@@ -32,6 +32,8 @@ TEST(ImageTest, StudentsDistribution) {
     EXPECT_NEAR(student_two_sided_p(t, 1), 1 - 2 / M_PI * std::atan(t), 1e-12);
     EXPECT_NEAR(student_two_sided_p(t, 2), 1 - t / std::sqrt(2 + t * t), 1e-12);
     EXPECT_NEAR(student_two_sided_p(t, 1e8), std::erfc(t / std::sqrt(2.0)), 1e-6);
+    for (const double degrees : {1.0, 5.0, 30.0})
+      EXPECT_NEAR(student_two_sided_quantile(student_two_sided_p(t, degrees), degrees), t, 1e-6 * t);
   }
 }
 
@@ -56,7 +58,23 @@ TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
   const ImageTest test = compare(pictures(cornell_with_lamp(1.02f), 101, 128), reference);
   EXPECT_FALSE(test.agree()) << test.report();
   EXPECT_GT(test.rejected_blocks, 0);
-  EXPECT_NEAR(test.worst_block, 0.02, 0.01);
+  EXPECT_GT(test.rejected_means, 0);
+  EXPECT_NEAR(test.worst_mean, 0.02, 0.005);
+  EXPECT_LT(test.detectable_mean, 0.02);
+}
+
+/// What a comparison says that it can tell, it tells.
+TEST(ImageTest, RejectsWhatItSaysIsDetectable) {
+  const Moments reference = pictures(cornell(), 1, 8);
+  const double detectable = compare(pictures(cornell(), 101, 8), reference).detectable_mean;
+  const auto factor = static_cast<float>(1 + 1.5 * detectable);
+  const ImageTest test = compare(pictures(cornell_with_lamp(factor), 101, 8), reference);
+  EXPECT_GT(test.rejected_means, 0) << test.report();
+}
+
+TEST(ImageTest, CannotTellAnythingInTheDark) {
+  const Moments black = moments_of(std::vector<Image>(kSeeds, Image(32, 32)));
+  EXPECT_EQ(compare(black, black).detectable, INFINITY);
 }
 
 TEST(ImageTest, RejectsOneWrongPixel) {

@@ -65,8 +65,8 @@ double welch_p(const Sample& a, const Sample& b) {
 
 double sidak(double significance, double tests) { return -std::expm1(std::log1p(-significance) / tests); }
 
-/// Over images: the mean of one channel in a block. Blocks differ in size at the border.
-Sample block_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel) {
+/// Over images: the mean of one channel in a part of the picture.
+Sample part_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel) {
   Sample sample{.count = m.count};
   std::vector<double> means;
   for (const Image& image : m.images) {
@@ -81,32 +81,41 @@ Sample block_sample(const Moments& m, int x0, int y0, int x1, int y1, int channe
   return sample;
 }
 
-void compare_blocks(const Moments& a, const Moments& b, const ImageTestOptions& options, ImageTest& test) {
-  const int columns = (a.width + options.block_size - 1) / options.block_size;
-  const int rows = (a.height + options.block_size - 1) / options.block_size;
+/// Tests of the means of one channel in parts of the picture: all of one size, but at the border.
+struct PartTest {
+  double worst = 0;       ///< relative difference
+  double detectable = 0;  ///< relative error from which on a part is rejected, averaged by the parts' light
+  int rejected = 0;
+};
+
+PartTest compare_parts(const Moments& a, const Moments& b, int part_width, int part_height,
+                       const ImageTestOptions& options) {
+  const int columns = (a.width + part_width - 1) / part_width;
+  const int rows = (a.height + part_height - 1) / part_height;
   const double threshold = sidak(options.significance, 3.0 * columns * rows);
+  const double quantile = student_two_sided_quantile(threshold, a.count + b.count - 2);
+  PartTest test;
   double light = 0;
   double errors = 0;
   for (int i = 0; i < columns * rows * 3; ++i) {
-    const int x0 = i / 3 % columns * options.block_size;
-    const int y0 = i / 3 / columns * options.block_size;
-    const int x1 = std::min(x0 + options.block_size, a.width);
-    const int y1 = std::min(y0 + options.block_size, a.height);
-    const Sample sa = block_sample(a, x0, y0, x1, y1, i % 3);
-    const Sample sb = block_sample(b, x0, y0, x1, y1, i % 3);
+    const int x0 = i / 3 % columns * part_width;
+    const int y0 = i / 3 / columns * part_height;
+    const int x1 = std::min(x0 + part_width, a.width);
+    const int y1 = std::min(y0 + part_height, a.height);
+    const Sample sa = part_sample(a, x0, y0, x1, y1, i % 3);
+    const Sample sb = part_sample(b, x0, y0, x1, y1, i % 3);
     if (!(sb.mean > 0)) {
-      test.rejected_blocks += sa.mean > 0 ? 1 : 0;
+      test.rejected += sa.mean > 0 ? 1 : 0;
       continue;
     }
-    const double error = std::sqrt(sa.variance / sa.count + sb.variance / sb.count);
     light += sb.mean;
-    errors += error;
+    errors += std::sqrt(sa.variance / sa.count + sb.variance / sb.count);
     const double difference = std::fabs(sa.mean - sb.mean) / sb.mean;
-    test.worst_block = std::max(test.worst_block, difference);
-    test.block_resolution = std::max(test.block_resolution, error / sb.mean);
-    if (difference > options.block_tolerance && welch_p(sa, sb) < threshold) ++test.rejected_blocks;
+    test.worst = std::max(test.worst, difference);
+    if (difference > options.tolerance && welch_p(sa, sb) < threshold) ++test.rejected;
   }
-  if (light > 0) test.resolution = errors / light;
+  test.detectable = light > 0 ? std::max(quantile * errors / light, options.tolerance) : INFINITY;
+  return test;
 }
 
 }  // namespace
@@ -115,11 +124,23 @@ double student_two_sided_p(double t, double degrees) {
   return incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t));
 }
 
+double student_two_sided_quantile(double p, double degrees) {
+  double low = 0;
+  double high = 1;
+  while (student_two_sided_p(high, degrees) > p) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (student_two_sided_p(middle, degrees) > p ? low : high) = middle;
+  }
+  return high;
+}
+
 std::string ImageTest::report() const {
   return fmt::format(
-      "pixels: {} of {} rejected, least p {:.2g} against {:.2g}; blocks: {} rejected, largest difference {:.3f} % at a "
-      "resolution of {:.3f} %",
-      rejected_pixels, p.size(), least_p, pixel_threshold, rejected_blocks, 100 * worst_block, 100 * block_resolution);
+      "pixels: {} of {} rejected, least p {:.2g} against {:.2g}; blocks: {} rejected, largest difference {:.2f} %, "
+      "detectable {:.2f} %; picture: {} rejected, {:.2f} %, detectable {:.2f} %",
+      rejected_pixels, p.size(), least_p, pixel_threshold, rejected_blocks, 100 * worst_block, 100 * detectable,
+      rejected_means, 100 * worst_mean, 100 * detectable_mean);
 }
 
 ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& options) {
@@ -136,14 +157,22 @@ ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& op
     test.least_p = std::min(test.least_p, p);
     test.rejected_pixels += options.pixels && p < test.pixel_threshold ? 1 : 0;
   }
-  compare_blocks(a, b, options, test);
+  const PartTest blocks = compare_parts(a, b, options.block_size, options.block_size, options);
+  test.worst_block = blocks.worst;
+  test.rejected_blocks = blocks.rejected;
+  test.detectable = blocks.detectable;
+  const PartTest picture = compare_parts(a, b, a.width, a.height, options);
+  test.worst_mean = picture.worst;
+  test.rejected_means = picture.rejected;
+  test.detectable_mean = picture.detectable;
   return test;
 }
 
 void expect_same_picture(const std::string& name, const Moments& a, const Moments& b, const ImageTestOptions& options) {
   const ImageTest test = compare(a, b, options);
   ::testing::Test::RecordProperty("agreement", test.report());
-  EXPECT_LE(test.resolution, options.resolution) << name << ": too noisy to tell";
+  EXPECT_LE(test.detectable, options.detectable) << name << ": blocks are too noisy to tell";
+  EXPECT_LE(test.detectable_mean, options.detectable_mean) << name << ": the picture is too noisy to tell";
   if (test.agree()) return;
   const std::filesystem::path folder = RELUME_TEST_RESULTS;
   std::filesystem::create_directories(folder);

@@ -9,16 +9,17 @@
 namespace relume::support {
 
 struct ImageTestOptions {
-  /// Probability of rejecting equal pictures, for each of the two tests: 1 % over the hundred or so comparisons of the
-  /// whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
+  /// Probability of rejecting equal pictures, for each of the three tests: 1 % over the hundred or so comparisons of
+  /// the whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
   double significance = 1e-4;
   /// Whether pixels count, not only blocks. Not where one side finds light so rarely that most of its images lack it:
   /// the spread of 16 images says nothing of such a pixel then.
   bool pixels = true;
   int block_size = 16;
-  double block_tolerance = 0.005;  ///< of a block's mean
-  /// What the test must be able to tell: the most that `resolution` may be. Larger errors would hide.
-  double resolution = 0.2;
+  double tolerance = 0.005;  ///< of the mean of a block or the picture
+  /// What the test must be able to tell: the most that `detectable` and `detectable_mean` of ImageTest may be.
+  double detectable = 0.1;
+  double detectable_mean = 0.05;
 };
 
 struct ImageTest {
@@ -26,17 +27,22 @@ struct ImageTest {
   double least_p = 1;
   double pixel_threshold = 0;  ///< Šidák: 1 − (1 − significance)^(1 / number of pixels and channels)
   int rejected_pixels = 0;
-  double worst_block = 0;       ///< relative difference of means
-  double block_resolution = 0;  ///< largest relative standard error of a block's difference
-  double resolution = 0;        ///< relative standard error of a block's difference, averaged by the blocks' light
+  double worst_block = 0;  ///< relative difference of means
   int rejected_blocks = 0;
+  double worst_mean = 0;  ///< the same of the whole picture, a channel
+  int rejected_means = 0;
+  /// The relative error from which on a block is rejected, averaged by the blocks' light, and the whole picture's mean:
+  /// smaller ones hide. Infinite where there is no light.
+  double detectable = 0;
+  double detectable_mean = 0;
 
-  bool agree() const { return rejected_pixels == 0 && rejected_blocks == 0; }
+  bool agree() const { return rejected_pixels == 0 && rejected_blocks == 0 && rejected_means == 0; }
   std::string report() const;
 };
 
-/// Welch's t-test in every pixel and channel, two-sided, and means of blocks: a block is rejected if it differs by more
-/// than the tolerance and by more than chance explains (Welch and Šidák again). At least 16 images a side.
+/// Welch's t-test in every pixel and channel, two-sided, and of means over blocks and over the picture: those are
+/// rejected if they differ by more than the tolerance and by more than chance explains (Welch and Šidák again). At
+/// least 16 images a side.
 ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& options = {});
 
 /// Expects agreement; otherwise writes both pictures (EXR) and the map of p-values (PNG, black: 1, bright: rejected) as
@@ -46,5 +52,7 @@ void expect_same_picture(const std::string& name, const Moments& a, const Moment
 
 /// P(|T| ≥ |t|) for Student's distribution with `degrees` > 0 degrees of freedom (NIST DLMF §8.17).
 double student_two_sided_p(double t, double degrees);
+/// The t > 0 with that probability p in (0, 1).
+double student_two_sided_quantile(double p, double degrees);
 
 }  // namespace relume::support
