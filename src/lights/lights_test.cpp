@@ -108,7 +108,8 @@ TEST(Lights, DirectionsFollowTheirDensity) {
       EXPECT_EQ(any, !behind) << name;
       if (behind) continue;
       const auto pdf = [&](const Vec3& wi) { return density_towards(view, id, p, wi); };
-      EXPECT_GT(histogram.test(chart.density(pdf), 7, 3).p_value, testing::significance())
+      constexpr double kMaxStrays = 5e-5;  // outlines of lights cut bins, and quadrature misses slips of them
+      EXPECT_GT(histogram.test(chart.density(pdf), 7, 3, kMaxStrays).p_value, testing::significance())
           << name << " from " << p.x << ' ' << p.y;
     }
   });

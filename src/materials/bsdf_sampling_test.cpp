@@ -65,7 +65,9 @@ testing::Chi2Result chi2_of(const BsdfCase& c, const Vec3& wo, bool front_face) 
   }
   EXPECT_LT(inside, 1.0 + 3e-4) << c.name;  // the accuracy of the quadrature
   expected.push_back(std::max(1.0 - inside, 0.0) * kSamples);
-  return testing::chi2_test(counts, expected);
+  // The horizon cuts bins, and quadrature misses slips of them. That no sample has a density of zero is another test.
+  constexpr double kMaxStrays = 5e-4;
+  return testing::chi2_test(counts, expected, kMaxStrays);
 }
 
 void expect_samples_follow(const std::vector<BsdfCase>& cases) {

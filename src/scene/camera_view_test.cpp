@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "testing/histogram.h"
 #include "testing/random.h"
 
 namespace relume {
@@ -112,6 +113,42 @@ TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
       ASSERT_GT(pdf.pdf_w, 0.0f) << name;
       ASSERT_NEAR(we(c, ray) * lens_cosine(c, ray) / (pdf.pdf_a * pdf.pdf_w), 1.0f, 1e-4f) << name;
     }
+  }
+}
+
+/// χ²: film positions that are uniform over the image give the densities that pdf_we() tells.
+TEST(Camera, RaysFollowTheirDensity) {
+  constexpr int kSamples = 200000;
+  for (const auto& [name, c] : cameras()) {
+    Random random(96);
+    testing::Histogram histogram(16);
+    if (c.projection == Projection::orthographic) {
+      // The place on a square about the sensor, which is smaller.
+      const auto place = [&c = c](double x, double y) {
+        return c.position + c.axes.to_world(Vec3(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0));
+      };
+      for (int i = 0; i < kSamples; ++i) {
+        const Vec3 local =
+            c.axes.to_local(generate(c, random.next_2d() * c.resolution, Vec2(0.5f)).origin - c.position);
+        histogram.add(0.5 * (local.x + 1.0), 0.5 * (local.y + 1.0));
+      }
+      const auto density = [&](double x, double y) {
+        return 4.0 * pdf_we(c, {place(x, y), -c.axes.n, kInfinity}).pdf_a;
+      };
+      EXPECT_GT(histogram.test(density, 8).p_value, testing::significance()) << name;
+      continue;
+    }
+    // All rays through one point of the lens.
+    const Vec2 u_lens(0.2f, 0.7f);
+    const Vec3 origin = generate(c, 0.5f * c.resolution, u_lens).origin;
+    const testing::DirectionChart chart{{c.axes.t, c.axes.b, -c.axes.n}, 1.0};
+    for (int i = 0; i < kSamples; ++i) {
+      const Vec2 p = chart.coordinates(generate(c, random.next_2d() * c.resolution, u_lens).direction);
+      histogram.add(p.x, p.y);
+    }
+    const auto pdf = [&](const Vec3& w) { return double{pdf_we(c, {origin, w, kInfinity}).pdf_w}; };
+    constexpr double kMaxStrays = 2e-4;  // the picture's edges cut bins, and quadrature misses slips of them
+    EXPECT_GT(histogram.test(chart.density(pdf), 8, 1, kMaxStrays).p_value, testing::significance()) << name;
   }
 }
 

@@ -50,7 +50,8 @@ double chi2_survival(double statistic, int dof) {
   return x < a + 1.0 ? 1.0 - lower_by_series(a, x) : upper_by_fraction(a, x);
 }
 
-Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double> expected, double min_expected) {
+Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double> expected, double max_strays,
+                     double min_expected) {
   Chi2Result result;
   int bins = 0;
   double total = 0;
@@ -71,8 +72,7 @@ Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double>
     if (pooled_expected >= min_expected) close();
   }
   if (pooled_expected > 1e-3) close();
-  constexpr double kMaxStrays = 1e-3;
-  if (strays > kMaxStrays * total) return {INFINITY, bins, 0.0};
+  if (strays > max_strays * total) return {INFINITY, bins, 0.0};
   result.dof = bins - 1;
   result.p_value = chi2_survival(result.statistic, result.dof);
   return result;

@@ -17,8 +17,10 @@ struct Chi2Result {
 };
 
 /// Compares counts with expected counts bin by bin. Bins that expect fewer than `min_expected` are pooled in order,
-/// because χ² is the limit of many samples a bin. Samples where nothing at all is expected give p = 0.
-Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double> expected, double min_expected = 10);
+/// because χ² is the limit of many samples a bin. p = 0 if more than the share `max_strays` of the samples lies where
+/// nothing at all is expected.
+Chi2Result chi2_test(std::span<const uint64_t> observed, std::span<const double> expected, double max_strays = 0,
+                     double min_expected = 10);
 
 /// Upper bound of the number of hypothesis tests in the whole suite.
 inline constexpr int kSuiteTests = 10000;

@@ -19,9 +19,9 @@ class Histogram {
   void add_outside() { ++counts_.back(); }
 
   /// Tests against `density(x, y)` over the unit square; what it lacks of one is expected outside. `depth` and `least`
-  /// are those of integrate().
+  /// are those of integrate(), `max_strays` is that of chi2_test().
   template <typename F>
-  Chi2Result test(const F& density, int depth = 5, int least = 1) const {
+  Chi2Result test(const F& density, int depth = 5, int least = 1, double max_strays = 0) const {
     uint64_t total = 0;
     for (const uint64_t c : counts_) total += c;
     std::vector<double> expected = integrals(density, n_, 0.02 / static_cast<double>(total), depth, least);
@@ -30,7 +30,7 @@ class Histogram {
     // Quadrature is off by a few millionths: so little outside is none.
     expected.push_back(1.0 - inside > 2e-5 ? 1.0 - inside : 0.0);
     for (double& e : expected) e *= static_cast<double>(total);
-    return chi2_test(counts_, expected);
+    return chi2_test(counts_, expected, max_strays);
   }
 
   /// Integral of the density over each bin.

@@ -27,6 +27,7 @@ inline const auto kWays =
                       Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
                       Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
                       Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
+                      Way{"vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8},
                       Way{"bdpt", EstimatorChoice::bdpt});
 
 inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }

@@ -62,6 +62,12 @@ double bias_of(const Choice& a, const Choice& b) {
   return a.bias + b.bias + (fits_over_splats(a, b) || fits_over_splats(b, a) ? kFitsOverSplats : 0.0);
 }
 
+double bias_of(RenderSettings settings) {
+  double bias = 0;
+  for (const Setting& slot : describe_slots(settings)) bias += stated_bias(slot.name, to_string(slot));
+  return bias;
+}
+
 const std::vector<Choice>& all_choices() {
   static const std::vector<Choice> choices = [] {
     std::vector<Choice> list;
@@ -112,8 +118,10 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "at start, for the\nreasons below\n\n"
       "How far the mean may be off with a bias (two biased choices: the sum): " +
       bias_list() +
-      ". A cell passes if\nit is off by no more than that and 4.5 of its standard errors, which are 1 % at most: what "
-      "was measured, and how surely,\nstands [below](#measured).\n\n";
+      ". A cell passes if\nits luminance, red, green and blue are each off by no more than that and 4.5 of their "
+      "standard errors, which are 1 % "
+      "of the luminance at most,\n0.4 % in the slow test: what was measured, and how surely, stands "
+      "[below](#measured).\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {
     std::string& cell = symbols[row * choices.size() + column];

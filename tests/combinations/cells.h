@@ -27,6 +27,9 @@ double bias_of(const Choice& a, const Choice& b);
 /// The choices of all slots as the settings declare them, slot by slot, with the two ways to reproject apart.
 const std::vector<Choice>& all_choices();
 
+/// The same of all choices together that `settings` make.
+double bias_of(RenderSettings settings);
+
 /// Defaults with two choices. Throws Error for a choice that does not exist.
 RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
 

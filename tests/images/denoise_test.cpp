@@ -34,7 +34,7 @@ struct Region {
 };
 
 /// Mean squared difference of what a display shows: radiance clamped to 1.
-double mse(const Image& a, const Image& b, const Region& r = {}) {
+double shown_mse(const Image& a, const Image& b, const Region& r = {}) {
   double sum = 0;
   for (int y = r.y0; y < r.y1; ++y) {
     for (int x = r.x0; x < r.x1; ++x) {
@@ -43,12 +43,6 @@ double mse(const Image& a, const Image& b, const Region& r = {}) {
     }
   }
   return sum / ((r.x1 - r.x0) * (r.y1 - r.y0));
-}
-
-double mean_of(const Image& image) {
-  double sum = 0;
-  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
-  return sum / static_cast<double>(image.pixels.size());
 }
 
 PlacedCamera moved(PlacedCamera camera, int frames) {
@@ -104,30 +98,30 @@ class DenoisedPicture : public ::testing::TestWithParam<DenoiseChoice> {};
 
 TEST_P(DenoisedPicture, ATenthOfTheErrorWhereNothingMoves) {
   const Shown s("cornell", settings_of(GetParam()), 8, 0);
-  EXPECT_LT(mse(s.denoised, s.reference), 0.1 * mse(s.noisy, s.reference));
+  EXPECT_LT(shown_mse(s.denoised, s.reference), 0.1 * shown_mse(s.noisy, s.reference));
 }
 
 TEST_P(DenoisedPicture, AFifthOfTheErrorWhereTheCameraMoves) {
   const Shown s("cornell", settings_of(GetParam()), 1, 8);
-  EXPECT_LT(mse(s.denoised, s.reference), 0.2 * mse(s.noisy, s.reference));
+  EXPECT_LT(shown_mse(s.denoised, s.reference), 0.2 * shown_mse(s.noisy, s.reference));
 }
 
 TEST_P(DenoisedPicture, IsAsBrightAsTheScene) {
   const Shown s("cornell", settings_of(GetParam()), 16, 0);
-  EXPECT_NEAR(mean_of(s.denoised) / mean_of(s.reference), 1.0, 0.02);  // the bias that the pages state
+  EXPECT_NEAR(mean_luminance(s.denoised) / mean_luminance(s.reference), 1.0, 0.02);  // the bias that the pages state
 }
 
 /// What features cannot tell is not blurred away: the error falls below that of the samples' own mean.
 TEST_P(DenoisedPicture, MirrorImagesSurvive) {
   const Shown s("cornell-mirror", settings_of(GetParam(), EstimatorChoice::bdpt), 8, 0);
   const Region mirror{16, 16, 80, 60};
-  EXPECT_LT(mse(s.denoised, s.reference, mirror), 0.8 * mse(s.mean, s.reference, mirror));
+  EXPECT_LT(shown_mse(s.denoised, s.reference, mirror), 0.8 * shown_mse(s.mean, s.reference, mirror));
 }
 
 TEST_P(DenoisedPicture, CausticsSurvive) {
   const Shown s("cornell-glass", settings_of(GetParam(), EstimatorChoice::bdpt), 16, 0);
   const Region floor{8, 70, 88, 94};
-  EXPECT_LT(mse(s.denoised, s.reference, floor), 0.8 * mse(s.mean, s.reference, floor));
+  EXPECT_LT(shown_mse(s.denoised, s.reference, floor), 0.8 * shown_mse(s.mean, s.reference, floor));
 }
 
 /// Emission that caches average at edges is no light that falls on the surfaces there.
@@ -135,18 +129,18 @@ TEST_P(DenoisedPicture, EdgesOfLampsDoNotShineThroughCaches) {
   RenderSettings settings = settings_of(GetParam());
   settings.cache = CacheChoice::psf;
   const Shown s("cornell", settings, 1, 4);
-  EXPECT_LT(mse(s.denoised, s.reference), 1.2 * mse(s.noisy, s.reference));
+  EXPECT_LT(shown_mse(s.denoised, s.reference), 1.2 * shown_mse(s.noisy, s.reference));
   for (const Rgb& pixel : s.denoised.pixels) ASSERT_GE(std::min({pixel.x, pixel.y, pixel.z}), 0);
 }
 
 TEST_P(DenoisedPicture, AFurnaceStaysWhite) {
   Session session(build("furnace"), settings_of(GetParam()));
   for (int i = 0; i < 4; ++i) session.render_frame();
-  const double mean = mean_of(session.image());
+  const double mean = mean_luminance(session.image());
   RenderSettings plain = settings_of(DenoiseChoice::none);
   Session truth(build("furnace"), plain);
   for (int i = 0; i < 64; ++i) truth.render_frame();
-  EXPECT_NEAR(mean / mean_of(truth.image()), 1.0, 2e-3);
+  EXPECT_NEAR(mean / mean_luminance(truth.image()), 1.0, 2e-3);
 }
 
 std::string denoiser_name(const ::testing::TestParamInfo<DenoiseChoice>& instance) {

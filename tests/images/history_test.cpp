@@ -58,12 +58,7 @@ Moments reference() {
   return measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 256, kSeeds, 1001);
 }
 
-double mean_of(const Moments& m) {
-  const Image image = m.mean_image();
-  double sum = 0;
-  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(luminance(pixel));
-  return sum / static_cast<double>(image.pixels.size());
-}
+double mean_of(const Moments& m) { return mean_luminance(m.mean_image()); }
 
 /// Mean over images and pixels of the squared difference from the mean of `reference`, radiance clamped to 1: what a
 /// display shows.

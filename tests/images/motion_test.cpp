@@ -241,10 +241,6 @@ void expect_explained(const MovingScene& moving) {
 // --- No trails, less error, less flicker
 // ------------------------------------------------------------------------------
 
-double mse(const Image& image, const Image& reference) {
-  return compute_metrics(image, reference, {.flip = false}).mse;
-}
-
 struct Errors {
   double mse = 0;
   double temporal = 0;  ///< relative

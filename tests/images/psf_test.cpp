@@ -23,12 +23,6 @@ RenderSettings settings_of(CacheChoice cache, HistoryChoice history, int width, 
   return s;
 }
 
-double mean_of(const Image& image) {
-  double sum = 0;
-  for (const Rgb& p : image.pixels) sum += static_cast<double>(luminance(p));
-  return sum / static_cast<double>(image.pixels.size());
-}
-
 /// A floor, lit from the left only: an endless black wall at x = 0 keeps the light from the right. Seen from above, 64
 /// pixels a metre.
 Scene divided_floor() {
@@ -190,7 +184,7 @@ Index node_named(const Scene& scene, std::string_view name) {
 /// Mean luminance of `count` frames of a closed furnace.
 double furnace_mean(RenderSettings settings, int count) {
   Session session(testing::closed_furnace(0.5f), settings);
-  return mean_of(mean_frame(session, count));
+  return mean_luminance(mean_frame(session, count));
 }
 
 TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
@@ -255,9 +249,6 @@ TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
   }
 }
 
-/// Mean square error over pixels and channels.
-double mse_between(const Image& a, const Image& b) { return compute_metrics(a, b, {.flip = false}).mse; }
-
 TEST_P(Caches, EdgesOfLampsAreSmooth) {
   // A lamp that lies across the pixels' grid, before a dim wall.
   Scene scene;
@@ -282,10 +273,10 @@ TEST_P(Caches, EdgesOfLampsAreSmooth) {
   // The path graph's first frame knows no cells yet.
   mean_frame(rough, 2);
   mean_frame(smooth, 2);
-  const double rough_error = mse_between(mean_frame(rough, 1), truth);
-  EXPECT_LT(mse_between(mean_frame(smooth, 1), truth), 0.1 * rough_error);
+  const double rough_error = mse(mean_frame(rough, 1), truth);
+  EXPECT_LT(mse(mean_frame(smooth, 1), truth), 0.1 * rough_error);
   // Nothing but noise: what 64 frames average is nearer still.
-  EXPECT_LT(mse_between(mean_frame(smooth, 64), truth), 0.004 * rough_error);
+  EXPECT_LT(mse(mean_frame(smooth, 64), truth), 0.004 * rough_error);
 }
 
 std::string cache_name(const ::testing::TestParamInfo<CacheChoice>& instance) {

@@ -24,12 +24,6 @@ RenderSettings settings_of(CacheChoice cache, int width, int height) {
   return s;
 }
 
-double mean_of(const Image& image) {
-  double sum = 0;
-  for (const Rgb& p : image.pixels) sum += static_cast<double>(luminance(p));
-  return sum / static_cast<double>(image.pixels.size());
-}
-
 Index node_named(const Scene& scene, std::string_view name) {
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
     if (scene.nodes[i].name == name) return static_cast<Index>(i);
@@ -158,7 +152,7 @@ void run_through(Scene scene, const RenderSettings& settings, std::vector<Stretc
   for (Stretch& stretch : stretches) {
     for (; frame < stretch.end; ++frame) {
       session.render_frame();
-      if (frame >= stretch.begin) stretch.mean += mean_of(session.image()) / (stretch.end - stretch.begin);
+      if (frame >= stretch.begin) stretch.mean += mean_luminance(session.image()) / (stretch.end - stretch.begin);
     }
   }
 }
