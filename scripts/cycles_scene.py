@@ -1,0 +1,162 @@
+"""What scripts/compare_cycles runs inside Blender: renders a glTF scene with Cycles as relume sees it.
+
+    blender -b --factory-startup --python scripts/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
+
+Surfaces become Lambert surfaces of their base colour, so scenes should have no others. Emissive materials emit their
+emissive factor times KHR_materials_emissive_strength; masks cut where glTF says. No denoiser, clamp or adaptive sampling,
+a box filter of one pixel, the scene's first camera. Prints "seconds: sampling X, all Y".
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+import time
+
+import bpy
+import numpy
+
+# Blender 3.4's importer uses names that NumPy 1.24 no longer has.
+numpy.bool, numpy.int, numpy.float = bool, int, float
+
+
+def parse_options():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("scene", type=pathlib.Path)
+    for name in ("width", "height", "spp", "max-bounces", "seed"):
+        parser.add_argument(f"--{name}", type=int, required=True)
+    parser.add_argument("--env", type=lambda text: [float(v) for v in text.split(",")], required=True)
+    parser.add_argument("--output", required=True)
+    return parser.parse_args(sys.argv[sys.argv.index("--") + 1 :])
+
+
+def set_up_cycles(scene, options):
+    scene.render.engine = "CYCLES"
+    cycles = scene.cycles
+    cycles.device, cycles.samples, cycles.seed = "CPU", options.spp, options.seed
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.time_limit = 0
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
+    # Cycles counts no scattering at the last vertex: its limit is one less than relume's.
+    bounces = options.max_bounces - 1
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
+    cycles.transparent_max_bounces = 64
+
+
+def set_up_picture(scene, options):
+    render = scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = options.width, options.height, 100
+    render.use_compositing = render.use_sequencer = False
+    settings = render.image_settings
+    settings.file_format, settings.color_depth, settings.color_mode = "OPEN_EXR", "32", "RGB"
+    render.filepath = options.output
+
+
+def set_up_camera(scene, gltf):
+    scene.camera = next(o for o in bpy.data.objects if o.type == "CAMERA")
+    camera = scene.camera.data
+    # glTF gives the vertical angle; the importer fits it to the aspect ratio of the file.
+    camera.sensor_fit, camera.angle = "VERTICAL", gltf["cameras"][0]["perspective"]["yfov"]
+    camera.clip_start, camera.clip_end = 0.001, 10000
+
+
+def set_up_environment(scene, radiance):
+    scene.world = bpy.data.worlds.new("environment")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*radiance, 1)
+
+
+def radiance_of(material):
+    factor = material.get("emissiveFactor", (0, 0, 0))
+    strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1)
+    return [strength * value for value in factor]
+
+
+def source_of(socket):
+    return socket.links[0].from_socket if socket.links else None
+
+
+def become_lamp(material, radiance):
+    tree = material.node_tree
+    tree.nodes.clear()
+    emission = tree.nodes.new("ShaderNodeEmission")
+    emission.inputs["Color"].default_value, emission.inputs["Strength"].default_value = (*radiance, 1), 1
+    tree.links.new(emission.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+
+
+def become_lambert(material):
+    tree = material.node_tree
+    principled = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
+    colour, alpha = principled.inputs["Base Color"], source_of(principled.inputs["Alpha"])
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = colour.default_value[:]
+    if source_of(colour):
+        tree.links.new(source_of(colour), diffuse.inputs["Color"])
+    surface = diffuse.outputs[0]
+    if alpha:
+        if material.blend_method == "CLIP":
+            alpha = cut_at(tree, alpha, material.alpha_threshold)
+        surface = seen_where(tree, alpha, surface)
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(surface, output.inputs["Surface"])
+    tree.nodes.remove(principled)
+
+
+def cut_at(tree, alpha, threshold):
+    compare = tree.nodes.new("ShaderNodeMath")
+    compare.operation = "LESS_THAN"
+    compare.inputs[1].default_value = threshold
+    tree.links.new(alpha, compare.inputs[0])
+    inverse = tree.nodes.new("ShaderNodeMath")
+    inverse.operation = "SUBTRACT"
+    inverse.inputs[0].default_value = 1
+    tree.links.new(compare.outputs[0], inverse.inputs[1])
+    return inverse.outputs[0]
+
+
+def seen_where(tree, alpha, surface):
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(alpha, mix.inputs[0])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+    tree.links.new(surface, mix.inputs[2])
+    return mix.outputs[0]
+
+
+def render():
+    """(seconds of sampling, seconds of all)"""
+    events = []
+
+    def on_stats(*args):
+        events.append((time.perf_counter(), " ".join(str(arg) for arg in args)))
+
+    bpy.app.handlers.render_stats.append(on_stats)
+    start = time.perf_counter()
+    bpy.ops.render.render(write_still=True)
+    end = time.perf_counter()
+    samples = [when for when, what in events if "Sample" in what]
+    return samples[-1] - samples[0], end - start
+
+
+def main():
+    options = parse_options()
+    gltf = json.loads(options.scene.read_text(encoding="utf-8"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=str(options.scene), import_shading="NORMALS", merge_vertices=False)
+    scene = bpy.context.scene
+    scene.render.threads_mode = "AUTO"
+    set_up_cycles(scene, options)
+    set_up_picture(scene, options)
+    set_up_camera(scene, gltf)
+    set_up_environment(scene, options.env)
+    lamps = {m.get("name"): radiance_of(m) for m in gltf.get("materials", ()) if any(radiance_of(m))}
+    for material in bpy.data.materials:
+        if material.name in lamps:
+            become_lamp(material, lamps[material.name])
+        elif material.node_tree:
+            become_lambert(material)
+    sampling, everything = render()
+    print(f"seconds: sampling {sampling:.3f}, all {everything:.3f}", flush=True)
+
+
+main()
