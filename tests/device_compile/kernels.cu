@@ -21,6 +21,7 @@
 #include "techniques/directional_quadtree/incident_light.h"
 #include "techniques/features/edge_emission.h"
 #include "techniques/features/features.h"
+#include "techniques/features/light_change.h"
 #include "techniques/features/picture_history.h"
 #include "techniques/hash_grid/maintain.h"
 #include "techniques/octree/octree_tree.h"
@@ -115,6 +116,8 @@ template __global__ void run(AdaptiveAllocationKernel, uint32_t, uint32_t);
 template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
 template __global__ void run(FeatureKernel, uint32_t, uint32_t);
 template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);
+template __global__ void run(CompareBlocksKernel, uint32_t, uint32_t);
+template __global__ void run(DiscountBlocksKernel, uint32_t, uint32_t);
 template __global__ void run(ReplaceEmissionKernel, uint32_t, uint32_t);
 template __global__ void run(PictureHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(ConvergeKernel, uint32_t, uint32_t);

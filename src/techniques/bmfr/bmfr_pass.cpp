@@ -11,6 +11,8 @@ namespace {
 
 /// Fits that the first frame is the mean of.
 constexpr uint32_t kFirstFits = 8;
+/// And a frame in which the light has changed in places, which forget earlier fits.
+constexpr uint32_t kFitsOfChangedLight = 4;
 
 /// Radical inverse of `i` in `base`, in [0, kBlockSize).
 uint32_t shift_of(uint32_t i, uint32_t base) {
@@ -50,9 +52,10 @@ bool BmfrPass::run(const FrameContext& frame) {
 
 // None of these is to be stopped: the frame's samples have joined the mean by now.
 
-void BmfrPass::accumulate(const FrameContext& frame) const {
+void BmfrPass::accumulate(const FrameContext& frame) {
   BmfrAccumulateKernel kernel;
   kernel.history = light_history(frame, {"bmfr-light", "bmfr-samples"}, settings_.history);
+  kernel.history.discounts = change_.discounts(frame, kernel.history);
   kernel.fitted_before = frame.previous<const Rgb>("bmfr-fit");
   kernel.square_before = frame.previous<const float>("bmfr-square");
   kernel.fitted_history = frame.view<Rgb>("bmfr-fit-history");
@@ -79,7 +82,9 @@ void BmfrPass::fit(const FrameContext& frame) {
   kernel.width = frame.width();
   kernel.height = frame.height();
   // Without fits of earlier frames the edges of blocks would show.
-  const uint32_t fits = frame.number == 0 || includes(frame.changes, kEndsDenoiserHistory) ? kFirstFits : 1;
+  uint32_t fits = 1;
+  if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
+  if (frame.number == 0 || includes(frame.changes, kEndsDenoiserHistory)) fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);

@@ -5,6 +5,7 @@
 
 #include "pipeline/pass.h"
 #include "techniques/bmfr/settings.h"
+#include "techniques/features/find_light_change.h"
 
 namespace relume {
 
@@ -14,14 +15,15 @@ class BmfrPass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return noise_.size() * sizeof(float); }
+  size_t memory_bytes() const override { return noise_.size() * sizeof(float) + change_.memory_bytes(); }
 
  private:
-  void accumulate(const FrameContext& frame) const;
+  void accumulate(const FrameContext& frame);
   void fit(const FrameContext& frame);
   void present(const FrameContext& frame) const;
 
   const BmfrSettings& settings_;
+  LightChange change_;
   std::vector<float> noise_;
 };
 

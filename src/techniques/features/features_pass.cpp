@@ -134,7 +134,8 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .count_before = frame.previous<const uint32_t>(buffers.samples),
           .light = frame.view<Rgb>(buffers.light),
           .count = frame.view<uint32_t>(buffers.samples),
-          .max_samples = history_limit(frame, settings)};
+          .max_samples = history_limit(frame, settings),
+          .discounts = {}};
 }
 
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest) {

@@ -36,6 +36,10 @@ struct SurfaceLight {
   }
 };
 
+/// Pixels along the edge of a block in which changes of light are looked for.
+inline constexpr uint32_t kChangeBlock = 8;
+RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChangeBlock - 1) / kChangeBlock; }
+
 inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
 
 /// A pixel's past and its sample of this frame: how anything that is known of its samples is averaged.
@@ -74,8 +78,35 @@ struct LightHistory {
   View<Rgb> light;                         ///< mean of the samples
   View<uint32_t> count;                    ///< of them
   uint32_t max_samples = kNoHistoryLimit;  ///< that the past counts for at most
+  /// 1 / samples that it counts for where the light has changed, block by block (light_change.h); 0: it has not. Empty:
+  /// nowhere.
+  View<const float> discounts;
 
   RELUME_HD uint32_t pixel(uint32_t x, uint32_t y) const { return y * reprojection.width + x; }
+
+  RELUME_HD uint32_t limit_at(uint32_t x, uint32_t y) const {
+    if (discounts.empty()) return max_samples;
+    const float discount = discount_at(x, y);
+    return discount * static_cast<float>(max_samples) > 1.0f ? static_cast<uint32_t>(1.0f / discount) : max_samples;
+  }
+
+  /// Interpolated between the middles of blocks.
+  RELUME_HD float discount_at(uint32_t x, uint32_t y) const {
+    const uint32_t columns = change_blocks(reprojection.width);
+    const uint32_t rows = change_blocks(reprojection.height);
+    const float u = relume::max((static_cast<float>(x) + 0.5f) / kChangeBlock - 0.5f, 0.0f);
+    const float v = relume::max((static_cast<float>(y) + 0.5f) / kChangeBlock - 0.5f, 0.0f);
+    const auto x0 = static_cast<uint32_t>(u);
+    const auto y0 = static_cast<uint32_t>(v);
+    const uint32_t x1 = relume::min(x0 + 1u, columns - 1u);
+    const uint32_t y1 = relume::min(y0 + 1u, rows - 1u);
+    const float wx = u - static_cast<float>(x0);
+    const float wy = v - static_cast<float>(y0);
+    const auto row = [&](uint32_t k) {
+      return discounts[k * columns + x0] * (1.0f - wx) + discounts[k * columns + x1] * wx;
+    };
+    return row(y0) * (1.0f - wy) + row(y1) * wy;
+  }
 
   /// Brings the light of pixel (x, y) up to date. Black texels, too, carry the history of what surrounds them.
   RELUME_HD PixelHistory accumulate(uint32_t x, uint32_t y) const {
@@ -83,7 +114,7 @@ struct LightHistory {
     PixelHistory history;
     history.sample = samples.at(i);
     history.taps = reprojection.taps_or_nearest(x, y);
-    history.age = relume::min(history.taps.least(count_before), max_samples);
+    history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
     light[i] = history.mean(light_before, history.sample.light);
     count[i] = history.count();
     return history;

@@ -38,9 +38,10 @@ bool SvgfPass::run(const FrameContext& frame) {
 
 // None of these is to be stopped: the frame's samples have joined the mean by now.
 
-void SvgfPass::accumulate(const FrameContext& frame) const {
+void SvgfPass::accumulate(const FrameContext& frame) {
   SvgfAccumulateKernel kernel;
   kernel.history = light_history(frame, {"svgf-light", "svgf-samples"}, settings_.history);
+  kernel.history.discounts = change_.discounts(frame, kernel.history);
   kernel.moments_before = frame.previous<const Vec2>("svgf-moments");
   kernel.moments = frame.view<Vec2>("svgf-moments");
   launch(frame.backend, "svgf-accumulate", kernel, frame.width(), frame.height());
