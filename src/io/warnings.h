@@ -20,12 +20,19 @@ class Warnings {
     if (sentences_.size() >= kMaxWarnings) {
       ++omitted_;
     } else if (seen_.insert(sentence).second) {
-      sentences_.push_back(place_ + ": " + sentence);
+      sentences_.push_back(sentence);
     }
   }
 
+  /// Adds what was collected apart, by a task of its own.
+  void add(const Warnings& part) {
+    for (const std::string& sentence : part.sentences_) add(sentence);
+    omitted_ += part.omitted_;
+  }
+
   std::vector<std::string> take() {
-    if (omitted_ > 0) sentences_.push_back(place_ + ": " + std::to_string(omitted_) + " more warnings are not shown");
+    if (omitted_ > 0) sentences_.push_back(std::to_string(omitted_) + " more warnings are not shown");
+    for (std::string& sentence : sentences_) sentence.insert(0, place_ + ": ");
     return std::move(sentences_);
   }
 

@@ -140,11 +140,11 @@ const Texture* AssimpTextures::image(const std::string& path, PixelFormat format
   return it == images_.end() || it->second.texels.empty() ? nullptr : &it->second;
 }
 
-void AssimpTextures::compose(const Request& request, Texture& texture) {
+void AssimpTextures::compose(const Request& request, Texture& texture, Warnings& warnings) const {
   const Texture* first = image(request.first, texture.format);
   const Texture* second = image(request.second, texture.format);
   if (request.recipe == TextureRecipe::normal && first && is_grey(*first)) {
-    warnings_.add(fmt::format("{}: height maps are not supported; the bumps are ignored", request.first));
+    warnings.add(fmt::format("{}: height maps are not supported; the bumps are ignored", request.first));
     first = nullptr;
   }
   const bool is_plain =
@@ -162,6 +162,8 @@ void AssimpTextures::compose(const Request& request, Texture& texture) {
   texture.width = std::max(first ? first->width : 1, second ? second->width : 1);
   texture.height = std::max(first ? first->height : 1, second ? second->height : 1);
   const bool decode = is_color && first && is_8_bit(*first) && !is_8_bit(texture);
+  texture.texels.reserve(static_cast<size_t>(texture.width) * static_cast<size_t>(texture.height) *
+                         (is_8_bit(texture) ? 4 : sizeof(Vec4)));
   const size_t opacity_channel = second && has_alpha(*second) ? 3 : 0;
   for (int y = 0; y < texture.height; ++y) {
     for (int x = 0; x < texture.width; ++x) {
@@ -203,7 +205,10 @@ void AssimpTextures::finish() {
   for (const std::string& repair : repairs) {
     if (!repair.empty()) warnings_.add(repair);
   }
-  for (size_t i = 0; i < requests_.size(); ++i) compose(requests_[i], scene_.textures[i]);
+  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
+  tbb::parallel_for(size_t{0}, requests_.size(),
+                    [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
+  for (const Warnings& part : warnings) warnings_.add(part);
   images_.clear();
 }
 

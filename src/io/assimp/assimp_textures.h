@@ -50,7 +50,7 @@ class AssimpTextures {
   Texture decode(const std::string& path, PixelFormat format) const;
   std::filesystem::path find_file(const std::string& path) const;
   const Texture* image(const std::string& path, PixelFormat format) const;
-  void compose(const Request& request, Texture& texture);
+  void compose(const Request& request, Texture& texture, Warnings& warnings) const;
 
   const aiScene& source_;
   std::filesystem::path base_dir_;

@@ -16,6 +16,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   gltf::MeshImporter meshes(document, scene, materials);
   const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);
   gltf::import_animation(document, node_of, scene);
+  meshes.finish();
   materials.finish();
   gltf::apply_scene_extras(document, scene);
   scene.warnings = document.warnings.take();

@@ -1,6 +1,9 @@
 #include "io/gltf/gltf_meshes.h"
 
+#include <exception>
+
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "io/gltf/gltf_primitive.h"
 #include "io/mesh_repair.h"
@@ -31,6 +34,11 @@ std::vector<Vec4> read_colors(const PrimitiveReader& reader) {
   return colors;
 }
 
+bool is_surface(const tinygltf::Primitive& primitive) {
+  return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
 }  // namespace
 
 std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int mode) {
@@ -55,32 +63,20 @@ std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int 
 }
 
 void MeshImporter::count_vertices(size_t count) {
-  vertices_read_ += count;
-  if (vertices_read_ > kMaxVerticesRead)
+  if (vertices_read_ += count; vertices_read_ > kMaxVerticesRead)
     document_.fail(fmt::format("its primitives read more than {} vertices", kMaxVerticesRead));
 }
 
-std::optional<Mesh> MeshImporter::convert(const tinygltf::Primitive& primitive, const std::string& name) {
-  const bool is_surface = primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
-                          primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
-  if (!is_surface) {
-    document_.warnings.add(fmt::format("mesh '{}': points and lines are skipped", name));
-    return std::nullopt;
-  }
+/// Fills `mesh`, whose name and material are known; it keeps no triangles if the primitive has none.
+void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings) {
   const PrimitiveReader reader(document_, primitive);
   const size_t count = reader.count("POSITION");
-  if (count == 0) {
-    document_.warnings.add(fmt::format("mesh '{}': a primitive without positions is skipped", name));
-    return std::nullopt;
-  }
+  if (count == 0) return warnings.add(fmt::format("mesh '{}': a primitive without positions is skipped", mesh.name));
   count_vertices(count);
-  if (!primitive.targets.empty())
-    document_.warnings.add("morph targets are not supported; meshes keep their rest shape");
+  if (!primitive.targets.empty()) warnings.add("morph targets are not supported; meshes keep their rest shape");
   const auto has = [&](const char* attribute, int low, int high) {
-    return usable(reader, attribute, count, low, high, name, document_.warnings);
+    return usable(reader, attribute, count, low, high, mesh.name, warnings);
   };
-  Mesh mesh;
-  mesh.name = name;
   mesh.positions = reader.vec3("POSITION");
   if (has("NORMAL", 3, 3)) mesh.normals = reader.vec3("NORMAL");
   if (!mesh.normals.empty() && has("TANGENT", 4, 4)) mesh.tangents = reader.vec4("TANGENT");
@@ -90,11 +86,9 @@ std::optional<Mesh> MeshImporter::convert(const tinygltf::Primitive& primitive, 
   // Draco yields separate triangles whatever the mode says.
   mesh.triangles = assemble_triangles(reader.indices(count),
                                       is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
-  mesh.material = materials_.import(primitive.material);
-  repair_mesh(mesh, document_.warnings);
-  if (!mesh.triangles.empty()) return mesh;
-  document_.warnings.add(fmt::format("mesh '{}': a primitive without triangles is skipped", name));
-  return std::nullopt;
+  repair_mesh(mesh, warnings);
+  if (mesh.triangles.empty())
+    warnings.add(fmt::format("mesh '{}': a primitive without triangles is skipped", mesh.name));
 }
 
 const std::vector<Index>& MeshImporter::import(int mesh) {
@@ -105,12 +99,46 @@ const std::vector<Index>& MeshImporter::import(int mesh) {
   const tinygltf::Mesh& source = document_.model.meshes[static_cast<size_t>(mesh)];
   const std::string name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
   for (const tinygltf::Primitive& primitive : source.primitives) {
-    auto converted = convert(primitive, name);
-    if (!converted) continue;
+    if (!is_surface(primitive)) {
+      document_.warnings.add(fmt::format("mesh '{}': points and lines are skipped", name));
+      continue;
+    }
     entry->second.push_back(static_cast<Index>(scene_.meshes.size()));
-    scene_.meshes.push_back(std::move(*converted));
+    Mesh& target = scene_.meshes.emplace_back();
+    target.name = name;
+    target.material = materials_.import(primitive.material);
+    requests_.push_back(&primitive);
   }
   return entry->second;
+}
+
+void MeshImporter::finish() {
+  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
+  std::vector<std::exception_ptr> problems(requests_.size());
+  tbb::parallel_for(size_t{0}, requests_.size(), [&](size_t i) {
+    try {
+      convert(*requests_[i], scene_.meshes[i], warnings[i]);
+    } catch (...) {
+      problems[i] = std::current_exception();
+    }
+  });
+  // The first of them, so that a file always fails in the same way.
+  for (const std::exception_ptr& problem : problems) {
+    if (problem) std::rethrow_exception(problem);
+  }
+  for (const Warnings& part : warnings) document_.warnings.add(part);
+  leave_out_empty_meshes();
+}
+
+void MeshImporter::leave_out_empty_meshes() {
+  std::vector<Index> place;  // kNone: left out
+  Index kept = 0;
+  for (const Mesh& mesh : scene_.meshes) place.push_back(mesh.triangles.empty() ? kNone : kept++);
+  std::erase_if(scene_.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  for (Node& node : scene_.nodes) {
+    for (Index& mesh : node.meshes) mesh = place[static_cast<size_t>(mesh)];
+    std::erase(node.meshes, kNone);
+  }
 }
 
 }  // namespace relume::gltf

@@ -206,6 +206,15 @@ void override_node(const JsonObject& object, Index index, Scene& scene) {
     node.matrix.reset();
   }
   override_transform(object, node);
+  // What is said without keys does not move any more.
+  const std::pair<const char*, AnimatedProperty> properties[] = {{"translation", AnimatedProperty::translation},
+                                                                 {"rotation_deg", AnimatedProperty::rotation},
+                                                                 {"scale", AnimatedProperty::scale}};
+  for (const auto& [name, property] : properties) {
+    if (!object.has(name)) continue;
+    std::erase_if(scene.animation,
+                  [&](const AnimationChannel& c) { return c.node == index && c.property == property; });
+  }
   const auto keys = object.objects("keys", {"time", "translation", "rotation_deg", "scale"});
   add_channel(keys, "translation", AnimatedProperty::translation, index, scene);
   add_channel(keys, "rotation_deg", AnimatedProperty::rotation, index, scene);
