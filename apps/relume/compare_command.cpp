@@ -105,6 +105,9 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   for (const Contender& contender : options.contenders) resolve_contender(contender, options.common);
   if (o.budget_s > 0 && common.stop.spp > 0)
     throw UsageError("--spp compares at equal samples and --budget at equal time; choose one");
+  if (common.stop.time_s > 0) throw UsageError("compare has no --time; --budget compares at equal time");
+  if (common.stop.error > 0)
+    throw UsageError("compare has no --error; it compares at equal samples (--spp) or time (--budget)");
   options.spp = common.stop.spp > 0 ? common.stop.spp : o.frames.empty() ? kDefaultSpp : 1;
   options.budget_s = static_cast<double>(o.budget_s);
   options.repetitions = o.repetitions;

@@ -116,6 +116,8 @@ class RenderJob {
         session_->begin_picture();  // even if nothing has moved
       }
       reason = render_picture(i, interrupts.token());
+      // A picture that was complete when the interrupt came stays complete, and the next one does not begin.
+      if (interrupts.token().stop_requested()) reason = StopReason::interrupted;
     }
     if (video_) video_->finish();
     report(reason);
@@ -124,6 +126,7 @@ class RenderJob {
 
  private:
   void load();
+  void resume();
   size_t picture_of_checkpoint() const;
   StopReason render_picture(size_t index, std::stop_token stop);
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
@@ -145,10 +148,16 @@ class RenderJob {
   std::optional<Session> session_;
   size_t first_picture_ = 0;  ///< later than 0 if a sequence is resumed
   std::optional<VideoWriter> video_;
+  uint64_t resumed_rays_ = 0;  ///< that a checkpoint brought: times are of this run alone
   std::vector<std::string> written_;
   double load_s_ = 0;
   double write_s_ = 0;
   double last_checkpoint_s_ = 0;
+
+  double rays_per_s() const {
+    const Statistics& s = session_->statistics();
+    return static_cast<double>(s.rays - resumed_rays_) / std::max(s.render_s, 1e-9);
+  }
 };
 
 void RenderJob::load() {
@@ -170,8 +179,12 @@ void RenderJob::load() {
   for (const std::string& note : session_->notes()) tell(verbosity_, note);
   tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
                                     session_->statistics().threads));
-  if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint)) return;
+  if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
+}
+
+void RenderJob::resume() {
   session_->load_checkpoint(options_.checkpoint);
+  resumed_rays_ = session_->statistics().rays;
   first_picture_ = picture_of_checkpoint();
   tell(verbosity_,
        fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
@@ -211,14 +224,13 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
 
 void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria,
                            ProgressPrinter& printer) {
-  const Statistics& statistics = session_->statistics();
   printer.show(
       {
           .label = plan_.files.size() > 1 ? fmt::format("picture {} of {}", index + 1, plan_.files.size()) : "",
           .samples = state.samples,
           .samples_wanted = criteria.samples,
           .fraction = fraction_done(state, criteria),
-          .rays_per_s = statistics.render_s > 0 ? static_cast<double>(statistics.rays) / statistics.render_s : 0,
+          .rays_per_s = rays_per_s(),
           .error = state.error,
           .remaining_s = remaining_s(state, criteria),
       },
@@ -263,12 +275,10 @@ void RenderJob::report(StopReason reason) const {
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
   }
   for (const std::string& warning : session_->warnings()) warn(warning);
-  tell_more(
-      verbosity_,
-      fmt::format("stopped by {} after {:.2f} s; {} samples, {} rays, {:.1f} Mrays/s, at most {} of memory",
-                  name_of(reason), statistics.render_s, format_count(statistics.samples), format_count(statistics.rays),
-                  static_cast<double>(statistics.rays) * 1e-6 / std::max(statistics.render_s, 1e-9),
-                  format_bytes(peak_memory_bytes())));
+  tell_more(verbosity_,
+            fmt::format("stopped by {} after {:.2f} s; {} samples, {} rays, {:.1f} Mrays/s, at most {} of memory",
+                        name_of(reason), statistics.render_s, format_count(statistics.samples),
+                        format_count(statistics.rays), rays_per_s() * 1e-6, format_bytes(peak_memory_bytes())));
   if (options_.stats.empty()) return;
   RunReport run{
       .version = kVersion,

@@ -23,7 +23,7 @@ struct RunReport {
   double samples_per_pixel = 0;  ///< of the last picture, mean over its pixels
   std::string stopped_by;        ///< "samples", "time", "error", "interrupted"
   double estimated_error = 0;    ///< of the last picture; infinite below two samples
-  double load_s = 0;
+  double load_s = 0;             ///< these times are of this run; counts below go on where a checkpoint left them
   double build_s = 0;
   double render_s = 0;
   double write_s = 0;

@@ -245,6 +245,8 @@ class Commands(RefusalTest):
         write_bare_exr(self.folder / "fits.exr", 0.5, 24, 18)
         self.refuse_each(["compare", "cornell", *SMALL, "-o", "page.html", "--cache-dir", "cache"], [
             (USAGE, "--spp 4 --budget 1s", "--spp .* equal samples and --budget .* equal time; choose one"),
+            (USAGE, "--time 5s", "compare has no --time; --budget compares at equal time"),
+            (USAGE, "--error 0.1", "compare has no --error; it compares at equal samples"),
             (FAILED, "--techniques default,default", "--techniques: there are two called 'default'; give one another name with NAME="),
             (FAILED, "--techniques a=lights:uniform,a=lights:power", "--techniques: there are two called 'a'"),
             (FAILED, "--image a=small.exr --image a=fits.exr", "--image: there are two called 'a'"),

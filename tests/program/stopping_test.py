@@ -75,6 +75,23 @@ class Stopping(ProgramTest):
         resumed, whole = (json.loads((self.folder / f"{name}.json").read_text()) for name in ("resumed", "whole"))
         self.assertEqual((resumed["samples"], resumed["rays"]), (whole["samples"], whole["rays"]))
 
+    def test_interrupt_ends_a_sequence_of_single_samples(self):
+        process = start("render", *ROOM, "-o", "out.####.png", "--frames", "0-99999", "--spp", "1", "--resume", "a.ckpt", cwd=self.folder)
+        self.addCleanup(process.kill)
+        self.wait_for(self.folder / "out.0002.png", process)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        last = self.files()[-1]
+        self.assertNotIn("interrupted; wrote", errors, "every picture has its sample")
+        # It goes on with the picture after the last.
+        number = int(re.search(r"\d+", last)[0])
+        process = start("render", *ROOM, "-o", "out.####.png", "--frames", f"0-{number + 2}", "--spp", "1", "--resume", "a.ckpt", cwd=self.folder)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertIn(f"of frame {number}", errors)
+        self.assertEqual(self.files()[-1], f"out.{number + 2:04}.png")
+
     def wait_for_handler(self, process, seconds=60):
         """Until the process handles SIGINT, which would end it before."""
         end = time.monotonic() + seconds

@@ -28,6 +28,19 @@ float selection_depth(const State& state, const PlacedCamera& camera) {
   return glm::dot(point - Vec3(camera.to_world[3]), -glm::normalize(Vec3(camera.to_world[2])));
 }
 
+/// Brings a point into focus: by its depth, or by its distance where the camera looks all around.
+void focus_at(State& state, const Vec3& point) {
+  PlacedCamera placed = current_camera(state);
+  const Vec3 to_point = point - Vec3(placed.to_world[3]);
+  const float depth = placed.camera.projection == Projection::panoramic
+                          ? glm::length(to_point)
+                          : glm::dot(to_point, -glm::normalize(Vec3(placed.to_world[2])));
+  if (!(depth > 0)) return state.tell("this point lies behind the camera, which cannot focus there");
+  placed.camera.focus_distance = depth;
+  state.document->set_camera(placed);
+  state.touch();
+}
+
 }  // namespace
 
 void move_sun(const State& state, SunSky& sky) {
@@ -170,11 +183,7 @@ void finish_pick(State& state) {
   if (!result.hit) {
     if (!state.pick_focuses) state.selection = {};
   } else if (state.pick_focuses) {
-    PlacedCamera placed = current_camera(state);
-    const Vec3 to_point = result.position - Vec3(placed.to_world[3]);
-    placed.camera.focus_distance = glm::dot(to_point, -glm::normalize(Vec3(placed.to_world[2])));
-    state.document->set_camera(placed);
-    state.touch();
+    focus_at(state, result.position);
   } else if (static_cast<size_t>(result.node) < state.document->outline().nodes.size()) {
     select(state, {Selected::node, result.node});
     state.panel = Panel::scene;

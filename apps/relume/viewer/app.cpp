@@ -133,6 +133,8 @@ void App::take_frames() {
     state_.times[s].add(*state_.frames[s]);
     if (side == 0) monitor_.rendered_frame(state_.now_s);
   }
+  if (!state_.split) state_.frames[1].reset();
+  if (state_.frame() && state_.document && state_.frame()->scene == state_.document->loaded()) state_.previous.reset();
   for (; !camera_moves_.empty(); camera_moves_.pop_front()) {
     const uint64_t seen = renderer_.first_frame_following(camera_moves_.front().first);
     if (seen == 0) break;
@@ -147,6 +149,7 @@ void App::take_frames() {
 void App::take_notices() {
   for (const Notice& notice : renderer_.take_notices()) {
     if (notice.problem && first_problem_.empty()) first_problem_ = notice.text;
+    if (notice.failed_task && failed_task_.empty()) failed_task_ = notice.text;
     state_.tell(notice.text, notice.problem);
     if (notice.refused_scene && state_.document && notice.refused_scene == state_.document->loaded())
       revert_document(state_);

@@ -25,6 +25,9 @@ class App {
   /// cannot be shown, or a step of the script fails.
   void run();
 
+  /// Whether a scene is still being loaded, for nobody any more.
+  bool loading() const { return state_.loading.valid(); }
+
  private:
   void frame();
   void take_input();
@@ -53,8 +56,9 @@ class App {
   uint64_t camera_version_ = 0;
   std::deque<std::pair<uint64_t, uint64_t>> camera_moves_;  ///< request, and the newest frame when it was posted
   std::string first_problem_;
-  std::string screenshot_;  ///< to be taken after this frame
-  RenderThread renderer_;   ///< last: it ends first
+  std::string failed_task_;  ///< why the first task failed
+  std::string screenshot_;   ///< to be taken after this frame
+  RenderThread renderer_;    ///< last: it ends first
 };
 
 }  // namespace relume::viewer

@@ -176,7 +176,11 @@ std::string App::report() const {
 
 void App::finish() {
   if (!options_.screenshot.empty()) window_.save(options_.screenshot);
+  renderer_.stop();
+  take_notices();
   if (smoke_) print(report());
+  // Whoever sat before the window has read of it; a script, and pictures written after the window closed, have not.
+  if (!failed_task_.empty() && !options_.script.empty()) throw Error(failed_task_);
 }
 
 }  // namespace relume::viewer

@@ -34,7 +34,7 @@ Scene outline_of(const Scene& scene) {
 Document::Document(std::shared_ptr<const LoadedScene> loaded)
     : loaded_(std::move(loaded)),
       outline_(outline_of(loaded_->scene)),
-      environment_(loaded_->scene.environment),
+      environment_(loaded_, &loaded_->scene.environment),
       duration_s_(animation_end(loaded_->scene)) {
   for (const Mesh& mesh : loaded_->scene.meshes) {
     Box& box = mesh_boxes_.emplace_back();
@@ -70,24 +70,40 @@ void Document::set_material(Index material, const Material& value) {
 
 void Document::set_environment(const Environment& environment) {
   Environment complete = environment;
-  complete.width = environment_.width;
-  complete.height = environment_.height;
-  complete.map = environment_.map;
+  complete.width = environment_->width;
+  complete.height = environment_->height;
+  complete.map = environment_->map;
   replace_environment(std::move(complete));
 }
 
 void Document::replace_environment(Environment environment) {
-  environment_ = std::move(environment);
-  outline_.environment = environment_;
-  outline_.environment.map.clear();
-  edits_.environment = {std::make_shared<const Environment>(environment_), next_version()};
+  environment_ = std::make_shared<const Environment>(std::move(environment));
+  Environment& outline = outline_.environment;
+  outline.kind = environment_->kind;
+  outline.color = environment_->color;
+  outline.rotation_rad = environment_->rotation_rad;
+  outline.width = environment_->width;
+  outline.height = environment_->height;
+  outline.sun_sky = environment_->sun_sky;
+  edits_.environment = {environment_, next_version()};
 }
 
-bool Document::below(Index node, Index ancestor) const {
-  for (Index n = node; n != kNone; n = outline_.nodes[static_cast<size_t>(n)].parent) {
-    if (n == ancestor) return true;
+std::vector<bool> Document::below(Index ancestor) const {
+  enum : uint8_t { unknown, no, yes };
+  std::vector<uint8_t> verdicts(outline_.nodes.size(), unknown);
+  verdicts[static_cast<size_t>(ancestor)] = yes;
+  std::vector<size_t> way;
+  for (size_t i = 0; i < verdicts.size(); ++i) {
+    way.clear();
+    Index n = static_cast<Index>(i);
+    for (; n != kNone && verdicts[static_cast<size_t>(n)] == unknown; n = outline_.nodes[static_cast<size_t>(n)].parent)
+      way.push_back(static_cast<size_t>(n));
+    const uint8_t verdict = n == kNone ? uint8_t{no} : verdicts[static_cast<size_t>(n)];
+    for (const size_t passed : way) verdicts[passed] = verdict;
   }
-  return false;
+  std::vector<bool> result(verdicts.size());
+  for (size_t i = 0; i < verdicts.size(); ++i) result[i] = verdicts[i] == yes;
+  return result;
 }
 
 bool Document::make_movable(Index node) {
@@ -122,31 +138,43 @@ void Document::move(Index node, const Vec3& by) {
 
 std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const {
   std::vector<std::pair<Box, Mat4>> result;
-  for (size_t i = 0; i < outline_.nodes.size(); ++i) {
+  const std::vector<bool> wanted = below(node);
+  const auto add = [&](Index mesh, const Mat4& to_world) {
+    if (result.size() < most) result.emplace_back(mesh_boxes_[static_cast<size_t>(mesh)], to_world);
+  };
+  for (size_t i = 0; i < wanted.size() && result.size() < most; ++i) {
+    if (!wanted[i]) continue;
     const Node& n = outline_.nodes[i];
-    if (n.meshes.empty() || !below(static_cast<Index>(i), node)) continue;
     for (const Index mesh : n.meshes) {
-      const Box& box = mesh_boxes_[static_cast<size_t>(mesh)];
-      if (n.instances.empty()) result.emplace_back(box, world()[i]);
-      for (const Mat4& instance : n.instances) result.emplace_back(box, world()[i] * instance);
-      if (result.size() >= most) return result;
+      if (n.instances.empty()) add(mesh, world()[i]);
+      for (size_t k = 0; k < n.instances.size() && result.size() < most; ++k) add(mesh, world()[i] * n.instances[k]);
     }
   }
   return result;
 }
 
+void Document::add_bounds(Index node, Box& sum) const {
+  const Node& n = outline_.nodes[static_cast<size_t>(node)];
+  const Mat4& own = world()[static_cast<size_t>(node)];
+  for (const Index mesh : n.meshes) {
+    const Box& box = mesh_boxes_[static_cast<size_t>(mesh)];
+    if (n.instances.empty()) sum.add(transformed(box, own));
+    for (const Mat4& instance : n.instances) sum.add(transformed(box, own * instance));
+  }
+}
+
 Box Document::bounds(Index node) const {
   Box sum;
-  for (const auto& [box, to_world] : boxes(node, std::numeric_limits<size_t>::max()))
-    sum.add(transformed(box, to_world));
+  const std::vector<bool> wanted = below(node);
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    if (wanted[i]) add_bounds(static_cast<Index>(i), sum);
+  }
   return sum;
 }
 
 Box Document::bounds() const {
   Box sum;
-  for (size_t i = 0; i < outline_.nodes.size(); ++i) {
-    if (outline_.nodes[i].parent == kNone) sum.add(bounds(static_cast<Index>(i)));
-  }
+  for (size_t i = 0; i < outline_.nodes.size(); ++i) add_bounds(static_cast<Index>(i), sum);
   return sum;
 }
 

@@ -32,6 +32,8 @@ class Document {
   void set_environment(const Environment& environment);
   /// Replaces the environment, map included.
   void replace_environment(Environment environment);
+  /// Goes back to the environment that the scene was loaded with.
+  void restore_environment() { replace_environment(loaded_->scene.environment); }
 
   /// Has the scene compiled so that the node can move. Returns whether that is news.
   bool make_movable(Index node);
@@ -52,16 +54,17 @@ class Document {
   Box bounds() const;
   /// The first node that carries the light; kNone if there is none.
   Index node_of_light(Index light) const;
-  bool has_environment_map() const { return !environment_.map.empty(); }
+  bool has_environment_map() const { return !environment_->map.empty(); }
 
  private:
-  bool below(Index node, Index ancestor) const;
+  std::vector<bool> below(Index ancestor) const;  ///< by node: whether it is the ancestor or stems from it
+  void add_bounds(Index node, Box& sum) const;    ///< of its own meshes
   uint64_t next_version() { return ++edits_.version; }
 
   std::shared_ptr<const LoadedScene> loaded_;
   Scene outline_;
-  Environment environment_;      ///< with its map
-  std::vector<Box> mesh_boxes_;  ///< in the mesh's own coordinates
+  std::shared_ptr<const Environment> environment_;  ///< with its map
+  std::vector<Box> mesh_boxes_;                     ///< in the mesh's own coordinates
   SceneEdits edits_;
   float duration_s_ = 0;
   mutable std::vector<Mat4> world_;

@@ -5,6 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "io/image.h"
 #include "io/scene_io.h"
 #include "io/testing/temp_folder.h"
 #include "scene/builtin.h"
@@ -65,6 +66,17 @@ TEST(Document, BoundsFollowWhatMoves) {
   document.move(1, {0, 5, 0});
   expect_near(document.bounds().center(), {10, 5, 0});
   EXPECT_TRUE(document.bounds(2).empty()) << "a lamp has no meshes";
+}
+
+TEST(Document, BoxesOfManyInstancesStopAtTheLimit) {
+  auto loaded = std::make_shared<LoadedScene>(*small_scene());
+  const auto carrier = std::find_if(loaded->scene.nodes.begin(), loaded->scene.nodes.end(),
+                                    [](const Node& n) { return !n.meshes.empty(); });
+  ASSERT_NE(carrier, loaded->scene.nodes.end());
+  carrier->instances.assign(100, Mat4(1));
+  const Document document(loaded);
+  const Index node = static_cast<Index>(carrier - loaded->scene.nodes.begin());
+  EXPECT_EQ(document.boxes(node, 64).size(), 64u);
 }
 
 TEST(Document, OnlyMeshesNeedToBeMadeMovable) {
@@ -152,6 +164,53 @@ TEST(SaveView, ARecordedPathMovesTheCamera) {
   const Saved saved = round_trip(cornell(), {}, some_camera(), &path);
   EXPECT_EQ(animation_end(saved.scene), 4);
   expect_near(Vec3(world_matrices(saved.scene, 1).back()[3]), path.at(1).eye);
+}
+
+TEST(SaveView, EnvironmentAndTimeComeBack) {
+  const TempFolder folder;
+  Image sky_map(4, 2);
+  for (Rgb& texel : sky_map.pixels) texel = Rgb(0.5f, 1, 2);
+  write_image(folder / "sky.hdr", sky_map);
+  Document document = cornell();
+  Settings settings;
+  settings.scene.env = (folder / "sky.hdr").string();
+  Scene sky;
+  apply(settings.scene, sky);
+  sky.environment.rotation_rad = 0.5f;
+  document.replace_environment(sky.environment);
+  document.set_time(1.5f);
+  const Saved saved = round_trip(document, settings, some_camera(), nullptr);
+  EXPECT_TRUE(saved.omissions.empty());
+  EXPECT_EQ(saved.scene.environment.map, sky.environment.map);
+  EXPECT_NEAR(saved.scene.environment.rotation_rad, 0.5f, 1e-5f);
+  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json), (nlohmann::json{{"scene-time", 1.5f}}));
+}
+
+TEST(SaveView, MovedThingsNoLongerMoveByThemselves) {
+  Document document(
+      std::make_shared<const LoadedScene>(LoadedScene{"turntable", find_builtin_scene("turntable")->build()}));
+  ASSERT_FALSE(document.outline().animation.empty());
+  const Index node = document.outline().animation[0].node;
+  document.set_time(0.5f);
+  document.move(node, {0.5f, 0.25f, 0});
+  const Saved saved = round_trip(document, {}, some_camera(), nullptr);
+  EXPECT_TRUE(saved.omissions.empty());
+  const auto at = static_cast<size_t>(node);
+  for (const float time : {0.0f, 0.5f, 3.0f}) {
+    for (int c = 0; c < 4; ++c)
+      expect_near(Vec3(world_matrices(saved.scene, time)[at][c]), Vec3(document.world()[at][c]));
+  }
+}
+
+TEST(SaveView, ThingsThatShareANameAreReported) {
+  auto loaded = std::make_shared<LoadedScene>(*small_scene());
+  for (Node& node : loaded->scene.nodes) node.name = "same";
+  Document document(loaded);
+  document.set_transform(0, Transform{});
+  std::vector<std::string> omissions;
+  view_as_json({document, {}, some_camera(), nullptr}, ".", omissions);
+  ASSERT_EQ(omissions.size(), 1u);
+  EXPECT_NE(omissions[0].find("shares the name 'same'"), std::string::npos);
 }
 
 TEST(SaveView, ChangesToTheSceneComeBackOrAreReported) {

@@ -32,10 +32,15 @@ std::vector<PassTime> differences(const std::vector<PassTime>& now, const std::v
 
 RenderThread::RenderThread() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-RenderThread::~RenderThread() {
+RenderThread::~RenderThread() { stop(); }
+
+void RenderThread::stop() {
   thread_.request_stop();
-  const std::lock_guard lock(mutex_);
-  refinement_.request_stop();
+  {
+    const std::lock_guard lock(mutex_);
+    refinement_.request_stop();
+  }
+  if (thread_.joinable()) thread_.join();
 }
 
 void RenderThread::post(RenderRequest request) {
@@ -87,13 +92,18 @@ void RenderThread::run(const std::stop_token& stop) {
       add_notice({true, error.what(), request_.scene != slots_[0].scene() ? request_.scene : nullptr});
     }
   }
+  run_tasks();  // what was asked for before the end
+}
+
+bool RenderThread::ready_for_tasks() const {
+  return slots_[0].session() && slots_[0].session()->frames_since_change() > 0;
 }
 
 bool RenderThread::wait_for_work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto due = [&] {
     if (wanted_.version != request_.version) return true;
-    if (!tasks_.empty() && slots_[0].session()) return true;  // without a session they wait for one
+    if (!tasks_.empty() && ready_for_tasks()) return true;
     const bool refused = refused_version_ == wanted_.version;
     return wanted_.scene && !wanted_.paused && !goal_reached_ && !refused;
   };
@@ -108,7 +118,7 @@ bool RenderThread::wait_for_work(const std::stop_token& stop) {
 }
 
 void RenderThread::run_tasks() {
-  if (!slots_[0].session()) return;
+  if (!ready_for_tasks()) return;
   std::unique_lock lock(mutex_);
   const auto tasks = std::exchange(tasks_, {});
   lock.unlock();
@@ -116,7 +126,7 @@ void RenderThread::run_tasks() {
     try {
       task(*slots_[0].session(), *slots_[0].scene());
     } catch (const std::exception& error) {
-      add_notice({true, error.what()});
+      add_notice({.problem = true, .text = error.what(), .refused_scene = nullptr, .failed_task = true});
     }
   }
 }
@@ -125,31 +135,38 @@ bool RenderThread::at_rest() const {
   return request_.pace.full_at_rest && now_s() - changed_s_ > static_cast<double>(request_.pace.rest_after_s);
 }
 
-IVec2 RenderThread::choose_size() const {
+IVec2 RenderThread::choose_size(bool rest) const {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  return request_.pace.hold_rate && !at_rest() ? resolution_.size(full) : full;
+  return request_.pace.hold_rate && !rest ? resolution_.size(full) : full;
 }
 
 void RenderThread::render_round(const std::stop_token& stop) {
   if (!request_.scene || goal_reached_ || refused_version_ == request_.version) return;
   if (request_.paused && frame(0) && frame(0)->request_version == request_.version) return;
-  const IVec2 size = choose_size();
-  const bool scaled = !at_rest();
+  // Decided once: what takes long to take on, such as a moved scene of many triangles, is no rest.
+  const bool rest = at_rest();
+  const IVec2 size = choose_size(rest);
   const double start_s = now_s();
   const int sides = request_.split ? 2 : 1;
-  if (sides == 1) slots_[1].close();
+  if (sides == 1) close_second_side();
   for (int side = 0; side < sides; ++side) {
-    if (stop.stop_requested() || !render_side(side, size)) return;
+    if (stop.stop_requested() || !render_side(side, size, rest)) return;
   }
   const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
-  if (request_.pace.hold_rate && scaled) {
+  if (request_.pace.hold_rate && !rest) {
     resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.pace.target_hz), full);
   }
   goal_reached_ = frame(0)->reached_goal && (sides == 1 || frame(1)->reached_goal);
 }
 
-bool RenderThread::render_side(int side, const IVec2& size) {
+void RenderThread::close_second_side() {
+  slots_[1].close();
+  const std::lock_guard lock(mutex_);
+  frames_[1].reset();
+}
+
+bool RenderThread::render_side(int side, const IVec2& size, bool rest) {
   SessionSlot& slot = slots_[static_cast<size_t>(side)];
   slot.update(request_, side, size);
   Session& session = *slot.session();
@@ -158,7 +175,7 @@ bool RenderThread::render_side(int side, const IVec2& size) {
     const std::lock_guard lock(mutex_);
     refinement_ = std::stop_source();
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
-    if (session.frames_since_change() > 0 || (request_.pace.hold_rate && at_rest())) {
+    if (session.frames_since_change() > 0 || (request_.pace.hold_rate && rest)) {
       // A newer request may have come while the scene was compiled or the settings taken on.
       if (wanted_.version != request_.version) return false;
       token = refinement_.get_token();

@@ -28,13 +28,17 @@ class RenderThread {
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
+  /// Ends rendering, after the tasks that were asked for if there is a picture to do them with. Nothing is rendered
+  /// after that.
+  void stop();
+
   /// Replaces the request. A frame that only refines a picture that is no longer wanted is abandoned; the first frame
   /// after a change never is, so that a picture follows every stream of changes.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
   using Task = std::function<void(const Session&, const LoadedScene&)>;
-  /// Asks for something to be done between two frames: it may take as long as it likes.
+  /// Asks for something to be done between two frames, once there is a picture: it may take as long as it likes.
   void post_task(Task task);
 
   /// The newest frame of a side; nullptr before the first.
@@ -61,10 +65,12 @@ class RenderThread {
   bool wait_for_work(const std::stop_token& stop);
   void run_tasks();
   void render_round(const std::stop_token& stop);
-  bool render_side(int side, const IVec2& size);
+  bool render_side(int side, const IVec2& size, bool rest);
+  void close_second_side();
+  bool ready_for_tasks() const;
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
-  IVec2 choose_size() const;
-  bool at_rest() const;
+  IVec2 choose_size(bool rest) const;
+  bool at_rest() const;  ///< nothing has changed for a moment: pictures may take their time
   bool goal_reached(int side);
   bool error_reached(int side);
 

@@ -10,7 +10,6 @@
 #include "scene/builtin.h"
 #include "scene/scene_hash.h"
 #include "viewer/document.h"
-#include "viewer/inspect.h"
 #include "viewer/settings_panel.h"
 
 namespace relume::viewer {
@@ -39,7 +38,7 @@ struct Stage {
     request.split = split;
     request.paused = paused;
     request.buffer = buffer;
-    request.pace.hold_rate = false;
+    request.pace = pace;
     thread.post(request);
   }
 
@@ -68,6 +67,7 @@ struct Stage {
   bool split = false;
   bool paused = false;
   std::string buffer;
+  Pace pace{.hold_rate = false};
   uint64_t version = 0;
   RenderThread thread;
 };
@@ -108,6 +108,25 @@ TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByPictures) {
   const auto frame = stage.next();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->camera.to_world, camera.to_world);
+}
+
+TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
+  // Every edit takes longer than the moment after which the picture counts as at rest, and longer than the next edit
+  // lets it: frames follow nevertheless.
+  Stage stage;
+  stage.pace = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 2e-4f};
+  stage.settings[0].render.width = stage.settings[0].render.height = 256;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  Material material = stage.document.outline().materials[0];
+  const uint64_t before = stage.thread.frame(0)->serial;
+  for (int i = 0; i < 300; ++i) {
+    material.roughness = 0.5f + 0.001f * static_cast<float>(i);
+    stage.document.set_material(0, material);
+    stage.post();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_GT(stage.thread.frame(0)->serial, before + 5);
 }
 
 TEST(RenderThread, StopsAtTheWantedSamplesAndStartsAgain) {
@@ -291,6 +310,36 @@ TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {
   EXPECT_TRUE(promise.get_future().get());
 }
 
+TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  int done = 0;
+  for (int i = 0; i < 3; ++i) stage.thread.post_task([&](const Session&, const LoadedScene&) { ++done; });
+  stage.thread.post_task([](const Session&, const LoadedScene&) { throw Error("no room"); });
+  stage.thread.stop();
+  EXPECT_EQ(done, 3);
+  const std::vector<Notice> notices = stage.thread.take_notices();
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_TRUE(notices[0].failed_task);
+}
+
+TEST(RenderThread, TasksFindAPictureThoughTheNextIsBegun) {
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  for (int i = 0; i < 20; ++i) {
+    PlacedCamera camera = stage.thread.frame(0)->camera;
+    camera.to_world[3].x += 0.01f;
+    stage.document.set_camera(camera);
+    stage.post();
+    std::promise<uint32_t> frames;
+    stage.thread.post_task(
+        [&](const Session& session, const LoadedScene&) { frames.set_value(session.frames_since_change()); });
+    EXPECT_GT(frames.get_future().get(), 0u);
+  }
+}
+
 TEST(RenderThread, EndsAtAnyMoment) {
   for (int i = 0; i < 20; ++i) {
     Stage stage;
@@ -301,74 +350,6 @@ TEST(RenderThread, EndsAtAnyMoment) {
     stage.thread.post_task([](const Session&, const LoadedScene&) {});
     std::this_thread::sleep_for(std::chrono::microseconds(300 * i));
   }
-}
-
-TEST(Inspect, DescribesPixels) {
-  ViewerFrame frame;
-  frame.width = 4;
-  frame.height = 2;
-  frame.radiance.assign(8, Rgb(0));
-  frame.radiance[6] = {0.25f, 1, 2.5f};
-  EXPECT_EQ(describe_pixel(frame, {0.6f, 0.9f}), "(2, 1)  RGB 0.25 1 2.5");
-  EXPECT_EQ(describe_pixel(frame, {1, -3}), "(3, 0)  RGB 0 0 0") << "the nearest pixel";
-  frame.buffer = "normal";
-  frame.channels = "XYZ";
-  frame.values.assign(8, {0, kInfinity, -1});
-  EXPECT_EQ(describe_pixel(frame, {0, 0}), "(0, 0)  RGB 0 0 0  \xc2\xb7  normal X 0 Y inf Z -1");
-  frame.buffer = "depth";
-  frame.channels = "Z";
-  EXPECT_EQ(describe_pixel(frame, {0, 0}), "(0, 0)  RGB 0 0 0  \xc2\xb7  depth 0") << "one channel needs no name";
-}
-
-TEST(Inspect, RangeLeavesOutliersAside) {
-  std::vector<Rgb> values;
-  for (int i = 0; i < 1000; ++i) values.emplace_back(static_cast<float>(i), 0, 0);
-  values.emplace_back(1e9f, 0, 0);
-  values.emplace_back(kInfinity, 0, 0);
-  const Vec2 range = value_range(values, 1);
-  EXPECT_NEAR(range.x, 10, 2);
-  EXPECT_NEAR(range.y, 990, 2);
-  EXPECT_EQ(value_range(std::vector<Rgb>(4, Rgb(3)), 1), Vec2(0, 3));
-  EXPECT_EQ(value_range({}, 1), Vec2(0, 1));
-}
-
-TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
-  Settings settings;
-  EXPECT_EQ(takes_effect_with(settings, "max-bounces"), "");
-  EXPECT_EQ(takes_effect_with(settings, "path.russian-roulette"), "");
-  settings.render.history = HistoryChoice::none;
-  EXPECT_EQ(takes_effect_with(settings, "accumulate.anything"), "history = accumulate");
-  EXPECT_EQ(takes_effect_with(settings, "unknown.anything"), "");
-  EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "cache = psf");
-  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "cache = psf");
-  EXPECT_EQ(takes_effect_with(settings, "features.edge-rays"), "denoise = bmfr");
-  settings.render.denoise = DenoiseChoice::svgf;
-  EXPECT_EQ(takes_effect_with(settings, "features.edge-rays"), "");
-  settings.render.cache = CacheChoice::apsf_apg;
-  for (const char* name : {"psf.cell-size", "apsf.blend", "apg.blend"})
-    EXPECT_EQ(takes_effect_with(settings, name), "") << name;
-  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "denoise = none");
-  settings.render.denoise = DenoiseChoice::none;
-  EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "");
-  settings.render.cache = CacheChoice::apg;
-  EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "");
-  EXPECT_EQ(takes_effect_with(settings, "apsf.blend"), "cache = apsf");
-  EXPECT_EQ(takes_effect_with(settings, "octree.split"), "lights = vlc or guide = cdq");
-  settings.render.guide = GuideChoice::cdq;
-  EXPECT_EQ(takes_effect_with(settings, "octree.split"), "");
-}
-
-TEST(SettingRules, WhatDoesNotCombineSaysWhy) {
-  Settings settings;
-  EXPECT_EQ(refusal(settings, "cache", "psf"), "");
-  settings.render.lights = LightSelectionChoice::vlc;
-  EXPECT_NE(refusal(settings, "cache", "psf").find("lights 'vlc'"), std::string::npos);
-  settings.render = {};
-  settings.render.history = HistoryChoice::none;
-  EXPECT_NE(refusal(settings, "allocation", "adaptive").find("history 'none'"), std::string::npos);
-  settings.render = {};
-  settings.render.cache = CacheChoice::psf;
-  EXPECT_NE(refusal(settings, "estimator", "bdpt").find("radiance cache"), std::string::npos);
 }
 
 }  // namespace

@@ -111,6 +111,7 @@ struct Notice {
   bool problem = false;
   std::string text;
   std::shared_ptr<const LoadedScene> refused_scene = nullptr;  ///< this scene could not be compiled
+  bool failed_task = false;                                    ///< a picture could not be written, for instance
 };
 
 }  // namespace relume::viewer

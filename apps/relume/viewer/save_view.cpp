@@ -1,5 +1,8 @@
 #include "viewer/save_view.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_file.h"
@@ -41,9 +44,14 @@ json path_json(const CameraPath& path) {
   return keys;
 }
 
-void put_environment(const Environment& e, json& root, std::vector<std::string>& omissions) {
+/// `file`: of the setting `env`, if that is what the map comes from.
+void put_environment(const Environment& e, const fs::path& file, const fs::path& folder, json& root,
+                     std::vector<std::string>& omissions) {
   if (e.kind != EnvironmentKind::map) {
     root["environment"] = environment_to_json(e);
+  } else if (!file.empty()) {
+    root["environment"] = environment_to_json(e);
+    root["environment"]["map"] = from_folder(file, folder).generic_string();
   } else if (root.contains("environment") && root["environment"].contains("map")) {
     root["environment"].update(environment_to_json(e));
   } else {
@@ -51,38 +59,44 @@ void put_environment(const Environment& e, json& root, std::vector<std::string>&
   }
 }
 
+/// Whether relume JSON, which speaks of things by name, can speak of this one; says so if not.
+template <typename Items>
+bool can_be_named(const Items& items, Index index, const char* what, std::vector<std::string>& omissions) {
+  const std::string& name = items[static_cast<size_t>(index)].name;
+  const auto same = std::count_if(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+  if (name.empty()) omissions.push_back(fmt::format("a {} has no name and stays as it was", what));
+  if (!name.empty() && same > 1)
+    omissions.push_back(fmt::format("a {} shares the name '{}' with another and stays as it was", what, name));
+  return !name.empty() && same == 1;
+}
+
 void put_edits(const Document& document, json& root, std::vector<std::string>& omissions) {
   const Scene& scene = document.outline();
   for (const auto& [index, edit] : document.edits().materials) {
-    const std::string& name = scene.materials[static_cast<size_t>(index)].name;
-    if (name.empty()) {
-      omissions.emplace_back("a changed material has no name and stays as it was");
-    } else {
-      root["materials"][name].update(material_to_json(edit.value));
-    }
+    if (!can_be_named(scene.materials, index, "changed material", omissions)) continue;
+    root["materials"][scene.materials[static_cast<size_t>(index)].name].update(material_to_json(edit.value));
   }
   for (const auto& [index, edit] : document.edits().nodes) {
-    const std::string& name = scene.nodes[static_cast<size_t>(index)].name;
-    if (name.empty()) {
-      omissions.emplace_back("a moved object has no name and stays where it was");
-      continue;
-    }
-    root["nodes"][name].update(transform_to_json(edit.value));
+    if (!can_be_named(scene.nodes, index, "moved object", omissions)) continue;
+    json& node = root["nodes"][scene.nodes[static_cast<size_t>(index)].name];
+    if (node.is_object()) node.erase("keys");  // its animation ended when it was moved
+    node.update(transform_to_json(edit.value));
   }
   if (!document.edits().lights.empty())
     omissions.emplace_back("changed lights keep the intensity that their file gives them");
-  if (document.edits().environment.version > 0) put_environment(scene.environment, root, omissions);
 }
 
-void put_settings(const Settings& settings, json& root) {
+/// `time_s`: of the animation, or 0 where the view moves by itself from the beginning on.
+void put_settings(const Settings& settings, float time_s, json& root) {
   Settings now = settings;
+  now.render.time_s = time_s;
   Settings defaults;
   const json all = json::parse(settings_to_json(describe(now)));
   json chosen = json::object();
   const SettingList list = describe(now);  // the result points into it
   for (const Setting* setting : differing_settings(list, describe(defaults))) {
     // The view says these itself.
-    if (setting->name == "camera" || setting->name == "env" || setting->name == "scene-time") continue;
+    if (setting->name == "camera" || setting->name == "env") continue;
     chosen[setting->name] = all.at(setting->name);
   }
   root.erase("settings");
@@ -98,7 +112,12 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   root.erase("camera_keys");
   if (view.path && !view.path->keys().empty()) root["camera_keys"] = path_json(*view.path);
   put_edits(view.document, root, omissions);
-  put_settings(view.settings, root);
+  if (view.document.edits().environment.version > 0) {
+    const fs::path env = view.settings.scene.env;
+    put_environment(view.document.outline().environment, fs::exists(env) ? env : fs::path(), folder, root, omissions);
+  }
+  const bool moves = view.path && !view.path->keys().empty();
+  put_settings(view.settings, moves ? 0 : view.document.time_s(), root);
   return root.dump(1) + "\n";
 }
 

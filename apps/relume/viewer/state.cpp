@@ -101,8 +101,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
     for (Settings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
   }
   Document document(loaded);
-  if (!first && !settings[0].scene.env.empty())
-    document.replace_environment(environment_in(*loaded, settings[0].scene));
+  if (!settings[0].scene.env.empty()) document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
 
   if (!first) state.previous = {std::move(*state.document), state.settings};
@@ -132,7 +131,11 @@ void take_settings(State& state, int side, const Settings& wanted) {
   Settings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
   if (wanted.scene.env != current.scene.env && state.document) {
-    state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));
+    if (wanted.scene.env.empty()) {
+      state.document->restore_environment();
+    } else {
+      state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));
+    }
   }
   if (wanted.render.time_s != current.render.time_s && state.document) state.document->set_time(wanted.render.time_s);
   if (wanted.render.camera != current.render.camera) release_camera(state);

@@ -1,6 +1,8 @@
 #include "viewer/view_job.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <future>
 
 #include "console.h"
@@ -28,7 +30,6 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   sources.scene_json = scene.settings_json;
   sources.scene_place = options.scene;
   const Settings settings = viewer::resolve_start(sources);
-  apply(settings.scene, scene);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene.warnings);
   const bool fixed_size = std::any_of(options.flags.begin(), options.flags.end(),
@@ -36,6 +37,11 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
   viewer::App app(options, settings, fixed_size, std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
   app.run();
+  if (app.loading()) {
+    // Nobody waits for a scene that nobody will see.
+    std::fflush(nullptr);
+    std::_Exit(kExitDone);
+  }
   return kExitDone;
 }
 
