@@ -21,12 +21,15 @@ struct EnvironmentView {
   /// A constant environment is left to BSDF sampling, which is at least as good there.
   RELUME_HD bool worth_sampling() const { return !black() && !distribution.empty(); }
 
+  /// Exact at the poles too, where 1 − y² cancels.
+  RELUME_HD static float sine_of_polar_angle(const Vec3& w) { return std::sqrt(sqr(w.x) + sqr(w.z)); }
+
   /// The centre of the map looks along −Z, +X lies to its right, row 0 is +Y; rotation turns it about +Y.
   RELUME_HD Vec2 uv_from_direction(const Vec3& w) const {
     const float x = cos_rotation * w.x - sin_rotation * w.z;
     const float z = sin_rotation * w.x + cos_rotation * w.z;
     const float u = 0.5f + std::atan2(x, -z) * (0.5f * kInvPi);
-    return {u, std::acos(clamp(w.y, -1.0f, 1.0f)) * kInvPi};
+    return {u, std::atan2(sine_of_polar_angle(w), w.y) * kInvPi};
   }
 
   RELUME_HD Vec3 direction_from_uv(const Vec2& uv, float* sin_theta) const {
@@ -68,7 +71,7 @@ struct EnvironmentView {
 
 RELUME_HD inline float pdf_li(const EnvironmentView& environment, const Vec3& wi) {
   if (environment.distribution.empty()) return environment.black() ? 0.0f : sphere_pdf();
-  const float sin_theta = safe_sqrt(1.0f - wi.y * wi.y);
+  const float sin_theta = EnvironmentView::sine_of_polar_angle(wi);
   if (!(sin_theta > 0.0f)) return 0.0f;
   return environment.distribution.pdf(environment.uv_from_direction(wi)) / (2.0f * kPi * kPi * sin_theta);
 }

@@ -111,7 +111,7 @@ struct TrianglePoint {
 RELUME_HD inline TrianglePoint sample_area(const TriangleLight& light, const TexturedEmission& e, const Vec2& u) {
   if (light.textured < 0) return {triangle_from_square(u), 1.0f / light.area};
   const TexturedTriangle& t = e.triangles[static_cast<uint32_t>(light.textured)];
-  const DiscreteSample chosen = e.table(t).sample(u.x);
+  const DiscreteSample chosen = e.table(t).sample({u.x, hash(float_bits(u.x), float_bits(u.y))});
   const float count = static_cast<float>(t.grid * t.grid);
   return {barycentric_in_small_triangle(t.grid, chosen.index, triangle_from_square({chosen.u, u.y})),
           chosen.pmf * count / light.area};

@@ -306,6 +306,7 @@ void Session::save_checkpoint(const std::filesystem::path& file) const {
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
+  s.rebuild_pipeline();  // passes remember the scene at the time that they were run for
   s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *s.buffers, s.pipeline);
   s.picture_begun_s = s.statistics.render_s;
   s.scene->set_time(s.counters.previous_time_s);

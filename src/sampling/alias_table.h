@@ -28,12 +28,10 @@ struct AliasTable {
 
   RELUME_HD bool empty() const { return entries.empty(); }
 
-  RELUME_HD_INLINE DiscreteSample sample(float u) const {
-    const uint32_t i = choose_evenly(entries.size, u);
-    const AliasEntry& entry = entries[i];
-    if (u < entry.keep) return {i, entry.pmf, clamp(u / entry.keep, 0.0f, kOneMinusEpsilon)};
-    return {entry.alias, entries[entry.alias].pmf,
-            clamp((u - entry.keep) / (1.0f - entry.keep), 0.0f, kOneMinusEpsilon)};
+  RELUME_HD_INLINE DiscreteSample sample(ReusableNumber n) const {
+    uint32_t i = choose_evenly(entries.size, n);
+    if (!takes_share(entries[i].keep, n)) i = entries[i].alias;
+    return {i, entries[i].pmf, n.u};
   }
 
   RELUME_HD float pmf(uint32_t i) const { return entries[i].pmf; }

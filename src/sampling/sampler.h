@@ -1,6 +1,7 @@
 // The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample, dimension).
 #pragma once
 
+#include "sampling/choose.h"
 #include "sampling/sobol.h"
 
 namespace relume {
@@ -48,11 +49,15 @@ class Sampler {
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
   RELUME_HD uint32_t ray_id() const { return hash((scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
+  /// The numbers of the dimension handed out last, with more bits below them.
+  RELUME_HD_INLINE ReusableNumber reusable(float u) const { return {u, hash(ray_id(), kSaltBits)}; }
+
   RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }
 
  private:
   static constexpr uint32_t kBlock = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
+  static constexpr uint32_t kSaltBits = 0x2c1b3c6du;
 
   RELUME_HD_INLINE Sampler(uint32_t scramble, uint32_t index)
       : scramble_(scramble), reversed_index_(reverse_bits(index)) {}

@@ -59,7 +59,7 @@ std::vector<float> some_weights(uint32_t count) {
 void bm_alias_table(benchmark::State& state) {
   const auto entries = build_alias_table(some_weights(static_cast<uint32_t>(state.range(0))));
   const AliasTable table{view_of(entries)};
-  run_warp(state, [&](const Vec2& u) { return table.sample(u.x); });
+  run_warp(state, [&](const Vec2& u) { return table.sample({u.x, float_bits(u.y)}); });
 }
 BENCHMARK(bm_alias_table)->Arg(100)->Arg(1'000'000);
 

@@ -53,7 +53,7 @@ TEST(AliasTable, FrequenciesFollowAndTheRestIsUniform) {
     std::vector<uint64_t> rest(64, 0);
     Random random(21);
     for (int i = 0; i < kSamples; ++i) {
-      const DiscreteSample s = table.sample(random.next());
+      const DiscreteSample s = table.sample({random.next(), random.next_bits()});
       ASSERT_LT(s.index, weights.size());
       ASSERT_GT(s.pmf, 0.0f);
       ASSERT_EQ(s.pmf, table.pmf(s.index));
@@ -78,11 +78,32 @@ TEST(AliasTable, SurvivesTheEdgesOfTheUnitInterval) {
   for (const auto& weights : weight_lists()) {
     const auto entries = build_alias_table(weights);
     for (const float u : {0.0f, kOneMinusEpsilon}) {
-      const DiscreteSample s = AliasTable{view_of(entries)}.sample(u);
+      const DiscreteSample s = AliasTable{view_of(entries)}.sample({u, 1});
       EXPECT_GT(weights[s.index], 0.0f);
       EXPECT_TRUE(s.u >= 0.0f && s.u < 1.0f);
     }
   }
+}
+
+TEST(AliasTable, ReachesEveryOneOfAMillionAsOftenAsItShould) {
+  // Every other light is dim: a 24-bit number would take it 16 times too often, or never.
+  constexpr size_t kCount = size_t{1} << 20;
+  std::vector<float> weights(kCount);
+  for (size_t i = 0; i < kCount; ++i) weights[i] = i % 2 == 0 ? 1.0f : 1e-3f * static_cast<float>(1 + i % 8);
+  const auto entries = build_alias_table(weights);
+  constexpr int kSamples = 4000000;
+  std::vector<uint64_t> counts(8, 0);
+  std::vector<uint64_t> rest(64, 0);
+  std::vector<double> expected(8, 0);
+  for (size_t i = 0; i < kCount; ++i) expected[i % 8] += entries[i].pmf * double{kSamples};
+  Random random(31);
+  for (int i = 0; i < kSamples; ++i) {
+    const DiscreteSample s = AliasTable{view_of(entries)}.sample({random.next(), random.next_bits()});
+    ++counts[s.index % 8];
+    ++rest[static_cast<size_t>(s.u * 64)];
+  }
+  EXPECT_GT(testing::chi2_test(counts, expected).p_value, testing::significance());
+  EXPECT_GT(testing::chi2_test(rest, std::vector<double>(64, kSamples / 64.0)).p_value, testing::significance());
 }
 
 struct Grid {
@@ -202,6 +223,87 @@ TEST(ChooseEvenly, LeavesAUniformRest) {
     EXPECT_LT(choose_evenly(count, last), count);
     EXPECT_GE(last, 0.0f);
     EXPECT_LT(last, 1.0f);
+  }
+}
+
+TEST(ReusableNumber, DecidesAnyNumberOfThings) {
+  // Twelve choices among eight take 36 bits; what is left is still uniform, and as independent as new numbers.
+  constexpr int kSamples = 100000;
+  const float weights[8] = {1, 2, 0.5f, 0, 3, 1, 0.25f, 0.25f};
+  std::vector<std::vector<uint64_t>> counts(12, std::vector<uint64_t>(8, 0));
+  std::vector<uint64_t> pairs(64, 0);
+  std::vector<uint64_t> rest(64, 0);
+  Random random(33);
+  for (int i = 0; i < kSamples; ++i) {
+    ReusableNumber n{random.next(), random.next_bits()};
+    uint32_t last = 0;
+    for (size_t k = 0; k < counts.size(); ++k) {
+      const uint32_t chosen = k % 2 == 0 ? choose_by_weight(weights, 8, 8, n) : choose_evenly(8, n);
+      ++counts[k][chosen];
+      if (k == 11) ++pairs[8 * last + chosen];
+      last = chosen;
+    }
+    if (takes_share(0.25f, n))
+      ++rest[static_cast<size_t>(n.u * 16)];
+    else
+      ++rest[16 + static_cast<size_t>(n.u * 48)];
+  }
+  std::vector<double> by_weight;
+  std::vector<double> both;
+  for (const float w : weights) {
+    by_weight.push_back(double{w} / 8 * kSamples);
+    for (int k = 0; k < 8; ++k) both.push_back(double{w} / 64 * kSamples);
+  }
+  const std::vector<double> evenly(8, kSamples / 8.0);
+  for (size_t k = 0; k < counts.size(); ++k)
+    EXPECT_GT(testing::chi2_test(counts[k], k % 2 == 0 ? by_weight : evenly).p_value, testing::significance()) << k;
+  EXPECT_GT(testing::chi2_test(pairs, both).p_value, testing::significance());
+  EXPECT_GT(testing::chi2_test(rest, std::vector<double>(64, kSamples / 64.0)).p_value, testing::significance());
+}
+
+TEST(ReusableNumber, KeepsStrata) {
+  for (uint32_t i = 0; i < 64; ++i) {
+    ReusableNumber n{(static_cast<float>(i) + 0.5f) / 64, i};
+    EXPECT_EQ(choose_evenly(16, n), i / 4);
+    EXPECT_NEAR(n.u, (static_cast<float>(i % 4) + 0.5f) / 4, 1e-5f);
+    EXPECT_EQ(takes_share(0.5f, n), i % 4 < 2);
+    EXPECT_NEAR(n.u, (static_cast<float>(i % 2) + 0.5f) / 2, 1e-5f);
+    EXPECT_TRUE(takes_share(1.0f, n));
+    EXPECT_FALSE(takes_share(0.0f, n));
+    EXPECT_NEAR(n.u, (static_cast<float>(i % 2) + 0.5f) / 2, 1e-5f);
+  }
+}
+
+TEST(ReusableNumber, ReachesEveryIndexOf32Bits) {
+  constexpr uint32_t kMany = 3000000000u;
+  constexpr int kSamples = 64000;
+  std::vector<uint64_t> low(64, 0);
+  std::vector<uint64_t> high(64, 0);
+  Random random(34);
+  for (int i = 0; i < kSamples; ++i) {
+    ReusableNumber n{random.next(), random.next_bits()};
+    const uint32_t chosen = choose_evenly(kMany, n);
+    ASSERT_LT(chosen, kMany);
+    ++low[chosen % 64];
+    ++high[chosen / (kMany / 64)];
+  }
+  const std::vector<double> expected(64, kSamples / 64.0);
+  EXPECT_GT(testing::chi2_test(low, expected).p_value, testing::significance());
+  EXPECT_GT(testing::chi2_test(high, expected).p_value, testing::significance());
+}
+
+TEST(ReusableNumber, SurvivesTheEdgesOfTheUnitInterval) {
+  for (const float u : {0.0f, 0x1p-24f, kOneMinusEpsilon}) {
+    for (const float share : {1e-12f, 0.3f, kOneMinusEpsilon}) {
+      ReusableNumber n{u, 0xffffffffu};
+      takes_share(share, n);
+      EXPECT_TRUE(n.u >= 0.0f && n.u < 1.0f) << u << " " << share;
+    }
+    for (const uint32_t count : {1u, 7u, 0xffffffffu}) {
+      ReusableNumber n{u, 0xffffffffu};
+      EXPECT_LT(choose_evenly(count, n), count);
+      EXPECT_TRUE(n.u >= 0.0f && n.u < 1.0f) << u << " " << count;
+    }
   }
 }
 

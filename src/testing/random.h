@@ -11,6 +11,7 @@ class Random {
   explicit Random(uint32_t seed) : seed_(hash(seed, 0x7e57u)) {}
 
   float next() { return to_unit_float(hash(seed_, counter_++)); }
+  uint32_t next_bits() { return hash(seed_, ~counter_++); }
   Vec2 next_2d() {
     const float x = next();
     return {x, next()};

@@ -45,6 +45,7 @@ struct AddSplatsKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
+    if (!is_finite(radiance[pixel])) return;  // the sample will be dropped; what others brought waits for the next
     radiance[pixel] += splats[pixel].value() * scale;
     splats[pixel] = {};
   }

@@ -15,7 +15,7 @@ struct LightSubpath {
 /// First vertex and direction. False if no light can be chosen or the sample carries nothing.
 RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler, LightSubpath& l) {
   sampler.start_dimension(kLightDimensions);
-  const LightSelection selection = c.emission.sample(sampler.next_1d());
+  const LightSelection selection = c.emission.sample(sampler.reusable(sampler.next_1d()));
   if (!(selection.pmf > 0.0f)) return false;
   const Vec2 u_position = sampler.next_2d();
   const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d());

@@ -48,7 +48,7 @@ TracedLight trace_light(const BdptContext& c, Sampler& sampler) {
   Sampler copy = sampler;
   if (!start_light_subpath(c, sampler, l)) return t;
   copy.start_dimension(kLightDimensions);
-  t.light = c.emission.sample(copy.next_1d()).light;
+  t.light = c.emission.sample(copy.reusable(copy.next_1d())).light;
   const Vec2 u = copy.next_2d();
   t.emission = sample_le(c.scene().lights, t.light, u, copy.next_2d());
   while (l.count < 6) {

@@ -12,29 +12,36 @@ namespace relume {
 struct CompareBlocksKernel {
   LightHistory history;
   View<float> departures;  ///< (Σ d)² / Σ d² over the block's pixels, d: luminance of the sample less that of the past.
-                           ///< While nothing changes it is 1 on average, whatever the noise. Below 0: not known
+                           ///< While nothing changes it is 1 on average, whatever the noise, once the noise that
+                           ///< neighbours share is taken off: pixels of the past that several fetch. Below 0: not known
   uint32_t width = 0;
   uint32_t height = 0;
 
   RELUME_HD void operator()(uint32_t block_x, uint32_t block_y) const {
     float sum = 0;
     float squares = 0;
+    float variance_of_sum = 0;  // in variances of a sample: what each adds to (Σ d)², and to Σ d²
+    float sum_of_variances = 0;
     uint32_t compared = 0;
     for (uint32_t y = block_y * kChangeBlock; y < (block_y + 1) * kChangeBlock && y < height; ++y) {
       for (uint32_t x = block_x * kChangeBlock; x < (block_x + 1) * kChangeBlock && x < width; ++x) {
         const SurfaceLightSample sample = history.samples.at(y * width + x);
         if (!sample.valid) continue;
         const BackwardTaps taps = history.reprojection.taps(x, y);
-        if (taps.least(history.count_before) == 0) continue;
+        const uint32_t age = taps.least(history.count_before);
+        if (age == 0) continue;
         const float d = luminance(sample.light) - luminance(taps.fetch(history.light_before));
         sum += d;
         squares += sqr(d);
+        const float past = 1.0f / static_cast<float>(age);
+        variance_of_sum += 1.0f + past;
+        sum_of_variances += 1.0f + past * taps.variance_share();
         ++compared;
       }
     }
     constexpr uint32_t kFewest = 8;  // of fewer the quotient says too little
     departures[block_y * change_blocks(width) + block_x] =
-        compared >= kFewest && squares > 0.0f ? sqr(sum) / squares : -1.0f;
+        compared >= kFewest && squares > 0.0f ? sqr(sum) / squares * (sum_of_variances / variance_of_sum) : -1.0f;
   }
 };
 

@@ -15,10 +15,10 @@ struct InfiniteLights {
   LightId first = 0;
   float share = 0;  ///< of all samples; 0: there are none, 1: there is nothing else
 
-  /// Whether `u` falls to this group; `u` is stretched to what is left of it either way.
-  RELUME_HD bool takes(float& u) const { return takes_share(share, u); }
-  RELUME_HD LightSelection sample(float u) const {
-    const DiscreteSample s = table.sample(u);
+  /// Whether the number falls to this group; it becomes what is left of it either way.
+  RELUME_HD bool takes(ReusableNumber& n) const { return takes_share(share, n); }
+  RELUME_HD LightSelection sample(ReusableNumber n) const {
+    const DiscreteSample s = table.sample(n);
     return {first + s.index, share * s.pmf, s.u};
   }
   RELUME_HD float pmf(LightId light) const { return table.empty() ? 0.0f : share * table.pmf(light - first); }

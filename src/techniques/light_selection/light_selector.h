@@ -24,13 +24,13 @@ struct LightSelector {
   VisibilityLightCache cache;
 
   /// A light for next event estimation at `sp`; pmf 0 if there is none.
-  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
     switch (kind) {
-      case LightSelectorKind::uniform: return uniform.sample(u);
-      case LightSelectorKind::power: return power.sample(u);
-      case LightSelectorKind::light_tree: return tree.sample(sp, u);
-      case LightSelectorKind::static_lists: return lists.sample(sp, u);
-      case LightSelectorKind::cache: return cache.sample(sp, u);
+      case LightSelectorKind::uniform: return uniform.sample(n);
+      case LightSelectorKind::power: return power.sample(n);
+      case LightSelectorKind::light_tree: return tree.sample(sp, n);
+      case LightSelectorKind::static_lists: return lists.sample(sp, n);
+      case LightSelectorKind::cache: return cache.sample(sp, n);
     }
     return {};
   }

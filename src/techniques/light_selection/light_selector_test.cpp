@@ -31,7 +31,7 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
   std::vector<uint64_t> rest(32, 0);
   testing::Random random(71);
   for (int i = 0; i < kSamples; ++i) {
-    const LightSelection s = selector.sample(sp, random.next());
+    const LightSelection s = selector.sample(sp, {random.next(), random.next_bits()});
     ASSERT_LT(s.light, light_count) << name;
     ASSERT_GT(s.pmf, 0.0f) << name;
     ASSERT_FLOAT_EQ(s.pmf, selector.pmf(sp, s.light)) << name;
@@ -44,7 +44,7 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
   EXPECT_GT(testing::chi2_test(counts, expected).p_value, testing::significance()) << name;
   EXPECT_GT(testing::chi2_test(rest, std::vector<double>(32, kSamples / 32.0)).p_value, testing::significance())
       << name;
-  for (const float u : {0.0f, kOneMinusEpsilon}) EXPECT_GT(selector.sample(sp, u).pmf, 0.0f) << name;
+  for (const float u : {0.0f, kOneMinusEpsilon}) EXPECT_GT(selector.sample(sp, {u, 1}).pmf, 0.0f) << name;
 }
 
 /// What selectors of every kind view, for one scene.
@@ -212,7 +212,7 @@ TEST(LightSelector, FindsNothingWhereThereIsNothing) {
   for (int k = 0; k < kLightSelectorKindCount; ++k) {
     LightSelector selector;
     selector.kind = static_cast<LightSelectorKind>(k);
-    EXPECT_EQ(selector.sample(SurfacePoint{}, 0.5f).pmf, 0.0f);
+    EXPECT_EQ(selector.sample(SurfacePoint{}, {0.5f, 1}).pmf, 0.0f);
     EXPECT_EQ(selector.pmf(SurfacePoint{}, 0), 0.0f);
   }
 }

@@ -34,14 +34,21 @@ struct Cone {
     const Cone a = wider ? *this : other;
     const Cone b = wider ? other : *this;
     e = std::max(a.e, b.e);
-    const double between = std::acos(std::clamp(static_cast<double>(glm::dot(a.axis, b.axis)), -1.0, 1.0));
+    const Vec3 normal = glm::cross(a.axis, b.axis);
+    const double sine = std::sqrt(static_cast<double>(length_squared(normal)));
+    const double cosine = static_cast<double>(glm::dot(a.axis, b.axis));
+    const double between = std::atan2(sine, cosine);
     axis = a.axis;
     o = a.o;
     if (std::min(between + b.o, M_PI) <= a.o) return;
     const double angle = 0.5 * (a.o + between + b.o);
-    const Vec3 normal = glm::cross(a.axis, b.axis);
-    if (angle >= M_PI || length_squared(normal) < 1e-12f) {
+    constexpr double kParallel = 1e-6;
+    if (angle >= M_PI || (sine < kParallel && cosine < 0)) {
       o = M_PI;
+      return;
+    }
+    if (sine < kParallel) {
+      o = between + b.o;
       return;
     }
     const float turn = static_cast<float>(angle - a.o);
@@ -112,8 +119,9 @@ LightBounds bounds_of_item(const Item& item) {
   b.radius = 0.5f * glm::length(item.box.extent());
   b.axis = item.cone.axis;
   b.cos_o = static_cast<float>(std::cos(item.cone.o));
-  // A hair wider than computed, so that rounding never hides a light.
-  b.cos_e = static_cast<float>(std::cos(std::min(item.cone.e + 1e-4, M_PI)));
+  // A hair wider than computed, so that rounding never hides a light, not even one whose cone has no soft edge.
+  constexpr double kCosineError = 4e-7;
+  b.cos_e = static_cast<float>(std::min(std::cos(std::min(item.cone.e + 1e-4, M_PI)), 1 - kCosineError));
   b.intensity = static_cast<float>(item.intensity);
   b.two_sided = item.two_sided ? 1.0f : 0.0f;
   return b;

@@ -91,7 +91,7 @@ RELUME_HD inline T importance(const Point& p, const T center[3], T radius, const
   const T cos_i = max(min(incident, one), T(-1.0f));
   const T cos_incident = max(cos_of_difference(cos_i, sine(cos_i), cos_b, sin_b), zero);
   const T value = intensity * max(cos_emitted, zero) * cos_incident / max(max(d2, r2), T(1e-12f));
-  return select(cos_emitted > cos_e, value, zero);
+  return select(cos_emitted < cos_e, zero, value);
 }
 
 RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
@@ -100,7 +100,8 @@ RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
   return importance<float>(p, center, b.radius, axis, b.cos_o, b.cos_e, b.intensity, b.two_sided);
 }
 
-/// Weights of a node's children and their sum; the intensity decides where nothing seems to arrive.
+/// Weights of a node's children and their sum; the intensity decides where nothing seems to arrive, or more than a
+/// float holds.
 RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, float weights[kLightTreeWidth]) {
   static_assert(kLightTreeWidth == kLanes);
   const auto lanes = [](const float* from) { return load_lanes(from); };
@@ -110,7 +111,8 @@ RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, flo
                                          lanes(n.intensity), lanes(n.two_sided)));
   float sum = 0;
   for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i];
-  if (sum > 0.0f) return sum;
+  if (sum > 0.0f && is_finite(sum)) return sum;
+  sum = 0;
   for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i] = n.intensity[i];
   return sum;
 }
@@ -126,25 +128,25 @@ struct LightTree {
   View<const uint32_t> place;      ///< by light: 8 · node + child of its leaf; kNoParent: it does not emit
   InfiniteLights infinite;
 
-  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
-    if (infinite.takes(u)) return infinite.sample(u);
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
     if (nodes.empty()) return {};
     const light_tree::Point p = point_of(sp);
     float pmf = 1.0f - infinite.share;
     for (uint32_t node = 0;;) {
-      const LightTreeNode& n = nodes[node];
+      const LightTreeNode& at = nodes[node];
       float weights[kLightTreeWidth];
-      const float sum = light_tree::child_weights(p, n, weights);
-      const uint32_t child = choose_by_weight(weights, kLightTreeWidth, sum, u);
+      const float sum = light_tree::child_weights(p, at, weights);
+      const uint32_t child = choose_by_weight(weights, kLightTreeWidth, sum, n);
       pmf *= weights[child] / sum;
-      if (n.lights[child] == 0) {
-        node = n.child[child];
+      if (at.lights[child] == 0) {
+        node = at.child[child];
         continue;
       }
       float leaf[kLightTreeLeafSize];
-      const float leaf_sum = leaf_weights(p, n, child, leaf);
-      const uint32_t k = choose_by_weight(leaf, n.lights[child], leaf_sum, u);
-      return {lights[n.child[child] + k], pmf * (leaf[k] / leaf_sum), u};
+      const float leaf_sum = leaf_weights(p, at, child, leaf);
+      const uint32_t k = choose_by_weight(leaf, at.lights[child], leaf_sum, n);
+      return {lights[at.child[child] + k], pmf * (leaf[k] / leaf_sum), n.u};
     }
   }
 
@@ -186,7 +188,8 @@ struct LightTree {
     float sum = 0;
     for (uint32_t k = 0; k < n.lights[child]; ++k)
       sum += weights[k] = light_tree::importance(p, bounds[n.child[child] + k]);
-    if (sum > 0.0f) return sum;
+    if (sum > 0.0f && is_finite(sum)) return sum;
+    sum = 0;
     for (uint32_t k = 0; k < n.lights[child]; ++k) sum += weights[k] = bounds[n.child[child] + k].intensity;
     return sum;
   }

@@ -42,7 +42,7 @@ void bm_light_tree_sample(benchmark::State& state) {
   for (auto _ : state) {
     i = i * 1664525u + 1013904223u;
     sp.position = {30 * to_unit_float(hash(i, 1u)), 0, 30 * to_unit_float(hash(i, 2u))};
-    benchmark::DoNotOptimize(tree.sample(sp, to_unit_float(i)));
+    benchmark::DoNotOptimize(tree.sample(sp, {to_unit_float(i), i}));
   }
 }
 BENCHMARK(bm_light_tree_sample)->Arg(10)->Arg(1000)->Arg(100'000);

@@ -80,6 +80,80 @@ TEST(LightTree, BoundsPointAndSpotLights) {
   }
 }
 
+/// The tree over lights that `view` comes to speak of.
+LightTreeData tree_of(const std::vector<Light>& lights, LightsView& view) {
+  view.lights = view_of(lights);
+  view.first_infinite = view.lights.size;
+  return build_light_tree(view);
+}
+
+TEST(LightTree, SpotsWithoutASoftEdgeShine) {
+  std::vector<Light> spots(2);
+  for (Light& light : spots) light.kind = LightKind::spot;
+  const float cos_cone = std::cos(0.4f);
+  spots[0].spot = {Vec3(0, 2, 0), Vec3(0, -1, 0), Rgb(1), cos_cone, cos_cone};
+  spots[1].spot = {Vec3(0.3f, 2, 0), glm::normalize(Vec3(0.2f, -1, 0.1f)), Rgb(3), cos_cone, cos_cone};
+  LightsView view;
+  const LightTreeData data = tree_of(spots, view);
+  const LightTree tree = data.view(view);
+  testing::Random random(5);
+  int lit = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const SurfacePoint sp = point_at(Vec3(0.1f, 1, 0) + random.point(1), Vec3(0, 1, 0));
+    for (const LightId id : {0u, 1u}) {
+      const LightSample s = sample_li(view, id, sp.position, {0.5f, 0.5f});
+      if (!s.valid() || s.wi.y <= 1e-3f) continue;
+      ++lit;
+      EXPECT_GT(tree.pmf(sp, id), 0.0f);
+    }
+  }
+  EXPECT_GT(lit, 200);
+}
+
+TEST(LightTree, FacesOfOneWallShineOneWay) {
+  // Their normals are one, whatever rounding makes of the angle between them: nothing is behind the wall.
+  std::vector<Light> faces(64);
+  const Vec3 normal = glm::normalize(Vec3(0.3f, 0.5f, 0.8f));
+  const Frame wall = make_frame(normal);
+  for (size_t i = 0; i < faces.size(); ++i) {
+    faces[i].kind = LightKind::triangle;
+    TriangleLight& t = faces[i].triangle;
+    t = {};
+    t.v0 = wall.to_world({static_cast<float>(i % 8), static_cast<float>(i / 8), 0});
+    t.e1 = wall.to_world({1, 0, 0});
+    t.e2 = wall.to_world({0, 1, 0});
+    t.normal = normal;
+    t.area = 0.5f;
+    t.radiance = Rgb(1);
+    t.textured = -1;
+  }
+  LightsView view;
+  const LightTreeData data = tree_of(faces, view);
+  for (const LightTreeNode& node : data.nodes) {
+    for (uint32_t c = 0; c < kLightTreeWidth; ++c) {
+      if (node.intensity[c] > 0) {
+        EXPECT_GT(node.cos_o[c], 0.99999f);
+      }
+    }
+  }
+}
+
+TEST(LightTree, GoesByIntensityWhereBoundsOverflow) {
+  std::vector<Light> points(9);
+  for (Light& light : points) {
+    light.kind = LightKind::point;
+    light.point = {Vec3(0), Rgb(1e29f)};
+  }
+  LightsView view;
+  const LightTreeData data = tree_of(points, view);
+  const LightTree tree = data.view(view);
+  const SurfacePoint sp = point_at(Vec3(0, 1e-8f, 0), Vec3(0, -1, 0));
+  float sum = 0;
+  for (LightId i = 0; i < points.size(); ++i) sum += tree.pmf(sp, i);
+  EXPECT_NEAR(sum, 1.0f, 1e-5f);
+  EXPECT_GT(tree.sample(sp, {0.5f, 1}).pmf, 0.0f);
+}
+
 TEST(LightTree, PrefersTheNearLampThatFacesThePoint) {
   Scene scene;
   Material lamp;
@@ -111,7 +185,7 @@ TEST(LightTree, PrefersTheNearLampThatFacesThePoint) {
 
 TEST(LightTree, EmptySceneHasNoLight) {
   const LightTree none = build_light_tree(LightsView{}).view(LightsView{});
-  EXPECT_EQ(none.sample(SurfacePoint{}, 0.3f).pmf, 0.0f);
+  EXPECT_EQ(none.sample(SurfacePoint{}, {0.3f, 1}).pmf, 0.0f);
   EXPECT_EQ(none.pmf(SurfacePoint{}, 0), 0.0f);
 }
 

@@ -40,7 +40,8 @@ bool is_breadth_first(const std::vector<uint32_t>& nodes) {
 std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vector<uint8_t>& split,
                               const std::vector<uint8_t>& collapse) {
   std::vector<uint32_t> result;
-  std::vector<uint32_t> queue{0};  // inner nodes of the new tree: which they were before, or kNoRegion
+  size_t room = kMaxOctreeNodes - nodes.size();  // for inner nodes
+  std::vector<uint32_t> queue{0};                // inner nodes of the new tree: which they were before, or kNoRegion
   for (size_t i = 0; i < queue.size(); ++i) {
     const uint32_t old = queue[i];
     const uint32_t first = static_cast<uint32_t>(queue.size());
@@ -49,7 +50,8 @@ std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vec
       uint32_t origin = kNoRegion;
       bool leaf = true;
       if (old != kNoRegion && ((nodes[old] >> child) & 1u)) {
-        leaf = !((split[old] >> child) & 1u) || queue.size() >= kMaxOctreeNodes;
+        leaf = !((split[old] >> child) & 1u) || room == 0;
+        if (!leaf) --room;
       } else if (old != kNoRegion) {
         origin = octree_inner_child(nodes[old], child);
         leaf = collapse[origin] != 0;

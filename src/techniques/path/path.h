@@ -104,7 +104,7 @@ struct LightPick {
 
 RELUME_HD inline LightPick pick_light(const PathContext& c, const SurfacePoint& sp, Sampler& sampler) {
   Vec2 u = sampler.next_2d();
-  const LightSelection selection = c.selector.sample(sp, u.x);
+  const LightSelection selection = c.selector.sample(sp, sampler.reusable(u.x));
   if (!(selection.pmf > 0.0f)) return {};
   u.x = selection.u;
   return {selection.light, selection.pmf, sample_li(c.scene.lights, selection.light, sp.position, u), u};

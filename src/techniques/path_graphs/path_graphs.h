@@ -79,8 +79,8 @@ class PathGraph : public NoObserver {
     }
     at_anchor_ = true;
     albedo_ = d.albedo;
-    raised_ = d.raised;
-    path.throughput = d.inverse();
+    divisor_ = d.divisor();
+    path.throughput = 1.0f / divisor_;
     return true;
   }
 
@@ -102,8 +102,8 @@ class PathGraph : public NoObserver {
       beside_ = contribution_;
     }
     albedo_ = Rgb(1);
-    path.throughput *= raised_;
-    path.first_throughput *= max_component(raised_);
+    path.throughput *= divisor_;
+    path.first_throughput *= max_component(divisor_);
   }
 
   /// When the path has ended: gives what is still open to its cells.
@@ -259,7 +259,7 @@ class PathGraph : public NoObserver {
   Rgb beside_{0};    ///< of it, what was found before the path left the first anchor through a delta lobe
   Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
   Rgb albedo_{1};    ///< ρ of the last anchor
-  Rgb raised_{1};    ///< ρ' of the last anchor
+  Rgb divisor_{1};   ///< of the last anchor's radiance
   float limit_ = kInfinity;
   Progress now_;
   Progress before_;        ///< on arrival at the last anchor

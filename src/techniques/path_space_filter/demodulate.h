@@ -20,10 +20,10 @@ struct Demodulation {
   bool glossy = false;     ///< some lobe is glossy
   bool has_delta = false;  ///< there are delta lobes, which stay outside the cell
 
-  /// 1/ρ', 0 where nothing is reflected.
-  RELUME_HD Rgb inverse() const {
-    const auto reciprocal = [](float x) { return x > 0.0f ? 1.0f / x : 0.0f; };
-    return {reciprocal(raised.r), reciprocal(raised.g), reciprocal(raised.b)};
+  /// What radiance is divided by: ρ', 1 where nothing is reflected but what delta lobes show.
+  RELUME_HD Rgb divisor() const {
+    const auto positive = [](float x) { return x > 0.0f ? x : 1.0f; };
+    return {positive(raised.r), positive(raised.g), positive(raised.b)};
   }
 };
 

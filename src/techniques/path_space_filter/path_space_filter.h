@@ -41,9 +41,9 @@ class FilterVertex : public NoObserver {
     pixel_.factor = path.throughput * d.albedo;
     pixel_.point = context_->grid.keys.point(sp, filter_random_2d(*index_, x_, y_, 0), 0, d.glossy);
     context_->grid.send_for_sums(context_->grid.keys.address(pixel_.point));
-    anchor_ = path.throughput * d.raised;
+    anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);
-    path.throughput = d.inverse();
+    path.throughput = 1.0f / d.divisor();
     // Roulette compares with what leaves this vertex: about 1.
     path.first_throughput = 1.0f;
     path.compression = 1.0f;

@@ -12,9 +12,9 @@ namespace relume {
 struct PowerLights {
   AliasTable table;
 
-  RELUME_HD LightSelection sample(float u) const {
+  RELUME_HD LightSelection sample(ReusableNumber n) const {
     if (table.empty()) return {};
-    const DiscreteSample s = table.sample(u);
+    const DiscreteSample s = table.sample(n);
     return {s.index, s.pmf, s.u};
   }
   RELUME_HD float pmf(LightId light) const { return table.empty() ? 0.0f : table.pmf(light); }

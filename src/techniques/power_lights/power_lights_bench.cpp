@@ -29,7 +29,7 @@ void bm_power_lights(benchmark::State& state) {
   uint32_t i = 1;
   for (auto _ : state) {
     i = i * 1664525u + 1013904223u;
-    benchmark::DoNotOptimize(selector.sample(to_unit_float(i)));
+    benchmark::DoNotOptimize(selector.sample({to_unit_float(i), i}));
   }
 }
 BENCHMARK(bm_power_lights)->Arg(10)->Arg(100'000);

@@ -56,7 +56,7 @@ TEST(PowerLights, PowersThatOverflowLeaveTheOthersTheirPlace) {
 
 TEST(PowerLights, IsEmptyWithoutLights) {
   const PowerLights none;
-  EXPECT_EQ(none.sample(0.5f).pmf, 0.0f);
+  EXPECT_EQ(none.sample({0.5f, 1}).pmf, 0.0f);
   EXPECT_EQ(none.pmf(0), 0.0f);
   EXPECT_TRUE(build_power_lights(LightsView{}).empty());
 }

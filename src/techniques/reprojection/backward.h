@@ -34,6 +34,13 @@ struct BackwardTaps {
     return result;
   }
 
+  /// Σ w²: the variance of what fetch() gives, as a share of that of a single pixel.
+  RELUME_HD float variance_share() const {
+    float sum = 0;
+    for (const float w : weights) sum += sqr(w);
+    return sum;
+  }
+
   /// The pixel that counts most; the first of those that do. Only if valid.
   RELUME_HD uint32_t heaviest() const {
     int most = 0;

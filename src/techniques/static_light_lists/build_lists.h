@@ -44,15 +44,15 @@ struct CellVisibilityKernel {
     for (uint32_t k = 0; k < rays; ++k) {
       const auto random = [&](uint32_t dimension) { return to_unit_float(hash(cell, k, dimension, 0x51a71cu)); };
       Vec3 p = low + grid.cell_size * Vec3(random(0), random(1), random(2));
-      // Every other point is moved to a surface: places in the air see more than those that are lit.
-      if (k % 2 == 1) {
+      // Every other point of a light is moved to a surface: places in the air see more than those that are lit.
+      const uint32_t light = k % lights;
+      if (k / lights % 2 == 1) {
         const Vec3 w = sphere_from_square({random(3), random(4)});
         const Hit hit = intersect(scene.accel, {p, w, 2.0f * grid.cell_size}, hash(cell, k));
         if (!hit.valid()) continue;
         p += 0.999f * hit.t * w;
         if (grid.find(p) != cell) continue;
       }
-      const uint32_t light = k / 2 % lights;
       if ((visible[cell * words + light / 32] >> (light % 32)) & 1u) continue;
       const LightSample s = sample_li(scene.lights, light, p, {random(5), random(6)});
       if (!s.valid()) continue;

@@ -12,7 +12,7 @@ SettingList describe(StaticLightListsSettings& s) {
        {.min = 0, .max = 1e6, .unit = "m"}},
       {"rays",
        &s.rays,
-       "Rays that look for lights from each cell; a 64th of that for each light, if that is more",
+       "Rays that look for lights from each cell; a 64th of that for each light, and two at least, if that is more",
        {.min = 64, .max = 1 << 20}},
       {"max-lights",
        &s.max_lights,

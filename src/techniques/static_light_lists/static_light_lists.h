@@ -47,19 +47,19 @@ struct StaticLightLists {
   LightColumns columns;
   LightsView lights;
 
-  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
-    if (infinite.takes(u)) return infinite.sample(u);
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
     if (all.empty()) return {};
     const List list = list_at(sp);
-    if (takes_share(list.count == 0 ? 1.0f : exploration, u)) {
-      const DiscreteSample s = all.sample(u);
+    if (takes_share(list.count == 0 ? 1.0f : exploration, n)) {
+      const DiscreteSample s = all.sample(n);
       return {s.index, pmf(sp, s.index), s.u};
     }
-    const uint32_t offset = choose_evenly(list.stride, u);
+    const uint32_t offset = choose_evenly(list.stride, n);
     WeighedLights w;
     weigh(sp, list, offset, w);
-    const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, u);
-    return {w.ids[i], density(list, w, i, w.ids[i]), u};
+    const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, n);
+    return {w.ids[i], density(list, w, i, w.ids[i]), n.u};
   }
 
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {

@@ -11,10 +11,10 @@ namespace relume {
 struct UniformLights {
   uint32_t count = 0;  ///< lights [0, count) take part; a constant environment does not
 
-  RELUME_HD LightSelection sample(float u) const {
+  RELUME_HD LightSelection sample(ReusableNumber n) const {
     if (count == 0) return {};
-    const uint32_t i = choose_evenly(count, u);
-    return {i, 1.0f / static_cast<float>(count), u};
+    const uint32_t i = choose_evenly(count, n);
+    return {i, 1.0f / static_cast<float>(count), n.u};
   }
   RELUME_HD float pmf(LightId light) const { return light < count ? 1.0f / static_cast<float>(count) : 0.0f; }
 };

@@ -11,7 +11,7 @@ void bm_uniform_lights(benchmark::State& state) {
   uint32_t i = 1;
   for (auto _ : state) {
     i = i * 1664525u + 1013904223u;
-    benchmark::DoNotOptimize(lights.sample(to_unit_float(i)));
+    benchmark::DoNotOptimize(lights.sample({to_unit_float(i), i}));
   }
 }
 BENCHMARK(bm_uniform_lights);

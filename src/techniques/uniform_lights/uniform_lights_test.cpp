@@ -10,7 +10,7 @@ namespace {
 TEST(UniformLights, GivesEveryLightTheSameShareOfTheRandomNumber) {
   const UniformLights lights{4};
   for (uint32_t i = 0; i < 4; ++i) {
-    const LightSelection s = lights.sample(0.25f * static_cast<float>(i) + 0.0625f);
+    const LightSelection s = lights.sample({0.25f * static_cast<float>(i) + 0.0625f, i});
     EXPECT_EQ(s.light, i);
     EXPECT_EQ(s.pmf, 0.25f);
     EXPECT_FLOAT_EQ(s.u, 0.25f);

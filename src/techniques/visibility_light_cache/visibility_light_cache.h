@@ -43,26 +43,28 @@ struct VisibilityLightCache {
   LightsView lights;
 
   /// [Dittebrandt20, algorithm 1]: both strategies go through one bucket once to weigh its lights.
-  RELUME_HD LightSelection sample(const SurfacePoint& sp, float u) const {
-    if (infinite.takes(u)) return infinite.sample(u);
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
     if (all.empty()) return {};
     const LightBuckets buckets = buckets_of(sp);
-    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration, u);
-    DiscreteSample chosen{kNoLight, 0, u};
+    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration, n);
+    LightId light = kNoLight;
     uint32_t bucket = 0;
     if (exploring) {
-      chosen = all.at(sp.position).sample(u);
-      if (buckets.count > 0) bucket = chosen.index % buckets.count;
+      const DiscreteSample explored = all.at(sp.position).sample(n);
+      light = explored.index;
+      n.u = explored.u;
+      if (buckets.count > 0) bucket = light % buckets.count;
     } else {
-      bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, chosen.u);
+      bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, n);
     }
     WeighedLights w;
     if (buckets.count > 0) fill(buckets, bucket, w);
     if (!exploring) {
       w.weigh(sp, ltc, lights, columns);
-      chosen.index = w.ids[choose_by_weight(w.weights, w.count, w.sum, chosen.u)];
+      light = w.ids[choose_by_weight(w.weights, w.count, w.sum, n)];
     }
-    return {chosen.index, density(sp, buckets, bucket, w, chosen.index), chosen.u};
+    return {light, density(sp, buckets, bucket, w, light), n.u};
   }
 
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {

@@ -57,7 +57,7 @@ void bm_light_cache_sample(benchmark::State& state) {
     i = i * 1664525u + 1013904223u;
     sp.position = {30 * to_unit_float(hash(i, 1u)), 0, 30 * to_unit_float(hash(i, 2u))};
     sp.region = world.tree.view().find(sp.position);
-    benchmark::DoNotOptimize(world.cache.sample(sp, to_unit_float(i)));
+    benchmark::DoNotOptimize(world.cache.sample(sp, {to_unit_float(i), i}));
   }
 }
 BENCHMARK(bm_light_cache_sample)->ArgName("lights")->Arg(8)->Arg(32)->Arg(500);
