@@ -13,6 +13,18 @@ using testing::LightScene;
 
 constexpr double kProportional = 0.01;
 
+/// By midpoints, which lie inside the texels of maps whose size is a power of two: on their borders rounding would
+/// decide.
+template <typename P>
+double mean_over_bin(const P& p, int n, int m, int i, int j) {
+  constexpr int kPoints = 128;
+  double sum = 0;
+  for (int y = 0; y < kPoints; ++y) {
+    for (int x = 0; x < kPoints; ++x) sum += p((i + (x + 0.5) / kPoints) / n, (j + (y + 0.5) / kPoints) / m);
+  }
+  return sum / (kPoints * kPoints);
+}
+
 /// Largest relative difference, over n × m bins of the unit square, between the integrals of two densities scaled to
 /// one; bins that hold less than a thousandth are left out.
 template <typename P, typename Q>
@@ -23,9 +35,8 @@ double largest_deviation(int n, int m, const P& p, const Q& q) {
   double sum_b = 0;
   for (int j = 0; j < m; ++j) {
     for (int i = 0; i < n; ++i) {
-      const testing::Rectangle r{double(i) / n, double(j) / m, double(i + 1) / n, double(j + 1) / m};
-      a.push_back(testing::integrate(p, r, 1e-8, 8));
-      b.push_back(testing::integrate(q, r, 1e-8, 8));
+      a.push_back(mean_over_bin(p, n, m, i, j));
+      b.push_back(mean_over_bin(q, n, m, i, j));
       sum_a += a.back();
       sum_b += b.back();
     }
