@@ -117,7 +117,8 @@ class RenderJob {
       }
       reason = render_picture(i, interrupts.token());
       // A picture that was complete when the interrupt came stays complete, and the next one does not begin.
-      if (interrupts.token().stop_requested()) reason = StopReason::interrupted;
+      const bool last = i + 1 == plan_.files.size();
+      if (!last && interrupts.token().stop_requested()) reason = StopReason::interrupted;
     }
     if (video_) video_->finish();
     report(reason);

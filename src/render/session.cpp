@@ -76,12 +76,22 @@ struct Session::State {
   }
 
   /// Buffers and passes for the settings, both empty.
-  void rebuild_pipeline() {
-    Pipeline fresh = build_pipeline(settings);
-    buffers =
-        std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height));
-    fresh.add_buffers(*buffers);
-    pipeline = std::move(fresh);
+  void rebuild_pipeline() { take(empty_pipeline()); }
+
+  struct Fresh {
+    std::unique_ptr<BufferTable> buffers;
+    Pipeline pipeline;
+  };
+  Fresh empty_pipeline() const {
+    Fresh fresh{
+        std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height)),
+        build_pipeline(settings)};
+    fresh.pipeline.add_buffers(*fresh.buffers);
+    return fresh;
+  }
+  void take(Fresh fresh) {
+    buffers = std::move(fresh.buffers);
+    pipeline = std::move(fresh.pipeline);
   }
 
   /// Takes pending changes on: what they make invalid is cleared, and a new stretch of random numbers begins.
@@ -306,8 +316,10 @@ void Session::save_checkpoint(const std::filesystem::path& file) const {
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
-  s.rebuild_pipeline();  // passes remember the scene at the time that they were run for
-  s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *s.buffers, s.pipeline);
+  // Into passes that have not run: others remember the scene at the time that they were run for.
+  State::Fresh fresh = s.empty_pipeline();
+  s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.pipeline);
+  s.take(std::move(fresh));
   s.picture_begun_s = s.statistics.render_s;
   s.scene->set_time(s.counters.previous_time_s);
   s.scene->end_frame();

@@ -21,6 +21,9 @@ struct ReusableNumber {
     u = clamp((part + grain * to_unit_float(next_bits())) / width, 0.0f, kOneMinusEpsilon);
   }
 
+  /// Appends bits to a number of 24: near 0, where they have room in a float, they decide about the rarest choices.
+  RELUME_HD_INLINE void refine() { stretch(u, 1.0f); }
+
   RELUME_HD_INLINE uint32_t next_bits() { return bits = hash(bits + 0x9e3779b9u); }
 };
 
@@ -53,6 +56,7 @@ RELUME_HD_INLINE uint32_t choose_evenly(uint32_t count, ReusableNumber& n) {
   const uint64_t low = more << 8;
   const uint64_t product = high * count + ((low * count) >> 32);
   n.u = to_unit_float(static_cast<uint32_t>(product));
+  n.refine();
   return static_cast<uint32_t>(product >> 32);
 }
 

@@ -50,7 +50,11 @@ class Sampler {
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
   RELUME_HD uint32_t ray_id() const { return hash((scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
   /// The numbers of the dimension handed out last, with more bits below them.
-  RELUME_HD_INLINE ReusableNumber reusable(float u) const { return {u, hash(ray_id(), kSaltBits)}; }
+  RELUME_HD_INLINE ReusableNumber reusable(float u) const {
+    ReusableNumber number{u, hash(ray_id(), kSaltBits)};
+    number.refine();
+    return number;
+  }
 
   RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }
 

@@ -261,6 +261,20 @@ TEST(ReusableNumber, DecidesAnyNumberOfThings) {
   EXPECT_GT(testing::chi2_test(rest, std::vector<double>(64, kSamples / 64.0)).p_value, testing::significance());
 }
 
+TEST(ReusableNumber, TakesTheRarestAsRarelyAsItShould) {
+  // All that 24 bits can say of the second of two lights is that it is chosen at half of the interval: whether it is
+  // kept, or its alias taken, is up to what follows.
+  const std::vector<float> weights{1, 1e-9f};
+  const auto entries = build_alias_table(weights);
+  const AliasTable table{view_of(entries)};
+  constexpr int kSamples = 1000000;
+  int kept = 0;
+  Random random(35);
+  for (int i = 0; i < kSamples; ++i) kept += table.sample({0.5f, random.next_bits()}).index == 1 ? 1 : 0;
+  const double expected = 2e-9 * 0x1p23 * kSamples;  // 2e-9 of a bin, which 2^23 numbers of 24 bits share
+  EXPECT_NEAR(kept, expected, 5 * std::sqrt(expected));
+}
+
 TEST(ReusableNumber, KeepsStrata) {
   for (uint32_t i = 0; i < 64; ++i) {
     ReusableNumber n{(static_cast<float>(i) + 0.5f) / 64, i};

@@ -355,10 +355,11 @@ class Settings(Viewer):
         self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))
 
     def test_a_picture_that_cannot_be_written_is_an_error(self):
-        (self.folder / "steps.txt").write_text("frames 1\nsave missing/a.png\n")
-        done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("missing", done.stderr)
+        for step in ("save missing/a.png", "save-view missing/a.json"):
+            (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
+            done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            self.assertEqual(done.returncode, 1, step)
+            self.assertIn("missing", done.stderr)
 
     def test_a_bad_step_ends_with_its_line(self):
         (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")

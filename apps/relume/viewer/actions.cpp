@@ -143,12 +143,16 @@ void save_picture(State& state, const std::filesystem::path& file) {
   });
 }
 
+void write_view_file(State& state, const std::filesystem::path& file) {
+  const CameraPath* path = state.path.path.keys().empty() ? nullptr : &state.path.path;
+  const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), path});
+  state.tell("wrote " + file.string());
+  for (const std::string& omission : omissions) state.tell(omission, true);
+}
+
 void save_view_file(State& state, const std::filesystem::path& file) {
   try {
-    const CameraPath* path = state.path.path.keys().empty() ? nullptr : &state.path.path;
-    const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), path});
-    state.tell("wrote " + file.string());
-    for (const std::string& omission : omissions) state.tell(omission, true);
+    write_view_file(state, file);
   } catch (const std::exception& error) {
     state.tell(error.what(), true);
   }

@@ -30,6 +30,8 @@ void save_picture(State& state, const std::filesystem::path& file);
 
 /// Writes camera, path, changes and settings of side A as relume JSON.
 void save_view_file(State& state, const std::filesystem::path& file);
+/// The same, but throws Error.
+void write_view_file(State& state, const std::filesystem::path& file);
 
 /// Puts the sun of `sky` where it stands at the state's hour, day and latitude.
 void move_sun(const State& state, SunSky& sky);

@@ -127,14 +127,20 @@ void App::take_input() {
 void App::take_frames() {
   for (int side = 0; side < kSides; ++side) {
     const auto s = static_cast<size_t>(side);
+    if (side >= state_.sides()) {
+      state_.frames[s].reset();
+      state_.times[s] = {};
+      continue;
+    }
     std::shared_ptr<const ViewerFrame> frame = renderer_.frame(side);
     if (!frame || (state_.frames[s] && frame->serial == state_.frames[s]->serial)) continue;
     state_.frames[s] = std::move(frame);
     state_.times[s].add(*state_.frames[s]);
     if (side == 0) monitor_.rendered_frame(state_.now_s);
   }
-  if (!state_.split) state_.frames[1].reset();
-  if (state_.frame() && state_.document && state_.frame()->scene == state_.document->loaded()) state_.previous.reset();
+  const auto shows_document = [&](const auto& frame) { return frame && frame->scene == state_.document->loaded(); };
+  if (state_.document && std::all_of(state_.frames.begin(), state_.frames.begin() + state_.sides(), shows_document))
+    state_.previous.reset();
   for (; !camera_moves_.empty(); camera_moves_.pop_front()) {
     const uint64_t seen = renderer_.first_frame_following(camera_moves_.front().first);
     if (seen == 0) break;

@@ -115,7 +115,7 @@ void App::act(const ScriptStep& step) {
   if (step.verb == "panel") choose_panel(state_, w[0]);
   if (step.verb == "drop") open_scene(state_, w[0]);
   if (step.verb == "save") save_picture(state_, w[0]);
-  if (step.verb == "save-view") save_view_file(state_, w[0]);
+  if (step.verb == "save-view") write_view_file(state_, w[0]);
   if (step.verb == "screenshot") screenshot_ = w[0];
   if (step.verb == "play") toggle_path(state_);
   if (step.verb == "report") print(report());
@@ -176,11 +176,12 @@ std::string App::report() const {
 
 void App::finish() {
   if (!options_.screenshot.empty()) window_.save(options_.screenshot);
+  const bool told = !failed_task_.empty();
   renderer_.stop();
   take_notices();
   if (smoke_) print(report());
   // Whoever sat before the window has read of it; a script, and pictures written after the window closed, have not.
-  if (!failed_task_.empty() && !options_.script.empty()) throw Error(failed_task_);
+  if (!failed_task_.empty() && (!told || !options_.script.empty())) throw Error(failed_task_);
 }
 
 }  // namespace relume::viewer

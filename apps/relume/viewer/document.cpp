@@ -77,7 +77,13 @@ void Document::set_environment(const Environment& environment) {
 }
 
 void Document::replace_environment(Environment environment) {
-  environment_ = std::make_shared<const Environment>(std::move(environment));
+  use(std::make_shared<const Environment>(std::move(environment)));
+}
+
+void Document::restore_environment() { use({loaded_, &loaded_->scene.environment}); }
+
+void Document::use(std::shared_ptr<const Environment> environment) {
+  environment_ = std::move(environment);
   Environment& outline = outline_.environment;
   outline.kind = environment_->kind;
   outline.color = environment_->color;

@@ -33,7 +33,9 @@ class Document {
   /// Replaces the environment, map included.
   void replace_environment(Environment environment);
   /// Goes back to the environment that the scene was loaded with.
-  void restore_environment() { replace_environment(loaded_->scene.environment); }
+  void restore_environment();
+  /// Whether it is another than the scene was loaded with.
+  bool environment_is_edited() const { return environment_.get() != &loaded_->scene.environment; }
 
   /// Has the scene compiled so that the node can move. Returns whether that is news.
   bool make_movable(Index node);
@@ -58,7 +60,8 @@ class Document {
 
  private:
   std::vector<bool> below(Index ancestor) const;  ///< by node: whether it is the ancestor or stems from it
-  void add_bounds(Index node, Box& sum) const;    ///< of its own meshes
+  void use(std::shared_ptr<const Environment> environment);
+  void add_bounds(Index node, Box& sum) const;  ///< of its own meshes
   uint64_t next_version() { return ++edits_.version; }
 
   std::shared_ptr<const LoadedScene> loaded_;

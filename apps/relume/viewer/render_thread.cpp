@@ -92,7 +92,28 @@ void RenderThread::run(const std::stop_token& stop) {
       add_notice({true, error.what(), request_.scene != slots_[0].scene() ? request_.scene : nullptr});
     }
   }
-  run_tasks();  // what was asked for before the end
+  finish_tasks();
+}
+
+void RenderThread::finish_tasks() {
+  try {
+    Session* session = slots_[0].session();
+    if (session && !ready_for_tasks() && tasks_wait()) session->render_frame();
+    run_tasks();
+  } catch (const std::exception& error) {
+    add_notice({true, error.what()});
+  }
+  if (tasks_wait()) {
+    add_notice({.problem = true,
+                .text = "there was no picture for what was asked for last",
+                .refused_scene = nullptr,
+                .failed_task = true});
+  }
+}
+
+bool RenderThread::tasks_wait() const {
+  const std::lock_guard lock(mutex_);
+  return !tasks_.empty();
 }
 
 bool RenderThread::ready_for_tasks() const {
@@ -151,7 +172,7 @@ void RenderThread::render_round(const std::stop_token& stop) {
   const int sides = request_.split ? 2 : 1;
   if (sides == 1) close_second_side();
   for (int side = 0; side < sides; ++side) {
-    if (stop.stop_requested() || !render_side(side, size, rest)) return;
+    if (stop.stop_requested() || !render_side(stop, side, size, rest)) return;
   }
   const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
   if (request_.pace.hold_rate && !rest) {
@@ -166,13 +187,14 @@ void RenderThread::close_second_side() {
   frames_[1].reset();
 }
 
-bool RenderThread::render_side(int side, const IVec2& size, bool rest) {
+bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec2& size, bool rest) {
   SessionSlot& slot = slots_[static_cast<size_t>(side)];
   slot.update(request_, side, size);
   Session& session = *slot.session();
   std::stop_token token;
   {
     const std::lock_guard lock(mutex_);
+    if (stop.stop_requested()) return false;
     refinement_ = std::stop_source();
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
     if (session.frames_since_change() > 0 || (request_.pace.hold_rate && rest)) {

@@ -28,8 +28,7 @@ class RenderThread {
   RenderThread(const RenderThread&) = delete;
   RenderThread& operator=(const RenderThread&) = delete;
 
-  /// Ends rendering, after the tasks that were asked for if there is a picture to do them with. Nothing is rendered
-  /// after that.
+  /// Ends rendering, after the tasks that were asked for. Nothing is rendered after that.
   void stop();
 
   /// Replaces the request. A frame that only refines a picture that is no longer wanted is abandoned; the first frame
@@ -65,9 +64,11 @@ class RenderThread {
   bool wait_for_work(const std::stop_token& stop);
   void run_tasks();
   void render_round(const std::stop_token& stop);
-  bool render_side(int side, const IVec2& size, bool rest);
+  bool render_side(const std::stop_token& stop, int side, const IVec2& size, bool rest);
   void close_second_side();
   bool ready_for_tasks() const;
+  bool tasks_wait() const;
+  void finish_tasks();  ///< at the end: a task that is not done is a notice
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   IVec2 choose_size(bool rest) const;
   bool at_rest() const;  ///< nothing has changed for a moment: pictures may take their time

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <ctime>
 #include <future>
@@ -322,6 +323,25 @@ TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
   const std::vector<Notice> notices = stage.thread.take_notices();
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_TRUE(notices[0].failed_task);
+}
+
+TEST(RenderThread, APictureOfWhatIsNewIsMadeForWhatWasAskedForLast) {
+  // Slow frames of a size of their own, so that the end comes before the first is done.
+  Stage stage;
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  stage.settings[0].render.width = 300;
+  stage.settings[0].render.height = 200;
+  stage.pace = {.hold_rate = true, .full_at_rest = true, .rest_after_s = 0};
+  stage.post();
+  std::atomic<int> width = 0;
+  std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  stage.thread.post_task([&](const Session& session, const LoadedScene&) {
+    EXPECT_GT(session.frames_since_change(), 0u);
+    width = session.settings().width;
+  });
+  stage.thread.stop();
+  EXPECT_GT(width, 0);
 }
 
 TEST(RenderThread, TasksFindAPictureThoughTheNextIsBegun) {

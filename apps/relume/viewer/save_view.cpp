@@ -44,7 +44,7 @@ json path_json(const CameraPath& path) {
   return keys;
 }
 
-/// `file`: of the setting `env`, if that is what the map comes from.
+/// `file`: the setting `env`, where a map comes from unless it is empty.
 void put_environment(const Environment& e, const fs::path& file, const fs::path& folder, json& root,
                      std::vector<std::string>& omissions) {
   if (e.kind != EnvironmentKind::map) {
@@ -112,10 +112,8 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   root.erase("camera_keys");
   if (view.path && !view.path->keys().empty()) root["camera_keys"] = path_json(*view.path);
   put_edits(view.document, root, omissions);
-  if (view.document.edits().environment.version > 0) {
-    const fs::path env = view.settings.scene.env;
-    put_environment(view.document.outline().environment, fs::exists(env) ? env : fs::path(), folder, root, omissions);
-  }
+  if (view.document.environment_is_edited())
+    put_environment(view.document.outline().environment, view.settings.scene.env, folder, root, omissions);
   const bool moves = view.path && !view.path->keys().empty();
   put_settings(view.settings, moves ? 0 : view.document.time_s(), root);
   return root.dump(1) + "\n";

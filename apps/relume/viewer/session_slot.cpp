@@ -8,7 +8,12 @@ namespace relume::viewer {
 
 void SessionSlot::compile(const RenderRequest& request, const RenderSettings& settings) {
   // The old session stays until the new one stands: a scene that cannot be compiled leaves everything as it was.
-  Session fresh(request.scene->scene, settings, request.edits.movable);
+  Scene scene = request.scene->scene;
+  // Compiling lights a scene that has no light, so it has to know the environment that counts.
+  const Edit<std::shared_ptr<const Environment>>& environment = request.edits.environment;
+  if (environment.version > 0) scene.environment = *environment.value;
+  Session fresh(std::move(scene), settings, request.edits.movable);
+  environment_ = environment.version;
   session_ = std::move(fresh);
   scene_ = request.scene;
   movable_ = request.edits.movable;
@@ -19,7 +24,8 @@ void SessionSlot::apply(const SceneEdits& edits) {
   const auto newer = [&](const auto& edit) { return edit.version > applied_; };
   if (newer(edits.time_s)) session_->set_time(edits.time_s.value);
   if (newer(edits.camera)) session_->set_camera(edits.camera.value);
-  if (newer(edits.environment)) session_->set_environment(*edits.environment.value);
+  if (newer(edits.environment) && edits.environment.version > environment_)
+    session_->set_environment(*edits.environment.value);
   for (const auto& [node, edit] : edits.nodes) {
     if (newer(edit)) session_->set_transform(node, edit.value);
   }

@@ -28,7 +28,8 @@ class SessionSlot {
   std::optional<Session> session_;
   std::shared_ptr<const LoadedScene> scene_;
   std::vector<Index> movable_;
-  uint64_t applied_ = 0;  ///< newest edit that the session has taken on
+  uint64_t applied_ = 0;      ///< newest edit that the session has taken on
+  uint64_t environment_ = 0;  ///< edit of the environment that it was compiled with
 };
 
 /// What lies under a point of the picture, (0, 0) its top left corner and (1, 1) the opposite one.

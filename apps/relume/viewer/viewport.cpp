@@ -96,7 +96,7 @@ void Viewport::draw_picture(State& state) {
     list.AddCallback(bind_sampler, as_callback_data(developer_.nearest_sampler()));
   }
   list.AddImage(as_texture(pictures_[0].texture()), picture_.at, end);
-  if (state.split && !pictures_[1].empty()) {
+  if (state.split && state.frames[1] && !pictures_[1].empty()) {
     const float x = std::floor(picture_.at.x + state.split_at * picture_.size.x);
     list.AddImage(as_texture(pictures_[1].texture()), {x, picture_.at.y}, end, {state.split_at, 0}, {1, 1});
   }

@@ -16,6 +16,7 @@ struct BdptKernel {
   View<Rgb> radiance;               ///< of this sample but for splats; may be not finite
   View<uint32_t> rays;              ///< of this sample
   View<uint64_t> saturated;         ///< one, to which splats that were cut are added
+  View<uint64_t> nonfinite;         ///< one, to which those are added that were left out for not being finite
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * context.width + x;
@@ -30,9 +31,10 @@ struct BdptKernel {
     const uint32_t count = trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);
     const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], {kept, count}, sampler, counters);
-    radiance[pixel] = counters.nonfinite ? Rgb(kInfinity) : seen;
+    radiance[pixel] = seen;
     rays[pixel] = counters.rays;
     if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});
+    if (counters.nonfinite > 0) atomic_add(&nonfinite[0], uint64_t{counters.nonfinite});
   }
 };
 
@@ -45,7 +47,6 @@ struct AddSplatsKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    if (!is_finite(radiance[pixel])) return;  // the sample will be dropped; what others brought waits for the next
     radiance[pixel] += splats[pixel].value() * scale;
     splats[pixel] = {};
   }

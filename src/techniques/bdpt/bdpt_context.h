@@ -42,13 +42,13 @@ inline constexpr uint32_t kLightDimensionsPerVertex = 2;
 struct BdptCounters {
   uint32_t rays = 0;
   uint32_t saturated = 0;  ///< splats that were cut to kFixedPointMax
-  bool nonfinite = false;  ///< a splat could not be added
+  uint32_t nonfinite = 0;  ///< splats that could not be added
 };
 
 /// Adds light to the pixel at film position `film`.
 RELUME_HD inline void splat(const BdptContext& c, const Vec2& film, const Rgb& value, BdptCounters& counters) {
   if (!is_finite(value)) {
-    counters.nonfinite = true;
+    ++counters.nonfinite;
     return;
   }
   if (max_component(value) > kFixedPointMax) ++counters.saturated;

@@ -56,7 +56,9 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.radiance = frame.view<Rgb>("radiance");
   kernel.rays = frame.view<uint32_t>("rays");
   uint64_t saturated = 0;
+  uint64_t nonfinite = 0;
   kernel.saturated = {&saturated, 1};
+  kernel.nonfinite = {&nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, 1.0f, c.width};
   if (!kernel.allocation.empty()) {
@@ -68,18 +70,32 @@ bool BdptPass::run(const FrameContext& frame) {
     return false;
   }
   saturated_ += saturated;
+  nonfinite_ += nonfinite;
   return true;
 }
 
 std::vector<std::string> BdptPass::warnings() const {
-  if (saturated_ == 0) return {};
-  return {
-      fmt::format("{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
-                  "too dark; make the scene's lights weaker and raise the exposure instead",
-                  saturated_, kFixedPointMax)};
+  std::vector<std::string> result;
+  if (saturated_ > 0) {
+    result.push_back(fmt::format(
+        "{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
+        "too dark; make the scene's lights weaker and raise the exposure instead",
+        saturated_, kFixedPointMax));
+  }
+  if (nonfinite_ > 0) {
+    result.push_back(fmt::format(
+        "{} contributions of light paths were not finite and are missing; please report the scene", nonfinite_));
+  }
+  return result;
 }
 
-void BdptPass::save(std::ostream& out) const { write_value(out, saturated_); }
-void BdptPass::load(std::istream& in) { read_value(in, saturated_); }
+void BdptPass::save(std::ostream& out) const {
+  write_value(out, saturated_);
+  write_value(out, nonfinite_);
+}
+void BdptPass::load(std::istream& in) {
+  read_value(in, saturated_);
+  read_value(in, nonfinite_);
+}
 
 }  // namespace relume

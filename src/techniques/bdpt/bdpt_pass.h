@@ -45,6 +45,7 @@ class BdptPass final : public Pass {
   std::vector<Rgb> light_medium_;     ///< of each light; empty: there are no tinted bodies
   bool prepared_ = false;
   uint64_t saturated_ = 0;  ///< splats cut so far
+  uint64_t nonfinite_ = 0;  ///< splats left out so far
 };
 
 }  // namespace relume

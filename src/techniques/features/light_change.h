@@ -12,8 +12,8 @@ namespace relume {
 struct CompareBlocksKernel {
   LightHistory history;
   View<float> departures;  ///< (Σ d)² / Σ d² over the block's pixels, d: luminance of the sample less that of the past.
-                           ///< While nothing changes it is 1 on average, whatever the noise, once the noise that
-                           ///< neighbours share is taken off: pixels of the past that several fetch. Below 0: not known
+                           ///< While nothing changes it is about 1 on average, whatever the noise, once divided by
+                           ///< what neighbours share: pixels of the past that several fetch. Below 0: not known
   uint32_t width = 0;
   uint32_t height = 0;
 

@@ -11,7 +11,7 @@ namespace relume {
 
 struct LightListOptions {
   float cell_size = 0;   ///< metres; 0: a 24th of the scene's longest side
-  uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, if that is more
+  uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, and two at least, if that is more
 
   bool operator==(const LightListOptions&) const = default;
 };

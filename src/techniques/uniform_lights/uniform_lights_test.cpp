@@ -13,7 +13,7 @@ TEST(UniformLights, GivesEveryLightTheSameShareOfTheRandomNumber) {
     const LightSelection s = lights.sample({0.25f * static_cast<float>(i) + 0.0625f, i});
     EXPECT_EQ(s.light, i);
     EXPECT_EQ(s.pmf, 0.25f);
-    EXPECT_FLOAT_EQ(s.u, 0.25f);
+    EXPECT_NEAR(s.u, 0.25f, 1e-6f);
   }
   EXPECT_EQ(lights.pmf(3), 0.25f);
   EXPECT_EQ(lights.pmf(4), 0.0f);

@@ -68,8 +68,14 @@ class BdptFrame {
     launch(backend, "gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits), width()},
            width(), height());
     launch(backend, "trace",
-           BdptKernel{context(), index, view_of(hits), view_of(allocation), mutable_view_of(radiance),
-                      mutable_view_of(rays), &saturated},
+           BdptKernel{context(),
+                      index,
+                      view_of(hits),
+                      view_of(allocation),
+                      mutable_view_of(radiance),
+                      mutable_view_of(rays),
+                      {&saturated, 1},
+                      {&nonfinite, 1}},
            width(), height());
     launch(backend, "splats", AddSplatsKernel{mutable_view_of(splats), mutable_view_of(radiance), 1.0f, width()},
            width(), height());
@@ -90,6 +96,7 @@ class BdptFrame {
   std::vector<uint32_t> rays;
   std::vector<FixedPointRgb> splats;
   uint64_t saturated = 0;
+  uint64_t nonfinite = 0;
 };
 
 /// Mean of `spp` samples a pixel.
