@@ -35,6 +35,7 @@ struct CompareOptions {
   int repetitions = 5;
   std::string reference;
   int reference_spp = 1024;
+  std::string reference_settings;
   std::string cache_folder;
   int timed_frames = 0;  ///< 0: errors are measured
   std::vector<std::pair<std::string, std::string>> flags;
@@ -113,6 +114,11 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   options.repetitions = o.repetitions;
   options.reference_file = o.reference;
   options.reference_spp = o.reference_spp;
+  options.reference_settings = parse_settings(o.reference_settings, "--reference-settings");
+  if (!o.reference.empty() && !options.reference_settings.empty())
+    throw UsageError(
+        "--reference takes a picture that is there, --reference-settings one that is rendered; choose one");
+  resolve_reference(options.common, {}, options.reference_settings);
   options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
   options.cache_folder /= "references";
   options.program = program_stamp();
@@ -130,11 +136,10 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
 
 /// What times alone have no use for.
 void check_timing(const CompareOptions& o) {
-  const std::pair<const char*, bool> others[] = {{"--output", !o.output.empty()},
-                                                 {"--image", !o.images.empty()},
-                                                 {"--budget", o.budget_s > 0},
-                                                 {"--frames", !o.frames.empty()},
-                                                 {"--reference", !o.reference.empty()}};
+  const std::pair<const char*, bool> others[] = {
+      {"--output", !o.output.empty()},       {"--image", !o.images.empty()},
+      {"--budget", o.budget_s > 0},          {"--frames", !o.frames.empty()},
+      {"--reference", !o.reference.empty()}, {"--reference-settings", !o.reference_settings.empty()}};
   for (const auto& [name, given] : others) {
     if (given) throw UsageError(fmt::format("--timing prints times and compares no pictures; leave {} out", name));
   }
@@ -171,6 +176,7 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   // What the scene's own settings leave possible, before a reference is rendered, which may take long.
   for (const Contender& contender : options.contenders)
     check_combination(resolve_contender(contender, options.common).render);
+  check_combination(resolve_reference(options.common, {}, options.reference_settings).settings.render);
   return scene;
 }
 
@@ -238,6 +244,12 @@ std::vector<Option> declare(CompareOptions& o) {
        0,
        Completion::file},
       {{"reference-spp", &o.reference_spp, "Samples a pixel of the reference", {.min = 2, .max = 1 << 24}}},
+      {{"reference-settings", &o.reference_settings,
+        "Settings of the reference alone, such as lights:light-tree; flags for all that might bias it do not reach it"},
+       "KEY:VALUE",
+       0,
+       Completion::none,
+       true},
       {{"timing",
         &o.timed_frames,
         "Only time so many frames of each, in turns, after a quarter as many in which caches fill; prints "

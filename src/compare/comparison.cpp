@@ -1,7 +1,6 @@
 #include "compare/comparison.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -9,6 +8,7 @@
 #include "core/error.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
+#include "metrics/temporal.h"
 #include "settings/settings_json.h"
 
 namespace relume {
@@ -28,6 +28,16 @@ void check_size(const std::string& file, const Image& image, int width, int heig
                           image.height, width, height));
 }
 
+uint64_t count_nonfinite(const Image& image) {
+  return static_cast<uint64_t>(
+      std::count_if(image.pixels.begin(), image.pixels.end(), [](const Rgb& pixel) { return !is_finite(pixel); }));
+}
+
+void check_finite(const std::string& file, const Image& image) {
+  if (count_nonfinite(image) < image.pixels.size()) return;
+  throw Error(fmt::format("{}: no pixel of this picture is finite; check what made it", file));
+}
+
 class Comparing {
  public:
   Comparing(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
@@ -40,7 +50,9 @@ class Comparing {
     prepare();
     if (!make_references() || !measure_contenders()) return std::nullopt;
     measure_pictures();
-    note_limits();
+    judge_references();
+    result_.reference = std::move(references_.back());
+    result_.notes = limits_of(result_);
     return std::move(result_);
   }
 
@@ -57,8 +69,7 @@ class Comparing {
   bool make_references();
   bool measure_contenders();
   void measure_pictures();
-  void note_limits();
-  void note_times();
+  void judge_references();
 
   const Scene& scene_;
   const std::stop_token& stop_;
@@ -72,21 +83,17 @@ class Comparing {
 void Comparing::prepare() {
   const ComparisonOptions& o = options();
   Settings common = resolve(o.common);
-  int max_bounces = 0;
   for (const Contender& contender : o.contenders) {
     Settings settings = resolve_contender(contender, o.common);
     if (!o.times_s.empty()) settings.render.time_s = o.times_s.front();
-    max_bounces = std::max(max_bounces, settings.render.path.max_bounces);
     result_.contenders.push_back({.name = contender.name,
                                   .settings = settings_to_json(describe(settings)),
                                   .differences = differences_from_defaults(settings, common)});
     settings_.push_back(std::move(settings));
   }
-  SettingSources sources = o.common;
-  sources.preset = "reference";
-  result_.reference_settings = resolve(sources);
-  // What contenders converge to: light from longer paths than theirs is nobody's error.
-  if (!o.contenders.empty()) result_.reference_settings.render.path.max_bounces = max_bounces;
+  ReferenceSettings reference = resolve_reference(o.common, settings_, o.reference_settings);
+  result_.reference_settings = std::move(reference.settings);
+  result_.reference_left_out = std::move(reference.left_out);
   read_pictures();
 }
 
@@ -97,11 +104,13 @@ void Comparing::read_pictures() {
   for (const PictureContender& picture : o.pictures) {
     pictures_.push_back(read_image(picture.file));
     check_size(picture.file.string(), pictures_.back(), size.width, size.height);
+    check_finite(picture.file.string(), pictures_.back());
   }
   if (o.reference_file.empty()) return;
-  if (o.times_s.size() > 1) throw Error("a reference from a file is one picture; leave --frames or --reference out");
+  if (is_animation(o)) throw Error("a reference from a file is one picture; leave --frames or --reference out");
   references_.push_back(read_reference(o.reference_file));
   check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
+  check_finite(o.reference_file.string(), references_.back().image);
 }
 
 bool Comparing::make_references() {
@@ -171,40 +180,26 @@ void Comparing::measure_pictures() {
     contender.image = std::move(pictures_[i]);
     const Metrics m =
         compute_metrics(contender.image, reference, {.tone_map = display.tone_map, .exposure = display.exposure});
-    contender.repetitions.push_back({.mse = m.mse, .rel_mse = m.rel_mse, .mape = m.mape, .flip = m.flip});
+    contender.repetitions.push_back(
+        {.mse = m.mse, .rel_mse = m.rel_mse, .mape = m.mape, .flip = m.flip, .nonfinite = m.nonfinite_a});
     result_.contenders.push_back(std::move(contender));
   }
-  result_.reference = std::move(references_.back());
 }
 
-void Comparing::note_times() {
-  std::vector<double> times;
-  for (const ContenderResult& contender : result_.contenders) {
-    if (!contender.is_picture) times.push_back(median_of(contender, [](const Repetition& r) { return r.time_s; }));
-  }
-  if (times.size() < 2) return;
-  const auto [low, high] = std::minmax_element(times.begin(), times.end());
-  if (*high > 1.05 * *low) {
-    result_.notes.push_back(fmt::format("The contenders' times differ by {:.0f} %{}.", 100 * (*high / *low - 1),
-                                        result_.budget_spread > 0.03
-                                            ? ", because the budget holds too few whole frames; a larger one is fairer"
-                                            : "; other programs may have been busy"));
-  }
-}
-
-void Comparing::note_limits() {
-  const Reference& reference = result_.reference;
-  if (options().budget_s > 0) note_times();
-  if (reference.spp == 0) {
-    result_.notes.emplace_back("The reference is a file; its own error is not known and part of every figure.");
-    return;
-  }
-  for (const ContenderResult& contender : result_.contenders) {
-    const double mse = median_of(contender, [](const Repetition& r) { return r.mse; });
-    if (options().times_s.size() > 1 || !(reference.mse > 0 && mse > 0) || mse > 10 * reference.mse) continue;
-    result_.notes.push_back(
-        fmt::format("The reference's own noise is {:.0f} % of the MSE of {}; a larger --reference-spp gives more room.",
-                    100 * reference.mse / mse, contender.name));
+/// What they add to the figures.
+void Comparing::judge_references() {
+  ReferenceNoise& noise = result_.reference_noise;
+  const double frames = static_cast<double>(references_.size());
+  for (size_t i = 0; i < references_.size(); ++i) {
+    const Reference& now = references_[i];
+    result_.reference_nonfinite += count_nonfinite(now.image);
+    noise.mse += now.mse / frames;
+    noise.rel_mse += now.rel_mse / frames;
+    if (i == 0) continue;
+    const Reference& before = references_[i - 1];
+    const TemporalError temporal =
+        temporal_noise(now.image, now.squared_error, now.surface, before.squared_error, before.surface);
+    noise.temporal_error += temporal.rel_mse / (frames - 1);
   }
 }
 
@@ -227,6 +222,12 @@ std::vector<double> values_of(const ContenderResult& contender, const std::funct
 
 double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
   return median(values_of(contender, value));
+}
+
+uint64_t most_nonfinite(const ContenderResult& contender) {
+  uint64_t most = 0;
+  for (const Repetition& repetition : contender.repetitions) most = std::max(most, repetition.nonfinite);
+  return most;
 }
 
 std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender) {

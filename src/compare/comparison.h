@@ -21,17 +21,20 @@ struct ComparisonOptions {
   std::string scene_name;
   std::vector<Contender> contenders;
   std::vector<PictureContender> pictures;  ///< of the last frame
-  SettingSources common;                   ///< for everybody, the reference too
+  SettingSources common;                   ///< for everybody; the reference takes what cannot bias it
   int spp = 64;                            ///< samples a pixel; of each frame of an animation
   double budget_s = 0;                     ///< instead of spp: time of each contender, in each frame of an animation
   int repetitions = 5;                     ///< with seeds of their own
   std::vector<float> times_s;              ///< frames of an animation; empty: the still scene
   std::filesystem::path reference_file;    ///< of the last frame; empty: rendered
   int reference_spp = 1024;
+  SettingTexts reference_settings = {};  ///< of the rendered reference alone
   std::filesystem::path cache_folder;
   std::string program = {};  ///< tells builds apart: references of another one are rendered again
   FrameClock clock = {};     ///< by which contenders are timed; empty: wall_clock()
 };
+
+inline bool is_animation(const ComparisonOptions& options) { return options.times_s.size() > 1; }
 
 /// How far a picture is from the reference after some frames.
 struct ErrorPoint {
@@ -41,6 +44,7 @@ struct ErrorPoint {
   double mse = 0;
   double rel_mse = 0;
   double mape = 0;
+  uint64_t nonfinite = 0;  ///< pixels that are not finite, which the errors leave out
 };
 
 /// What one repetition measured.
@@ -55,6 +59,7 @@ struct Repetition {
   double mape = 0;
   double flip = 0;
   double temporal_error = 0;  ///< relative; of an animation only
+  uint64_t nonfinite = 0;     ///< pixels that are not finite, which the errors leave out; in all frames of an animation
   /// Still scene: while samples arrive. Animation: each of its frames, `frames` counting them from 1.
   std::vector<ErrorPoint> curve = {};
   std::vector<PassTime> passes = {};
@@ -71,16 +76,27 @@ struct ContenderResult {
   Image squared_error = {};              ///< at each pixel of the last frame, mean over the repetitions
 };
 
+/// What noise of the reference adds to the figures on average; of an animation, means over its frames. All 0: not
+/// known.
+struct ReferenceNoise {
+  double mse = 0;
+  double rel_mse = 0;
+  double temporal_error = 0;
+};
+
 struct Comparison {
   ComparisonOptions options;
   Settings reference_settings;
-  Reference reference;  ///< of the last frame
+  SettingTexts reference_left_out = {};  ///< common flags that the reference did not take
+  Reference reference;                   ///< of the last frame
+  ReferenceNoise reference_noise = {};
+  uint64_t reference_nonfinite = 0;  ///< pixels of it that are not finite; in all frames of an animation
   uint64_t scene_hash = 0;
   size_t triangles = 0;
   int threads = 0;
   double budget_spread = 0;  ///< expected, of the times that whole frames add up to
   std::vector<ContenderResult> contenders;
-  std::vector<std::string> notes;  ///< what limits the comparison, one sentence each
+  std::vector<std::string> notes;  ///< limits_of() it
 };
 
 /// "reference", "timing", "contenders" and the share that is done.
@@ -90,12 +106,18 @@ using ComparisonProgress = std::function<void(const std::string& stage, double f
 std::optional<Comparison> compare(const Scene& scene, const ComparisonOptions& options, const std::stop_token& stop,
                                   const ComparisonProgress& progress);
 
+/// What limits the comparison, one sentence each.
+std::vector<std::string> limits_of(const Comparison& comparison);
+
 /// Milliseconds a frame.
 double frame_ms(const Repetition& repetition);
 
 /// What `value` takes from each repetition, and the median of that.
 std::vector<double> values_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
 double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
+
+/// Pixels that are not finite, in the repetition that has most of them.
+uint64_t most_nonfinite(const ContenderResult& contender);
 
 /// Milliseconds a frame in each pass, medians over the repetitions. Requires a contender that was rendered.
 std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender);

@@ -65,6 +65,7 @@ Json curve(const Repetition& repetition) {
 Json to_json(const ContenderResult& contender, bool has_motion) {
   Json json = {{"name", contender.name}, {"kind", contender.is_picture ? "picture" : "technique"}};
   for (const Quantity& q : kErrors) json[q.name] = quantity(contender, q);
+  json["nonfinite_pixels"] = most_nonfinite(contender);
   if (contender.is_picture) {
     json["file"] = contender.settings;
     return json;
@@ -72,7 +73,8 @@ Json to_json(const ContenderResult& contender, bool has_motion) {
   if (has_motion) json[kTemporal.name] = quantity(contender, kTemporal);
   for (const Quantity& q : kCosts) json[q.name] = quantity(contender, q);
   json["bias2"] = contender.split ? Json(contender.split->bias2) : Json();
-  json["bias2_error"] = contender.split ? Json(contender.split->bias2_error) : Json();
+  const bool is_known = contender.split && contender.split->bias2_error;
+  json["bias2_error"] = is_known ? Json(*contender.split->bias2_error) : Json();
   json["variance"] = contender.split ? Json(contender.split->variance) : Json();
   json["passes"] = passes_per_frame(contender);
   Json curves = Json::array();
@@ -80,6 +82,12 @@ Json to_json(const ContenderResult& contender, bool has_motion) {
     curves.push_back({{"seed", repetition.seed}, {"points", curve(repetition)}});
   json["repetitions"] = std::move(curves);
   json["settings"] = Json::parse(contender.settings);
+  return json;
+}
+
+Json json_of(const SettingTexts& settings) {
+  Json json = Json::object();
+  for (const auto& [name, text] : settings) json[name] = text;
   return json;
 }
 
@@ -96,7 +104,6 @@ std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g
 
 std::string to_json(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
   Settings reference_settings = c.reference_settings;
-  const bool has_motion = c.options.times_s.size() > 1;
   Json json = {{"scene", c.options.scene_name},
                {"scene_hash", fmt::format("{:016x}", c.scene_hash)},
                {"triangles", c.triangles},
@@ -111,14 +118,18 @@ std::string to_json(const Comparison& c, const std::vector<std::pair<std::string
   for (const auto& [name, value] : machine) json["machine"][name] = value;
   json["machine"]["threads"] = c.threads;
   const bool known = c.reference.spp > 0;
+  const bool moves = is_animation(c.options);
   json["reference"] = {{"samples_per_pixel", known ? Json(c.reference.spp) : Json()},
-                       {"mse", known ? Json(c.reference.mse) : Json()},
-                       {"rel_mse", known ? Json(c.reference.rel_mse) : Json()},
+                       {"mse", known ? Json(c.reference_noise.mse) : Json()},
+                       {"rel_mse", known ? Json(c.reference_noise.rel_mse) : Json()},
+                       {"temporal_error", known && moves ? Json(c.reference_noise.temporal_error) : Json()},
+                       {"nonfinite_pixels", c.reference_nonfinite},
                        {"cached", c.reference.cached},
                        {"file", c.options.reference_file.string()},
+                       {"flags_left_out", json_of(c.reference_left_out)},
                        {"settings", Json::parse(settings_to_json(describe(reference_settings)))}};
   json["contenders"] = Json::array();
-  for (const ContenderResult& contender : c.contenders) json["contenders"].push_back(to_json(contender, has_motion));
+  for (const ContenderResult& contender : c.contenders) json["contenders"].push_back(to_json(contender, moves));
   json["notes"] = c.notes;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -128,18 +139,18 @@ std::string to_csv(const Comparison& c) {
   for (const Quantity& q : kErrors) text += fmt::format(",{}", q.name);
   text += ",temporal_error,bias2,bias2_error,variance";
   for (const Quantity& q : kCosts) text += fmt::format(",{}", q.name);
-  text += "\n";
+  text += ",nonfinite_pixels\n";
   for (const ContenderResult& contender : c.contenders) {
     text += csv_text(contender.name);
     const auto add = [&](const Quantity& q) { text += csv_number(median_of(contender, q.value)); };
     for (const Quantity& q : kErrors) add(q);
-    c.options.times_s.size() > 1 && !contender.is_picture ? add(kTemporal) : void(text += ",");
+    is_animation(c.options) && !contender.is_picture ? add(kTemporal) : void(text += ",");
     const double none = std::nan("");
     text += csv_number(contender.split ? contender.split->bias2 : none);
-    text += csv_number(contender.split ? contender.split->bias2_error : none);
+    text += csv_number(contender.split ? contender.split->bias2_error.value_or(none) : none);
     text += csv_number(contender.split ? contender.split->variance : none);
     for (const Quantity& q : kCosts) contender.is_picture ? void(text += ",") : add(q);
-    text += "\n";
+    text += fmt::format(",{}\n", most_nonfinite(contender));
   }
   return text;
 }

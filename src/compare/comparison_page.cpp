@@ -5,104 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "compare/ranking.h"
 #include "metrics/statistics.h"
 #include "report/pictures.h"
+#include "settings/nearest_name.h"
 #include "settings/settings_json.h"
 
 namespace relume {
 namespace {
 
-using Value = double (*)(const Repetition&);
-
 constexpr size_t kMostValueBytes = 100u << 20;
-
-bool is_animation(const Comparison& c) { return c.options.times_s.size() > 1; }
-
-/// Median with its interval below it.
-TableCell median_cell(const ContenderResult& contender, Value value) {
-  const std::vector<double> values = values_of(contender, value);
-  const Interval interval = median_interval(values);
-  TableCell cell{.text = short_number(median(values)), .value = median(values)};
-  if (interval.confidence > 0)
-    cell.note = fmt::format("{} – {}", short_number(interval.low), short_number(interval.high));
-  return cell;
-}
-
-TableCell bias_cell(const ErrorSplit& split) {
-  const bool is_noise = split.bias2 < 2 * split.bias2_error;
-  return {.text = is_noise ? "≈ 0" : short_number(split.bias2),
-          .value = std::max(split.bias2, 0.0),
-          .note = fmt::format("± {}", short_number(2 * split.bias2_error))};
-}
-
-double rays_per_pixel(const Comparison& c, const ContenderResult& contender) {
-  const double pixels = double(c.reference.image.width) * c.reference.image.height;
-  return median_of(contender, [](const Repetition& r) { return static_cast<double>(r.rays); }) / pixels;
-}
-
-std::vector<TableColumn> table_columns(const Comparison& c) {
-  std::vector<TableColumn> columns = {
-      {"MSE", "Mean squared error of linear radiance against the reference.", Better::lower},
-      {"relMSE", "Squared error over the squared reference + 0.01, so that dark places count as much as bright ones.",
-       Better::lower},
-      {"MAPE", "Mean of the error's size over the reference + 0.01.", Better::lower},
-      {"FLIP", "What a viewer sees who flips between picture and reference, from 0 to 1 (Andersson 2020).",
-       Better::lower},
-      {"bias²",
-       "Part of the MSE that more samples would not remove, from the mean over the repetitions; the reference's own "
-       "noise is subtracted. Below it two standard errors.",
-       Better::none},
-      {"variance", "Part of the MSE that differs between repetitions.", Better::lower},
-  };
-  if (is_animation(c)) {
-    columns.push_back({"temporal error",
-                       "Flicker: how much the relative error changes from frame to frame on each surface, squared. "
-                       "Motion and changes of the light do not count.",
-                       Better::lower});
-  }
-  columns.push_back(
-      {"samples", is_animation(c) ? "Paths a pixel, on average, all frames together." : "Paths a pixel, on average."});
-  columns.push_back({"time, s", "Inside frames; loading, building and measuring do not count."});
-  columns.push_back({"ms a frame", "Time over frames.", Better::lower});
-  columns.push_back({"rays a pixel", "Path and shadow rays."});
-  return columns;
-}
-
-TableRow contender_row(const Comparison& c, const ContenderResult& contender, int color) {
-  TableRow row{.name = contender.name, .color = color, .cells = {}};
-  for (Value value :
-       {Value([](const Repetition& r) { return r.mse; }), Value([](const Repetition& r) { return r.rel_mse; }),
-        Value([](const Repetition& r) { return r.mape; }), Value([](const Repetition& r) { return r.flip; })}) {
-    row.cells.push_back(median_cell(contender, value));
-  }
-  row.cells.push_back(contender.split ? bias_cell(*contender.split) : TableCell{"–"});
-  row.cells.push_back(contender.split ? TableCell{short_number(contender.split->variance), contender.split->variance}
-                                      : TableCell{"–"});
-  const size_t left = is_animation(c) ? 5 : 4;
-  if (contender.is_picture) {
-    row.cells.resize(row.cells.size() + left, TableCell{"–"});
-    return row;
-  }
-  if (is_animation(c))
-    row.cells.push_back(median_cell(contender, [](const Repetition& r) { return r.temporal_error; }));
-  row.cells.push_back(median_cell(contender, [](const Repetition& r) { return r.samples; }));
-  row.cells.push_back(median_cell(contender, [](const Repetition& r) { return r.time_s; }));
-  row.cells.push_back(median_cell(contender, frame_ms));
-  const double rays = rays_per_pixel(c, contender);
-  row.cells.push_back({.text = short_number(rays), .value = rays});
-  return row;
-}
-
-TableRow reference_row(const Comparison& c) {
-  TableRow row{.name = "reference", .cells = {}, .competes = false};
-  const size_t columns = table_columns(c).size();
-  row.cells.assign(columns, TableCell{"–"});
-  if (c.reference.spp == 0) return row;
-  row.cells[0] = {.text = short_number(c.reference.mse), .value = c.reference.mse, .note = "its own noise"};
-  row.cells[1] = {.text = short_number(c.reference.rel_mse), .value = c.reference.rel_mse, .note = "its own noise"};
-  row.cells[is_animation(c) ? 7 : 6] = {.text = short_number(c.reference.spp), .value = c.reference.spp};
-  return row;
-}
 
 /// Median over the repetitions at each point; a repetition that has fewer points ends the curve.
 Curve median_curve(const ContenderResult& contender, int color, double (*x)(const ErrorPoint&),
@@ -130,7 +42,7 @@ Curve median_curve(const ContenderResult& contender, int color, double (*x)(cons
 
 Chart make_chart(const Comparison& c, std::string label, std::string x_label, std::string y_label,
                  double (*x)(const ErrorPoint&), double (*y)(const ErrorPoint&), double reference_noise) {
-  Chart chart{std::move(label), std::move(x_label), std::move(y_label), !is_animation(c), true, {}};
+  Chart chart{std::move(label), std::move(x_label), std::move(y_label), !is_animation(c.options), true, {}};
   double low = INFINITY;
   double high = -INFINITY;
   for (size_t i = 0; i < c.contenders.size(); ++i) {
@@ -147,17 +59,21 @@ Chart make_chart(const Comparison& c, std::string label, std::string x_label, st
   return chart;
 }
 
-std::string join_names(const std::vector<ContenderResult>& contenders) {
+std::string names_text(const std::vector<ContenderResult>& contenders) {
+  std::vector<std::string> names;
+  for (const ContenderResult& contender : contenders) names.push_back(contender.name);
+  return enumerate(names);
+}
+
+/// "width = 40, lights = uniform"
+std::string settings_text(const SettingTexts& settings) {
   std::string text;
-  for (size_t i = 0; i < contenders.size(); ++i) {
-    if (i > 0) text += i + 1 == contenders.size() ? " and " : ", ";
-    text += contenders[i].name;
-  }
+  for (const auto& [name, value] : settings) text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, value);
   return text;
 }
 
 std::string budget_text(const Comparison& c) {
-  const bool animation = is_animation(c);
+  const bool animation = is_animation(c.options);
   if (c.options.budget_s > 0) {
     const double ms = 1000 * c.options.budget_s;
     return fmt::format("equal time, {}{}",
@@ -167,30 +83,62 @@ std::string budget_text(const Comparison& c) {
   return fmt::format("equal samples, {} a pixel{}", c.options.spp, animation ? " and frame" : "");
 }
 
-TextBlock summary(const Comparison& c) {
-  std::vector<std::pair<double, std::string>> order;
-  for (const ContenderResult& contender : c.contenders)
-    order.emplace_back(median_of(contender, [](const Repetition& r) { return r.rel_mse; }), contender.name);
-  std::stable_sort(order.begin(), order.end());
-  TextBlock block{.title = "In short", .text = {}, .points = c.notes};
-  block.text = fmt::format("{} is closest to the reference: relMSE {}.", order.front().second,
-                           short_number(order.front().first));
-  for (size_t i = 1; i < order.size() && order.front().first > 0; ++i) {
-    const double ratio = order[i].first / order.front().first;
-    block.text += i == 1 ? " " : "; ";
-    block.text += fmt::format("{}{} has {} times as much", i == 1 ? "With the same measure " : "", order[i].second,
-                              short_number(ratio));
+double rel_mse_of(const Repetition& repetition) { return repetition.rel_mse; }
+
+/// Who is closest to the reference, as far as the repetitions tell. `first`: leaders() by relMSE.
+std::string closest_text(const Comparison& c, const std::vector<size_t>& first) {
+  if (first.empty()) return "Every contender has pixels that are not finite; none is called the closest.";
+  const auto name_of = [&](size_t i) { return c.contenders[i].name; };
+  const auto value_of = [&](size_t i) { return short_number(median_of(c.contenders[i], rel_mse_of)); };
+  if (std::count_if(c.contenders.begin(), c.contenders.end(), is_ranked) == 1)
+    return fmt::format("{} has a relMSE of {}.", name_of(first[0]), value_of(first[0]));
+  if (first.size() == 1)
+    return fmt::format("{} is closest to the reference: relMSE {}.", name_of(first[0]), value_of(first[0]));
+  std::vector<std::string> list;
+  for (size_t i : first) list.push_back(fmt::format("{} (relMSE {})", name_of(i), value_of(i)));
+  if (c.options.repetitions < 3) {
+    return fmt::format("{} cannot be told apart: below three repetitions a difference may be chance.", enumerate(list));
   }
-  if (order.size() > 1) block.text += ".";
+  return fmt::format("{} are closest to the reference, and cannot be told apart: their intervals overlap.",
+                     enumerate(list));
+}
+
+TextBlock summary(const Comparison& c) {
+  const std::vector<size_t> first = leaders(c, rel_mse_of, true);
+  TextBlock block{.title = "In short", .text = closest_text(c, first), .points = c.notes};
+  const double least = first.empty() ? 0 : median_of(c.contenders[first[0]], rel_mse_of);
+  if (!(least > 0)) return block;
+  std::vector<std::pair<double, std::string>> others;
+  for (size_t i = 0; i < c.contenders.size(); ++i) {
+    const bool is_leader = std::find(first.begin(), first.end(), i) != first.end();
+    if (is_leader || !is_ranked(c.contenders[i])) continue;
+    others.emplace_back(median_of(c.contenders[i], rel_mse_of) / least, c.contenders[i].name);
+  }
+  std::stable_sort(others.begin(), others.end());
+  const std::string unit = first.size() == 1 ? "" : " as " + c.contenders[first[0]].name;
+  for (size_t i = 0; i < others.size(); ++i) {
+    block.text += i == 0 ? " With the same measure " : "; ";
+    block.text += fmt::format("{} has {} times as much{}", others[i].second, short_number(others[i].first), unit);
+  }
+  if (!others.empty()) block.text += ".";
   return block;
+}
+
+std::string reference_text(const Comparison& c) {
+  const Reference& r = c.reference;
+  if (r.spp == 0) return c.options.reference_file.string();
+  const std::string own = settings_text(c.options.reference_settings);
+  return fmt::format(
+      "{} samples a pixel, {}; the techniques of preset reference{}; expected MSE {} and relMSE {}, from two halves "
+      "with independent seeds",
+      r.spp, r.cached ? "from the cache" : fmt::format("rendered in {:.1f} s", r.render_s),
+      own.empty() ? "" : " with " + own, short_number(c.reference_noise.mse), short_number(c.reference_noise.rel_mse));
 }
 
 DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
   DetailsBlock block{.title = "How it was made", .text = {}, .pairs = machine, .parts = {}};
   const Reference& r = c.reference;
-  std::string common;
-  for (const auto& [name, value] : c.options.common.flags)
-    common += fmt::format("{}{} = {}", common.empty() ? "" : ", ", name, value);
+  const std::string common = settings_text(c.options.common.flags);
   block.pairs.emplace_back("Threads", std::to_string(c.threads));
   block.pairs.emplace_back(
       "Scene", fmt::format("{}, {} triangles, hash {:016x}", c.options.scene_name, c.triangles, c.scene_hash));
@@ -198,18 +146,12 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
       "Comparison",
       fmt::format("{}; median of {} repetitions with seeds of their own; the contenders take turns frame by frame",
                   budget_text(c), c.options.repetitions));
-  block.pairs.emplace_back(
-      "Reference",
-      r.spp == 0
-          ? c.options.reference_file.string()
-          : fmt::format("{} samples a pixel, {}; expected MSE {} and relMSE {}, from two halves with independent seeds",
-                        r.spp, r.cached ? "from the cache" : fmt::format("rendered in {:.1f} s", r.render_s),
-                        short_number(r.mse), short_number(r.rel_mse)));
+  block.pairs.emplace_back("Reference", reference_text(c));
   block.pairs.emplace_back("Common settings", common.empty() ? "the defaults" : common);
+  if (!c.reference_left_out.empty() && r.spp > 0)
+    block.pairs.emplace_back("Not for the reference", settings_text(c.reference_left_out));
   for (const ContenderResult& contender : c.contenders) {
-    std::string what = contender.is_picture ? contender.settings : "";
-    for (const auto& [name, value] : contender.differences)
-      what += fmt::format("{}{} = {}", what.empty() ? "" : ", ", name, value);
+    const std::string what = contender.is_picture ? contender.settings : settings_text(contender.differences);
     block.pairs.emplace_back(contender.name, what.empty() ? "nothing but the common settings" : what);
     if (!contender.is_picture) block.parts.emplace_back("All settings of " + contender.name, contender.settings);
   }
@@ -223,35 +165,18 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
 
 std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
 
-TableBlock comparison_table(const Comparison& c) {
-  TableBlock block{
-      .title = "Figures",
-      .text = fmt::format("Medians of {} repetitions{}; below them {}. The best value of a column is marked.",
-                          c.options.repetitions, is_animation(c) ? " and means over the frames" : "",
-                          c.options.repetitions > 1
-                              ? "the interval of the median (95 %, or the whole range where there are fewer than six)"
-                              : "nothing, with one repetition"),
-      .row_title = "contender",
-      .columns = table_columns(c),
-      .rows = {}};
-  for (size_t i = 0; i < c.contenders.size(); ++i)
-    block.rows.push_back(contender_row(c, c.contenders[i], static_cast<int>(i)));
-  block.rows.push_back(reference_row(c));
-  return block;
-}
-
 ChartBlock comparison_curves(const Comparison& c) {
   const auto mse = [](const ErrorPoint& p) { return p.mse; };
   const auto rel_mse = [](const ErrorPoint& p) { return p.rel_mse; };
   const auto frames = [](const ErrorPoint& p) { return static_cast<double>(p.frames); };
   const auto samples = [](const ErrorPoint& p) { return p.samples; };
   const auto time_ms = [](const ErrorPoint& p) { return 1000 * p.time_s; };
-  const double noise = c.reference.mse;
-  const double rel_noise = c.reference.rel_mse;
-  ChartBlock block{.title = is_animation(c) ? "Error along the animation" : "Convergence",
+  const double noise = c.reference_noise.mse;
+  const double rel_noise = c.reference_noise.rel_mse;
+  ChartBlock block{.title = is_animation(c.options) ? "Error along the animation" : "Convergence",
                    .text = "Medians over the repetitions; bands are their intervals.",
                    .charts = {}};
-  if (is_animation(c)) {
+  if (is_animation(c.options)) {
     block.charts.push_back(make_chart(c, "relMSE", "frame", "relMSE", frames, rel_mse, rel_noise));
     block.charts.push_back(make_chart(c, "MSE", "frame", "MSE", frames, mse, noise));
     return block;
@@ -285,8 +210,9 @@ ViewerBlock comparison_pictures(const Comparison& c) {
   const OutputSettings display = resolve(c.options.common).output;
   const size_t value_bytes = reference.pixels.size() * 6 * (c.contenders.size() + 1);
   const PictureOptions options{display.tone_map, display.exposure, value_bytes <= kMostValueBytes};
+  const bool moves = is_animation(c.options);
   ViewerBlock block{.title = "Pictures",
-                    .text = is_animation(c) ? "The last frame of the first repetition." : "Of the first repetition.",
+                    .text = moves ? "The last frame of the first repetition." : "Of the first repetition.",
                     .layers = picture_layer_kinds(),
                     .sets = {}};
   std::vector<MeasuredImage> images;
@@ -303,9 +229,9 @@ ViewerBlock comparison_pictures(const Comparison& c) {
 
 Page comparison_page(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
   Page page;
-  page.title = fmt::format("{}: {}", c.options.scene_name, join_names(c.contenders));
+  page.title = fmt::format("{}: {}", c.options.scene_name, names_text(c.contenders));
   page.subtitle = fmt::format("{}×{} pixels, {}{}", c.reference.image.width, c.reference.image.height, budget_text(c),
-                              is_animation(c) ? fmt::format(", {} frames", c.options.times_s.size()) : "");
+                              is_animation(c.options) ? fmt::format(", {} frames", c.options.times_s.size()) : "");
   page.blocks = {summary(c), comparison_pictures(c), comparison_table(c)};
   const bool has_times =
       std::any_of(c.contenders.begin(), c.contenders.end(), [](const ContenderResult& r) { return !r.is_picture; });

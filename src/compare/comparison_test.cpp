@@ -71,10 +71,33 @@ TEST_F(ComparisonTest, EqualSamples) {
   EXPECT_EQ(c.contenders[1].repetitions[2].seed, 9);
   // What the first leaves out is bias; the second has none.
   ASSERT_TRUE(c.contenders[0].split && c.contenders[1].split);
-  EXPECT_GT(c.contenders[0].split->bias2, 5 * c.contenders[0].split->bias2_error);
-  EXPECT_LT(std::fabs(c.contenders[1].split->bias2), 5 * c.contenders[1].split->bias2_error);
+  ASSERT_TRUE(c.contenders[0].split->bias2_error && c.contenders[1].split->bias2_error);
+  EXPECT_GT(c.contenders[0].split->bias2, 5 * *c.contenders[0].split->bias2_error);
+  EXPECT_LT(std::fabs(c.contenders[1].split->bias2), 8 * *c.contenders[1].split->bias2_error);  // of three repetitions
   const double mse = median_of(c.contenders[1], [](const Repetition& r) { return r.mse; });
   EXPECT_NEAR(c.contenders[1].split->variance / mse, 1, 0.25);  // unbiased: all of it; the reference's noise is 1/16
+}
+
+TEST_F(ComparisonTest, CommonFlagsDoNotBiasTheReference) {
+  ComparisonOptions o = options("all=seed:1");
+  o.spp = 1;
+  o.repetitions = 1;
+  o.reference_spp = 4;
+  const Comparison plain = run("cornell", o);
+  o.common.flags.insert(o.common.flags.end(), {{"cache", "psf"}, {"denoise", "svgf"}, {"history", "none"}});
+  const Comparison filtered = run("cornell", o);
+  EXPECT_TRUE(filtered.reference.cached);  // it is the same
+  EXPECT_EQ(filtered.reference.image.pixels, plain.reference.image.pixels);
+  EXPECT_NE(filtered.contenders[0].image.pixels, plain.contenders[0].image.pixels);
+  EXPECT_EQ(filtered.reference_left_out.size(), 3u);
+  const auto json = nlohmann::json::parse(to_json(filtered, {}));
+  EXPECT_EQ(json["reference"]["flags_left_out"]["cache"], "psf");
+  EXPECT_EQ(json["reference"]["settings"]["cache"], "none");
+  EXPECT_NE(to_html(comparison_page(filtered, {})).find("Not for the reference"), std::string::npos);
+  o.reference_settings = {{"cache", "psf"}};
+  const Comparison as_asked = run("cornell", o);
+  EXPECT_EQ(as_asked.reference_settings.render.cache, CacheChoice::psf);
+  EXPECT_FALSE(as_asked.reference.cached);
 }
 
 TEST_F(ComparisonTest, EqualTimeIsEqualWithin5Percent) {
@@ -114,6 +137,9 @@ TEST_F(ComparisonTest, AnimationsReportFlicker) {
   const double kept = median_of(c.contenders[1], temporal);
   EXPECT_GT(anew, 0);
   EXPECT_LT(kept, 0.8 * anew);
+  // 256 samples against two.
+  EXPECT_GT(c.reference_noise.temporal_error, 0);
+  EXPECT_LT(c.reference_noise.temporal_error, 0.1 * anew);
   EXPECT_EQ(c.contenders[0].repetitions[0].curve.size(), 4u);
   EXPECT_EQ(c.contenders[0].repetitions[0].frames, 8u);
 }
@@ -132,6 +158,29 @@ TEST_F(ComparisonTest, APictureFromElsewhereIsAColumn) {
   EXPECT_GT(c.contenders[1].repetitions[0].mse, 0);
   write_image(folder_ / "small.exr", Image(3, 3));
   o.pictures = {{"small", folder_ / "small.exr"}};
+  EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
+}
+
+TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
+  ComparisonOptions o = options("all=seed:1");
+  o.spp = 4;
+  o.repetitions = 1;
+  Image grey(40, 30);
+  for (Rgb& pixel : grey.pixels) pixel = Rgb(0.3f);
+  grey.at(3, 4) = Rgb(std::nanf(""));
+  grey.at(5, 6).g = kInfinity;
+  write_image(folder_ / "grey.exr", grey);
+  o.pictures = {{"grey", folder_ / "grey.exr"}};
+  const Comparison c = run("cornell", o);
+  EXPECT_EQ(most_nonfinite(c.contenders[0]), 0u);
+  EXPECT_EQ(most_nonfinite(c.contenders[1]), 2u);
+  EXPECT_TRUE(std::any_of(c.notes.begin(), c.notes.end(), [](const std::string& note) {
+    return note.starts_with("grey has pixels that are not finite (2)");
+  }));
+  EXPECT_EQ(nlohmann::json::parse(to_json(c, {}))["contenders"][1]["nonfinite_pixels"], 2);
+  EXPECT_FALSE(comparison_table(c).rows[1].competes);
+  for (Rgb& pixel : grey.pixels) pixel.g = std::nanf("");
+  write_image(folder_ / "grey.exr", grey);
   EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
 }
 

@@ -56,12 +56,30 @@ bool is_preset(std::string_view name) {
   return std::any_of(presets().begin(), presets().end(), [&](const Preset& p) { return p.name == name; });
 }
 
+bool is_slot(std::string_view name) {
+  RenderSettings settings;
+  return find_setting(describe_slots(settings), name) != nullptr;
+}
+
+/// Whether the reference has its own value. Bounces are what is compared, and not whether light is right.
+bool belongs_to_reference(const Setting& setting) {
+  return setting.name != "max-bounces" && (setting.traits.biases || is_slot(setting.name));
+}
+
+/// KEY:VALUE
+std::pair<std::string, std::string> split_setting(std::string_view part, std::string_view place) {
+  const size_t colon = std::min(part.find(':'), part.size());
+  const std::string_view name = trimmed(part.substr(0, colon));
+  const std::string_view value = trimmed(part.substr(std::min(colon + 1, part.size())));
+  if (name.empty() || value.empty()) throw Error(fmt::format("{}: '{}' is not KEY:VALUE", place, part));
+  return {std::string(name), std::string(value)};
+}
+
 /// A setting, preset, technique or file joins the contender.
 void add_part(Contender& contender, std::string_view part, std::string_view place) {
-  const size_t colon = part.find(':');
   if (is_settings_file(part)) {
     contender.file = part;
-  } else if (colon == std::string_view::npos) {
+  } else if (part.find(':') == std::string_view::npos) {
     if (part == "default") return;
     const std::string slot = is_preset(part) ? "" : slot_of(part);
     if (slot.empty()) {
@@ -70,10 +88,7 @@ void add_part(Contender& contender, std::string_view part, std::string_view plac
       contender.settings.emplace_back(slot, part);
     }
   } else {
-    const std::string name(trimmed(part.substr(0, colon)));
-    const std::string_view value = trimmed(part.substr(colon + 1));
-    if (name.empty() || value.empty()) throw Error(fmt::format("{}: '{}' is not KEY:VALUE", place, part));
-    contender.settings.emplace_back(name, value);
+    contender.settings.push_back(split_setting(part, place));
   }
 }
 
@@ -89,6 +104,15 @@ void check_names(const std::vector<T>& list, std::string_view place) {
         throw Error(
             fmt::format("{}: there are two called '{}'; give one another name with NAME=…", place, list[i].name));
     }
+  }
+}
+
+/// Settings of one that is compared, or of the reference, on top of what they have so far.
+void assign_all(const SettingList& list, const SettingTexts& settings, const std::string& place) {
+  for (const auto& [name, text] : settings) {
+    if (is_shared(name))
+      throw Error(fmt::format("{}: {} is the same for all that are compared; give it as --{}", place, name, name));
+    assign(require_setting(list, name, place), text, place);
   }
 }
 
@@ -126,6 +150,12 @@ std::vector<Contender> parse_contenders(std::string_view text, std::string_view 
   return contenders;
 }
 
+SettingTexts parse_settings(std::string_view text, std::string_view place) {
+  SettingTexts settings;
+  for (std::string_view part : split_at_commas(text)) settings.push_back(split_setting(part, place));
+  return settings;
+}
+
 std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place) {
   std::vector<PictureContender> pictures;
   for (std::string_view part : split_at_commas(text)) {
@@ -147,14 +177,34 @@ Settings resolve_contender(const Contender& contender, const SettingSources& com
   for (const Setting& setting : describe(shared)) {
     if (is_shared(setting.name)) store(*find_setting(list, setting.name), load(setting));
   }
-  for (const auto& [name, text] : contender.settings) {
-    if (is_shared(name)) {
-      throw Error(
-          fmt::format("{}: {} is the same for all that are compared; give it as --{}", contender.name, name, name));
-    }
-    assign(require_setting(list, name, contender.name), text, contender.name);
-  }
+  assign_all(list, contender.settings, contender.name);
   return settings;
+}
+
+ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<Settings>& contenders,
+                                    const SettingTexts& own) {
+  SettingSources sources = common;
+  sources.preset = "reference";
+  Settings asked = resolve(sources);
+  Settings unbiased = resolve({.preset = sources.preset});
+  ReferenceSettings result{.settings = asked};
+  const SettingList list = describe(result.settings);
+  for (const Setting& setting : describe(unbiased)) {
+    if (belongs_to_reference(setting)) store(*find_setting(list, setting.name), load(setting));
+  }
+  if (!contenders.empty()) {
+    int& bounces = result.settings.render.path.max_bounces;
+    bounces = 0;
+    for (const Settings& contender : contenders) bounces = std::max(bounces, contender.render.path.max_bounces);
+  }
+  assign_all(list, own, "--reference-settings");
+  const SettingList with_flags = describe(asked);
+  for (const Setting* setting : differing_settings(with_flags, list)) {
+    const auto is_this = [&](const auto& flag) { return flag.first == setting->name; };
+    if (belongs_to_reference(*setting) && std::any_of(common.flags.begin(), common.flags.end(), is_this))
+      result.left_out.emplace_back(setting->name, to_string(*setting));
+  }
+  return result;
 }
 
 }  // namespace relume

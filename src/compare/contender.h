@@ -11,11 +11,14 @@
 
 namespace relume {
 
+/// Names and texts of settings.
+using SettingTexts = std::vector<std::pair<std::string, std::string>>;
+
 struct Contender {
   std::string name;
-  std::string preset = {};                                         ///< empty: none
-  std::string file = {};                                           ///< JSON, or an EXR that relume wrote; empty: none
-  std::vector<std::pair<std::string, std::string>> settings = {};  ///< on top: name and text
+  std::string preset = {};     ///< empty: none
+  std::string file = {};       ///< JSON, or an EXR that relume wrote; empty: none
+  SettingTexts settings = {};  ///< on top
 };
 
 /// A picture made elsewhere.
@@ -39,9 +42,23 @@ std::vector<Contender> parse_contenders(std::string_view text, std::string_view 
 /// "cycles=a.exr,mitsuba=b.exr"; a file without a name goes by its own. Throws Error.
 std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place);
 
+/// "lights:light-tree,estimator:bdpt". Throws Error that begins with `place` for what cannot be read.
+SettingTexts parse_settings(std::string_view text, std::string_view place);
+
 /// The contender's settings. `common` holds what the scene and the command line say; what belongs to the comparison
 /// rather than to a technique (size, camera, time, environment, number of samples, threads) is as `common` has it. The
 /// order is defaults, scene, preset, file, `common.flags`, inline. Throws Error for what does not fit.
 Settings resolve_contender(const Contender& contender, const SettingSources& common);
+
+struct ReferenceSettings {
+  Settings settings;
+  SettingTexts left_out = {};  ///< of `common.flags`, what the reference does otherwise
+};
+
+/// What the contenders are measured against: as `common` has it, but with the techniques of preset "reference" in every
+/// slot and its values wherever some bias; with as many bounces as the contender that has the most, for light from
+/// longer paths is nobody's error; and with `own` on top. Throws Error for what does not fit.
+ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<Settings>& contenders,
+                                    const SettingTexts& own);
 
 }  // namespace relume

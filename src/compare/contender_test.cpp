@@ -91,6 +91,84 @@ TEST(Contender, UnknownAndSharedSettingsAreRefused) {
   }
 }
 
+TEST(Contender, SettingsAlone) {
+  EXPECT_EQ(parse_settings("lights:light-tree, psf.cell-size:4", "-s"),
+            (Pairs{{"lights", "light-tree"}, {"psf.cell-size", "4"}}));
+  EXPECT_TRUE(parse_settings("", "-s").empty());
+  for (const char* wrong : {"lights", "lights:", ":power"}) {
+    try {
+      parse_settings(wrong, "-s");
+      FAIL() << wrong;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), "-s: '" + std::string(wrong) + "' is not KEY:VALUE");
+    }
+  }
+}
+
+TEST(ReferenceSettings, NoFlagForAllBiasesThem) {
+  SettingSources common;
+  common.scene_json = R"({"guide": "cdq", "svgf.levels": 2})";
+  common.flags = {{"cache", "psf"},      {"denoise", "svgf"},     {"history", "none"},
+                  {"lights", "uniform"}, {"estimator", "path"},   {"width", "64"},
+                  {"max-bounces", "5"},  {"psf.cell-size", "20"}, {"texture-filter", "encoded"}};
+  const ReferenceSettings reference = resolve_reference(common, {}, {});
+  const RenderSettings& render = reference.settings.render;
+  const RenderSettings defaults;
+  EXPECT_EQ(render.cache, CacheChoice::none);
+  EXPECT_EQ(render.denoise, DenoiseChoice::none);
+  EXPECT_EQ(render.history, HistoryChoice::accumulate);
+  EXPECT_EQ(render.lights, LightSelectionChoice::power);
+  EXPECT_EQ(render.guide, GuideChoice::bsdf);
+  EXPECT_EQ(render.svgf.levels, defaults.svgf.levels);
+  EXPECT_EQ(render.width, 64);
+  EXPECT_EQ(render.texture_filter, TextureFilter::encoded);
+  EXPECT_EQ(render.path.max_bounces, 5);
+  // What it does all the same is not left out, and what the scene says was no flag.
+  const Pairs left_out{
+      {"psf.cell-size", "20"}, {"lights", "uniform"}, {"cache", "psf"}, {"history", "none"}, {"denoise", "svgf"}};
+  EXPECT_EQ(reference.left_out, left_out);
+}
+
+TEST(ReferenceSettings, EverySlotIsThePresets) {
+  Settings preset = resolve({.preset = "reference"});
+  for (const Setting& slot : describe_slots(preset.render)) {
+    for (const std::string_view name : std::get<ChoiceRef>(slot.value).names) {
+      SettingSources common;
+      common.flags = {{slot.name, std::string(name)}};
+      Settings settings = resolve_reference(common, {}, {}).settings;
+      EXPECT_EQ(to_string(require_setting(describe(settings), slot.name, "")), to_string(slot)) << name;
+    }
+  }
+}
+
+TEST(ReferenceSettings, WhatIsNamedForThemAloneWins) {
+  SettingSources common;
+  common.flags = {{"lights", "uniform"}, {"cache", "psf"}};
+  const ReferenceSettings reference =
+      resolve_reference(common, {}, {{"lights", "light-tree"}, {"cache", "psf"}, {"max-bounces", "9"}});
+  EXPECT_EQ(reference.settings.render.lights, LightSelectionChoice::light_tree);
+  EXPECT_EQ(reference.settings.render.cache, CacheChoice::psf);
+  EXPECT_EQ(reference.settings.render.path.max_bounces, 9);
+  EXPECT_EQ(reference.left_out, (Pairs{{"lights", "uniform"}}));
+  EXPECT_THROW(resolve_reference(common, {}, {{"lihgts", "power"}}), Error);
+  try {
+    resolve_reference(common, {}, {{"width", "4"}});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "--reference-settings: width is the same for all that are compared; give it as --width");
+  }
+}
+
+TEST(ReferenceSettings, HaveAsManyBouncesAsTheContenderThatHasMost) {
+  SettingSources common;
+  common.flags = {{"max-bounces", "7"}};
+  Settings few;
+  Settings more;
+  few.render.path.max_bounces = 2;
+  more.render.path.max_bounces = 4;
+  EXPECT_EQ(resolve_reference(common, {few, more, few}, {}).settings.render.path.max_bounces, 4);
+}
+
 TEST(Contender, Pictures) {
   const auto list = parse_picture_contenders("cycles=out/a.exr,b.exr", "--image");
   ASSERT_EQ(list.size(), 2u);

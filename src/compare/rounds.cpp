@@ -16,7 +16,7 @@ constexpr uint32_t kMostFramesPerSample = 64;
 
 ErrorPoint measure(const TimedSession& session, const Image& image, const Image& reference) {
   const Metrics m = compute_metrics(image, reference, {.flip = false});
-  return {session.frames(), session.samples_per_pixel(), session.time_s(), m.mse, m.rel_mse, m.mape};
+  return {session.frames(), session.samples_per_pixel(), session.time_s(), m.mse, m.rel_mse, m.mape, m.nonfinite_a};
 }
 
 /// Contenders take turns; each renders its share of every round, so that all end together.
@@ -65,7 +65,7 @@ class Recorder {
       : sessions_(sessions), options_(options), references_(references), results_(results), images_(sessions.size()) {}
 
   void frame_rendered(size_t i) {
-    if (is_animation() || !is_measured(sessions_[i]->frames())) return;
+    if (is_animation(options_) || !is_measured(sessions_[i]->frames())) return;
     results_[i].curve.push_back(measure(*sessions_[i], sessions_[i]->session().image(), references_.front().image));
   }
 
@@ -77,11 +77,12 @@ class Recorder {
       Repetition& result = results_[i];
       Image image = session.session().image();
       ErrorPoint point = measure(session, image, reference.image);
-      if (is_animation()) point.frames = static_cast<uint32_t>(frame + 1);
+      if (is_animation(options_)) point.frames = static_cast<uint32_t>(frame + 1);
       if (result.curve.empty() || result.curve.back().frames != point.frames) result.curve.push_back(point);
       result.mse += point.mse;
       result.rel_mse += point.rel_mse;
       result.mape += point.mape;
+      result.nonfinite += point.nonfinite;
       if (frame > 0) {
         result.temporal_error += temporal_error(image, reference.image, reference.surface, images_[i],
                                                 references_[frame - 1].image, references_[frame - 1].surface)
@@ -115,8 +116,6 @@ class Recorder {
   std::vector<Image> take_images() { return std::move(images_); }
 
  private:
-  bool is_animation() const { return options_.times_s.size() > 1; }
-
   const Sessions& sessions_;
   const ComparisonOptions& options_;
   const std::vector<Reference>& references_;

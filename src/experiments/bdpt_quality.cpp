@@ -14,6 +14,7 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Sun20 §5.1]";
+constexpr const char* kOurs = "[relume]";
 constexpr int kBounces = 8;
 constexpr int kSide = 160;
 
@@ -32,6 +33,7 @@ StudyOptions options_of(const ExperimentContext& context, const std::string& tec
   StudyOptions options{.techniques = techniques, .repetitions = 6, .reference_spp = 512};
   use_square(context, kSide, options);
   options.common.emplace_back("estimator", "bdpt");
+  options.reference = {{"estimator", "bdpt"}};
   return options;
 }
 
@@ -45,11 +47,11 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, Rec
   return {scene.name, std::move(region), study(context, scene, samples), study(context, scene, time)};
 }
 
-double ratio(const Comparison& c) { return mean_mse_of(c, "path") / mean_mse_of(c, "bdpt"); }
-
 double region_ratio(const Comparison& c, const Rectangle& region) {
   return region_mse(c, "path", region) / region_mse(c, "bdpt", region);
 }
+
+double ratio(const Comparison& c) { return region_ratio(c, {"picture"}); }
 
 TableBlock table(const std::vector<Case>& cases) {
   TableBlock block{"Path tracing's MSE over that of bidirectional path tracing",
@@ -93,7 +95,7 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
     return std::pair(study(context, scene, forty), study(context, scene, ten));
   };
   const auto [mirror_path, mirror_bdpt] = compare("cornell-mirror");
-  const double mirror = mean_mse_of(mirror_path, "path") / mean_mse_of(mirror_bdpt, "bdpt");
+  const double mirror = region_mse(mirror_path, "path", {"picture"}) / region_mse(mirror_bdpt, "bdpt", {"picture"});
   claims.push_back(judged("ten-frames-mirror", "[Sun20 §5.1.2]",
                           "On the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
                           fmt::format("path tracing's MSE over its own: {}", short_number(mirror)), "at least 0.8",
@@ -150,9 +152,9 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   ExperimentResult result;
   result.claims.push_back(claim_less_noise(cases));
   claim_frames(context, result.claims);
-  result.claims.push_back(claim_region(named(cases, "cornell-water"), "time-water", "[Sun20 §5.1.2]", 5));
-  result.claims.push_back(claim_region(named(cases, "cornell-glass"), "time-glass", "[Sun20 §5.1.2]", 5));
-  result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", "[Veach97 ch. 10]", 2));
+  result.claims.push_back(claim_region(named(cases, "cornell-water"), "time-water", kOurs, 5));
+  result.claims.push_back(claim_region(named(cases, "cornell-glass"), "time-glass", kOurs, 5));
+  result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", kOurs, 2));
   result.claims.push_back(claim_reference(context, cases));
   result.blocks.emplace_back(table(cases));
   for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));

@@ -117,11 +117,11 @@ void claim_bits(const std::vector<Case>& cases, const Adaptation& bsdf, std::vec
     measured += fmt::format("{}{} bits {:.3g}", measured.empty() ? "" : ", ", bits, plateau);
   }
   const Adaptation& many = find(cases, 36, kAsInThePaper).adaptation;
-  const ErrorRatio ratio = error_ratio(find(cases, 36, {64, 1}).adaptation.plateaus(16), many.plateaus(16));
+  const Ratio ratio = error_ratio(find(cases, 36, {64, 1}).adaptation.plateaus(16), many.plateaus(16));
   claims.push_back(with_verdict("bits", kPaper, "More than 64 bits do not lower the error much.",
                                 fmt::format("MSE {}; 64 bits over 128: {}", measured, to_text(ratio)),
                                 "64 bits at most 1.15× of 128, by the interval", verdict_of(ratio.interval, 0, 1.15)));
-  const ErrorRatio peak = error_ratio(many.at(0), bsdf.plateaus(bsdf.runs.front().size()));
+  const Ratio peak = error_ratio(many.at(0), bsdf.plateaus(bsdf.runs.front().size()));
   claims.push_back(
       with_verdict("bounded", kPaper,
                    "Right after 36° the error exceeds that of the BSDF's directions, which bound it by their share.",

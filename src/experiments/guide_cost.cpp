@@ -114,7 +114,7 @@ void add_claims(const SceneResult& scene, const std::string& id, bool own, std::
   claims.push_back(judged(fmt::format("{}-preparation{}", id, suffix), source,
                           who + ": preparing the structures takes a small part of the frame (1.2 of some 17 ms).",
                           fmt::format("{:.1f} %", 100 * share), "at most 10 %", share <= 0.1));
-  const ErrorRatio ratio = time_ratio(cache, scene.errors[kLists]);
+  const Ratio ratio = time_ratio(cache, scene.errors[kLists]);
   claims.push_back(with_verdict(fmt::format("{}-vlc{}", id, suffix), source,
                                 who + ": a frame with the cache takes as long as one with static light lists.",
                                 to_text(ratio), "at most 1.1, by the interval", verdict_of(ratio.interval, 0, 1.1)));

@@ -114,7 +114,8 @@ std::vector<double> distances_to_best(const std::vector<MovingErrors>& scenes) {
 TableBlock table(const std::vector<MovingErrors>& scenes) {
   TableBlock block{
       "Combinations",
-      "MSE of what is shown while the camera turns, at equal time, with FLIP and the frames that fitted in. "
+      "MSE of what is shown while the camera turns, at equal time, with FLIP, the frames that fitted in, and how much "
+      "of the time they took: frames are whole, so a slow technique has up to a half more or less. "
       "The first column is the geometric mean of the MSE over the least in each scene.",
       "techniques",
       {{"over the best", "", Better::lower}},
@@ -127,7 +128,8 @@ TableBlock table(const std::vector<MovingErrors>& scenes) {
     for (const MovingErrors& scene : scenes) {
       const MovingError& e = scene.contenders[i];
       row.cells.push_back(
-          {fmt::format("{:.3e}", e.mse), e.mse, fmt::format("FLIP {:.3f}, {} frames", e.flip, e.frames)});
+          {fmt::format("{:.3e}", e.mse), e.mse,
+           fmt::format("FLIP {:.3f}, {} frames, {:.0f} % of the time", e.flip, e.frames, 100 * e.time_share)});
     }
     block.rows.push_back(std::move(row));
   }
@@ -138,10 +140,11 @@ TableBlock table(const std::vector<MovingErrors>& scenes) {
 
 Claim claim_scene(const MovingErrors& scene) {
   std::string measured;
-  std::vector<ErrorRatio> ratios;
+  std::vector<Ratio> ratios;
   for (const char* paper : kPapers) {
     ratios.push_back(error_ratio(named(scene.contenders, paper).mses, named(scene.contenders, kInteractive).mses));
-    measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", paper, to_text(ratios.back()));
+    measured += fmt::format("{}{} {} in {:.0f} % of the time", measured.empty() ? "" : ", ", paper,
+                            to_text(ratios.back()), 100 * named(scene.contenders, paper).time_share);
   }
   std::string id = scene.scene;
   std::transform(id.begin(), id.end(), id.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -152,12 +155,11 @@ Claim claim_scene(const MovingErrors& scene) {
 }
 
 /// How many times less MSE `interactive` has, geometric mean over the scenes.
-ErrorRatio gain_over(const std::vector<MovingErrors>& scenes, std::string_view name) {
+Ratio gain_over(const std::vector<MovingErrors>& scenes, std::string_view name) {
   double log_value = 0;
   double squared_spread = 0;
   for (const MovingErrors& scene : scenes) {
-    const ErrorRatio ratio =
-        error_ratio(named(scene.contenders, name).mses, named(scene.contenders, kInteractive).mses);
+    const Ratio ratio = error_ratio(named(scene.contenders, name).mses, named(scene.contenders, kInteractive).mses);
     log_value += std::log(ratio.value) / static_cast<double>(scenes.size());
     squared_spread += sqr(std::log(ratio.interval.high / ratio.value) / static_cast<double>(scenes.size()));
   }
@@ -168,7 +170,7 @@ ErrorRatio gain_over(const std::vector<MovingErrors>& scenes, std::string_view n
 
 Claim claim_choice(const std::vector<MovingErrors>& scenes) {
   std::string measured;
-  std::vector<ErrorRatio> ratios;
+  std::vector<Ratio> ratios;
   for (const std::string_view name : kLeaders) {
     ratios.push_back(gain_over(scenes, name));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : "; ", name, to_text(ratios.back()));
@@ -180,7 +182,7 @@ Claim claim_choice(const std::vector<MovingErrors>& scenes) {
   return judged_ratios("best-choice", kOurs,
                        "No combination that led in earlier runs has a tenth less error than `interactive`, over all "
                        "scenes.",
-                       measured, ratios, 1 / 1.1);
+                       measured, ratios, 0.9);
 }
 
 PictureSet pictures(const MovingErrors& scene) {

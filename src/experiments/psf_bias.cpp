@@ -11,13 +11,14 @@ namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 
-/// The apg with the largest constant whose variance is at most half of path tracing's; nullptr if there is none. The
-/// biases have no say in which, or the noise of several would choose the luckiest.
+/// The apg with the largest constant whose variance is at most half of path tracing's, both away from lamps, at whose
+/// edges caches have camera rays of their own; nullptr if there is none. The biases have no say in which, or the noise
+/// of several would choose the luckiest.
 const FrameAverages* quiet_graph(const SceneAverages& scene) {
-  const double limit = 0.5 * named(scene.caches, "path").variance.value;
+  const double limit = 0.5 * named(scene.caches, "path").surface_variance.value;
   const FrameAverages* best = nullptr;
   for (const FrameAverages& a : scene.graphs) {
-    if (a.variance.value <= limit) best = &a;
+    if (a.surface_variance.value <= limit) best = &a;
   }
   return best;
 }
@@ -28,7 +29,7 @@ void claim_less_bias(std::string id, std::string claim, const FrameAverages& a, 
   claims.push_back({std::move(id), kPaper, std::move(claim),
                     fmt::format("{}: bias² {} against {} of {}, difference {}{}", a.name, with_noise(a.bias2),
                                 with_noise(b.bias2), b.name, with_noise(difference(a.bias2, b.bias2)), note),
-                    factor == 1 ? kBeyondNoise : fmt::format("below {} times psf's by two standard errors", factor),
+                    factor == 1 ? kBeyondNoise : fmt::format("below {} times psf's beyond the noise", factor),
                     verdict_below(difference(a.bias2, scaled(b.bias2, factor)))});
 }
 
@@ -41,12 +42,14 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
   if (!graph) {
     std::string measured = "no constant has so little variance:";
     for (const FrameAverages& a : scene.graphs)
-      measured += fmt::format(" {:.2f} of path tracing's with {}", a.variance.value / path.variance.value, a.name);
-    claims.push_back(judged(id, kPaper, claim, measured, kBeyondNoise, false));
+      measured += fmt::format(" {:.2f} of path tracing's with {}",
+                              a.surface_variance.value / path.surface_variance.value, a.name);
+    claims.push_back(unmeasured(id, kPaper, claim, kBeyondNoise, measured));
     return;
   }
   claim_less_bias(id, claim, *graph, named(scene.caches, "psf"), 1,
-                  fmt::format("; variance {:.2f} of path tracing's", graph->variance.value / path.variance.value),
+                  fmt::format("; variance away from lamps {:.2f} of path tracing's",
+                              graph->surface_variance.value / path.surface_variance.value),
                   claims);
 }
 

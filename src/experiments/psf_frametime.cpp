@@ -8,6 +8,7 @@
 
 #include "compare/timed_session.h"
 #include "experiments/all.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/named.h"
 #include "metrics/statistics.h"
@@ -16,6 +17,7 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.2]";
+constexpr const char* kOurs = "[relume]";
 
 /// Smaller pictures say little of time: what a frame takes besides its pixels weighs too much.
 constexpr int kWidth = 480;
@@ -25,6 +27,7 @@ constexpr int kHeight = 270;
 struct FrameFigures {
   std::string name;
   double frame_ms = 0;                                 ///< median of processor time
+  std::vector<double> frame_s;                         ///< the same of each frame, seconds
   std::vector<std::pair<std::string, double>> passes;  ///< ms a frame, of a clock on the wall
   double rays = 0;                                     ///< a pixel
   double cells = 0;
@@ -37,6 +40,9 @@ struct Timing {
   int bounces = 0;
   std::vector<FrameFigures> list;
   double of(std::string_view name) const { return named(list, name).frame_ms; }
+  Ratio ratio(std::string_view a, std::string_view b) const {
+    return time_ratio(named(list, a).frame_s, named(list, b).frame_s);
+  }
 };
 
 /// Frames that do not count: cells fill, and their variance comes to be believed.
@@ -54,8 +60,9 @@ double figure_of(const Session& session, std::string_view name) {
 }
 
 FrameFigures figures_of(std::string name, const TimedSession& session, int skip, uint64_t rays) {
-  FrameFigures f{.name = std::move(name), .passes = {}};
-  f.frame_ms = 1000 * median({session.frame_s().begin() + skip, session.frame_s().end()});
+  FrameFigures f{.name = std::move(name), .frame_s = {}, .passes = {}};
+  f.frame_s.assign(session.frame_s().begin() + skip, session.frame_s().end());
+  f.frame_ms = 1000 * median(f.frame_s);
   for (const PassTime& pass : session.passes())
     f.passes.emplace_back(pass.name, pass.seconds * (1000.0 / session.frames()));
   f.rays = static_cast<double>(rays) / (static_cast<double>(session.frames()) - skip) / (kWidth * kHeight);
@@ -156,20 +163,18 @@ BarBlock bars(const Timing& t) {
 std::string ratios(const std::vector<Timing>& timings, std::string_view a, std::string_view b) {
   std::string text;
   for (const Timing& t : timings)
-    text += fmt::format("{}{} {}: {:.2f}", text.empty() ? "" : ", ", t.scene, t.bounces, t.of(a) / t.of(b));
+    text += fmt::format("{}{} {}: {}", text.empty() ? "" : ", ", t.scene, t.bounces, share_text(t.ratio(a, b)));
   return text;
 }
 
 /// Holds if the ratio of a's time to b's keeps to the bounds everywhere.
 Claim claim_ratio(std::string id, std::string claim, const std::vector<Timing>& timings, std::string_view a,
                   std::string_view b, double low, double high, std::string threshold) {
-  bool holds = true;
-  for (const Timing& t : timings) {
-    const double ratio = t.of(a) / t.of(b);
-    holds = holds && ratio >= low && ratio <= high;
-  }
-  return judged(std::move(id), kPaper, std::move(claim), fmt::format("{} over {}: {}", a, b, ratios(timings, a, b)),
-                std::move(threshold), holds);
+  std::vector<Ratio> list;
+  for (const Timing& t : timings) list.push_back(t.ratio(a, b));
+  return judged_within(std::move(id), kPaper, std::move(claim),
+                       fmt::format("{} over {}: {}", a, b, ratios(timings, a, b)), std::move(threshold), list, low,
+                       high);
 }
 
 Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& many) {
@@ -189,12 +194,13 @@ Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& ma
 void measure_cost(const ExperimentContext& context, const ExperimentScene& scene, ExperimentResult& result) {
   const Timing t = measure(context, scene, 6, cost_contenders(context, scene));
   for (const char* name : {"psf", "apg"}) {
-    const double ratio = t.of(name) / t.of("path");
-    result.claims.push_back(judged(fmt::format("cost-{}", name), kPaper,
-                                   fmt::format("{}, 6 bounces: {} adds at most 20 % to path tracing's frame: filling, "
-                                               "eviction and filtering.",
-                                               scene.name, name),
-                                   fmt::format("{:.2f} of path tracing's time", ratio), "at most 1.2", ratio <= 1.2));
+    const Ratio ratio = t.ratio(name, "path");
+    result.claims.push_back(judged_within(fmt::format("cost-{}", name), kOurs,
+                                          fmt::format("{}, 6 bounces: {} adds at most 20 % to path tracing's frame: "
+                                                      "filling, eviction and filtering.",
+                                                      scene.name, name),
+                                          share_text(ratio) + " of path tracing's time", "at most 1.2", {ratio}, 0,
+                                          1.2));
   }
   result.blocks.emplace_back(cost_table(t));
 }
@@ -208,7 +214,7 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
     many.push_back(measure(context, scene, 10, cache_contenders(context, scene)));
     if (scene.name == "Sponza") measure_cost(context, scene, result);
   }
-  claim_without_sponza(context, kPaper,
+  claim_without_sponza(context, kOurs,
                        {{"cost-psf", "Sponza, 6 bounces: psf adds at most 20 %.", "at most 1.2"},
                         {"cost-apg", "Sponza, 6 bounces: apg adds at most 20 %.", "at most 1.2"}},
                        result.claims);

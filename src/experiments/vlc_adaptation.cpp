@@ -16,8 +16,8 @@ constexpr const char* kOurs = "[relume]";
 /// The paper's claims for one way to explore.
 void add_claims(const Adaptation& cache, const Adaptation& tree, const std::string& suffix, const char* source,
                 std::vector<Claim>& claims) {
-  const ErrorRatio second = error_ratio(cache.at(0), cache.at(1));
-  const ErrorRatio better = error_ratio(tree.plateaus(tree.runs.front().size()), cache.at(1));
+  const Ratio second = error_ratio(cache.at(0), cache.at(1));
+  const Ratio better = error_ratio(tree.plateaus(tree.runs.front().size()), cache.at(1));
   claims.push_back(judged_ratios("second-frame" + suffix, source,
                                  cache.name + ": already the second frame has a better picture than the first.",
                                  fmt::format("{} lower MSE than the first frame's, {} lower than the light tree's",

@@ -1,21 +1,15 @@
 #include "metrics/ensemble.h"
 
-#include <cmath>
-
 #include "core/error.h"
+#include "metrics/estimate.h"
 #include "metrics/metrics.h"
-#include "metrics/statistics.h"
 
 namespace relume {
 namespace {
 
-constexpr int kBlock = 16;
-
-struct BlockSums {
-  double bias2 = 0;
-  double variance = 0;
-  uint64_t pixels = 0;
-};
+/// Of repetitions, each left out in turn for the error of bias².
+constexpr size_t kMostGroups = 8;
+constexpr size_t kFewestGroups = 3;
 
 }  // namespace
 
@@ -25,12 +19,25 @@ void Ensemble::add(const Image& image) {
     m2_.assign(mean_.pixels.size(), Rgb(0));
   }
   check_same_size(mean_, image);
+  add_to_group(image);
   ++count_;
   for (size_t i = 0; i < m2_.size(); ++i) {
     const Rgb before = mean_.pixels[i];
     mean_.pixels[i] += (image.pixels[i] - before) / static_cast<float>(count_);
     m2_[i] += (image.pixels[i] - before) * (image.pixels[i] - mean_.pixels[i]);
   }
+}
+
+void Ensemble::add_to_group(const Image& image) {
+  const auto turn = static_cast<size_t>(count_);
+  const size_t index = turn % kMostGroups;
+  if (index == groups_.size()) {
+    groups_.push_back(image);
+    return;
+  }
+  Image& group = groups_[index];
+  const auto members = static_cast<float>(turn / kMostGroups + 1);
+  for (size_t i = 0; i < group.pixels.size(); ++i) group.pixels[i] += (image.pixels[i] - group.pixels[i]) / members;
 }
 
 Image Ensemble::squared_error(const Image& reference) const {
@@ -48,36 +55,22 @@ ErrorSplit Ensemble::split(const Image& reference, double reference_mse) const {
   if (count_ < 2) throw Error("bias and variance need at least two repetitions; repeat with another seed");
   check_same_size(mean_, reference);
   const double n = count_;
-  const auto block_columns = static_cast<size_t>((mean_.width + kBlock - 1) / kBlock);
-  const auto block_rows = static_cast<size_t>((mean_.height + kBlock - 1) / kBlock);
-  std::vector<BlockSums> blocks(block_columns * block_rows);
-  for (int y = 0; y < mean_.height; ++y) {
-    for (int x = 0; x < mean_.width; ++x) {
-      const size_t i = static_cast<size_t>(y) * static_cast<size_t>(mean_.width) + static_cast<size_t>(x);
-      const Rgb difference = mean_.pixels[i] - reference.pixels[i];
-      if (!is_finite(difference) || !is_finite(m2_[i])) continue;
-      BlockSums& block = blocks[static_cast<size_t>(y / kBlock) * block_columns + static_cast<size_t>(x / kBlock)];
-      for (int c = 0; c < 3; ++c) {
-        const double variance = m2_[i][c] / (n - 1);
-        block.variance += variance / 3;
-        block.bias2 += (double(difference[c]) * difference[c] - variance / n) / 3;
-      }
-      ++block.pixels;
+  ErrorSplit result;
+  for (size_t i = 0; i < m2_.size(); ++i) {
+    const Rgb difference = mean_.pixels[i] - reference.pixels[i];
+    if (!is_finite(difference) || !is_finite(m2_[i])) continue;
+    ++result.pixels;
+    for (int c = 0; c < 3; ++c) {
+      const double variance = m2_[i][c] / (n - 1);
+      result.variance += variance;
+      result.bias2 += double(difference[c]) * difference[c] - variance / n;
     }
   }
-  ErrorSplit result;
-  std::vector<double> block_means;
-  for (const BlockSums& block : blocks) {
-    if (block.pixels == 0) continue;
-    result.pixels += block.pixels;
-    result.bias2 += block.bias2;
-    result.variance += block.variance;
-    block_means.push_back(block.bias2 / static_cast<double>(block.pixels));
-  }
   if (result.pixels == 0) throw Error("no pixel is finite in all images; check what made them");
-  result.bias2 = result.bias2 / static_cast<double>(result.pixels) - reference_mse;
-  result.variance /= static_cast<double>(result.pixels);
-  result.bias2_error = standard_deviation(block_means) / std::sqrt(static_cast<double>(block_means.size()));
+  const double values = 3.0 * static_cast<double>(result.pixels);
+  result.bias2 = result.bias2 / values - reference_mse;
+  result.variance /= values;
+  if (groups_.size() >= kFewestGroups) result.bias2_error = squared_bias(groups_, reference, reference_mse).error();
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "core/error.h"
 #include "metrics/metrics.h"
@@ -40,6 +41,34 @@ std::optional<size_t> pixel_before(const Image& image, const SurfaceMotion& surf
   return q;
 }
 
+/// Means of what `squares(i, q)` says of each pixel i that the frame before shows at q, and that is finite.
+template <typename Squares>
+TemporalError mean_over_surfaces(const Image& reference, const SurfaceMotion& surface,
+                                 const SurfaceMotion& previous_surface, const Squares& squares) {
+  check_planes(reference, surface);
+  check_planes(reference, previous_surface);
+  TemporalError result;
+  for (int y = 0; y < reference.height; ++y) {
+    for (int x = 0; x < reference.width; ++x) {
+      const std::optional<size_t> q = pixel_before(reference, surface, previous_surface, x, y);
+      if (!q) continue;
+      const size_t i = static_cast<size_t>(y) * static_cast<size_t>(reference.width) + static_cast<size_t>(x);
+      const glm::dvec3 square = squares(i, *q);
+      const glm::dvec3 now(reference.pixels[i]);
+      if (!std::isfinite(square.x + square.y + square.z) || !is_finite(reference.pixels[i])) continue;
+      ++result.pixels;
+      for (int c = 0; c < 3; ++c) {
+        result.mse += square[c];
+        result.rel_mse += square[c] / (now[c] * now[c] + kRelativeEpsilon);
+      }
+    }
+  }
+  if (result.pixels == 0) return result;
+  result.mse /= 3.0 * static_cast<double>(result.pixels);
+  result.rel_mse /= 3.0 * static_cast<double>(result.pixels);
+  return result;
+}
+
 }  // namespace
 
 TemporalError temporal_error(const Image& image, const Image& reference, const SurfaceMotion& surface,
@@ -48,28 +77,20 @@ TemporalError temporal_error(const Image& image, const Image& reference, const S
   check_same_size(image, reference);
   check_same_size(image, previous_image);
   check_same_size(image, previous_reference);
-  check_planes(image, surface);
-  check_planes(image, previous_surface);
-  TemporalError result;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::optional<size_t> q = pixel_before(image, surface, previous_surface, x, y);
-      if (!q) continue;
-      const Rgb& now = reference.at(x, y);
-      const Rgb change = (image.at(x, y) - now) - (previous_image.pixels[*q] - previous_reference.pixels[*q]);
-      if (!is_finite(change)) continue;
-      ++result.pixels;
-      for (int c = 0; c < 3; ++c) {
-        const double square = double(change[c]) * change[c];
-        result.mse += square;
-        result.rel_mse += square / (double(now[c]) * now[c] + kRelativeEpsilon);
-      }
-    }
-  }
-  if (result.pixels == 0) return result;
-  result.mse /= 3.0 * static_cast<double>(result.pixels);
-  result.rel_mse /= 3.0 * static_cast<double>(result.pixels);
-  return result;
+  return mean_over_surfaces(reference, surface, previous_surface, [&](size_t i, size_t q) {
+    const Rgb now = image.pixels[i] - reference.pixels[i];
+    const Rgb change = now - (previous_image.pixels[q] - previous_reference.pixels[q]);
+    return glm::dvec3(change) * glm::dvec3(change);
+  });
+}
+
+TemporalError temporal_noise(const Image& reference, const Image& squared_error, const SurfaceMotion& surface,
+                             const Image& previous_squared_error, const SurfaceMotion& previous_surface) {
+  check_same_size(reference, squared_error);
+  check_same_size(reference, previous_squared_error);
+  return mean_over_surfaces(reference, surface, previous_surface, [&](size_t i, size_t q) {
+    return glm::dvec3(squared_error.pixels[i]) + glm::dvec3(previous_squared_error.pixels[q]);
+  });
 }
 
 }  // namespace relume

@@ -31,4 +31,10 @@ TemporalError temporal_error(const Image& image, const Image& reference, const S
                              const Image& previous_image, const Image& previous_reference,
                              const SurfaceMotion& previous_surface);
 
+/// What noise of the references adds to temporal_error() on average, if it is independent from frame to frame: the sum
+/// of both variances, which `squared_error` and `previous_squared_error` have for each pixel and channel. Throws Error
+/// if sizes differ.
+TemporalError temporal_noise(const Image& reference, const Image& squared_error, const SurfaceMotion& surface,
+                             const Image& previous_squared_error, const SurfaceMotion& previous_surface);
+
 }  // namespace relume

@@ -67,6 +67,21 @@ TEST(TemporalError, IndependentNoiseCountsTwice) {
   EXPECT_NEAR(e.rel_mse, e.mse / 0.01, 1e-6 * e.rel_mse);
 }
 
+TEST(TemporalError, NoiseOfTheReferencesIsKnown) {
+  // Pictures without error against references with noise: all of the temporal error is theirs.
+  const Image black(kWidth, kHeight);
+  Image variance(kWidth, kHeight);
+  for (Rgb& pixel : variance.pixels) pixel = Rgb(1.0f / 12);
+  const Image noisy = make_noise(1);
+  const TemporalError e =
+      temporal_error(black, noisy, make_surface({5, 0}), black, make_noise(2), make_surface({0, 0}));
+  const TemporalError noise = temporal_noise(noisy, variance, make_surface({5, 0}), variance, make_surface({0, 0}));
+  EXPECT_EQ(noise.pixels, e.pixels);
+  EXPECT_NEAR(noise.mse, 2.0 / 12, 1e-7);
+  EXPECT_NEAR(e.mse, noise.mse, 0.02);
+  EXPECT_THROW(temporal_noise(noisy, Image(2, 2), make_surface({5, 0}), variance, make_surface({0, 0})), Error);
+}
+
 TEST(TemporalError, ChangesOfTheReferenceDoNotCount) {
   const Image dark(kWidth, kHeight);
   const Image bright = make_noise(3);

@@ -9,20 +9,11 @@
 namespace relume {
 
 /// A uniform number that decides more than one thing: each choice stretches what is left of it to [0, 1) again. That
-/// keeps strata, but a float holds 24 bits, which a choice among a million lights uses up; below them each choice
-/// therefore appends bits of a hash.
+/// keeps strata, but a float holds 24 bits, which a choice among a million lights uses up; choices among many therefore
+/// append bits of a hash.
 struct ReusableNumber {
   float u;        ///< in [0, 1)
-  uint32_t bits;  ///< hash of what the number belongs to
-
-  /// `part` of `width` in all, uniform in [0, width) but for the last of the 24 bits of `whole`, becomes the number.
-  RELUME_HD_INLINE void stretch(float part, float width, float whole = 1.0f) {
-    const float grain = relume::min(whole * 0x1p-24f, width);
-    u = clamp((part + grain * to_unit_float(next_bits())) / width, 0.0f, kOneMinusEpsilon);
-  }
-
-  /// Appends bits to a number of 24: near 0, where they have room in a float, they decide about the rarest choices.
-  RELUME_HD_INLINE void refine() { stretch(u, 1.0f); }
+  uint32_t bits;  ///< what the number belongs to, from which a hash makes more bits
 
   RELUME_HD_INLINE uint32_t next_bits() { return bits = hash(bits + 0x9e3779b9u); }
 };
@@ -33,12 +24,7 @@ RELUME_HD inline bool takes_share(float share, float& u) {
   u = clamp(first ? u / share : (u - share) / (1.0f - share), 0.0f, kOneMinusEpsilon);
   return first;
 }
-RELUME_HD inline bool takes_share(float share, ReusableNumber& n) {
-  if (!(share > 0.0f) || share >= 1.0f) return share >= 1.0f;
-  const bool first = n.u < share;
-  n.stretch(first ? n.u : n.u - share, first ? share : 1.0f - share);
-  return first;
-}
+RELUME_HD inline bool takes_share(float share, ReusableNumber& n) { return takes_share(share, n.u); }
 
 /// Index below `count` > 0, all alike, which a float can tell apart; `u` in [0, 1) becomes what is left of it.
 RELUME_HD_INLINE uint32_t choose_evenly(uint32_t count, float& u) {
@@ -55,8 +41,9 @@ RELUME_HD_INLINE uint32_t choose_evenly(uint32_t count, ReusableNumber& n) {
   const uint64_t high = (uint64_t{static_cast<uint32_t>(n.u * 0x1p24f)} << 8) | (more >> 24);
   const uint64_t low = more << 8;
   const uint64_t product = high * count + ((low * count) >> 32);
-  n.u = to_unit_float(static_cast<uint32_t>(product));
-  n.refine();
+  const uint32_t rest = static_cast<uint32_t>(product);
+  // Near 0 a float has room for all 32 bits, by which the rarest alias is told from none.
+  n.u = relume::min(to_unit_float(rest) + static_cast<float>(rest & 255u) * 0x1p-32f, kOneMinusEpsilon);
   return static_cast<uint32_t>(product >> 32);
 }
 
@@ -73,7 +60,9 @@ RELUME_HD inline uint32_t choose_by_weight(const float* weights, uint32_t count,
     rest -= weights[chosen];
   }
   if (chosen == count) chosen = last;  // rounding ran past the end
-  n.stretch(rest, weights[chosen], sum);
+  // Where little of the sum was chosen little of the number is left: the last of its bits is made of new ones.
+  const float grain = relume::min(sum * 0x1p-24f, weights[chosen]);
+  n.u = clamp((rest + grain * to_unit_float(n.next_bits())) / weights[chosen], 0.0f, kOneMinusEpsilon);
   return chosen;
 }
 

@@ -51,9 +51,7 @@ class Sampler {
   RELUME_HD uint32_t ray_id() const { return hash((scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
   /// The numbers of the dimension handed out last, with more bits below them.
   RELUME_HD_INLINE ReusableNumber reusable(float u) const {
-    ReusableNumber number{u, hash(ray_id(), kSaltBits)};
-    number.refine();
-    return number;
+    return {u, (scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u + kSaltBits};
   }
 
   RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }

@@ -85,7 +85,7 @@ class Errors(RefusalTest):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--time", "soon"), says=["--time"])
 
     def test_timing_of_what_is_compared_by_pictures(self):
-        for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr")):
+        for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr"), ("--reference-settings", "lights:uniform")):
             self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "leave"])
 
     def test_unknown_choice(self):
@@ -243,6 +243,7 @@ class Commands(RefusalTest):
     def test_compare(self):
         write_bare_exr(self.folder / "small.exr", 0.5)
         write_bare_exr(self.folder / "fits.exr", 0.5, 24, 18)
+        write_bare_exr(self.folder / "nan.exr", float("nan"), 24, 18)
         self.refuse_each(["compare", "cornell", *SMALL, "-o", "page.html", "--cache-dir", "cache"], [
             (USAGE, "--spp 4 --budget 1s", "--spp .* equal samples and --budget .* equal time; choose one"),
             (USAGE, "--time 5s", "compare has no --time; --budget compares at equal time"),
@@ -255,6 +256,13 @@ class Commands(RefusalTest):
             (FAILED, "--techniques small.exr", r"small\.exr: .* no attribute 'relume\.settings'"),
             (FAILED, "--reference small.exr", r"small\.exr has 8x8 pixels, but 24x18 are compared; give --width and --height"),
             (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one picture; leave --frames or --reference out"),
+            (FAILED, "--reference nan.exr", r"nan\.exr: no pixel of this picture is finite; check what made it"),
+            (FAILED, "--image nan.exr", r"nan\.exr: no pixel of this picture is finite; check what made it"),
+            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference takes a picture .* --reference-settings .*; choose one"),
+            (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
+            (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
+            (FAILED, "--reference-settings width:8", "--reference-settings: width is the same for all that are compared; give it as --width"),
+            (FAILED, "--reference-settings cache:psf,guide:cdq", "lights 'vlc' and guide 'cdq' .* without a radiance cache"),
         ])
 
     def test_experiment(self):

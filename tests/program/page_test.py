@@ -96,8 +96,9 @@ class Page(unittest.TestCase):
 
 class ComparePage(Page):
     ARGUMENTS = [
-        "compare", "cornell", "--width", "64", "--height", "48", "--max-bounces", "3", "--spp", "8", "--repeat", "3",
-        "--techniques", "uniform=lights:uniform", "--techniques", "short=max-bounces:1", "--reference-spp", "64"]
+        "compare", "cornell", "--width", "64", "--height", "48", "--max-bounces", "3", "--spp", "8", "--repeat", "6",
+        "--techniques", "uniform=lights:uniform", "--techniques", "short=max-bounces:1", "--reference-spp", "64",
+        "--psf.cell-size", "12", "--guide", "bsdf"]
     PAGE = "compare.html"
 
     def zoom(self):
@@ -112,7 +113,10 @@ class ComparePage(Page):
         self.assertGreater(first["mse"]["median"], 0)
         self.assertEqual(first["samples_per_pixel"]["median"], 8)
         self.assertGreater(second["bias2"], first["bias2"])
+        self.assertGreater(second["bias2"], 2 * second["bias2_error"])
+        self.assertEqual([c["nonfinite_pixels"] for c in numbers["contenders"]], [0, 0])
         self.assertGreater(numbers["reference"]["mse"], 0)
+        self.assertEqual(numbers["reference"]["flags_left_out"], {"psf.cell-size": "12"})
         header, *rows = self.read("compare.csv").splitlines()
         self.assertEqual(len(rows), 2)
         self.assertEqual(len(header.split(",")), len(rows[0].split(",")))
@@ -122,6 +126,10 @@ class ComparePage(Page):
         self.assertEqual(self.browser.execute_script("return performance.getEntriesByType('resource').filter((e) => !e.name.startsWith('data:')).length"), 0)
         self.assertEqual(self.visible_panes(), ["reference", "uniform", "short"])
         self.assertEqual(len(self.all("section")), 6)
+
+    def test_says_what_the_reference_did_not_take(self):
+        pairs = [row.text for row in self.all(".details-block tbody tr")]
+        self.assertIn("Not for the reference psf.cell-size = 12", [" ".join(pair.split()) for pair in pairs])
 
     def test_keys_flip_through_the_pictures(self):
         self.one(".viewer").click()

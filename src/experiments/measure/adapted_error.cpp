@@ -100,62 +100,10 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
   return results;
 }
 
-ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
-  const double mean_a = mean(a);
-  const double mean_b = mean(b);
-  ErrorRatio ratio;
-  ratio.value = mean_b > 0 ? mean_a / mean_b : 0;
-  // What is as near to the reference as the reference to the truth has no error to be told: nothing is decided.
-  ratio.interval = {0, std::numeric_limits<double>::infinity(), 0};
-  if (mean_b > 0) ratio.interval = {ratio.value, ratio.value, 0};
-  if (a.size() < 2 || b.size() < 2 || !(mean_a > 0 && mean_b > 0)) return ratio;
-  const auto relative_variance = [](const std::vector<double>& values, double m) {
-    const double s = standard_deviation(values);
-    return s * s / (m * m * static_cast<double>(values.size()));
-  };
-  const double var_a = relative_variance(a, mean_a);
-  const double var_b = relative_variance(b, mean_b);
-  const double freedom_a = static_cast<double>(a.size() - 1);
-  const double freedom_b = static_cast<double>(b.size() - 1);
-  const double sum = var_a + var_b;
-  const double freedom = sum > 0 ? sum * sum / (var_a * var_a / freedom_a + var_b * var_b / freedom_b) : freedom_a;
-  const double spread = std::exp(student_t(std::max<size_t>(static_cast<size_t>(freedom), 1)) * std::sqrt(sum));
-  ratio.interval = {ratio.value / spread, ratio.value * spread, 0.95};
-  return ratio;
-}
+Ratio time_ratio(const AdaptedError& a, const AdaptedError& b) { return time_ratio(a.frame_s, b.frame_s); }
 
-ErrorRatio time_ratio(const AdaptedError& a, const AdaptedError& b) {
-  if (!(b.median_s() > 0)) return {};
-  const Interval of_a = median_interval(a.frame_s);
-  const Interval of_b = median_interval(b.frame_s);
-  const double spread = std::hypot(std::log(of_a.high / of_a.low), std::log(of_b.high / of_b.low)) / 2;
-  const double value = a.median_s() / b.median_s();
-  return {value, {value * std::exp(-spread), value * std::exp(spread), std::min(of_a.confidence, of_b.confidence)}};
-}
-
-ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region) {
-  const ErrorRatio error = error_ratio(a.mse[region], b.mse[region]);
-  const ErrorRatio time = time_ratio(a, b);
-  const double value = error.value * time.value;
-  if (!(value > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
-  const auto both = [](double x, double y) { return std::exp(std::hypot(std::log(x), std::log(y))); };
-  return {
-      value,
-      {value / both(error.value / error.interval.low, time.value / time.interval.low),
-       value * both(error.interval.high / error.value, time.interval.high / time.value), error.interval.confidence}};
-}
-
-std::string to_text(const ErrorRatio& ratio) {
-  return fmt::format("{:.3g}× ({:.3g} to {:.3g})", ratio.value, ratio.interval.low, ratio.interval.high);
-}
-
-Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
-                    const std::vector<ErrorRatio>& ratios, double least) {
-  std::vector<const char*> verdicts;
-  for (const ErrorRatio& ratio : ratios) verdicts.push_back(verdict_of(ratio.interval, least));
-  return with_verdict(std::move(id), std::move(paper), std::move(claim), std::move(measured),
-                      fmt::format("{}at least {:.2g}×, by the interval", ratios.size() > 1 ? "each " : "", least),
-                      verdict_of_all(verdicts));
+Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region) {
+  return product(error_ratio(a.mse[region], b.mse[region]), time_ratio(a, b));
 }
 
 PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference) {

@@ -9,6 +9,7 @@
 #include "compare/reference.h"
 #include "experiments/experiment.h"
 #include "experiments/measure/pixel_mask.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/setup/scenes.h"
 #include "io/image.h"
 #include "metrics/statistics.h"
@@ -48,25 +49,11 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
-/// A quotient with a 95 % interval from the spread of independent values (delta method in logarithms, Student's t with
-/// Welch's degrees of freedom).
-struct ErrorRatio {
-  double value = 0;
-  Interval interval;
-};
-/// a's mean over b's: how many times lower b's error is.
-ErrorRatio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
-/// a's median time of a frame over b's: how many times faster b is. Contenders had turns, frame by frame.
-ErrorRatio time_ratio(const AdaptedError& a, const AdaptedError& b);
-/// error_ratio() at equal time: each error times the median time of its contender's frames.
-ErrorRatio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
-
-/// "10.3× (9.8 to 10.9)".
-std::string to_text(const ErrorRatio& ratio);
-
-/// A claim that every ratio is at least `least`, by their intervals; `threshold` is made of it.
-Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
-                    const std::vector<ErrorRatio>& ratios, double least);
+/// a's median time of a frame over b's.
+Ratio time_ratio(const AdaptedError& a, const AdaptedError& b);
+/// MSE times the median time of a frame, a's over b's: what equal time would give if errors fell with 1 / time, as
+/// those of independent frames do.
+Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
 
 /// The reference and the last frame of each.
 PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "compare/timed_session.h"
@@ -13,34 +14,6 @@
 
 namespace relume {
 namespace {
-
-/// Sums over frames, pixel by pixel.
-struct FrameSums {
-  std::vector<glm::dvec3> values;
-  std::vector<glm::dvec3> squares;
-  int count = 0;
-
-  void add(const Image& image) {
-    values.resize(image.pixels.size(), glm::dvec3(0));
-    squares.resize(image.pixels.size(), glm::dvec3(0));
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
-      const glm::dvec3 value(image.pixels[i]);
-      values[i] += value;
-      squares[i] += value * value;
-    }
-    ++count;
-  }
-
-  /// Variance of a frame, unbiased if frames are independent; mean over pixels and channels.
-  double variance() const {
-    double sum = 0;
-    for (size_t i = 0; i < values.size(); ++i) {
-      const glm::dvec3 v = squares[i] - values[i] * values[i] / static_cast<double>(count);
-      sum += v.x + v.y + v.z;
-    }
-    return sum / (3.0 * static_cast<double>(values.size()) * std::max(1, count - 1));
-  }
-};
 
 Image mean_image(const std::vector<glm::dvec3>& sums, int count, int width, int height) {
   Image image(width, height);
@@ -58,18 +31,58 @@ double mean_termination(const Session& session) {
 
 }  // namespace
 
+void FrameSums::add(const Image& image) {
+  values.resize(image.pixels.size(), glm::dvec3(0));
+  squares.resize(image.pixels.size(), 0);
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const glm::dvec3 value(image.pixels[i]);
+    values[i] += value;
+    squares[i] += glm::dot(value, value);
+  }
+  ++count;
+}
+
+Estimate frame_variance(const std::vector<FrameSums>& repetitions, const PixelMask& region) {
+  const auto n = static_cast<double>(repetitions.size());
+  std::vector<double> squares(repetitions.size(), 0.0);  // mean over frames, sum over pixels
+  double crossed = 0;                                    // Σ over pairs of different repetitions
+  std::vector<double> crossed_without(repetitions.size(), 0.0);
+  for (size_t p = 0; p < region.mask.size(); ++p) {
+    if (region.mask[p] == 0) continue;
+    glm::dvec3 sum(0);
+    double own = 0;
+    for (size_t r = 0; r < repetitions.size(); ++r) {
+      const glm::dvec3 mean = repetitions[r].values[p] / static_cast<double>(repetitions[r].count);
+      sum += mean;
+      own += glm::dot(mean, mean);
+      squares[r] += repetitions[r].squares[p] / repetitions[r].count;
+    }
+    crossed += glm::dot(sum, sum) - own;
+    for (size_t r = 0; r < repetitions.size(); ++r) {
+      const glm::dvec3 mean = repetitions[r].values[p] / static_cast<double>(repetitions[r].count);
+      crossed_without[r] += glm::dot(sum - mean, sum - mean) - (own - glm::dot(mean, mean));
+    }
+  }
+  const double values = 3.0 * static_cast<double>(region.pixels());
+  const Estimate mean_square = mean_estimate(squares);
+  Estimate result{(mean_square.value - crossed / (n * (n - 1))) / values, {}};
+  for (size_t r = 0; r < repetitions.size(); ++r)
+    result.without.push_back((mean_square.without[r] - crossed_without[r] / ((n - 1) * (n - 2))) / values);
+  return result;
+}
+
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
                              const NamedSettings& contender, const FramePlanOfAverages& plan,
-                             const Reference& reference) {
+                             const Reference& reference, const PixelMask& surfaces) {
   TimedSession session(scene.scene, contender.settings);
   session.session().set_camera(scene.camera);
   std::vector<Image> means;
-  std::vector<double> variances;
+  std::vector<FrameSums> repetitions;
   FrameAverages result{.name = contender.name};
   std::vector<double> frame_s;
   for (int repetition = 0; repetition < plan.repetitions; ++repetition) {
     session.restart(1 + repetition);
-    FrameSums sums;
+    FrameSums& sums = repetitions.emplace_back();
     for (int frame = 0; frame < plan.skip + plan.count; ++frame) {
       context.check_stop();
       session.render_frame();
@@ -79,11 +92,12 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
     }
     frame_s.insert(frame_s.end(), session.frame_s().begin() + plan.skip, session.frame_s().end());
     means.push_back(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
-    variances.push_back(sums.variance());
     context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
   }
   result.bias2 = squared_bias(means, reference.image, reference.mse);
-  result.variance = mean_estimate(variances);
+  result.variance =
+      frame_variance(repetitions, mask_of({"picture"}, contender.settings.width, contender.settings.height));
+  result.surface_variance = frame_variance(repetitions, surfaces);
   result.termination /= plan.count * plan.repetitions;
   result.frame_s = median(std::move(frame_s));
   Ensemble ensemble;

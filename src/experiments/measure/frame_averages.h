@@ -6,6 +6,7 @@
 #include "compare/reference.h"
 #include "experiments/experiment.h"
 #include "experiments/measure/estimate.h"
+#include "experiments/measure/pixel_mask.h"
 #include "experiments/setup/scenes.h"
 #include "io/image.h"
 
@@ -17,18 +18,33 @@ struct FramePlanOfAverages {
   int repetitions = 6;  ///< at least three
 };
 
+/// Sums over the frames of a repetition.
+struct FrameSums {
+  std::vector<glm::dvec3> values;  ///< by pixel
+  std::vector<double> squares;     ///< by pixel, of all channels
+  int count = 0;
+
+  void add(const Image& image);
+};
+
+/// Variance of a frame, mean over the region's pixels and channels: the mean square less the square of the mean, by
+/// products of different repetitions. Frames of one repetition share what cells remember; their spread about their own
+/// mean would be too small. Requires three repetitions.
+Estimate frame_variance(const std::vector<FrameSums>& repetitions, const PixelMask& region);
+
 struct FrameAverages {
   std::string name;
-  Estimate bias2 = {};     ///< mean square difference of the average frame from the reference, without noise
-  Estimate variance = {};  ///< of a frame
-  double termination = 0;  ///< mean bounce at which paths cease to count; 0 without cells
-  double frame_s = 0;      ///< median
+  Estimate bias2 = {};             ///< mean square difference of the average frame from the reference, without noise
+  Estimate variance = {};          ///< of a frame, over independent sessions
+  Estimate surface_variance = {};  ///< the same over the pixels of `surfaces`
+  double termination = 0;          ///< mean bounce at which paths cease to count; 0 without cells
+  double frame_s = 0;              ///< median
   Image average = {};
 };
 
 /// Throws ExperimentStopped.
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
                              const NamedSettings& contender, const FramePlanOfAverages& plan,
-                             const Reference& reference);
+                             const Reference& reference, const PixelMask& surfaces);
 
 }  // namespace relume

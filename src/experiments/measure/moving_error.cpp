@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 
 namespace relume {
 namespace {
+
+constexpr int kTimingRounds = 2;  // before anything is measured
 
 /// One session for everybody: many scenes in memory at once would be too much.
 struct Walk {
@@ -31,14 +34,16 @@ struct Walk {
     timed.restart(seed);
   }
 
-  /// From the view before to this one.
-  void turn_to(int view, int frames) {
+  /// From the view before to this one. Returns the time it took, ms.
+  double turn_to(int view, int frames) {
     for (int i = 1; i <= frames; ++i) {
       context.check_stop();
       const float share = static_cast<float>(i) / static_cast<float>(frames);
       timed.session().set_camera(turned(scene, view_deg(view - 1) + options.step_deg * share));
       timed.render_frame();
     }
+    const auto& seconds = timed.frame_s();
+    return 1000 * std::accumulate(seconds.end() - frames, seconds.end(), 0.0);
   }
 
   /// Median; the first frames fill caches and are left out.
@@ -85,34 +90,41 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   double rounds = 0;
   for (const MovingContender& contender : contenders) {
     most = std::max(most, repetitions_of(contender));
-    rounds += 1 + repetitions_of(contender);
+    rounds += kTimingRounds + repetitions_of(contender);
   }
   double done = 0;
-  for (const MovingContender& contender : contenders) {
-    walk.begin(contender, 0);
-    walk.turn_to(0, options.frames);
-    result.contenders.push_back({.name = contender.name, .frame_ms = walk.frame_ms()});
-    context.report(scene.name, ++done / rounds);
-  }
-  const double leg_ms = options.frames * result.contenders.front().frame_ms;
   std::vector<std::vector<double>> frame_ms(contenders.size());
+  for (const MovingContender& contender : contenders) result.contenders.push_back({.name = contender.name});
+  for (int round = 0; round < kTimingRounds; ++round) {
+    for (size_t i = 0; i < contenders.size(); ++i) {
+      walk.begin(contenders[i], 0);
+      walk.turn_to(0, options.frames);
+      frame_ms[i].push_back(walk.frame_ms());
+      context.report(scene.name, ++done / rounds);
+    }
+  }
+  std::vector<std::vector<double>> leg_ms(contenders.size());
   for (int repetition = 1; repetition <= most; ++repetition) {
+    const double budget_ms = options.frames * median(frame_ms.front());
     for (size_t i = 0; i < contenders.size(); ++i) {
       const int repetitions = repetitions_of(contenders[i]);
       if (repetition > repetitions) continue;
       MovingError& error = result.contenders[i];
-      error.frames = std::max(1, static_cast<int>(std::lround(leg_ms / error.frame_ms)));
+      error.frames = std::max(1, static_cast<int>(std::lround(budget_ms / median(frame_ms[i]))));
       walk.begin(contenders[i], repetition);
       error.mses.push_back(0);
       for (int view = 0; view < options.views; ++view) {
-        walk.turn_to(view, error.frames);
+        leg_ms[i].push_back(walk.turn_to(view, error.frames));
         walk.measure(view, repetitions, error);
       }
       frame_ms[i].push_back(walk.frame_ms());
       context.report(scene.name, ++done / rounds);
     }
   }
-  for (size_t i = 0; i < contenders.size(); ++i) result.contenders[i].frame_ms = median(frame_ms[i]);
+  for (size_t i = 0; i < contenders.size(); ++i) {
+    result.contenders[i].frame_ms = median(frame_ms[i]);
+    result.contenders[i].time_share = median(leg_ms[i]) / median(leg_ms.front());
+  }
   return result;
 }
 

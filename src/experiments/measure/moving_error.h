@@ -31,7 +31,9 @@ struct MovingOptions {
 struct MovingError {
   std::string name;
   int frames = 0;       ///< from one view to the next
-  double frame_ms = 0;  ///< median
+  double frame_ms = 0;  ///< median over repetitions
+  double time_share =
+      1;  ///< of the time that the first contender's way from view to view took: whole frames fit as they do
   double mse = 0;
   double rel_mse = 0;
   double flip = 0;
@@ -46,7 +48,8 @@ struct MovingErrors {
 };
 
 /// The camera turns from a view to the next, which all contenders reach after the same time: frames of a slow one are
-/// fewer, and lie further apart. How long frames take is measured first. Requires a camera of the experiment's own.
+/// fewer, and lie further apart. Contenders have turns; how many frames fit follows from the median of all that was
+/// measured before, at first in rounds of their own. Requires a camera of the experiment's own.
 /// Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);

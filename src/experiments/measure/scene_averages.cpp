@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
+#include "experiments/measure/learning_regions.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/references.h"
 #include "report/pictures.h"
@@ -16,19 +17,19 @@ constexpr float kConstants[] = {0, 0.01f, 0.1f, 1, 10, 100};
 constexpr int kReferenceSpp = 1024;
 
 FramePlanOfAverages plan_of(const ExperimentContext& context) {
-  return {.skip = context.choose(16, 8), .count = context.choose(48, 8), .repetitions = context.choose(6, 3)};
+  return {.skip = context.choose(32, 8), .count = context.choose(48, 8), .repetitions = context.choose(6, 3)};
 }
 
 /// Constants that matter to the bias of path graphs where they are quiet.
 bool is_moderate(float constant) { return constant == 0.01f || constant == 0.1f || constant == 1; }
 
-TableCell cell(const Estimate& e) { return {short_number(e.value), e.value, "± " + short_number(2 * e.error())}; }
+TableCell cell(const Estimate& e) { return {short_number(e.value), e.value, "± " + short_number(e.half_width())}; }
 
 TableBlock table(const SceneAverages& scene) {
   TableBlock block{
       scene.name,
       "Bias²: mean square difference of the average frame from the reference, without what noise adds to it "
-      "(noise can make it negative). Variance: of a frame. ±: two standard errors, from independent repetitions.",
+      "(noise can make it negative). Variance: of a frame, over independent sessions. ±: 95 %, from these.",
       "technique",
       {{"bias²", "", Better::lower}, {"variance", "", Better::lower}, {"bias² + variance", "", Better::lower}},
       {}};
@@ -74,10 +75,11 @@ ViewerBlock pictures(const std::vector<SceneAverages>& scenes) {
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches) {
   SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 128)), {}, {}, {}};
   const bool all = caches == CacheSet::techniques;
+  const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (const NamedSettings& contender : list) {
     if (all || contender.name == "path" || contender.name == "psf")
-      result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
+      result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   }
   for (const float constant : kConstants) {
     if (all && !is_moderate(constant)) continue;
@@ -85,7 +87,7 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
     contender.settings.cache = CacheChoice::apg;
     contender.settings.apg.variance_constant = constant;
     result.constants.push_back(constant);
-    result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference));
+    result.graphs.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   }
   return result;
 }

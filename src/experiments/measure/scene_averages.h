@@ -12,7 +12,7 @@
 namespace relume {
 
 /// What claims about a difference of two figures call their threshold.
-inline constexpr const char* kBeyondNoise = "a difference beyond two standard errors";
+inline constexpr const char* kBeyondNoise = "a difference beyond the noise (95 %)";
 
 /// Whose averages are measured.
 enum class CacheSet {

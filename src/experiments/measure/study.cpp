@@ -62,6 +62,7 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.budget_s = context.quick ? options.budget_s / 10 : options.budget_s;
   o.repetitions = context.choose(options.repetitions, std::min(options.repetitions, 2));
   o.times_s = options.times_s;
+  o.reference_settings = options.reference;
   o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 256));
   o.cache_folder = context.cache_folder;
   o.program = context.program;

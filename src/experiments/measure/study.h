@@ -16,10 +16,11 @@ namespace relume {
 struct StudyOptions {
   /// As `relume compare --techniques` takes them: "path=cache:none,psf=cache:psf,psf.cell-size:0.05".
   std::string techniques;
-  /// Settings for everybody, name and text, on top of the scene's.
-  std::vector<std::pair<std::string, std::string>> common = {};
-  int spp = 1;          ///< samples a pixel; of each frame of an animation
-  double budget_s = 0;  ///< instead of spp: equal time
+  /// Settings for everybody, on top of the scene's. Those that might bias it do not reach the reference.
+  SettingTexts common = {};
+  SettingTexts reference = {};  ///< settings of the reference alone
+  int spp = 1;                  ///< samples a pixel; of each frame of an animation
+  double budget_s = 0;          ///< instead of spp: equal time
   /// Frames of an animation, seconds; empty: the still scene. Only scenes without a camera of the experiment's own
   /// move along their camera path.
   std::vector<float> times_s = {};

@@ -92,21 +92,10 @@ void take_maps(std::vector<Runner>& runners) {
   }
 }
 
-Trace median_trace(const Runner& runner) {
-  Trace trace{runner.contender->name, {}, runner.picture, runner.picture_point, runner.map};
-  size_t count = runner.repetitions.front().size();
-  for (const auto& points : runner.repetitions) count = std::min(count, points.size());
-  for (size_t i = 0; i < count; ++i) {
-    TracePoint point;
-    for (double TracePoint::*member :
-         {&TracePoint::frames, &TracePoint::samples, &TracePoint::time_s, &TracePoint::mse, &TracePoint::spread}) {
-      std::vector<double> values;
-      for (const auto& points : runner.repetitions) values.push_back(points[i].*member);
-      point.*member = median(std::move(values));
-    }
-    trace.points.push_back(point);
-  }
-  return trace;
+/// The grid of frames ends where the time does; what came after its last point counts too.
+void end_repetition(Runner& runner, const TraceOptions& options) {
+  if (!is_measured(runner.frames))
+    runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), options));
 }
 
 }  // namespace
@@ -153,29 +142,67 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
       if (repetition == 0 && frame + 1 == options.picture_frame) take_pictures(runners, options);
     }
     if (repetition == 0) take_maps(runners);
+    for (Runner& runner : runners) end_repetition(runner, options);
     context.report(stage, (repetition + 1.0) / options.repetitions);
   }
   std::vector<Trace> traces;
-  for (const Runner& runner : runners) traces.push_back(median_trace(runner));
+  for (Runner& runner : runners) {
+    traces.push_back({runner.contender->name,
+                      std::move(runner.repetitions),
+                      {},
+                      std::move(runner.picture),
+                      runner.picture_point,
+                      std::move(runner.map)});
+    traces.back().points = median_points(traces.back().repetitions);
+  }
   if (!file.empty() && options.picture_frame > 0) save_traces(file, traces);
   return traces;
 }
 
-double value_at(const Trace& trace, TraceValue value, double time_s) {
-  const auto& points = trace.points;
-  if (points.empty()) return 0;
-  if (time_s <= points.front().time_s) return points.front().*value;
-  for (size_t i = 1; i < points.size(); ++i) {
-    if (time_s > points[i].time_s) continue;
-    const double span = std::log(points[i].time_s / points[i - 1].time_s);
-    const double t = span > 0 ? std::log(time_s / points[i - 1].time_s) / span : 1;
-    return std::exp((1 - t) * std::log(std::max(points[i - 1].*value, 1e-30)) +
-                    t * std::log(std::max(points[i].*value, 1e-30)));
+TracePoints median_points(const std::vector<TracePoints>& repetitions) {
+  TracePoints result;
+  size_t count = repetitions.front().size();
+  for (const TracePoints& points : repetitions) count = std::min(count, points.size());
+  for (size_t i = 0; i < count; ++i) {
+    TracePoint point;
+    for (const TraceValue member :
+         {&TracePoint::frames, &TracePoint::samples, &TracePoint::time_s, &TracePoint::mse, &TracePoint::spread}) {
+      std::vector<double> values;
+      for (const TracePoints& points : repetitions) values.push_back(points[i].*member);
+      point.*member = median(std::move(values));
+    }
+    result.push_back(point);
   }
-  return points.back().*value;
+  return result;
 }
 
-double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin_s, double end_s) {
+namespace {
+
+/// y at x, between points that are joined by lines in logarithms; the nearest end outside.
+double interpolate(const TracePoints& points, TraceValue of_x, TraceValue of_y, double x) {
+  if (points.empty()) return 0;
+  if (x <= points.front().*of_x) return points.front().*of_y;
+  for (size_t i = 1; i < points.size(); ++i) {
+    if (x > points[i].*of_x) continue;
+    const double span = std::log(points[i].*of_x / points[i - 1].*of_x);
+    const double t = span > 0 ? std::log(x / points[i - 1].*of_x) / span : 1;
+    return std::exp((1 - t) * std::log(std::max(points[i - 1].*of_y, 1e-30)) +
+                    t * std::log(std::max(points[i].*of_y, 1e-30)));
+  }
+  return points.back().*of_y;
+}
+
+}  // namespace
+
+double value_at(const TracePoints& points, TraceValue value, double time_s) {
+  return interpolate(points, &TracePoint::time_s, value, time_s);
+}
+
+double time_of_frames(const TracePoints& points, double frames) {
+  return interpolate(points, &TracePoint::frames, &TracePoint::time_s, frames);
+}
+
+double mean_ratio(const TracePoints& a, const TracePoints& b, TraceValue value, double begin_s, double end_s) {
   constexpr int kTimes = 16;
   double sum = 0;
   for (int i = 0; i < kTimes; ++i) {
@@ -185,13 +212,20 @@ double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin
   return std::exp(sum / kTimes);
 }
 
-double early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames) {
-  const auto& points = traces.front().points;
-  const auto end = std::find_if(points.begin(), points.end(), [&](const TracePoint& p) { return p.frames >= frames; });
-  const double end_s = end == points.end() ? points.back().time_s : end->time_s;
-  const double begin_s =
-      std::max({points.front().time_s, traces[a].points.front().time_s, traces[b].points.front().time_s});
-  return mean_ratio(traces[a], traces[b], &TracePoint::mse, begin_s, end_s);
+Ratio mean_ratio(const std::vector<Trace>& traces, size_t a, size_t b, TraceValue value, double begin, double end) {
+  std::vector<double> ratios;
+  for (size_t r = 0; r < traces.front().repetitions.size(); ++r) {
+    const TracePoints& clock = traces.front().repetitions[r];
+    const TracePoints& of_a = traces[a].repetitions[r];
+    const TracePoints& of_b = traces[b].repetitions[r];
+    const double begin_s = std::max({time_of_frames(clock, begin), of_a.front().time_s, of_b.front().time_s});
+    ratios.push_back(mean_ratio(of_a, of_b, value, begin_s, std::max(begin_s, time_of_frames(clock, end))));
+  }
+  return geometric_mean(ratios);
+}
+
+Ratio early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames) {
+  return mean_ratio(traces, a, b, &TracePoint::mse, 1, frames);
 }
 
 ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,

@@ -7,13 +7,14 @@
 
 #include "compare/timed_session.h"
 #include "experiments/experiment.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/setup/scenes.h"
 #include "io/image.h"
 #include "report/page.h"
 
 namespace relume {
 
-/// After a frame. Values are medians over the repetitions.
+/// After a frame.
 struct TracePoint {
   double frames = 0;
   double samples = 0;  ///< a pixel
@@ -22,12 +23,15 @@ struct TracePoint {
   double spread = 0;  ///< distance_spread()
 };
 
+using TracePoints = std::vector<TracePoint>;
+
 struct Trace {
   std::string name;
-  std::vector<TracePoint> points;
-  Image picture = {};             ///< of the first repetition; empty: none was asked for
-  TracePoint picture_point = {};  ///< after which it was taken
-  std::vector<float> map = {};    ///< the contender's map at the end of the first repetition
+  std::vector<TracePoints> repetitions;  ///< each to the end of its time
+  TracePoints points = {};               ///< medians over the repetitions, as far as all have them
+  Image picture = {};                    ///< of the first repetition; empty: none was asked for
+  TracePoint picture_point = {};         ///< after which it was taken
+  std::vector<float> map = {};           ///< the contender's map at the end of the first repetition
 };
 
 /// Variance over the pixels of the Euclidean distance to the reference's colour, both cut off at 1 as a display does:
@@ -60,23 +64,32 @@ struct TraceOptions {
   FrameClock clock = {};       ///< empty: wall_clock()
 };
 
-/// Contenders take turns frame by frame at the last view; points are measured after 1, 2, 3, 4, 6, 8, … frames. What an
-/// interrupted run of the experiment has measured is taken from the context's parts folder.
+/// Contenders take turns frame by frame at the last view; points are measured after 1, 2, 3, 4, 6, 8, … frames and
+/// after the last. What an interrupted run of the experiment has measured is taken from the context's parts folder.
 std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
                          const std::vector<TraceContender>& contenders, const TraceOptions& options);
 
 using TraceValue = double TracePoint::*;
 
+/// What `Trace::points` are.
+TracePoints median_points(const std::vector<TracePoints>& repetitions);
+
 /// Value at a time, between points of a curve that is straight in logarithms; the nearest end outside of it.
-double value_at(const Trace& trace, TraceValue value, double time_s);
+double value_at(const TracePoints& points, TraceValue value, double time_s);
+
+/// The time of so many frames, between points as above.
+double time_of_frames(const TracePoints& points, double frames);
 
 /// Geometric mean of a's value over b's at equal times, over 16 times from `begin_s` to `end_s` evenly in logarithms.
 /// Below 1: a is better.
-double mean_ratio(const Trace& a, const Trace& b, TraceValue value, double begin_s, double end_s);
+double mean_ratio(const TracePoints& a, const TracePoints& b, TraceValue value, double begin_s, double end_s);
 
-/// The same of the MSE of traces `a` and `b` from the end of everybody's first frame to the time of `frames` frames of
-/// the first trace.
-double early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames);
+/// The same of traces `a` and `b`, each repetition by itself, between the times of `begin` and `end` frames of the
+/// first trace; not before everybody's first frame.
+Ratio mean_ratio(const std::vector<Trace>& traces, size_t a, size_t b, TraceValue value, double begin, double end);
+
+/// The same of the MSE, from everybody's first frame to the time of `frames` frames of the first trace.
+Ratio early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double frames);
 
 /// Curves of traces against time in milliseconds and against frames.
 ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "experiments/measure/parts.h"
 #include "io/json_parse.h"
 #include "settings/settings_json.h"
@@ -25,8 +26,13 @@ std::string map_of(size_t i) { return fmt::format("trace{}.map", i); }
 std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
   std::vector<Trace> traces;
   for (const nlohmann::json& json : parse_json(exr.attributes.at(kAttribute), place)) {
-    Trace trace{.name = json.at("name").get<std::string>(), .points = {}};
-    for (const nlohmann::json& point : json.at("points")) trace.points.push_back(point_from(point));
+    Trace trace{.name = json.at("name").get<std::string>(), .repetitions = {}};
+    for (const nlohmann::json& points : json.at("repetitions")) {
+      TracePoints& repetition = trace.repetitions.emplace_back();
+      for (const nlohmann::json& point : points) repetition.push_back(point_from(point));
+    }
+    if (trace.repetitions.empty()) throw Error(place + ": a trace without repetitions");
+    trace.points = median_points(trace.repetitions);
     trace.picture_point = point_from(json.at("picture_point"));
     trace.picture = image_from_exr(exr, layer_of(traces.size()), place);
     if (const ExrChannel* map = exr.find(map_of(traces.size()))) trace.map = map->values;
@@ -54,9 +60,14 @@ void save_traces(const std::filesystem::path& file, const std::vector<Trace>& tr
   nlohmann::json list = nlohmann::json::array();
   for (size_t i = 0; i < traces.size(); ++i) {
     const Trace& trace = traces[i];
-    nlohmann::json points = nlohmann::json::array();
-    for (const TracePoint& p : trace.points) points.push_back(to_json(p));
-    list.push_back({{"name", trace.name}, {"points", points}, {"picture_point", to_json(trace.picture_point)}});
+    nlohmann::json repetitions = nlohmann::json::array();
+    for (const TracePoints& points : trace.repetitions) {
+      nlohmann::json repetition = nlohmann::json::array();
+      for (const TracePoint& p : points) repetition.push_back(to_json(p));
+      repetitions.push_back(std::move(repetition));
+    }
+    list.push_back(
+        {{"name", trace.name}, {"repetitions", repetitions}, {"picture_point", to_json(trace.picture_point)}});
     for (ExrChannel& channel : exr_channels(trace.picture, layer_of(i))) exr.channels.push_back(std::move(channel));
     if (!trace.map.empty()) exr.channels.push_back({map_of(i), trace.map});
   }

@@ -12,17 +12,17 @@ namespace relume {
 namespace {
 
 /// value = factor · time^-1, ten points a decade.
-Trace hyperbola(double factor) {
-  Trace trace{"t", {}};
+TracePoints hyperbola(double factor) {
+  TracePoints points;
   for (int i = 0; i <= 20; ++i) {
     const double time_s = 0.01 * std::pow(10, 0.1 * i);
-    trace.points.push_back({double(i + 1), double(i + 1), time_s, factor / time_s, 0});
+    points.push_back({double(i + 1), double(i + 1), time_s, factor / time_s, 0});
   }
-  return trace;
+  return points;
 }
 
 TEST(Trace, ValuesBetweenPointsLieOnTheLogarithmicLine) {
-  const Trace trace = hyperbola(2);
+  const TracePoints trace = hyperbola(2);
   EXPECT_NEAR(value_at(trace, &TracePoint::mse, 0.0345), 2 / 0.0345, 1e-9 * 2 / 0.0345);
   EXPECT_DOUBLE_EQ(value_at(trace, &TracePoint::mse, 0.001), 200);  // the first point
   EXPECT_NEAR(value_at(trace, &TracePoint::mse, 9), 2, 1e-12);      // the last
@@ -32,14 +32,29 @@ TEST(Trace, RatiosAreGeometricMeans) {
   EXPECT_NEAR(mean_ratio(hyperbola(1), hyperbola(4), &TracePoint::mse, 0.02, 0.8), 0.25, 1e-12);
 }
 
+TEST(Trace, TimesOfFramesLieBetweenPoints) {
+  EXPECT_DOUBLE_EQ(time_of_frames(hyperbola(1), 11), 0.1);
+  EXPECT_NEAR(time_of_frames(hyperbola(1), std::sqrt(11.0 * 12)), 0.01 * std::pow(10, 1.05), 1e-9);
+}
+
 TEST(Trace, EarlyRatiosEndWithTheFramesOfTheFirst) {
-  Trace late = hyperbola(3);
-  for (size_t i = 8; i < late.points.size(); ++i) late.points[i].mse *= 100;
-  const std::vector<Trace> traces{hyperbola(1), late, hyperbola(1)};
-  EXPECT_NEAR(early_ratio(traces, 1, 2, 8), 3, 1e-9);
-  EXPECT_NEAR(early_ratio(traces, 1, 0, 7.5), 3, 1e-9);
-  EXPECT_GT(early_ratio(traces, 1, 2, 9), 3.1);
-  EXPECT_EQ(early_ratio(traces, 1, 2, 21), early_ratio(traces, 1, 2, 1000));  // there are no more
+  TracePoints late = hyperbola(3);
+  for (size_t i = 8; i < late.size(); ++i) late[i].mse *= 100;
+  const std::vector<Trace> traces{{"a", {hyperbola(1)}}, {"b", {late}}, {"c", {hyperbola(1)}}};
+  EXPECT_NEAR(early_ratio(traces, 1, 2, 8).value, 3, 1e-9);
+  EXPECT_GT(early_ratio(traces, 1, 0, 8.5).value, 3.1);
+  EXPECT_GT(early_ratio(traces, 1, 2, 9).value, 3.1);
+  EXPECT_EQ(early_ratio(traces, 1, 2, 21).value, early_ratio(traces, 1, 2, 1000).value);  // there are no more
+  EXPECT_GT(mean_ratio(traces, 1, 2, &TracePoint::mse, 10, 20).value, 299);
+}
+
+TEST(Trace, RepetitionsTellHowFarARatioIsKnown) {
+  const std::vector<Trace> traces{{"a", {hyperbola(1), hyperbola(1), hyperbola(2)}},
+                                  {"b", {hyperbola(2), hyperbola(4), hyperbola(4)}}};
+  const Ratio ratio = early_ratio(traces, 1, 0, 8);
+  EXPECT_NEAR(ratio.value, std::cbrt(2.0 * 4 * 2), 1e-9);
+  EXPECT_LT(ratio.interval.low, 1);
+  EXPECT_EQ(ratio.interval.confidence, 0.95);
 }
 
 TEST(Trace, SpreadIsTheVarianceOfDistances) {
@@ -69,6 +84,7 @@ TEST(Trace, GoesOnFromWhatWasMeasured) {
   ASSERT_EQ(again.size(), 1u);
   ASSERT_EQ(again[0].points.size(), first[0].points.size());
   EXPECT_EQ(again[0].points.back().time_s, first[0].points.back().time_s);  // not measured again
+  EXPECT_EQ(again[0].repetitions[0].size(), first[0].repetitions[0].size());
   EXPECT_EQ(again[0].picture.pixels, first[0].picture.pixels);
   EXPECT_EQ(again[0].picture_point.mse, first[0].picture_point.mse);
   EXPECT_EQ(again[0].map, first[0].map);
@@ -103,8 +119,8 @@ TEST(Trace, ContendersHaveEqualTimes) {
   ASSERT_EQ(traces.size(), 2u);
   EXPECT_EQ(traces[0].points.back().frames, 16);
   EXPECT_EQ(traces[1].points.front().frames, 1);
-  // Points are powers of two and halfway, so the last one lies within a third of the end.
-  EXPECT_GT(traces[1].points.back().time_s, 0.6 * traces[0].points.back().time_s);
+  // The last point lies within a frame of the end, wherever powers of two and halfway lie.
+  EXPECT_GE(traces[1].repetitions[0].back().time_s, traces[0].repetitions[0].back().time_s);
 }
 
 }  // namespace

@@ -59,9 +59,9 @@ inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where 
 
 /// A claim about Sponza, which is not built in.
 struct SponzaClaim {
-  const char* id;
-  const char* claim;
-  const char* threshold;
+  std::string id;
+  std::string claim;
+  std::string threshold;
 };
 /// Adds the claims as not measured if the context has no folder of scenes.
 void claim_without_sponza(const ExperimentContext& context, const char* paper, const std::vector<SponzaClaim>& missing,

@@ -1,0 +1,95 @@
+#include "experiments/measure/ratio.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace relume {
+
+Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+  const double mean_a = mean(a);
+  const double mean_b = mean(b);
+  Ratio ratio;
+  ratio.value = mean_b > 0 ? mean_a / mean_b : 0;
+  // What is as near to the reference as the reference to the truth has no error to be told: nothing is decided.
+  ratio.interval = {0, std::numeric_limits<double>::infinity(), 0};
+  if (mean_b > 0) ratio.interval = {ratio.value, ratio.value, 0};
+  if (a.size() < 2 || b.size() < 2 || !(mean_a > 0 && mean_b > 0)) return ratio;
+  const auto relative_variance = [](const std::vector<double>& values, double m) {
+    const double s = standard_deviation(values);
+    return s * s / (m * m * static_cast<double>(values.size()));
+  };
+  const double var_a = relative_variance(a, mean_a);
+  const double var_b = relative_variance(b, mean_b);
+  const double freedom_a = static_cast<double>(a.size() - 1);
+  const double freedom_b = static_cast<double>(b.size() - 1);
+  const double sum = var_a + var_b;
+  const double freedom = sum > 0 ? sum * sum / (var_a * var_a / freedom_a + var_b * var_b / freedom_b) : freedom_a;
+  const double spread = std::exp(student_t(std::max<size_t>(static_cast<size_t>(freedom), 1)) * std::sqrt(sum));
+  ratio.interval = {ratio.value / spread, ratio.value * spread, 0.95};
+  return ratio;
+}
+
+Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s) {
+  const double median_b = median(b_s);
+  if (!(median_b > 0)) return {};
+  const Interval of_a = median_interval(a_s);
+  const Interval of_b = median_interval(b_s);
+  const double spread = std::hypot(std::log(of_a.high / of_a.low), std::log(of_b.high / of_b.low)) / 2;
+  const double value = median(a_s) / median_b;
+  return {value, {value * std::exp(-spread), value * std::exp(spread), std::min(of_a.confidence, of_b.confidence)}};
+}
+
+Ratio geometric_mean(const std::vector<double>& quotients) {
+  std::vector<double> logs;
+  for (const double q : quotients) logs.push_back(std::log(std::max(q, 1e-30)));
+  const double value = std::exp(mean(logs));
+  if (logs.size() < 2) return {value, {value, value, 0}};
+  const double error = standard_deviation(logs) / std::sqrt(static_cast<double>(logs.size()));
+  const double spread = std::exp(student_t(logs.size() - 1) * error);
+  return {value, {value / spread, value * spread, 0.95}};
+}
+
+Ratio product(const Ratio& a, const Ratio& b) {
+  const double value = a.value * b.value;
+  if (!(value > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
+  const auto both = [](double x, double y) { return std::exp(std::hypot(std::log(x), std::log(y))); };
+  return {value,
+          {value / both(a.value / a.interval.low, b.value / b.interval.low),
+           value * both(a.interval.high / a.value, b.interval.high / b.value),
+           std::min(a.interval.confidence, b.interval.confidence)}};
+}
+
+Ratio quotient(const Ratio& a, const Ratio& b) {
+  if (!(b.interval.low > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
+  return product(a, {1 / b.value, {1 / b.interval.high, 1 / b.interval.low, b.interval.confidence}});
+}
+
+std::string share_text(const Ratio& ratio) {
+  if (ratio.interval.confidence == 0) return fmt::format("{:.2f}", ratio.value);
+  return fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio.value, ratio.interval.low, ratio.interval.high);
+}
+
+std::string to_text(const Ratio& ratio) {
+  return fmt::format("{:.3g}× ({:.3g} to {:.3g})", ratio.value, ratio.interval.low, ratio.interval.high);
+}
+
+Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
+                    const std::vector<Ratio>& ratios, double least) {
+  std::vector<const char*> verdicts;
+  for (const Ratio& ratio : ratios) verdicts.push_back(verdict_of(ratio.interval, least));
+  return with_verdict(std::move(id), std::move(paper), std::move(claim), std::move(measured),
+                      fmt::format("{}at least {:.2g}×, by the interval", ratios.size() > 1 ? "each " : "", least),
+                      verdict_of_all(verdicts));
+}
+
+Claim judged_within(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
+                    const std::vector<Ratio>& ratios, double least, double most) {
+  std::vector<const char*> verdicts;
+  for (const Ratio& ratio : ratios) verdicts.push_back(verdict_of(ratio.interval, least, most));
+  return with_verdict(std::move(id), std::move(paper), std::move(claim), std::move(measured),
+                      threshold + ", by the interval", verdict_of_all(verdicts));
+}
+
+}  // namespace relume

@@ -1,0 +1,46 @@
+// Quotients of noisy figures with 95 % intervals, and claims that are judged by them.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "experiments/experiment.h"
+
+namespace relume {
+
+/// Confidence 0: there was one value, which then is the whole interval.
+struct Ratio {
+  double value = 0;
+  Interval interval;
+};
+
+/// a's mean over b's, of independent values: how many times lower b's error is. Delta method in logarithms, Student's t
+/// with Welch's degrees of freedom.
+Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
+
+/// a's median over b's, of seconds of frames: how many times faster b is. Contenders had turns, frame by frame.
+Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s);
+
+/// Geometric mean of quotients that were measured independently, one a repetition.
+Ratio geometric_mean(const std::vector<double>& quotients);
+
+/// Of independent ratios.
+Ratio product(const Ratio& a, const Ratio& b);
+Ratio quotient(const Ratio& a, const Ratio& b);
+
+/// "10.3× (9.8 to 10.9)".
+std::string to_text(const Ratio& ratio);
+/// "0.52 (0.50 to 0.54)", for shares; "0.52" of a single one.
+std::string share_text(const Ratio& ratio);
+
+/// A claim that every ratio is at least `least`, by their intervals; `threshold` is made of it.
+Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
+                    const std::vector<Ratio>& ratios, double least);
+
+/// A claim that every ratio lies from `least` to `most`, by their intervals.
+Claim judged_within(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
+                    const std::vector<Ratio>& ratios, double least,
+                    double most = std::numeric_limits<double>::infinity());
+
+}  // namespace relume

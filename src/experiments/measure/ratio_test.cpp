@@ -1,0 +1,71 @@
+#include "experiments/measure/ratio.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace relume {
+namespace {
+
+TEST(Ratio, HasStudentsIntervals) {
+  // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom are little more than those of the second.
+  const std::vector<double> a{101, 99, 101, 99};
+  const std::vector<double> b{21, 19, 22, 18};
+  const double sigma_a = std::sqrt(4.0 / 3 / 4) / 100;
+  const double sigma_b = std::sqrt(10.0 / 3 / 4) / 20;
+  const Ratio ratio = error_ratio(a, b);
+  EXPECT_DOUBLE_EQ(ratio.value, 5);
+  const double spread = std::exp(3.182 * std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b));
+  EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
+  EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
+  EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
+  // Below the reference's own noise there is no error to compare with.
+  const Ratio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
+  EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
+}
+
+TEST(Ratio, VerdictsFollowIntervals) {
+  const auto verdict = [](std::vector<Ratio> ratios) {
+    return judged_ratios("a", "[X §1]", "c", "m", ratios, 5).verdict;
+  };
+  const Ratio above{7, {5.1, 9, 0.95}};
+  const Ratio around{7, {4.9, 9, 0.95}};
+  const Ratio below{3, {2, 4.9, 0.95}};
+  EXPECT_EQ(verdict({above}), kVerdictHolds);
+  EXPECT_EQ(verdict({above, around}), kVerdictUndecided);
+  EXPECT_EQ(verdict({above, around, below}), kVerdictFails);
+  EXPECT_STREQ(verdict_of({1.5, 2.5, 0.95}, 1, 2), kVerdictUndecided);
+  EXPECT_STREQ(verdict_of({2.1, 2.5, 0.95}, 1, 2), kVerdictFails);
+}
+
+TEST(Ratio, QuotientsOfRepetitionsHaveAGeometricMean) {
+  const Ratio ratio = geometric_mean({0.5, 1, 2});
+  EXPECT_NEAR(ratio.value, 1, 1e-12);
+  const double spread = std::exp(4.303 * std::log(2.0) / std::sqrt(3.0));
+  EXPECT_NEAR(ratio.interval.high, spread, 1e-3 * spread);
+  EXPECT_EQ(geometric_mean({0.5}).interval.low, 0.5);
+  EXPECT_EQ(geometric_mean({0.5}).interval.confidence, 0);
+}
+
+TEST(Ratio, ProductsAddTheSquaresOfSpreadsInLogarithms) {
+  const Ratio a{2, {1, 4, 0.95}};
+  const Ratio b{3, {3, 3, 0.9}};
+  EXPECT_DOUBLE_EQ(product(a, b).value, 6);
+  EXPECT_NEAR(product(a, b).interval.low, 3, 1e-9);
+  EXPECT_EQ(product(a, b).interval.confidence, 0.9);
+  const Ratio q = quotient(b, a);
+  EXPECT_DOUBLE_EQ(q.value, 1.5);
+  EXPECT_NEAR(q.interval.low, 0.75, 1e-9);
+  EXPECT_NEAR(q.interval.high, 3, 1e-9);
+  EXPECT_STREQ(verdict_of(product({0, {0, 0, 0.95}}, a).interval, 1), kVerdictUndecided);
+}
+
+TEST(Ratio, RangesAreJudgedByIntervals) {
+  const auto verdict = [](const Ratio& r) { return judged_within("a", "[X]", "c", "m", "t", {r}, 0.5, 2).verdict; };
+  EXPECT_EQ(verdict({1, {0.6, 1.9, 0.95}}), kVerdictHolds);
+  EXPECT_EQ(verdict({1, {0.4, 1.9, 0.95}}), kVerdictUndecided);
+  EXPECT_EQ(verdict({3, {2.1, 4, 0.95}}), kVerdictFails);
+}
+
+}  // namespace
+}  // namespace relume
