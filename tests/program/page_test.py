@@ -96,7 +96,7 @@ class Page(unittest.TestCase):
 
 class ComparePage(Page):
     ARGUMENTS = [
-        "compare", "cornell", "--width", "64", "--height", "48", "--max-bounces", "3", "--spp", "8", "--repeat", "6",
+        "compare", "cornell", "--width", "64", "--height", "48", "--max-bounces", "3", "--spp", "32", "--repeat", "4",
         "--techniques", "uniform=lights:uniform", "--techniques", "short=max-bounces:1", "--reference-spp", "64",
         "--psf.cell-size", "12", "--guide", "bsdf"]
     PAGE = "compare.html"
@@ -111,7 +111,7 @@ class ComparePage(Page):
         self.assertEqual([c["name"] for c in numbers["contenders"]], ["uniform", "short"])
         first, second = numbers["contenders"]
         self.assertGreater(first["mse"]["median"], 0)
-        self.assertEqual(first["samples_per_pixel"]["median"], 8)
+        self.assertEqual(first["samples_per_pixel"]["median"], 32)
         self.assertGreater(second["bias2"], first["bias2"])
         self.assertGreater(second["bias2"], 2 * second["bias2_error"])
         self.assertEqual([c["nonfinite_pixels"] for c in numbers["contenders"]], [0, 0])
