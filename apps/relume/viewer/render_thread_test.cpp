@@ -8,6 +8,7 @@
 #include <future>
 #include <thread>
 
+#include "core/error.h"
 #include "scene/builtin.h"
 #include "scene/scene_hash.h"
 #include "viewer/document.h"
