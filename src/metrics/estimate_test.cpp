@@ -5,36 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "testing/random.h"
+#include "metrics/testing/noisy_images.h"
 
 namespace relume {
 namespace {
 
-/// Nearly normal, of variance 1.
-float noise(uint32_t seed, uint32_t i) {
-  float sum = -6;
-  for (uint32_t k = 0; k < 12; ++k) sum += to_unit_float(hash(seed, i, k));
-  return sum;
-}
-
-std::vector<Image> repetitions(int count, float bias, float spread, uint32_t seed) {
-  std::vector<Image> list;
-  for (int r = 0; r < count; ++r) {
-    Image image(16, 16);
-    uint32_t i = 0;
-    for (Rgb& p : image.pixels) {
-      for (int c = 0; c < 3; ++c) p[c] = 1 + bias + spread * noise(seed + static_cast<uint32_t>(r), i++);
-    }
-    list.push_back(std::move(image));
-  }
-  return list;
-}
-
-Image reference() {
-  Image image(16, 16);
-  for (Rgb& p : image.pixels) p = Rgb(1);
-  return image;
-}
+using testing::reference;
+using testing::repetitions;
 
 TEST(Estimate, TheMeansErrorIsTheUsualOne) {
   const Estimate e = mean_estimate({1, 2, 3, 6});

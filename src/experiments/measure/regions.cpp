@@ -55,10 +55,6 @@ double detail_kept(const Image& image, const Image& reference, const Rectangle& 
   return energy > 0 ? product / energy : 1;
 }
 
-double mean_mse_of(const Comparison& comparison, std::string_view name) {
-  return mean(values_of(contender_named(comparison, name), [](const Repetition& r) { return r.mse; }));
-}
-
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
                             const std::vector<Rectangle>& regions) {
   ViewerBlock block = comparison_pictures(comparison);

@@ -13,7 +13,8 @@
 
 namespace relume {
 
-/// MSE of a contender's last frame in the region, mean over its repetitions, without the reference's own noise.
+/// MSE of a contender's last frame in the region, mean over its repetitions, for a median would overlook what
+/// path tracing finds rarely and brightly; without the reference's own noise.
 double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region);
 
 /// Mean luminance of the region. Images have one size, as in all that follows.
@@ -26,9 +27,6 @@ double contrast_kept(const Image& image, const Image& reference, const Rectangle
 /// Which share of the reference's detail in the region an image has kept: the same of the differences between pixels
 /// side by side, and one above the other. Blur makes it small; noise leaves it as it is.
 double detail_kept(const Image& image, const Image& reference, const Rectangle& region);
-
-/// Mean over the repetitions. A median would overlook what path tracing finds rarely and brightly.
-double mean_mse_of(const Comparison& comparison, std::string_view name);
 
 /// The comparison's pictures with crops at the regions.
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,

@@ -84,10 +84,6 @@ const ContenderResult& contender_named(const Comparison& comparison, std::string
   return named(comparison.contenders, name);
 }
 
-double mse_of(const Comparison& comparison, std::string_view name) {
-  return median_over(comparison, name, [](const Repetition& r) { return r.mse; });
-}
-
 double frame_ms_of(const Comparison& comparison, std::string_view name) {
   return median_over(comparison, name, frame_ms);
 }

@@ -126,7 +126,7 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
   }
   for (int repetition = 0; repetition < options.repetitions; ++repetition) {
     for (size_t i = 0; i < runners.size(); ++i) {
-      restart(context, runners[i], scene, options.turn, options.first_seed + repetition);
+      restart(context, runners[i], scene, options.turn, 1 + repetition);
       context.report(stage, (repetition + 0.6 * static_cast<double>(i + 1) / static_cast<double>(runners.size())) /
                                 options.repetitions);
     }

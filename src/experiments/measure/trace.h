@@ -57,7 +57,6 @@ struct TraceOptions {
   Turn turn = {};
   uint32_t frames = 32;  ///< of the first contender at the last view; the others have as much time
   int repetitions = 3;
-  int first_seed = 1;  ///< the others follow
   const Image* reference = nullptr;
   double reference_mse = 0;    ///< its own noise, which is taken off every MSE
   uint32_t picture_frame = 0;  ///< of the first contender, at which pictures are taken; 0: never

@@ -45,9 +45,8 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
 
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options) {
-  std::string text =
-      fmt::format("{} {} {} {} {} {} {}", options.turn.total_deg, options.turn.step_deg, options.turn.aside_m,
-                  options.frames, options.repetitions, options.first_seed, options.picture_frame);
+  std::string text = fmt::format("{} {} {} {} {} {}", options.turn.total_deg, options.turn.step_deg,
+                                 options.turn.aside_m, options.frames, options.repetitions, options.picture_frame);
   for (const TraceContender& c : contenders) {
     RenderSettings settings = c.settings;
     text += fmt::format(" {} {} {} {}", c.name, c.samples_per_step, c.map, settings_to_json(describe(settings)));
