@@ -37,6 +37,22 @@ class ComparisonTest : public testing::Test {
     return o;
   }
 
+  static Image grey() {
+    Image image(40, 30);
+    for (Rgb& pixel : image.pixels) pixel = Rgb(0.3f);
+    return image;
+  }
+  /// A few samples, compared with the picture as well.
+  ComparisonOptions beside_picture(const std::string& name, const Image& picture) {
+    ComparisonOptions o = options("all=seed:1");
+    o.spp = 4;
+    o.repetitions = 1;
+    const std::filesystem::path file = folder_ / (name + ".exr");
+    write_image(file, picture);
+    o.pictures = {{name, file}};
+    return o;
+  }
+
   Comparison run(const Scene& scene, const ComparisonOptions& o) {
     std::optional<Comparison> comparison = compare(scene, o, {}, {});
     EXPECT_TRUE(comparison);
@@ -145,13 +161,7 @@ TEST_F(ComparisonTest, AnimationsReportFlicker) {
 }
 
 TEST_F(ComparisonTest, APictureFromElsewhereIsAColumn) {
-  ComparisonOptions o = options("all=seed:1");
-  o.spp = 4;
-  o.repetitions = 1;
-  Image grey(40, 30);
-  for (Rgb& pixel : grey.pixels) pixel = Rgb(0.3f);
-  write_image(folder_ / "grey.exr", grey);
-  o.pictures = {{"grey", folder_ / "grey.exr"}};
+  ComparisonOptions o = beside_picture("grey", grey());
   const Comparison c = run("cornell", o);
   ASSERT_EQ(c.contenders.size(), 2u);
   EXPECT_TRUE(c.contenders[1].is_picture);
@@ -162,15 +172,10 @@ TEST_F(ComparisonTest, APictureFromElsewhereIsAColumn) {
 }
 
 TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
-  ComparisonOptions o = options("all=seed:1");
-  o.spp = 4;
-  o.repetitions = 1;
-  Image grey(40, 30);
-  for (Rgb& pixel : grey.pixels) pixel = Rgb(0.3f);
-  grey.at(3, 4) = Rgb(std::nanf(""));
-  grey.at(5, 6).g = kInfinity;
-  write_image(folder_ / "grey.exr", grey);
-  o.pictures = {{"grey", folder_ / "grey.exr"}};
+  Image picture = grey();
+  picture.at(3, 4) = Rgb(std::nanf(""));
+  picture.at(5, 6).g = kInfinity;
+  const ComparisonOptions o = beside_picture("grey", picture);
   const Comparison c = run("cornell", o);
   EXPECT_EQ(most_nonfinite(c.contenders[0]), 0u);
   EXPECT_EQ(most_nonfinite(c.contenders[1]), 2u);
@@ -179,8 +184,8 @@ TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
   }));
   EXPECT_EQ(nlohmann::json::parse(to_json(c, {}))["contenders"][1]["nonfinite_pixels"], 2);
   EXPECT_FALSE(comparison_table(c).rows[1].competes);
-  for (Rgb& pixel : grey.pixels) pixel.g = std::nanf("");
-  write_image(folder_ / "grey.exr", grey);
+  for (Rgb& pixel : picture.pixels) pixel.g = std::nanf("");
+  write_image(folder_ / "grey.exr", picture);
   EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
 }
 
