@@ -1,0 +1,28 @@
+#!/usr/bin/env python3
+"""Compiles the experiment that docs/adding-an-experiment.md shows: interfaces change, and pages do not notice."""
+
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs/adding-an-experiment.md").read_text()
+COMPILER = os.environ.get("RELUME_CXX", "c++")
+
+
+class TheFile(unittest.TestCase):
+    def test_compiles(self):
+        source = re.search(r"^```cpp\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1]
+        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
+            file = pathlib.Path(folder) / "filter_error.cpp"
+            file.write_text(source)
+            command = [COMPILER, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{ROOT / 'src'}", file]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr[-4000:])
+
+
+if __name__ == "__main__":
+    unittest.main()
