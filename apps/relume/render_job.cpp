@@ -72,6 +72,15 @@ Plan make_plan(const RenderOptions& options) {
   return plan;
 }
 
+/// Waiting for an error that never becomes known would not end.
+void check_stop_settings(const Settings& settings) {
+  const StopCriteria criteria = stop_criteria(settings.stop);
+  if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
+  throw UsageError(
+      "--error alone cannot end a picture with --history none, which is one frame whose error is not known; give --spp "
+      "or --time, or --history accumulate");
+}
+
 /// The picture in a tev viewer, if one was asked for.
 class Display {
  public:
@@ -168,6 +177,7 @@ void RenderJob::load() {
   plan_.sources.scene_json = scene.settings_json;
   plan_.sources.scene_place = options_.scene;
   settings_ = resolve(plan_.sources);
+  check_stop_settings(settings_);
   apply(settings_.scene, scene);
   warn_all(verbosity_, scene.warnings);
   load_s_ = now_s() - start_s;

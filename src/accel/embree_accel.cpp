@@ -149,7 +149,7 @@ struct EmbreeAccel::State {
   void check() const {
     if (!error.empty())
       throw Error("the acceleration structure could not be built: Embree reports '" + error +
-                  "'; is there enough memory?");
+                  "'; try a smaller scene, or free some memory");
   }
 
   RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {

@@ -56,6 +56,9 @@ class RefusalTest(ProgramTest):
 
 
 class Errors(RefusalTest):
+    def test_error_that_is_never_known(self):
+        self.refuse(USAGE, "render", "cornell", *SMALL, "-o", "out.exr", "--error", "0.1", "--history", "none", says=["--error", "--history", "--spp"])
+
     def test_unknown_scene(self):
         self.refuse(FAILED, "render", "cornel", "-o", "out.exr", *SMALL, says=["cornel", "cornell"])
 

@@ -4,6 +4,7 @@
 import os
 import resource
 import signal
+import struct
 import subprocess
 import unittest
 
@@ -38,6 +39,7 @@ class Limits(ProgramTest):
             ["render", "cornell", *SIZE, "--spp", "1", "-o", "a.png"],
             ["render", "cornell", *SIZE, "--spp", "1", "--frames", "0-2", "-o", "a.####.exr"],
             ["render", "cornell", *SIZE, "--spp", "2", "--resume", "a.ckpt", "-o", "a.exr"],
+            ["render", "cornell", *SIZE, "--spp", "1", "--aov", "albedo,normal", "-o", "a.exr"],
             ["export", "cornell-spheres", "-o", "a.glb"],
             ["compare", "cornell", *SIZE, "--techniques", "default,u=lights:uniform", "--spp", "1", "--reference-spp", "2", "-o", "page"],
             ["experiment", "run", "guide-cost", "--quick", "-o", "pages"],
@@ -56,9 +58,29 @@ class Limits(ProgramTest):
 
     @unittest.skipIf("RELUME_SANITIZED" in os.environ, "sanitizers take terabytes of addresses")
     def test_out_of_memory(self):
-        last = self.complaint(self.run_limited(resource.RLIMIT_AS, 900 << 20, "render", "cornell", "--width", "16384", "--height", "16384", "--spp", "1", "-o", "a.exr"))
-        self.assertIn("--width", last)
-        self.assertEqual(self.written(), [])
+        large = ["--width", "16384", "--height", "16384", "--spp", "1"]
+        commands = [
+            ["render", "cornell", *large, "-o", "a.exr"],
+            ["compare", "cornell", *large, "--techniques", "default,u=lights:uniform", "--reference-spp", "2", "-o", "page"],
+            ["render", "large.ply", *SIZE, "--spp", "1", "-o", "a.exr"],
+        ]
+        self.write_large_mesh()
+        for command in commands:
+            with self.subTest(command=command[:2]):
+                last = self.complaint(self.run_limited(resource.RLIMIT_AS, 900 << 20, *command))
+                self.assertIn("memory", last)
+                self.assertEqual(self.written(), ["large.ply"])
+
+    def write_large_mesh(self):
+        """Four million triangles."""
+        rows = 2000
+        vertices = b"".join(struct.pack("<3f", x, y, 0) for y in range(rows + 1) for x in range(1001))
+        faces = b"".join(
+            struct.pack("<B3iB3i", 3, at, at + 1, at + 1001, 3, at + 1, at + 1002, at + 1001)
+            for at in (y * 1001 + x for y in range(rows) for x in range(1000)))
+        header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices) // 12}\nproperty float x\nproperty float y\nproperty float z\n"
+        header += f"element face {len(faces) // 13}\nproperty list uchar int vertex_indices\nend_header\n"
+        (self.folder / "large.ply").write_bytes(header.encode() + vertices + faces)
 
 
 if __name__ == "__main__":

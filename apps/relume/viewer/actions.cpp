@@ -65,7 +65,7 @@ void store_bookmark(State& state, size_t slot) {
 
 void go_to_bookmark(State& state, size_t slot) {
   if (slot >= state.bookmarks.size())
-    return state.tell(fmt::format("there is no view {}; Ctrl+{} stores one", slot + 1, slot + 1));
+    return state.tell(fmt::format("there is no view {}; Ctrl and a digit stores one", slot + 1));
   set_view(state, state.bookmarks[slot].view);
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -52,6 +53,7 @@ void silence_output() {
 
 [[noreturn]] void run_child(const std::function<void()>& task, uint64_t cpu_seconds, uint64_t address_space) {
   reset_signals();
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a program that is ended meanwhile leaves nobody behind
   silence_output();
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, cpu_seconds);
