@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "command.h"
 #include "compare/reference.h"
@@ -115,6 +116,23 @@ bool is_done(const ExperimentOptions& o, const std::filesystem::path& folder, co
   return summary && summary->run.quick == o.quick;
 }
 
+/// Measures, and writes what came out beside what is in the folder already.
+void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
+                    const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity) {
+  const std::string name(experiment.name);
+  const double start_s = now_s();
+  const ExperimentResult result = experiment.run(context);
+  const ExperimentRun run{machine_description(), o.quick, now_s() - start_s};
+  printer.clear();
+  write_file(folder / (name + ".html"), to_html(experiment_page(experiment, result, run)));
+  write_file(folder / (name + ".json"), to_json(experiment, result, run));
+  std::error_code stays;
+  std::filesystem::remove_all(context.parts_folder, stays);
+  write_index(folder);
+  print_claims(experiment, result);
+  tell(verbosity, fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
+}
+
 int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(o);
   const std::filesystem::path folder = make_output_folder(o.output);
@@ -122,6 +140,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const InterruptGuard interrupts;
   ProgressPrinter printer(!verbosity.quiet);
   ExperimentContext context = make_context(o, interrupts.token(), printer);
+  std::vector<std::string> failed;
   for (const Experiment* experiment : list) {
     const std::string name(experiment->name);
     context.parts_folder = folder / (name + ".parts");
@@ -129,26 +148,22 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       tell(verbosity, fmt::format("{} is in {} already", name, folder.string()));
       continue;
     }
-    const double start_s = now_s();
     try {
-      const ExperimentResult result = experiment->run(context);
-      const ExperimentRun run{machine_description(), o.quick, now_s() - start_s};
-      printer.clear();
-      write_file(folder / (name + ".html"), to_html(experiment_page(*experiment, result, run)));
-      write_file(folder / (name + ".json"), to_json(*experiment, result, run));
-      std::error_code stays;
-      std::filesystem::remove_all(context.parts_folder, stays);
-      write_index(folder);
-      print_claims(*experiment, result);
-      tell(verbosity,
-           fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
+      run_experiment(*experiment, o, context, folder, printer, verbosity);
     } catch (const ExperimentStopped&) {
       printer.clear();
       tell(verbosity, fmt::format("interrupted {}; the same command goes on", experiment->name));
       return kExitInterrupted;
+    } catch (const std::exception& error) {
+      if (list.size() == 1) throw;
+      printer.clear();
+      warn(fmt::format("{} failed: {}", name, error.what()));  // hours of others need not be lost
+      failed.push_back(name);
     }
   }
   write_index(folder);  // also if all of them were there
+  if (!failed.empty())
+    throw Error(fmt::format("{} of {} experiments failed: {}", failed.size(), list.size(), fmt::join(failed, ", ")));
   return kExitDone;
 }
 

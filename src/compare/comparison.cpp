@@ -160,14 +160,13 @@ bool Comparing::measure_contenders() {
     for (size_t i = 0; i < sessions.size(); ++i) {
       ensembles[i].add(pictures[i]);
       result_.contenders[i].repetitions.push_back(std::move(results[i]));
-      if (repetition == 0) result_.contenders[i].image = std::move(pictures[i]);
+      if (repetition == 0) result_.contenders[i].image = pictures[i];
+      if (o.keep_pictures) result_.contenders[i].pictures.push_back(std::move(pictures[i]));
     }
   }
   const Reference& last = references_.back();
-  for (size_t i = 0; i < sessions.size(); ++i) {
-    result_.contenders[i].squared_error = ensembles[i].squared_error(last.image);
-    if (o.repetitions > 1) result_.contenders[i].split = ensembles[i].split(last.image, last.mse);
-  }
+  for (size_t i = 0; i < sessions.size() && o.repetitions > 1; ++i)
+    result_.contenders[i].split = ensembles[i].split(last.image, last.mse);
   return true;
 }
 

@@ -30,8 +30,9 @@ struct ComparisonOptions {
   int reference_spp = 1024;
   SettingTexts reference_settings = {};  ///< of the rendered reference alone
   std::filesystem::path cache_folder;
-  std::string program = {};  ///< tells builds apart: references of another one are rendered again
-  FrameClock clock = {};     ///< by which contenders are timed; empty: wall_clock()
+  std::string program = {};    ///< tells builds apart: references of another one are rendered again
+  FrameClock clock = {};       ///< by which contenders are timed; empty: wall_clock()
+  bool keep_pictures = false;  ///< of every repetition
 };
 
 inline bool is_animation(const ComparisonOptions& options) { return options.times_s.size() > 1; }
@@ -73,7 +74,7 @@ struct ContenderResult {
   std::vector<Repetition> repetitions = {};
   std::optional<ErrorSplit> split = {};  ///< of the last frame, from two repetitions on
   Image image = {};                      ///< of the first repetition, last frame
-  Image squared_error = {};              ///< at each pixel of the last frame, mean over the repetitions
+  std::vector<Image> pictures = {};      ///< of each repetition, if those are kept
 };
 
 /// What noise of the reference adds to the figures on average; of an animation, means over its frames. All 0: not

@@ -1,11 +1,13 @@
 // [Schipek22 §6.3]: in a corridor whose lamp is three bends away, at which bounce cells take over, and how the light
 // arrives.
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
 #include "experiments/all.h"
+#include "experiments/measure/estimate.h"
 #include "experiments/measure/frame_averages.h"
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
@@ -21,6 +23,7 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.3]";
 constexpr float kConstants[] = {0, 0.1f, 1, 10, 100, 1000, 10000};
 constexpr int kReferenceSpp = 2048;
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 RenderSettings settings_of(const ExperimentContext& context, const ExperimentScene& scene, CacheChoice cache) {
   RenderSettings settings = scene.settings;
@@ -45,14 +48,18 @@ std::vector<FrameAverages> measure_depths(const ExperimentContext& context, cons
 }
 
 Claim claim_depth(const std::vector<FrameAverages>& list) {
-  bool holds = list.back().termination > list.front().termination;
+  std::vector<const char*> verdicts{verdict_below(difference(list.front().termination, list.back().termination))};
   std::string measured;
   for (size_t i = 0; i < list.size(); ++i) {
-    holds = holds && (i == 0 || list[i].termination >= list[i - 1].termination - 0.005);
-    measured += fmt::format("{}{}: {:.2f}", i > 0 ? ", " : "", list[i].name, list[i].termination);
+    measured += fmt::format("{}{}: {}", i > 0 ? ", " : "", list[i].name, with_noise(list[i].termination));
+    if (i == 0) continue;
+    const Estimate fall = difference(list[i - 1].termination, list[i].termination);
+    verdicts.push_back(
+        verdict_of({fall.value - fall.half_width(), fall.value + fall.half_width(), 0.95}, -kEndless, 0.005));
   }
-  return judged("depth", kPaper, "The mean depth at which paths end grows with the variance constant.",
-                "mean bounce by constant: " + measured, "monotone, to 0.005 of a bounce", holds);
+  return with_verdict("depth", kPaper, "The mean depth at which paths end grows with the variance constant.",
+                      "mean bounce by constant: " + measured, "monotone, to 0.005 of a bounce, by the interval",
+                      verdict_of_all(verdicts));
 }
 
 /// What arrives, frame by frame: of the first session, and of all of them in the first frames and in the second half.
@@ -127,7 +134,7 @@ Claim claim_error(const Arrival& path, const Arrival& graph) {
 ChartBlock depth_chart(const std::vector<FrameAverages>& list) {
   Curve curve{"apg", 0, false, {}};
   for (size_t i = 0; i < list.size(); ++i)
-    curve.points.push_back({.x = std::max(1e-2, static_cast<double>(kConstants[i])), .y = list[i].termination});
+    curve.points.push_back({.x = std::max(1e-2, static_cast<double>(kConstants[i])), .y = list[i].termination.value});
   return {"Depth at which paths end",
           "Mean over pixels and frames of the bounce, from 1, at which a path ceases to count. The leftmost point is "
           "that of the constant 0. Jitter is off.",

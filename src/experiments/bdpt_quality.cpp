@@ -1,14 +1,13 @@
 // [Sun20 §5.1]: noise of bidirectional path tracing against that of path tracing, where there are caustics, mirrors and
 // lamps that light the ceiling.
-#include <algorithm>
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
 #include "experiments/all.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
 #include "experiments/setup/named.h"
+#include "metrics/statistics.h"
 
 namespace relume {
 namespace {
@@ -47,11 +46,10 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, Rec
   return {scene.name, std::move(region), study(context, scene, samples), study(context, scene, time)};
 }
 
-double region_ratio(const Comparison& c, const Rectangle& region) {
-  return region_mse(c, "path", region) / region_mse(c, "bdpt", region);
+/// Path tracing's MSE over that of bidirectional path tracing.
+Ratio gain(const Comparison& c, const Rectangle& region = {"picture"}) {
+  return region_ratio(c, "path", "bdpt", region);
 }
-
-double ratio(const Comparison& c) { return region_ratio(c, {"picture"}); }
 
 TableBlock table(const std::vector<Case>& cases) {
   TableBlock block{"Path tracing's MSE over that of bidirectional path tracing",
@@ -59,29 +57,28 @@ TableBlock table(const std::vector<Case>& cases) {
                    "scene",
                    {{"equal samples"}, {"equal time"}, {"region"}, {"equal samples, region"}, {"equal time, region"}},
                    {}};
-  const auto cell = [](double x) { return TableCell{short_number(x), x}; };
+  const auto cell = [](const Ratio& r) { return TableCell{short_number(r.value), r.value, to_text(r)}; };
   for (const Case& c : cases) {
     block.rows.push_back({c.name,
                           kNeutralColor,
-                          {cell(ratio(c.samples)),
-                           cell(ratio(c.time)),
+                          {cell(gain(c.samples)),
+                           cell(gain(c.time)),
                            {c.region.name},
-                           cell(region_ratio(c.samples, c.region)),
-                           cell(region_ratio(c.time, c.region))}});
+                           cell(gain(c.samples, c.region)),
+                           cell(gain(c.time, c.region))}});
   }
   return block;
 }
 
 Claim claim_less_noise(const std::vector<Case>& cases) {
   std::string measured;
-  bool holds = true;
+  std::vector<Ratio> gains;
   for (const char* scene : {"cornell-spheres", "cornell-mirror", "cornell-water"}) {
-    const double value = ratio(named(cases, scene).samples);
-    holds = holds && value > 1;
-    measured += fmt::format("{}{}: {}", measured.empty() ? "" : ", ", scene, short_number(value));
+    gains.push_back(gain(named(cases, scene).samples));
+    measured += fmt::format("{}{}: {}", measured.empty() ? "" : ", ", scene, to_text(gains.back()));
   }
-  return judged("less-noise", "[Sun20 §5.1.1]", "At equal samples bidirectional path tracing has less noise.",
-                "path tracing's MSE over its own: " + measured, "above 1 in every scene", holds);
+  return judged_ratios("less-noise", "[Sun20 §5.1.1]", "At equal samples bidirectional path tracing has less noise.",
+                       "path tracing's MSE over its own: " + measured, gains, 1);
 }
 
 /// Forty frames of path tracing and ten of bidirectional path tracing, as in the paper.
@@ -95,45 +92,46 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
     return std::pair(study(context, scene, forty), study(context, scene, ten));
   };
   const auto [mirror_path, mirror_bdpt] = compare("cornell-mirror");
-  const double mirror = region_mse(mirror_path, "path", {"picture"}) / region_mse(mirror_bdpt, "bdpt", {"picture"});
-  claims.push_back(judged("ten-frames-mirror", "[Sun20 §5.1.2]",
-                          "On the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
-                          fmt::format("path tracing's MSE over its own: {}", short_number(mirror)), "at least 0.8",
-                          mirror >= 0.8));
+  const Rectangle all{"picture"};
+  const Ratio mirror = error_ratio(region_errors(mirror_path, "path", all), region_errors(mirror_bdpt, "bdpt", all));
+  claims.push_back(judged_ratios("ten-frames-mirror", "[Sun20 §5.1.2]",
+                                 "On the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
+                                 "path tracing's MSE over its own: " + to_text(mirror), {mirror}, 0.8));
   const auto [water_path, water_bdpt] = compare("cornell-water");
   const Rectangle& walls = kAboveWater;
-  const double water = region_mse(water_path, "path", walls) / region_mse(water_bdpt, "bdpt", walls);
-  claims.push_back(judged("ten-frames-water", "[Sun20 §5.1.2]",
-                          "Above the water, caustics are clearer after 10 frames than after 40 of path tracing.",
-                          fmt::format("path tracing's MSE over its own, there: {}", short_number(water)), "above 1",
-                          water > 1));
+  const Ratio water = error_ratio(region_errors(water_path, "path", walls), region_errors(water_bdpt, "bdpt", walls));
+  claims.push_back(judged_ratios("ten-frames-water", "[Sun20 §5.1.2]",
+                                 "Above the water, caustics are clearer after 10 frames than after 40 of path tracing.",
+                                 "path tracing's MSE over its own, there: " + to_text(water), {water}, 1));
 }
 
 Claim claim_region(const Case& c, std::string id, const char* paper, double factor) {
-  const double value = region_ratio(c.time, c.region);
-  return judged(
+  const Ratio ratio = gain(c.time, c.region);
+  return judged_ratios(
       std::move(id), paper,
       fmt::format("{}: at equal time its MSE is lower by a factor of {} at least ({}).", c.name, factor, c.region.name),
-      fmt::format("{} ({} over the picture)", short_number(value), short_number(ratio(c.time))),
-      fmt::format("at least {}", factor), value >= factor);
+      fmt::format("{}; over the picture {}", to_text(ratio), to_text(gain(c.time))), {ratio}, factor);
 }
 
 /// The reference by an estimator that shares nothing but the light subpaths: mean of a region in plain view.
 Claim claim_reference(const ExperimentContext& context, const std::vector<Case>& cases) {
   std::string measured;
-  double worst = 0;
+  std::vector<const char*> verdicts;
   for (const char* scene : {"cornell-water", "cornell-glass"}) {
     StudyOptions options = options_of(context, "light=estimator:light");
     options.spp = context.choose(64, 16);
     const Comparison c = study(context, built_in(scene, kBounces), options);
     const Rectangle& region = named(cases, scene).region;
-    const double difference =
-        region_mean(contender_named(c, "light").image, region) / region_mean(c.reference.image, region) - 1;
-    worst = std::max(worst, std::fabs(difference));
-    measured += fmt::format("{}{}: {:+.2f} %", measured.empty() ? "" : ", ", scene, 100 * difference);
+    std::vector<double> differences;
+    for (const Image& picture : contender_named(c, "light").pictures)
+      differences.push_back(region_mean(picture, region) / region_mean(c.reference.image, region) - 1);
+    const Interval interval = mean_interval(differences);
+    verdicts.push_back(verdict_of(interval, -0.01, 0.01));
+    measured += fmt::format("{}{}: {:+.2f} % ({:+.2f} to {:+.2f})", measured.empty() ? "" : ", ", scene,
+                            100 * mean(differences), 100 * interval.low, 100 * interval.high);
   }
-  return judged("reference", kPaper, "Light tracing finds the caustics as bright as the reference has them.", measured,
-                "within 1 %", worst <= 0.01);
+  return with_verdict("reference", kPaper, "Light tracing finds the caustics as bright as the reference has them.",
+                      measured, "within 1 %, by the interval", verdict_of_all(verdicts));
 }
 
 ExperimentResult run_bdpt_quality(const ExperimentContext& context) {

@@ -49,7 +49,8 @@ const char* verdict_of(const Interval& value, double least, double most) {
 const char* verdict_of_all(const std::vector<const char*>& parts) {
   const auto is = [](std::string_view verdict) { return [verdict](const char* part) { return part == verdict; }; };
   if (std::any_of(parts.begin(), parts.end(), is(kVerdictFails))) return kVerdictFails;
-  return std::all_of(parts.begin(), parts.end(), is(kVerdictHolds)) ? kVerdictHolds : kVerdictUndecided;
+  const bool all_hold = !parts.empty() && std::all_of(parts.begin(), parts.end(), is(kVerdictHolds));
+  return all_hold ? kVerdictHolds : kVerdictUndecided;
 }
 
 Claim with_verdict(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,

@@ -64,7 +64,7 @@ Claim judged(std::string id, std::string paper, std::string claim, std::string m
              bool holds);
 /// Whether a value lies from `least` to `most`: holds or fails if its whole interval does, else it is undecided.
 const char* verdict_of(const Interval& value, double least, double most = std::numeric_limits<double>::infinity());
-/// Of a claim with several parts: fails if one fails, holds if all hold.
+/// Of a claim with several parts: fails if one fails, holds if there are any and all hold.
 const char* verdict_of_all(const std::vector<const char*>& parts);
 /// A claim with one of the kVerdict constants.
 Claim with_verdict(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,

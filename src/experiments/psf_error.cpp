@@ -140,10 +140,9 @@ void claim_similar(const Comparison& c, std::vector<Claim>& claims) {
       verdict_of_all({verdict_of(apsf.interval, 0, 1.1), verdict_of(apg.interval, 0, 2)})));
 }
 
-std::vector<double> mses_of(const ContenderResult& contender) {
-  std::vector<double> values;
-  for (const Repetition& r : contender.repetitions) values.push_back(r.mse);
-  return values;
+/// One value a repetition, mean over the frames, without the reference's own noise.
+std::vector<double> errors_of(const Comparison& c, std::string_view name) {
+  return values_of(contender_named(c, name), [&](const Repetition& r) { return r.mse - c.reference_noise.mse; });
 }
 
 /// Figure 6.4: along the camera path of a scene.
@@ -154,16 +153,14 @@ void measure_walk(const ExperimentContext& context, const char* name, int bounce
                               .times_s = frame_times(context.choose(12, 3)),
                               .repetitions = 3,
                               .reference_spp = context.choose(512, 64)});
-  const auto ratio = [&](std::string_view cache) {
-    return error_ratio(mses_of(contender_named(c, cache)), mses_of(contender_named(c, "path")));
-  };
+  const auto ratio = [&](std::string_view cache) { return error_ratio(errors_of(c, cache), errors_of(c, "path")); };
   const Ratio psf = ratio("psf");
   const Ratio apsf = ratio("apsf");
   result.claims.push_back(
       judged_within(fmt::format("walk-{}", name), kPaper,
                     fmt::format("{}, moving camera: filtered frames have less error than those of path tracing.", name),
-                    fmt::format("psf {:.3f}, apsf {:.3f} of path tracing's", psf.value, apsf.value), "both at most 1",
-                    {psf, apsf}, 0, 1));
+                    fmt::format("psf {}, apsf {} of path tracing's", share_text(psf), share_text(apsf)),
+                    "both at most 1", {psf, apsf}, 0, 1));
   const std::vector<Block> blocks = study_blocks(fmt::format("{}, moving camera", name), c);
   result.blocks.insert(result.blocks.end(), blocks.begin(), blocks.end());
 }

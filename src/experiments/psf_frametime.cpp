@@ -1,5 +1,6 @@
 // [Schipek22 §6.2]: time of a frame of one sample a pixel, with two and with ten levels of indirection; and what psf
 // and apg take in Sponza with six.
+#include <cmath>
 #include <ctime>
 #include <memory>
 #include <utility>
@@ -59,13 +60,20 @@ double figure_of(const Session& session, std::string_view name) {
   return 0;
 }
 
-FrameFigures figures_of(std::string name, const TimedSession& session, int skip, uint64_t rays) {
+/// What was known of a session before the frames that count.
+struct Start {
+  std::vector<PassTime> passes;
+  uint64_t rays = 0;
+};
+
+FrameFigures figures_of(std::string name, const TimedSession& session, int skip, const Start& start) {
   FrameFigures f{.name = std::move(name), .frame_s = {}, .passes = {}};
   f.frame_s.assign(session.frame_s().begin() + skip, session.frame_s().end());
   f.frame_ms = 1000 * median(f.frame_s);
-  for (const PassTime& pass : session.passes())
-    f.passes.emplace_back(pass.name, pass.seconds * (1000.0 / session.frames()));
-  f.rays = static_cast<double>(rays) / (static_cast<double>(session.frames()) - skip) / (kWidth * kHeight);
+  const auto counted = static_cast<double>(f.frame_s.size());
+  for (const PassTime& pass : pass_times_since(session.passes(), start.passes))
+    f.passes.emplace_back(pass.name, pass.seconds * 1000 / counted);
+  f.rays = static_cast<double>(session.rays() - start.rays) / counted / (kWidth * kHeight);
   f.cells = figure_of(session.session(), "cells.cells");
   f.table_mb = figure_of(session.session(), "cells.bytes") / 1e6;
   f.probes = figure_of(session.session(), "cells.probes");
@@ -87,18 +95,17 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
     sessions.push_back(std::make_unique<TimedSession>(scene.scene, contender.settings, processor_time));
     sessions.back()->session().set_camera(scene.camera);
   }
-  std::vector<uint64_t> rays(sessions.size(), 0);
+  std::vector<Start> starts(sessions.size());
   for (int frame = 0; frame < count; ++frame) {
     for (size_t i = 0; i < sessions.size(); ++i) {
       context.check_stop();
-      const uint64_t before = sessions[i]->rays();
+      if (frame == skip) starts[i] = {sessions[i]->passes(), sessions[i]->rays()};
       sessions[i]->render_frame();
-      if (frame >= skip) rays[i] += sessions[i]->rays() - before;
     }
     context.report(fmt::format("{}, {} bounces", scene.name, bounces), (frame + 1.0) / count);
   }
   for (size_t i = 0; i < sessions.size(); ++i)
-    result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, rays[i]));
+    result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, starts[i]));
   return result;
 }
 
@@ -135,7 +142,7 @@ TableBlock table(const std::vector<Timing>& timings) {
 
 TableBlock cost_table(const Timing& t) {
   TableBlock block{fmt::format("{}, {} bounces", t.scene, t.bounces),
-                   "Processor time as above; the rest in the last frame.",
+                   "Processor time as above, rays by frame; cells, table and probes after the last.",
                    "technique",
                    {{"time over path tracing's", "", Better::lower},
                     {"ms", "", Better::lower},
@@ -177,17 +184,35 @@ Claim claim_ratio(std::string id, std::string claim, const std::vector<Timing>& 
                        high);
 }
 
+/// Of two medians; half of a 95 % interval.
+struct Difference {
+  double ms = 0;
+  double noise_ms = 0;
+};
+
+Difference difference_ms(const Timing& t, std::string_view a, std::string_view b) {
+  const auto half_width = [&](std::string_view name) {
+    const Interval interval = median_interval(named(t.list, name).frame_s);
+    return 1000 * (interval.high - interval.low) / 2;
+  };
+  return {t.of(a) - t.of(b), std::hypot(half_width(a), half_width(b))};
+}
+
 Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& many) {
-  bool holds = true;
+  std::vector<const char*> verdicts;
   std::string measured;
   for (size_t i = 0; i < few.size(); ++i) {
-    const double before = few[i].of("apg") - few[i].of("path");
-    const double after = many[i].of("apg") - many[i].of("path");
-    holds = holds && after > before;
-    measured += fmt::format("{}{}: {:.1f} ms and {:.1f} ms", measured.empty() ? "" : ", ", few[i].scene, before, after);
+    const Difference before = difference_ms(few[i], "apg", "path");
+    const Difference after = difference_ms(many[i], "apg", "path");
+    const double growth = after.ms - before.ms;
+    const double noise = std::hypot(before.noise_ms, after.noise_ms);
+    verdicts.push_back(verdict_of({growth - noise, growth + noise, 0.95}, 0));
+    measured += fmt::format("{}{}: {:.1f} ± {:.1f} and {:.1f} ± {:.1f} ms", measured.empty() ? "" : ", ", few[i].scene,
+                            before.ms, before.noise_ms, after.ms, after.noise_ms);
   }
-  return judged("graph-bounces", kPaper, "What apg costs beyond path tracing grows with the number of bounces.",
-                measured + " beyond path tracing's with 2 and with 10 bounces", "more with 10 in every scene", holds);
+  return with_verdict("graph-bounces", kPaper, "What apg costs beyond path tracing grows with the number of bounces.",
+                      measured + " beyond path tracing's with 2 and with 10 bounces",
+                      "more with 10 in every scene, by the interval", verdict_of_all(verdicts));
 }
 
 /// The share that caches add in Sponza, with six bounces.

@@ -40,17 +40,6 @@ void Ensemble::add_to_group(const Image& image) {
   for (size_t i = 0; i < group.pixels.size(); ++i) group.pixels[i] += (image.pixels[i] - group.pixels[i]) / members;
 }
 
-Image Ensemble::squared_error(const Image& reference) const {
-  if (count_ < 1) throw Error("an error needs at least one repetition");
-  check_same_size(mean_, reference);
-  Image result(mean_.width, mean_.height);
-  for (size_t i = 0; i < m2_.size(); ++i) {
-    const Rgb difference = mean_.pixels[i] - reference.pixels[i];
-    result.pixels[i] = difference * difference + m2_[i] / static_cast<float>(count_);
-  }
-  return result;
-}
-
 ErrorSplit Ensemble::split(const Image& reference, double reference_mse) const {
   if (count_ < 2) throw Error("bias and variance need at least two repetitions; repeat with another seed");
   check_same_size(mean_, reference);

@@ -27,10 +27,6 @@ class Ensemble {
   /// Mean of the repetitions.
   const Image& mean() const { return mean_; }
 
-  /// Squared distance of a repetition from the reference at each pixel, mean over the repetitions. Throws Error without
-  /// repetitions and if the sizes differ.
-  Image squared_error(const Image& reference) const;
-
   /// `reference_mse`: the reference's own expected MSE against the truth, which its noise adds to the distance of the
   /// means and which is subtracted, as is the noise of the mean of the repetitions. The error of bias² is that of the
   /// repetitions' noise, whatever the bias looks like over the picture (squared_bias()); what chance there is in the

@@ -67,24 +67,6 @@ TEST(Ensemble, ManyRepetitionsKnowTheBiasBetter) {
   EXPECT_LT(*many.bias2_error, 0.7 * *few.bias2_error);  // a fifth; each is known to about a quarter
 }
 
-TEST(Ensemble, SquaredErrorOfAPixelIsTheMeanOverRepetitions) {
-  const Image reference = make_constant(0.5f);
-  Ensemble ensemble;
-  Image sum(96, 80);
-  for (uint32_t seed = 1; seed <= 3; ++seed) {
-    const Image image = make_noisy(seed, 0.01f, 0.1f);
-    ensemble.add(image);
-    for (size_t i = 0; i < sum.pixels.size(); ++i) {
-      const Rgb d = image.pixels[i] - reference.pixels[i];
-      sum.pixels[i] += d * d / 3.0f;
-    }
-  }
-  const Image error = ensemble.squared_error(reference);
-  for (size_t i = 0; i < sum.pixels.size(); ++i) EXPECT_NEAR(error.pixels[i].g, sum.pixels[i].g, 1e-6);
-  EXPECT_THROW(ensemble.squared_error(Image(3, 3)), Error);
-  EXPECT_THROW(Ensemble().squared_error(reference), Error);
-}
-
 TEST(Ensemble, WithoutBiasTheEstimateScattersAroundZero) {
   int negative = 0;
   int certain = 0;

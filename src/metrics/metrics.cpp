@@ -74,14 +74,6 @@ double mean(const std::vector<float>& values) {
   throw Error("the images have no pixel that is finite in both; check what made them");
 }
 
-/// A channel's block means, compared; nothing finite in the block: no difference.
-float relative_difference(double a, double b, uint64_t pixels, double floor) {
-  if (pixels == 0) return 0.0f;
-  const double n = static_cast<double>(pixels);
-  const double denominator = std::max(b / n, floor);
-  return denominator > 0 ? static_cast<float>((a - b) / n / denominator) : (a == b ? 0.0f : kInfinity);
-}
-
 }  // namespace
 
 void check_same_size(const Image& a, const Image& b) {
@@ -120,37 +112,6 @@ Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& opt
   }
   if (options.hdr_flip) m.hdr_flip = mean(hdr_flip_map(a, b, flip_exposures(b), options.pixels_per_degree));
   return m;
-}
-
-BlockDifferences block_differences(const Image& a, const Image& b, int size) {
-  check_same_size(a, b);
-  BlockDifferences result;
-  result.columns = (a.width + size - 1) / size;
-  result.rows = (a.height + size - 1) / size;
-  std::vector<Sums> blocks(static_cast<size_t>(result.columns) * static_cast<size_t>(result.rows));
-  tbb::parallel_for(0, result.rows, [&](int row) {
-    for (int y = row * size; y < std::min((row + 1) * size, a.height); ++y) {
-      for (int x = 0; x < a.width; ++x) {
-        const int block = row * result.columns + x / size;
-        blocks[static_cast<size_t>(block)].add_pixel(a.at(x, y), b.at(x, y));
-      }
-    }
-  });
-  const Sums total = sum_of_rows(blocks);
-  if (total.pixels == 0) fail_nothing_finite();
-  double squares = 0;
-  for (const Sums& block : blocks) {
-    Rgb& relative = result.relative.emplace_back();
-    for (int c = 0; c < 3; ++c) {
-      const auto i = static_cast<size_t>(c);
-      const double floor = 0.001 * total.b[i] / static_cast<double>(total.pixels);
-      relative[c] = relative_difference(block.a[i], block.b[i], block.pixels, floor);
-      result.max_abs = std::max(result.max_abs, static_cast<double>(std::fabs(relative[c])));
-      squares += static_cast<double>(relative[c]) * relative[c];
-    }
-  }
-  result.rms = std::sqrt(squares / (3.0 * static_cast<double>(result.relative.size())));
-  return result;
 }
 
 Image color_map(std::span<const float> values, int width, int height) {

@@ -49,18 +49,6 @@ Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& opt
 /// may leave less than nothing, of which there are neither ratios nor logarithms.
 double without_noise(double mse, double reference_mse);
 
-/// Relative difference of block means, per channel: (mean a - mean b) / max(mean b, 0.001 · mean of all of b).
-struct BlockDifferences {
-  int columns = 0;
-  int rows = 0;
-  std::vector<Rgb> relative;  ///< columns · rows, row by row
-  double max_abs = 0;         ///< over blocks and channels
-  double rms = 0;
-};
-
-/// Blocks of `size`² pixels; those at the right and bottom border may be smaller. Throws Error like compute_metrics().
-BlockDifferences block_differences(const Image& a, const Image& b, int size = 16);
-
 /// Values in [0, 1] as colours from black over purple and orange to light yellow (the magma map of matplotlib);
 /// display-linear, ready for write_image(). NaN is shown green.
 Image color_map(std::span<const float> values, int width, int height);

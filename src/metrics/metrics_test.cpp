@@ -66,7 +66,6 @@ TEST(Metrics, NonFinitePixelsAreLeftOutAndCounted) {
 TEST(Metrics, UnusablePairsAreErrors) {
   EXPECT_THROW(compute_metrics(Image(4, 4), Image(4, 5)), Error);
   EXPECT_THROW(compute_metrics(Image(), Image()), Error);
-  EXPECT_THROW(block_differences(Image(4, 4), Image(5, 4)), Error);
   Image nan(2, 2);
   for (Rgb& pixel : nan.pixels) pixel = Rgb(std::nanf(""));
   EXPECT_THROW(compute_metrics(nan, nan), Error);
@@ -87,37 +86,6 @@ TEST(Metrics, DoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.flip, four.flip);
   EXPECT_EQ(one.hdr_flip, four.hdr_flip);
   EXPECT_EQ(one.mean_a, four.mean_a);
-}
-
-TEST(BlockDifferences, FindTheBlockThatDiffers) {
-  Image b(40, 20);
-  for (Rgb& pixel : b.pixels) pixel = Rgb(2.0f);
-  Image a = b;
-  for (int y = 16; y < 20; ++y) {
-    for (int x = 32; x < 40; ++x) a.at(x, y).g = 2.2f;  // the small block in the corner
-  }
-  const BlockDifferences d = block_differences(a, b);
-  EXPECT_EQ(d.columns, 3);
-  EXPECT_EQ(d.rows, 2);
-  for (size_t i = 0; i < 6; ++i) {
-    EXPECT_NEAR(d.relative[i].g, i == 5 ? 0.1f : 0.0f, 1e-6f);
-    EXPECT_EQ(d.relative[i].r, 0.0f);
-  }
-  EXPECT_NEAR(d.max_abs, 0.1, 1e-6);
-  EXPECT_NEAR(d.rms, 0.1 / std::sqrt(18.0), 1e-6);
-}
-
-TEST(BlockDifferences, BlackReferenceBlocksAreBounded) {
-  Image a(32, 16);
-  Image b(32, 16);
-  for (int y = 0; y < 16; ++y) {
-    for (int x = 0; x < 16; ++x) a.at(x, y) = b.at(x, y) = Rgb(1.0f);
-  }
-  a.at(20, 5) = Rgb(0.001f);
-  const BlockDifferences d = block_differences(a, b);
-  // Mean 0.001/256 against the floor 0.001 · 0.5.
-  EXPECT_NEAR(d.relative[1].r, 0.001 / 256.0 / 0.0005, 1e-6);
-  EXPECT_EQ(block_differences(Image(16, 16), Image(16, 16)).max_abs, 0.0);
 }
 
 TEST(ColorMap, RunsFromBlackToLightYellow) {

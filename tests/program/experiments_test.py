@@ -6,7 +6,7 @@ import json
 import os
 import unittest
 
-from program import ProgramTest
+from program import ProgramTest, run
 
 VERDICTS = {"holds", "does not hold", "undecided", "not measured"}
 
@@ -32,6 +32,15 @@ class Experiments(ProgramTest):
                 self.assertIn("</html>", (self.folder / f"out/{name}.html").read_text())
                 self.assertIn(f"{name}.html", index)
                 self.assertIn(f"\n## {name}\n", tables)
+
+    def test_one_that_fails_leaves_the_others_be(self):
+        (self.folder / "scenes/sponza").mkdir(parents=True)
+        (self.folder / "scenes/sponza/sponza.gltf").write_text("no glTF")
+        environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+        done = run("experiment", "run", "psf-frametime", "bdpt-cost", "vlc-adaptation", "--quick", "--scenes", "scenes", "-o", "out", cwd=self.folder, env=environment, timeout=600)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stderr.splitlines()[-1], r"2 of 3 experiments failed: psf-frametime, bdpt-cost")
+        self.assertIn("\n## vlc-adaptation\n", (self.folder / "out/index.md").read_text())
 
 
 if __name__ == "__main__":

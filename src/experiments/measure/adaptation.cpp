@@ -52,12 +52,6 @@ size_t adapted_after(const std::vector<FrameMean>& frames, double share) {
 
 }  // namespace
 
-std::vector<double> Adaptation::mse() const {
-  std::vector<double> result;
-  for (const FrameMean& frame : frame_means(runs, all_of(runs))) result.push_back(frame.mse);
-  return result;
-}
-
 std::vector<double> Adaptation::at(size_t frame) const {
   std::vector<double> result;
   for (const std::vector<double>& run : runs) result.push_back(run[frame]);
@@ -102,7 +96,6 @@ Adaptation measure_adaptation(const ExperimentContext& context, const std::strin
     }
     context.report(name, (run + 1.0) / runs);
   }
-  result.last = session.image();
   return result;
 }
 

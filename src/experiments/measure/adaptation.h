@@ -14,10 +14,7 @@ namespace relume {
 struct Adaptation {
   std::string name;
   std::vector<std::vector<double>> runs;  ///< by run, by frame, without the reference's noise; all of the same length
-  Image last = {};                        ///< the last frame of the last run
 
-  /// Mean over the runs of a frame's MSE.
-  std::vector<double> mse() const;
   /// Each run's MSE of that frame, and its mean over the last `frames` frames.
   std::vector<double> at(size_t frame) const;
   std::vector<double> plateaus(size_t frames) const;

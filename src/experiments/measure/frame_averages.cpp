@@ -8,9 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "compare/timed_session.h"
 #include "metrics/ensemble.h"
-#include "metrics/statistics.h"
+#include "render/session.h"
 
 namespace relume {
 namespace {
@@ -74,23 +73,23 @@ Estimate frame_variance(const std::vector<FrameSums>& repetitions, const PixelMa
 FrameAverages average_frames(const ExperimentContext& context, const ExperimentScene& scene,
                              const NamedSettings& contender, const FramePlanOfAverages& plan,
                              const Reference& reference, const PixelMask& surfaces) {
-  TimedSession session(scene.scene, contender.settings);
-  session.session().set_camera(scene.camera);
+  Session session(scene.scene, contender.settings);
+  session.set_camera(scene.camera);
   std::vector<Image> means;
   std::vector<FrameSums> repetitions;
   FrameAverages result{.name = contender.name};
-  std::vector<double> frame_s;
+  std::vector<double> terminations;
   for (int repetition = 0; repetition < plan.repetitions; ++repetition) {
     session.restart(1 + repetition);
     FrameSums& sums = repetitions.emplace_back();
+    terminations.push_back(0);
     for (int frame = 0; frame < plan.skip + plan.count; ++frame) {
       context.check_stop();
       session.render_frame();
       if (frame < plan.skip) continue;
-      sums.add(session.session().image());
-      result.termination += mean_termination(session.session());
+      sums.add(session.image());
+      terminations.back() += mean_termination(session) / plan.count;
     }
-    frame_s.insert(frame_s.end(), session.frame_s().begin() + plan.skip, session.frame_s().end());
     means.push_back(mean_image(sums.values, sums.count, contender.settings.width, contender.settings.height));
     context.report(fmt::format("{}, {}", scene.name, contender.name), (repetition + 1.0) / plan.repetitions);
   }
@@ -98,8 +97,7 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
   result.variance =
       frame_variance(repetitions, mask_of({"picture"}, contender.settings.width, contender.settings.height));
   result.surface_variance = frame_variance(repetitions, surfaces);
-  result.termination /= plan.count * plan.repetitions;
-  result.frame_s = median(std::move(frame_s));
+  result.termination = mean_estimate(terminations);
   Ensemble ensemble;
   for (const Image& mean : means) ensemble.add(mean);
   result.average = ensemble.mean();

@@ -37,8 +37,7 @@ struct FrameAverages {
   Estimate bias2 = {};             ///< mean square difference of the average frame from the reference, without noise
   Estimate variance = {};          ///< of a frame, over independent sessions
   Estimate surface_variance = {};  ///< the same over the pixels of `surfaces`
-  double termination = 0;          ///< mean bounce at which paths cease to count; 0 without cells
-  double frame_s = 0;              ///< median
+  Estimate termination = {};       ///< mean bounce at which paths cease to count; 0 without cells
   Image average = {};
 };
 

@@ -60,7 +60,6 @@ struct Walk {
     const double mse = without_noise(m.mse, reference.mse);
     error.mses.back() += mse / options.views;
     error.mse += mse * weight;
-    error.rel_mse += without_noise(m.rel_mse, reference.rel_mse) * weight;
     error.flip += m.flip * weight;
   }
 };
@@ -121,10 +120,8 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
       context.report(scene.name, ++done / rounds);
     }
   }
-  for (size_t i = 0; i < contenders.size(); ++i) {
-    result.contenders[i].frame_ms = median(frame_ms[i]);
+  for (size_t i = 0; i < contenders.size(); ++i)
     result.contenders[i].time_share = median(leg_ms[i]) / median(leg_ms.front());
-  }
   return result;
 }
 

@@ -27,15 +27,13 @@ struct MovingOptions {
 };
 
 /// Means over views and repetitions, between the shown picture and a reference of the same view, whose own noise is
-/// taken off MSE and relMSE.
+/// taken off the MSE.
 struct MovingError {
   std::string name;
-  int frames = 0;       ///< from one view to the next
-  double frame_ms = 0;  ///< median over repetitions
+  int frames = 0;  ///< from one view to the next
   double time_share =
       1;  ///< of the time that the first contender's way from view to view took: whole frames fit as they do
   double mse = 0;
-  double rel_mse = 0;
   double flip = 0;
   std::vector<double> mses = {};  ///< of each repetition, mean over its views
   Image last = {};                ///< at the last view, of the last repetition

@@ -7,15 +7,29 @@
 
 namespace relume {
 
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+/// Of a quotient whose numerator is lost in the reference's noise: it is at most its upper bound over the other's
+/// lower.
+Ratio ratio_of_unseen(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() < 2 || b.size() < 2) return {0, {0, kUnbounded, 0}};
+  const double most = std::max(mean_interval(a).high, 0.0);
+  const double least = mean_interval(b).low;
+  return {0, {0, least > 0 ? most / least : kUnbounded, 0.95}};
+}
+
+}  // namespace
+
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
   const double mean_a = mean(a);
   const double mean_b = mean(b);
-  Ratio ratio;
-  ratio.value = mean_b > 0 ? mean_a / mean_b : 0;
-  // What is as near to the reference as the reference to the truth has no error to be told: nothing is decided.
-  ratio.interval = {0, std::numeric_limits<double>::infinity(), 0};
-  if (mean_b > 0) ratio.interval = {ratio.value, ratio.value, 0};
-  if (a.size() < 2 || b.size() < 2 || !(mean_a > 0 && mean_b > 0)) return ratio;
+  // What is as near to the reference as the reference to the truth has no error to be told.
+  if (!(mean_b > 0)) return {0, {0, kUnbounded, 0}};
+  if (!(mean_a > 0)) return ratio_of_unseen(a, b);
+  Ratio ratio{mean_a / mean_b, {mean_a / mean_b, mean_a / mean_b, 0}};
+  if (a.size() < 2 || b.size() < 2) return ratio;
   const auto relative_variance = [](const std::vector<double>& values, double m) {
     const double s = standard_deviation(values);
     return s * s / (m * m * static_cast<double>(values.size()));
@@ -53,7 +67,7 @@ Ratio geometric_mean(const std::vector<double>& quotients) {
 
 Ratio product(const Ratio& a, const Ratio& b) {
   const double value = a.value * b.value;
-  if (!(value > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
+  if (!(value > 0)) return {0, {0, kUnbounded, 0}};
   const auto both = [](double x, double y) { return std::exp(std::hypot(std::log(x), std::log(y))); };
   return {value,
           {value / both(a.value / a.interval.low, b.value / b.interval.low),
@@ -62,16 +76,20 @@ Ratio product(const Ratio& a, const Ratio& b) {
 }
 
 Ratio quotient(const Ratio& a, const Ratio& b) {
-  if (!(b.interval.low > 0)) return {0, {0, std::numeric_limits<double>::infinity(), 0}};
+  if (!(b.interval.low > 0)) return {0, {0, kUnbounded, 0}};
   return product(a, {1 / b.value, {1 / b.interval.high, 1 / b.interval.low, b.interval.confidence}});
 }
 
 std::string share_text(const Ratio& ratio) {
+  if (!std::isfinite(ratio.interval.high))
+    return fmt::format("{:.2f} (at least {:.2f})", ratio.value, ratio.interval.low);
   if (ratio.interval.confidence == 0) return fmt::format("{:.2f}", ratio.value);
   return fmt::format("{:.2f} ({:.2f} to {:.2f})", ratio.value, ratio.interval.low, ratio.interval.high);
 }
 
 std::string to_text(const Ratio& ratio) {
+  if (!std::isfinite(ratio.interval.high))
+    return fmt::format("{:.3g}× (at least {:.3g})", ratio.value, ratio.interval.low);
   return fmt::format("{:.3g}× ({:.3g} to {:.3g})", ratio.value, ratio.interval.low, ratio.interval.high);
 }
 

@@ -16,7 +16,9 @@ struct Ratio {
 };
 
 /// a's mean over b's, of independent values: how many times lower b's error is. Delta method in logarithms, Student's t
-/// with Welch's degrees of freedom.
+/// with Welch's degrees of freedom. Values may be negative, as what is left of errors without the reference's noise:
+/// where a's mean is, the value is 0 and the interval ends where a's and b's bounds allow; where b's is, anything is
+/// possible.
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
 /// a's median over b's, of seconds of frames: how many times faster b is. Contenders had turns, frame by frame.
@@ -29,7 +31,7 @@ Ratio geometric_mean(const std::vector<double>& quotients);
 Ratio product(const Ratio& a, const Ratio& b);
 Ratio quotient(const Ratio& a, const Ratio& b);
 
-/// "10.3× (9.8 to 10.9)".
+/// "10.3× (9.8 to 10.9)"; "0× (at least 0)" where there is no upper bound.
 std::string to_text(const Ratio& ratio);
 /// "0.52 (0.50 to 0.54)", for shares; "0.52" of a single one.
 std::string share_text(const Ratio& ratio);

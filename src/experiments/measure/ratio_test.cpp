@@ -19,6 +19,14 @@ TEST(Ratio, HasStudentsIntervals) {
   EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
   EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
   EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
+  // Too good to be measured: less than the bounds allow, and no failure.
+  const Ratio unseen = error_ratio({-1e-4, 1e-4, -1e-4}, {1, 1.1, 0.9});
+  EXPECT_EQ(unseen.value, 0);
+  EXPECT_GT(unseen.interval.high, 1e-4);
+  EXPECT_STREQ(verdict_of(unseen.interval, 0, 0.5), kVerdictHolds);
+  EXPECT_STREQ(verdict_of(unseen.interval, 0.5), kVerdictFails);
+  EXPECT_STREQ(verdict_of(error_ratio({-1e-4}, {1}).interval, 0, 0.5), kVerdictUndecided);
+  EXPECT_EQ(to_text(error_ratio({-1e-4}, {1})), "0× (at least 0)");
   // Below the reference's own noise there is no error to compare with.
   const Ratio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
   EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);

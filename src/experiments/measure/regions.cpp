@@ -17,10 +17,17 @@ double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(l
 
 }  // namespace
 
-double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region) {
-  const Image& squares = contender_named(comparison, name).squared_error;
-  const PixelMask mask = mask_of(region, squares.width, squares.height);
-  return without_noise(mean_of_channels(squares, mask), reference_noise(comparison.reference, mask));
+std::vector<double> region_errors(const Comparison& comparison, std::string_view name, const Rectangle& region) {
+  const Image& reference = comparison.reference.image;
+  const PixelMask mask = mask_of(region, reference.width, reference.height);
+  std::vector<double> errors;
+  for (const Image& picture : contender_named(comparison, name).pictures)
+    errors.push_back(frame_mse(picture, reference, mask) - reference_noise(comparison.reference, mask));
+  return errors;
+}
+
+Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string_view b, const Rectangle& region) {
+  return error_ratio(region_errors(comparison, a, region), region_errors(comparison, b, region));
 }
 
 double region_mean(const Image& image, const Rectangle& region) {

@@ -7,15 +7,17 @@
 
 #include "compare/comparison.h"
 #include "experiments/measure/pixel_mask.h"
+#include "experiments/measure/ratio.h"
 #include "experiments/measure/study.h"
 #include "io/image.h"
 #include "report/page.h"
 
 namespace relume {
 
-/// MSE of a contender's last frame in the region, mean over its repetitions, for a median would overlook what
-/// path tracing finds rarely and brightly; without the reference's own noise.
-double region_mse(const Comparison& comparison, std::string_view name, const Rectangle& region);
+/// MSE of a contender's last frame in the region, one value a repetition, without the reference's own noise.
+std::vector<double> region_errors(const Comparison& comparison, std::string_view name, const Rectangle& region);
+/// Of a's errors there over b's. Means decide: a median would overlook what path tracing finds rarely and brightly.
+Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string_view b, const Rectangle& region);
 
 /// Mean luminance of the region. Images have one size, as in all that follows.
 double region_mean(const Image& image, const Rectangle& region);

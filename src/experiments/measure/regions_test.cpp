@@ -29,15 +29,23 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   comparison.reference.image = Image(32, 32);
   comparison.reference.squared_error = Image(32, 32);
   comparison.contenders.emplace_back().name = "noisy";
-  comparison.contenders[0].squared_error = Image(32, 32);
+  comparison.contenders[0].pictures = {Image(32, 32), Image(32, 32)};
+  comparison.contenders.emplace_back().name = "clean";
+  comparison.contenders[1].pictures.assign(2, Image(32, 32));
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) {
-      comparison.contenders[0].squared_error.at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
-      comparison.reference.squared_error.at(x, y) = Rgb(0.2f, 0, 0.1f);
+      comparison.contenders[0].pictures[0].at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
+      comparison.contenders[0].pictures[1].at(x, y) = Rgb(0.7f);
+      for (Image& picture : comparison.contenders[1].pictures) picture.at(x, y) = Rgb(0.4f);
+      comparison.reference.squared_error.at(x, y) = Rgb(0.02f, 0, 0.01f);
     }
   }
-  EXPECT_NEAR(region_mse(comparison, "noisy", {"left", 0, 0, 0.5, 1}), 0.4, 1e-6);
-  EXPECT_NEAR(region_mse(comparison, "noisy", {"right", 0.5, 0, 1, 1}), 0.01, 1e-6);  // a tenth is left
+  const Rectangle left{"left", 0, 0, 0.5, 1};
+  const std::vector<double> errors = region_errors(comparison, "noisy", left);
+  EXPECT_NEAR(errors.at(0), 0.25 - 0.01, 1e-6);
+  EXPECT_NEAR(errors.at(1), 0.49 - 0.01, 1e-6);
+  EXPECT_NEAR(region_errors(comparison, "noisy", {"right", 0.5, 0, 1, 1}).at(0), 0, 1e-6);
+  EXPECT_NEAR(region_ratio(comparison, "noisy", "clean", left).value, 0.36 / 0.15, 1e-5);
 }
 
 TEST(Regions, ContrastSurvivesNoiseButNotBlur) {

@@ -41,10 +41,6 @@ std::vector<std::pair<std::string, std::string>> flags(const ExperimentContext& 
   return result;
 }
 
-double median_over(const Comparison& comparison, std::string_view name, double (*value)(const Repetition&)) {
-  return median_of(contender_named(comparison, name), value);
-}
-
 template <typename T>
 Block titled(const std::string& title, T block) {
   block.title = title + ": " + block.title;
@@ -66,6 +62,7 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 256));
   o.cache_folder = context.cache_folder;
   o.program = context.program;
+  o.keep_pictures = true;
   std::optional<Comparison> result =
       compare(with_camera(scene), o, context.stop, [&](const std::string& stage, double fraction) {
         context.report(fmt::format("{}, {}", scene.name, stage), fraction);
@@ -82,10 +79,6 @@ std::vector<float> frame_times(int count) {
 
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name) {
   return named(comparison.contenders, name);
-}
-
-double frame_ms_of(const Comparison& comparison, std::string_view name) {
-  return median_over(comparison, name, frame_ms);
 }
 
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison) {

@@ -38,9 +38,6 @@ std::vector<float> frame_times(int count);
 /// The contender of that name. Throws Error if there is none.
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name);
 
-/// Median over the repetitions.
-double frame_ms_of(const Comparison& comparison, std::string_view name);
-
 /// Pictures, table, curves and frame times, with `title` before their titles.
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison);
 
