@@ -31,6 +31,30 @@ TEST_P(Presets, RenderFramesWhileTheCameraMoves) {
   EXPECT_GT(sum, 0);
 }
 
+/// What fills each slot.
+std::string slots_of(const RenderSettings& settings) {
+  RenderSettings copy = settings;
+  const SettingList list = describe(copy);
+  std::string text;
+  for (const char* slot : {"estimator", "lights", "guide", "cache", "allocation", "history", "denoise"})
+    text += to_string(require_setting(list, slot, "")) + " ";
+  return text;
+}
+
+/// Presets that add a technique to what is there.
+bool adds_only(const Preset& preset) { return preset.json.find("estimator") == std::string_view::npos; }
+
+TEST_P(Presets, AreTheSameWhateverTheSceneAsksFor) {
+  const Preset& preset = GetParam();
+  if (adds_only(preset)) return;
+  const std::string alone = slots_of(resolve({.preset = std::string(preset.name)}).render);
+  for (const Preset& other : presets()) {
+    const SettingSources sources{
+        .scene_json = std::string(other.json), .scene_place = "view.json", .preset = std::string(preset.name)};
+    EXPECT_EQ(slots_of(resolve(sources).render), alone) << "over the settings of " << other.name;
+  }
+}
+
 std::string preset_name(const ::testing::TestParamInfo<Preset>& info) {
   std::string name(info.param.name);
   for (char& c : name) c = c == '-' ? '_' : c;

@@ -55,19 +55,13 @@ struct MeasureEdgesKernel {
     return count > 0.0f ? sum / count : kInfinity;
   }
 
-  /// One sequence runs through all frames, as nothing here adapts.
   RELUME_HD Rgb measure(uint32_t x, uint32_t y) const {
-    constexpr uint32_t kSalt = 0x5bd1e995u;
     const FeatureTracer tracer{scene, max_steps};
-    Rgb sum(0);
-    for (uint32_t k = 0; k < rays; ++k) {
-      const uint32_t sample = (index.independent ? index.frame : index.sample) * rays + k;
-      Sampler sampler = Sampler::sequence(index.seed ^ kSalt, x, y, sample);
+    return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       const Ray ray = camera_ray(scene.camera, x, y, sampler);
       const uint32_t ray_id = sampler.camera_ray_id();
-      sum += tracer.trace(ray, intersect(scene.accel, ray, ray_id), ray_id).emission;
-    }
-    return sum / static_cast<float>(rays);
+      return tracer.trace(ray, intersect(scene.accel, ray, ray_id), ray_id).emission;
+    });
   }
 };
 

@@ -83,7 +83,7 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   int chosen = -1;
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
-    const float share = i == 0 && sp.bsdf.has_coat() ? 1.0f : below_coat;
+    const float share = sp.bsdf.is_coat(i) ? 1.0f : below_coat;
     const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * share;
     total += albedo;
     if (!feature_detail::is_narrow(lobe)) continue;

@@ -4,7 +4,7 @@
 
 #include "techniques/path_space_filter/cell_paths.h"
 #include "techniques/path_space_filter/demodulate.h"
-#include "techniques/path_space_filter/emission_edges.h"
+#include "techniques/path_space_filter/edge_rays.h"
 
 namespace relume {
 

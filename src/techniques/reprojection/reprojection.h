@@ -161,18 +161,9 @@ struct ClaimKernel {
     return max_component(abs(now - before) * irradiance);
   }
 
-  /// BSDF without the part that looks the same from everywhere, and without a density.
+  /// BSDF without what looks the same from everywhere.
   RELUME_HD static Rgb view_dependent_f(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-    if (is_lambert(bsdf)) return Rgb(0);
-    const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
-    Rgb f(0);
-    for (int i = 0; i < bsdf.lobe_count; ++i) {
-      const Lobe& lobe = bsdf.lobes[i];
-      const bool is_coat = i == 0 && bsdf.has_coat();
-      f += eval_lobe(lobe, *bsdf.tables, wo, wi, TransportMode::radiance).f *
-           (lobe.weight * (is_coat ? 1.0f : below_coat));
-    }
-    return f;
+    return is_lambert(bsdf) ? Rgb(0) : eval_pdf(bsdf, wo, wi).f;
   }
 
   /// Beyond the paper: the more the light on a surface has changed, the fewer samples its history counts for. False if

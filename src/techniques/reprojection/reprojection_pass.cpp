@@ -7,6 +7,7 @@
 #include <iterator>
 #include <ostream>
 
+#include "core/stream_io.h"
 #include "techniques/reprojection/backward_buffers.h"
 #include "techniques/reprojection/reprojection.h"
 
@@ -25,16 +26,6 @@ void move_elements(const FrameContext& frame, std::vector<std::byte>& before, co
   const View<const T> old{reinterpret_cast<const T*>(before.data()), frame.pixels()};
   launch(frame.backend, "reproject", MoveKernel<T>{old, buffer.view<T>(), view_of(sources), frame.width()},
          frame.width(), frame.height());
-}
-
-template <typename T>
-void put(std::ostream& out, const std::vector<T>& values) {
-  out.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
-}
-template <typename T>
-void get(std::istream& in, std::vector<T>& values, size_t count) {
-  values.resize(count);
-  in.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(count * sizeof(T)));
 }
 
 /// Whether kernels may look the sample up in the scene.
@@ -256,33 +247,29 @@ size_t ReprojectionPass::memory_bytes() const {
 }
 
 void ReprojectionPass::save(std::ostream& out) const {
-  const uint64_t counts[2] = {stored_.size(), pixels_.size()};
-  out.write(reinterpret_cast<const char*>(counts), sizeof(counts));
-  put(out, stored_);
-  put(out, pixels_);
+  write_vector(out, stored_);
+  write_vector(out, pixels_);
 }
 
 void ReprojectionPass::load(std::istream& in) {
-  uint64_t counts[2] = {0, 0};
-  in.read(reinterpret_cast<char*>(counts), sizeof(counts));
-  const bool nothing = counts[0] == 0 && counts[1] == 0;  // saved before the first frame, or backward
-  const uint64_t capacity = counts[0] / pixel_count_;     // not settings_.capacity() if that has changed since a frame
-  if (!nothing && (counts[1] != pixel_count_ || counts[0] != capacity * pixel_count_ || capacity < 1 ||
+  // Whatever goes wrong, the next frame overwrites these.
+  read_vector(in, stored_before_);
+  read_vector(in, pixels_before_);
+  const size_t stored = stored_before_.size();
+  const bool nothing = stored == 0 && pixels_before_.empty();  // saved before the first frame, or backward
+  const size_t capacity = stored / pixel_count_;  // not settings_.capacity() if that has changed since a frame
+  if (!nothing && (pixels_before_.size() != pixel_count_ || stored != capacity * pixel_count_ || capacity < 1 ||
                    capacity > kMaxStoredSamples))
     in.setstate(std::ios::failbit);
-  if (!in) return;
-  // Whatever goes wrong, the next frame overwrites these.
-  get(in, stored_before_, counts[0]);
-  get(in, pixels_before_, counts[1]);
   if (!in) return;
   stored_ = stored_before_;
   pixels_ = pixels_before_;
   loaded_ = true;
   capacity_ = static_cast<uint32_t>(capacity);
-  claims_.resize(counts[1]);
-  winners_.resize(counts[1]);
-  limits_.resize(counts[1]);
-  limits_before_.resize(counts[1]);
+  claims_.resize(pixels_.size());
+  winners_.resize(pixels_.size());
+  limits_.resize(pixels_.size());
+  limits_before_.resize(pixels_.size());
 }
 
 PassDeclaration StoreSamplesPass::declaration() const {

@@ -29,7 +29,6 @@ class VisibilityLightCachePass final : public Pass {
 
   /// What estimators sample with; valid from the first run() on.
   const LightSelector& selector() const { return selector_; }
-  const LightCaches& caches() const { return caches_; }
 
  private:
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);

@@ -24,23 +24,18 @@ struct EmissionEdges {
     return contrast > kEmissionContrast * darkest_around(x, y, width, height, radiance);
   }
 
-  /// Mean emission of what pixel (x, y) sees. One sequence runs through all frames, as nothing here adapts.
+  /// Mean emission of what pixel (x, y) sees.
   RELUME_HD Rgb emission(uint32_t x, uint32_t y) const {
-    constexpr uint32_t kSalt = 0x5bd1e995u;
-    Rgb sum(0);
     SurfacePoint points[2];
     points[1].bsdf.lobe_count = 0;  // the camera
     NoObserver observer;
-    for (uint32_t k = 0; k < rays; ++k) {
-      const uint32_t sample = (index.independent ? index.frame : index.sample) * rays + k;
-      Sampler sampler = Sampler::sequence(index.seed ^ kSalt, x, y, sample);
+    return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       PathState path = start_path(context, x, y, sampler);
       points[1].position = path.ray.origin;
       const Hit hit = intersect(context.scene.accel, path.ray, sampler.camera_ray_id());
       arrive(context, hit, points[1], points[0], path, observer);
-      sum += path.radiance;
-    }
-    return sum / static_cast<float>(rays);
+      return path.radiance;
+    });
   }
 
  private:
