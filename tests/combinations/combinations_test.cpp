@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -20,6 +19,7 @@
 #include "render/settings.h"
 #include "scene/builtin.h"
 #include "support/measure.h"
+#include "support/test_name.h"
 
 namespace relume::support {
 namespace {
@@ -185,9 +185,7 @@ class SlowCombinations : public Combinations {};
 TEST_P(SlowCombinations, RightInTheMeanOrRefused) { check_row(GetParam(), 0.004); }
 
 std::string choice_name(const ::testing::TestParamInfo<Choice>& info) {
-  std::string name = info.param.slot + "_" + info.param.value;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
+  return test_name(info.param.slot + "_" + info.param.value);
 }
 INSTANTIATE_TEST_SUITE_P(All, Combinations, ::testing::ValuesIn(all_choices()), choice_name);
 INSTANTIATE_TEST_SUITE_P(All, SlowCombinations, ::testing::ValuesIn(all_choices()), choice_name);

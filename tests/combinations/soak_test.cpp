@@ -69,6 +69,7 @@ size_t resident_bytes() {
 
 RenderSettings first_settings() {
   RenderSettings settings = small_settings(kWidth, kHeight);
+  settings.threads = 4;
   settings.static_lists.rays = 64;  // what they are prepared with would take longer than all else together
   return settings;
 }
@@ -267,9 +268,11 @@ void soak(int frames) {
   EXPECT_LT(refused, frames / 16);
   EXPECT_LT(resident_bytes(), settled_bytes + kMostGrowth);
 
-  // Nothing is left of all this: the bits are those of a new session.
+  // Nothing is left of all this: the bits are those of a new session, of one thread at that.
   ASSERT_NO_FATAL_FAILURE(put_back(session, stage));
-  Session fresh(Scene(stage.scene), first_settings(), {stage.mover});
+  RenderSettings of_one_thread = first_settings();
+  of_one_thread.threads = 1;
+  Session fresh(Scene(stage.scene), of_one_thread, {stage.mover});
   for (int i = 0; i < 4; ++i) {
     session.render_frame();
     fresh.render_frame();

@@ -167,6 +167,12 @@ void learn(RenderSettings& s) {
   s.octree.collapse = 32;
 }
 
+/// Cells are believed early, so that few frames cull some paths.
+void filter_adaptively(RenderSettings& s, CacheChoice cache) {
+  s.cache = cache;
+  s.apsf.min_samples = 16;
+}
+
 const Technique kTechniques[] = {
     {"light_tree", [](RenderSettings& s) { s.lights = LightSelectionChoice::light_tree; }},
     {"static_lists",
@@ -213,6 +219,14 @@ const Technique kTechniques[] = {
        s.adaptive.max_samples = 6;
        s.history = HistoryChoice::reproject;
      }},
+    {"psf", [](RenderSettings& s) { s.cache = CacheChoice::psf; }},
+    {"apsf", [](RenderSettings& s) { filter_adaptively(s, CacheChoice::apsf); }},
+    {"apg", [](RenderSettings& s) { s.cache = CacheChoice::apg; }},
+    {"apsf_apg", [](RenderSettings& s) { filter_adaptively(s, CacheChoice::apsf_apg); }},
+    {"bmfr", [](RenderSettings& s) { s.denoise = DenoiseChoice::bmfr; }},
+    {"svgf", [](RenderSettings& s) { s.denoise = DenoiseChoice::svgf; }},
+    {"bdpt", [](RenderSettings& s) { s.estimator = EstimatorChoice::bdpt; }},
+    {"light", [](RenderSettings& s) { s.estimator = EstimatorChoice::light; }},
 };
 
 class TechniqueDeterminism : public ::testing::TestWithParam<Technique> {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Files: each technique has its page, test and benchmark; every test is built; nothing is larger than 1 MiB; links in
+"""Files: each technique has its page (with a picture, and when to use it), test and benchmark; every test is built; nothing is larger than 1 MiB; links in
 the docs lead somewhere."""
 
 import re
@@ -8,6 +8,9 @@ import house
 
 MAX_FILE_BYTES = 1 << 20
 TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "benchmark"}
+PAGE_NEEDS = {"| When to use it |": "row that says when to use it", "![": "picture"}
+# (technique, part) -> why.
+PAGES_WITHOUT = {("oidn", "!["): "Debian does not have the library, so its pictures cannot be made here"}
 TEST_FOLDERS = ("src", "apps", "tests")
 TEST = re.compile(r"[\w./-]+_test\.cpp\b")
 
@@ -22,6 +25,11 @@ def check_techniques(root):
         for pattern, what in TECHNIQUE_NEEDS.items():
             if not any(folder.glob(pattern)):
                 problems.append(f"{folder.relative_to(root)}: has no {what} ({pattern})")
+        page = folder / "README.md"
+        text = page.read_text(encoding="utf-8") if page.exists() else None
+        for part, what in PAGE_NEEDS.items():
+            if text is not None and part not in text and (folder.name, part) not in PAGES_WITHOUT:
+                problems.append(f"{page.relative_to(root)}: has no {what} ({part})")
     return problems
 
 

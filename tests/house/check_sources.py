@@ -6,6 +6,7 @@ import re
 
 import house
 
+SCRIPT_SUFFIXES = {".py", ".js"}
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 
@@ -20,7 +21,7 @@ TARGET_CONDITIONAL = re.compile(r"__CUDACC__|__CUDA_ARCH__|RELUME_DEVICE_CODE")
 
 # Put together from halves, so that this file does not find itself.
 UNDONE = re.compile(r"\b(?:TO" r"DO|FIX" r"ME|XX" r"X|not imple" r"mented yet)\b")
-UNDONE_SUFFIXES = house.CODE_SUFFIXES + (".cmake", ".txt", ".py", ".md", ".json", ".in")
+UNDONE_SUFFIXES = house.CODE_SUFFIXES + (".cmake", ".txt", ".py", ".js", ".md", ".json", ".in")
 
 CITATION = re.compile(r"\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))[^\]\w][^\]]*\]|\[((?:[A-Z][A-Za-z]+\d\d|KHR-\w+))\]")
 
@@ -82,11 +83,15 @@ def functions(text):
     return found
 
 
-def check_lengths(name, text):
-    problems = []
+def check_length(name, text):
     count = text.count("\n")
-    if count > MAX_FILE_LINES and name not in LONG_FILES:
-        problems.append(f"{name}:{MAX_FILE_LINES}: {count} lines; at most {MAX_FILE_LINES}: is there a seam?")
+    if count <= MAX_FILE_LINES or name in LONG_FILES:
+        return []
+    return [f"{name}:{MAX_FILE_LINES}: {count} lines; at most {MAX_FILE_LINES}: is there a seam?"]
+
+
+def check_functions(name, text):
+    problems = []
     try:
         for function, line, length in functions(text):
             if length > MAX_FUNCTION_LINES and (name, function) not in LONG_FUNCTIONS:
@@ -97,7 +102,7 @@ def check_lengths(name, text):
 
 
 def check_code(name, text, bibliography):
-    problems = check_lengths(name, text)
+    problems = check_functions(name, text)
     if name.startswith("src/") and not name.startswith(TARGET_FOLDERS):
         code = house.without_comments(text)
         for match in TARGET_CONDITIONAL.finditer(code):
@@ -142,6 +147,7 @@ def check(root):
             continue
         name = path.relative_to(root).as_posix()
         text = path.read_text(encoding="utf-8")
+        problems += check_length(name, text) if path in code or path.suffix in SCRIPT_SUFFIXES else []
         if path in code:
             problems += check_code(name, text, bibliography)
         for number, content in enumerate(text.splitlines(), 1):

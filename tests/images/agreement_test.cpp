@@ -1,12 +1,12 @@
 // Ways to render a scene that must show the same picture in the mean.
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <string>
 
 #include "scene/builtin.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
+#include "support/test_name.h"
 
 namespace relume::support {
 namespace {
@@ -50,11 +50,7 @@ const Case kSharp[] = {
     {"turntable", 48, 27, 256, 1.3f, 0.02, 0.01},
 };
 
-std::string case_name(const ::testing::TestParamInfo<Case>& info) {
-  std::string name = info.param.scene;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-}
+std::string case_name(const ::testing::TestParamInfo<Case>& info) { return test_name(info.param.scene); }
 
 class Agreement : public ::testing::TestWithParam<Case> {
  protected:

@@ -1,11 +1,11 @@
 // Bidirectional path tracing and light tracing show what path tracing shows.
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <string>
 
 #include "scene/builtin.h"
 #include "support/image_test.h"
+#include "support/test_name.h"
 #include "techniques/bdpt/testing/zoo.h"
 
 namespace relume::support {
@@ -109,11 +109,7 @@ const BuiltinCase kSharp[] = {{"cornell", 32, 32, 0, 512, 256, 512},
                               {"mine", 48, 27, 0, 128, 64, 0},
                               {"lamp-room", 32, 24, 0, 1024, 64, 0, true}};
 
-std::string builtin_name(const ::testing::TestParamInfo<BuiltinCase>& info) {
-  std::string name = info.param.scene;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-}
+std::string builtin_name(const ::testing::TestParamInfo<BuiltinCase>& info) { return test_name(info.param.scene); }
 
 class BdptBuiltin : public ::testing::TestWithParam<BuiltinCase> {};
 

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cctype>
 #include <filesystem>
 #include <string>
 #include <tuple>
@@ -12,6 +11,7 @@
 #include "scene/builtin.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
+#include "support/test_name.h"
 
 namespace relume::support {
 namespace {
@@ -49,10 +49,7 @@ class Export : public ::testing::TestWithParam<ExportCase> {
 };
 
 std::string export_name(const ::testing::TestParamInfo<ExportCase>& info) {
-  std::string name(std::get<0>(info.param));
-  name += std::get<1>(info.param);
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
+  return test_name(std::string(std::get<0>(info.param)) + std::get<1>(info.param));
 }
 
 TEST_P(Export, RereadShowsTheSamePicture) {

@@ -2,13 +2,13 @@
 // plain path tracing in the mean.
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <string>
 #include <vector>
 
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "support/image_test.h"
+#include "support/test_name.h"
 
 namespace relume::support {
 namespace {
@@ -104,10 +104,8 @@ std::vector<std::string_view> scene_names() {
   return names;
 }
 
-std::string test_name(const ::testing::TestParamInfo<std::string_view>& info) {
-  std::string name(info.param);
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
+std::string scene_name(const ::testing::TestParamInfo<std::string_view>& info) {
+  return test_name(std::string(info.param));
 }
 
 /// The suite makes some four hundred comparisons. Which errors they notice is a matter of how many paths find light.
@@ -133,7 +131,7 @@ TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick, opti
 // Not lamp-room, corridor and cornell-glass, nor the warehouse by the power of its lamps: light is found too rarely
 // there for the few samples here to be told from chance.
 INSTANTIATE_TEST_SUITE_P(Builtin, Learning,
-                         ::testing::Values("cornell", "turntable", "cover", "slit", "mine", "furnace"), test_name);
+                         ::testing::Values("cornell", "turntable", "cover", "slit", "mine", "furnace"), scene_name);
 
 TEST(LearningAmongHiddenLamps, ShowsTheSame) {
   const RenderSettings plain = plain_settings("warehouse", kQuick);
@@ -163,7 +161,7 @@ TEST_P(SlowLearning, EveryWayShowsTheSame) {
   options.pixels = !rare;
   check_all_ways(GetParam(), rare ? kRare : kSharp, options);
 }
-INSTANTIATE_TEST_SUITE_P(Builtin, SlowLearning, ::testing::ValuesIn(scene_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, SlowLearning, ::testing::ValuesIn(scene_names()), scene_name);
 
 /// The last picture of a movement: what was learnt belongs to where things were before.
 Moments last_pictures(Session& session, const RenderSettings& settings, int repeats, int first_seed) {
@@ -239,7 +237,7 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
                         last_pictures(session, way.settings, kRepeats, 1), expected, options_of(GetParam()));
   }
 }
-INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), test_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), scene_name);
 
 }  // namespace
 }  // namespace relume::support

@@ -173,14 +173,6 @@ double share_of_way(const Image& image, const Image& from, const Image& to, cons
   return gone / whole;
 }
 
-Index node_named(const Scene& scene, std::string_view name) {
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    if (scene.nodes[i].name == name) return static_cast<Index>(i);
-  }
-  ADD_FAILURE() << name;
-  return kNone;
-}
-
 /// Mean luminance of `count` frames of a closed furnace.
 double furnace_mean(RenderSettings settings, int count) {
   Session session(testing::closed_furnace(0.5f), settings);

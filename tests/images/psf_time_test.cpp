@@ -24,14 +24,6 @@ RenderSettings settings_of(CacheChoice cache, int width, int height) {
   return s;
 }
 
-Index node_named(const Scene& scene, std::string_view name) {
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    if (scene.nodes[i].name == name) return static_cast<Index>(i);
-  }
-  ADD_FAILURE() << name;
-  return kNone;
-}
-
 class CachesInTime : public ::testing::TestWithParam<CacheChoice> {};
 class CachesInTimeSlow : public CachesInTime {};
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 #include "render/session.h"
 #include "settings/rooms.h"
 #include "support/measure.h"
+#include "support/test_name.h"
 
 namespace relume::support {
 namespace {
@@ -205,11 +205,7 @@ std::vector<std::string> setting_names() {
   return names;
 }
 
-std::string test_name(const ::testing::TestParamInfo<std::string>& info) {
-  std::string name = info.param;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name;
-}
+std::string setting_name(const ::testing::TestParamInfo<std::string>& info) { return test_name(info.param); }
 
 /// The last of the contexts that are for a setting, with what all of them change. Without one, its name is empty.
 Context context_of(std::string_view name, RenderSettings& settings) {
@@ -263,7 +259,7 @@ TEST_P(EverySetting, TakesEffectSomewhere) {
   EXPECT_GT(compared, 0) << "nothing to compare " << name << " with";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EverySetting, ::testing::ValuesIn(setting_names()), test_name);
+INSTANTIATE_TEST_SUITE_P(All, EverySetting, ::testing::ValuesIn(setting_names()), setting_name);
 
 TEST(Contexts, AreOfSettingsThatExist) {
   const std::vector<std::string> names = setting_names();

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include <gtest/gtest.h>
+
 namespace relume::support {
 
 void add_camera(Scene& scene, const Camera& camera, const Vec3& eye, const Vec3& direction) {
@@ -66,6 +68,14 @@ Texture make_texture(int width, int height, PixelFormat format, std::array<int, 
     for (const int channel : value(i % width, i / width)) texture.texels.push_back(static_cast<std::byte>(channel));
   }
   return texture;
+}
+
+Index node_named(const Scene& scene, std::string_view name) {
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].name == name) return static_cast<Index>(i);
+  }
+  ADD_FAILURE() << name;
+  return kNone;
 }
 
 Material unlit(const Rgb& color) {

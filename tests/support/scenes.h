@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "scene/builtin/builder.h"
@@ -27,6 +28,9 @@ Scene irradiance_meter();
 
 /// 8 bit linear, nearest: texel (x, y) from `value`.
 Texture make_texture(int width, int height, PixelFormat format, std::array<int, 4> (*value)(int x, int y));
+
+/// The node of that name; fails the test if there is none.
+Index node_named(const Scene& scene, std::string_view name);
 
 /// Unlit: shows `color` from everywhere.
 Material unlit(const Rgb& color);

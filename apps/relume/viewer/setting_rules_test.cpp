@@ -10,7 +10,7 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
   EXPECT_EQ(takes_effect_with(settings, "max-bounces"), "");
   EXPECT_EQ(takes_effect_with(settings, "path.russian-roulette"), "");
   settings.render.history = HistoryChoice::none;
-  EXPECT_EQ(takes_effect_with(settings, "accumulate.anything"), "history = accumulate");
+  EXPECT_EQ(takes_effect_with(settings, "reproject.stored"), "history = reproject");
   EXPECT_EQ(takes_effect_with(settings, "unknown.anything"), "");
   EXPECT_EQ(takes_effect_with(settings, "psf.cell-size"), "cache = psf");
   EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "cache = psf");
@@ -18,7 +18,7 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
   settings.render.denoise = DenoiseChoice::svgf;
   EXPECT_EQ(takes_effect_with(settings, "features.edge-rays"), "");
   settings.render.cache = CacheChoice::apsf_apg;
-  for (const char* name : {"psf.cell-size", "apsf.blend", "apg.blend"})
+  for (const char* name : {"psf.cell-size", "apsf.blend", "apg.feed"})
     EXPECT_EQ(takes_effect_with(settings, name), "") << name;
   EXPECT_EQ(takes_effect_with(settings, "psf.edge-rays"), "denoise = none");
   settings.render.denoise = DenoiseChoice::none;
