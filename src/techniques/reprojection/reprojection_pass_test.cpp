@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -22,15 +23,18 @@ std::string state_of(const ReprojectionPass& pass) {
   return out.str();
 }
 
-/// What a pass saves that holds `stored`, four a pixel, and empty pixels.
-std::string state_with(const std::vector<StoredSample>& stored, uint64_t samples, uint64_t pixels) {
+/// What a pass saves that holds so many samples, the first of them `stored`, and empty pixels; of counts beyond all
+/// measure, without what they count.
+std::string state_with(std::vector<StoredSample> stored, uint64_t samples, uint64_t pixels) {
+  constexpr uint64_t kMost = 8 * kPixels;
   std::string state;
-  const auto put = [&](const void* data, size_t size) { state.append(static_cast<const char*>(data), size); };
-  put(&samples, sizeof(samples));
-  put(&pixels, sizeof(pixels));
-  put(stored.data(), stored.size() * sizeof(StoredSample));
-  const std::vector<StoredPixel> empty(kPixels);
-  put(empty.data(), empty.size() * sizeof(StoredPixel));
+  const auto put = [&](uint64_t count, const auto& values) {
+    state.append(reinterpret_cast<const char*>(&count), sizeof(count));
+    state.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  stored.resize(std::min(samples, kMost));
+  put(samples, stored);
+  put(pixels, std::vector<StoredPixel>(std::min(pixels, kMost)));
   return state;
 }
 
@@ -56,7 +60,7 @@ TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
   EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels))));
 }
 
-// The counts are believed only if they fit the picture: nothing is allocated for them first, or the last would need
+// Counts are believed as far as there is something behind them, and only if they fit the picture; the last would need
 // 384 GiB.
 TEST(ReprojectionPass, RefusesCountsThatDoNotFitThePicture) {
   const ReprojectionSettings settings;
