@@ -5,7 +5,6 @@
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #if defined(__SSE__)
@@ -14,6 +13,7 @@
 #endif
 
 #include "core/clock.h"
+#include "core/parallel.h"
 
 namespace relume {
 namespace {
@@ -76,19 +76,16 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
   const uint32_t rows = (height + tile_size - 1) / tile_size;
   std::atomic<bool> complete{true};
   state_->arena.execute([&] {
-    tbb::parallel_for(
-        uint32_t{0}, columns * rows,
-        [&](uint32_t index) {
-          if (stop.stop_requested()) {
-            complete.store(false, std::memory_order_relaxed);
-            return;
-          }
-          const FlushDenormals guard;
-          const uint32_t x = index % columns * tile_size;
-          const uint32_t y = index / columns * tile_size;
-          run_tile(context, {x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
-        },
-        tbb::simple_partitioner());
+    parallel_tasks(columns * rows, [&](uint32_t index) {
+      if (stop.stop_requested()) {
+        complete.store(false, std::memory_order_relaxed);
+        return;
+      }
+      const FlushDenormals guard;
+      const uint32_t x = index % columns * tile_size;
+      const uint32_t y = index / columns * tile_size;
+      run_tile(context, {x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
+    });
   });
   add_time(name, now_s() - start_s);
   return complete.load();

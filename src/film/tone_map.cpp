@@ -1,14 +1,13 @@
 #include "film/tone_map.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "core/parallel.h"
 
 namespace relume {
 
 Image tone_map(const Image& image, ToneMap curve, float exposure) {
   Image result(image.width, image.height);
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, image.pixels.size(), 4096), [&](const auto& range) {
-    for (size_t i = range.begin(); i != range.end(); ++i) result.pixels[i] = tone_map(curve, exposure, image.pixels[i]);
+  parallel_for(image.height, [&](int y) {
+    for (int x = 0; x < image.width; ++x) result.at(x, y) = tone_map(curve, exposure, image.at(x, y));
   });
   return result;
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "core/parallel.h"
 
 namespace relume {
 namespace {
@@ -168,7 +168,7 @@ TableStorage build() {
   storage.directional.resize(kEnergyTableSize * kEnergyTableSize);
   storage.average.resize(kEnergyTableSize);
   const EnergyTable table = storage.view();
-  tbb::parallel_for(uint32_t{0}, kEnergyTableSize, [&](uint32_t row) {
+  parallel_for(kEnergyTableSize, [&](uint32_t row) {
     const float r = energy_grid::r_from_row(static_cast<float>(row) * kScale);
     for (uint32_t column = 0; column < kEnergyTableSize; ++column) {
       const float cos_o = std::fmax(cosine_from_column(static_cast<float>(column) * kScale, r), 1e-5f);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "core/parallel.h"
 
 namespace relume::detail {
 namespace {
@@ -74,7 +74,7 @@ std::vector<Out> convolve_columns(const std::vector<In>& in, int width, int heig
 
 }  // namespace
 
-void for_each_row(int height, const std::function<void(int)>& function) { tbb::parallel_for(0, height, function); }
+void for_each_row(int height, const std::function<void(int)>& function) { parallel_for(height, function); }
 
 ContrastKernel contrast_kernel(float pixels_per_degree) {
   const double ppd = pixels_per_degree;

@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "core/srgb.h"
 
 namespace relume {
@@ -88,7 +88,7 @@ double without_noise(double mse, double reference_mse) { return std::max(mse - r
 Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& options) {
   check_same_size(a, b);
   std::vector<Sums> rows(static_cast<size_t>(a.height));
-  tbb::parallel_for(0, a.height, [&](int y) {
+  parallel_for(a.height, [&](int y) {
     for (int x = 0; x < a.width; ++x) rows[static_cast<size_t>(y)].add_pixel(a.at(x, y), b.at(x, y));
   });
   const Sums sums = sum_of_rows(rows);

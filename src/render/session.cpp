@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include "backend/launch.h"
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/hash.h"
+#include "core/parallel.h"
 #include "render/aov.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
@@ -24,13 +23,14 @@ namespace {
 
 /// Sum over all threads; integers, so that their order does not matter.
 uint64_t sum(View<const uint32_t> values) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<uint32_t>(0, values.size, 65536), uint64_t{0},
-      [&](const tbb::blocked_range<uint32_t>& range, uint64_t partial) {
-        for (uint32_t i = range.begin(); i < range.end(); ++i) partial += values[i];
-        return partial;
-      },
-      std::plus<>());
+  constexpr uint32_t kPart = 65536;
+  std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
+  parallel_for(parts.size(), [&](size_t part) {
+    const uint64_t begin = part * kPart;
+    const uint64_t end = std::min<uint64_t>(begin + kPart, values.size);
+    for (uint64_t i = begin; i < end; ++i) parts[part] += values[static_cast<uint32_t>(i)];
+  });
+  return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
 }
 
 /// Whether two pipelines have the same passes with the same buffers.

@@ -4,11 +4,11 @@
 #include <charconv>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "scene/placement.h"
 #include "scene/surface_point.h"
 
@@ -162,7 +162,7 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
 
   const size_t count = mesh.positions.size();
   vertices_.resize(first_vertex + count);
-  tbb::parallel_for(size_t{0}, count, [&](size_t i) {
+  parallel_for(count, [&](size_t i) {
     Vertex& v = vertices_[first_vertex + i];
     v.position = m.point(mesh.positions[i]);
     const auto unit = [](const Vec3& d) { return length_squared(d) > 0.0f ? glm::normalize(d) : Vec3(0, 0, 1); };

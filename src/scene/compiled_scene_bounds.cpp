@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "scene/compiled_scene.h"
 #include "scene/placement.h"
 
@@ -53,7 +53,7 @@ void CompiledScene::check_extent(const Box& box) const {
 
 void CompiledScene::compute_bounds() {
   boxes_.assign(meshes_.size(), {});
-  tbb::parallel_for(size_t{0}, meshes_.size(), [&](size_t m) {
+  parallel_for(meshes_.size(), [&](size_t m) {
     for (uint32_t t = 0; t < meshes_[m].triangle_count; ++t) {
       const UVec3 index = triangles_[meshes_[m].first_triangle + t];
       for (int k = 0; k < 3; ++k) boxes_[m].add(vertices_[index[k]].position);

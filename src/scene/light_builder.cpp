@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
 
+#include "core/parallel.h"
 #include "scene/placement.h"
 #include "scene/sun_sky.h"
 #include "scene/surface_point.h"
@@ -141,7 +141,7 @@ void LightBuilder::build_environment_distribution() {
   Rgb sum(0);
   double solid_angle = 0;
   std::vector<Rgb> row_sums(static_cast<size_t>(h), Rgb(0));
-  tbb::parallel_for(0, h, [&](int y) {
+  parallel_for(h, [&](int y) {
     const float sin_theta = std::sin((static_cast<float>(y) + 0.5f) / static_cast<float>(h) * kPi);
     for (int x = 0; x < w; ++x) {
       Rgb mean(0);
@@ -250,7 +250,7 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
 
   const uint32_t count = t.grid * t.grid;
   std::vector<Rgb> means(count);
-  tbb::parallel_for(0u, count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
+  parallel_for(count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
   std::vector<float> weights(count);
   Rgb sum(0);
   for (uint32_t i = 0; i < count; ++i) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
+#include "core/parallel.h"
 
 namespace relume {
 namespace {
@@ -106,7 +106,7 @@ SunSkyModel make_sun_sky(const SunSky& p) {
   const auto row_of = [&](int y) { return model.sky.begin() + static_cast<ptrdiff_t>(y) * model.width; };
   const int horizon = model.height / 2;
   std::vector<Rgb> row_irradiance(static_cast<size_t>(horizon), Rgb(0));
-  tbb::parallel_for(0, horizon, [&](int y) {
+  parallel_for(horizon, [&](int y) {
     const float theta = (static_cast<float>(y) + 0.5f) / static_cast<float>(model.height) * kPi;
     const float solid_angle = 2.0f * kPi * kPi / static_cast<float>(model.width * model.height) * std::sin(theta);
     for (int x = 0; x < model.width; ++x) {

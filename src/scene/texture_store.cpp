@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include <tbb/parallel_for.h>
 
+#include "core/parallel.h"
 #include "core/srgb.h"
 
 namespace relume {
@@ -128,7 +128,7 @@ const float* srgb_to_linear_table() {
 
 TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter)
     : texels_(textures.size()), views_(textures.size()) {
-  tbb::parallel_for(size_t{0}, textures.size(), [&](size_t i) {
+  parallel_for(textures.size(), [&](size_t i) {
     views_[i] = build(textures[i], texels_[i]);
     if (filter == TextureFilter::linear) return;
     views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;

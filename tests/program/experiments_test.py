@@ -4,10 +4,13 @@
 
 import json
 import os
+import pathlib
+import shutil
 import unittest
 
 from program import ProgramTest, run
 
+PUBLISHED = pathlib.Path(__file__).resolve().parents[2] / "docs/results/experiments"
 VERDICTS = {"holds", "does not hold", "undecided", "not measured"}
 
 
@@ -41,6 +44,13 @@ class Experiments(ProgramTest):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertRegex(done.stderr.splitlines()[-1], r"2 of 3 experiments failed: psf-frametime, bdpt-cost")
         self.assertIn("\n## vlc-adaptation\n", (self.folder / "out/index.md").read_text())
+
+    def test_the_published_index_is_that_of_the_published_results(self):
+        shutil.copytree(PUBLISHED, self.folder / "out")
+        (self.folder / "out/index.md").unlink()
+        names = [file.stem for file in PUBLISHED.glob("*.json")]
+        self.succeed("experiment", "run", *names, "--continue", "-o", "out")
+        self.assertEqual((self.folder / "out/index.md").read_text(), (PUBLISHED / "index.md").read_text())
 
 
 if __name__ == "__main__":

@@ -7,9 +7,9 @@
 #include <assimp/scene.h>
 #include <assimp/texture.h>
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "core/srgb.h"
 #include "io/bytes.h"
 #include "io/texture_decode.h"
@@ -190,7 +190,7 @@ void AssimpTextures::finish() {
   for (auto& entry : images_) entries.push_back(&entry);
   std::vector<std::string> problems(entries.size());
   std::vector<std::string> repairs(entries.size());
-  tbb::parallel_for(size_t{0}, entries.size(), [&](size_t i) {
+  parallel_for(entries.size(), [&](size_t i) {
     try {
       const auto& [path, format] = entries[i]->first;
       entries[i]->second = decode(path, format);
@@ -206,8 +206,8 @@ void AssimpTextures::finish() {
     if (!repair.empty()) warnings_.add(repair);
   }
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
-  tbb::parallel_for(size_t{0}, requests_.size(),
-                    [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
+  parallel_for(requests_.size(),
+               [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
   for (const Warnings& part : warnings) warnings_.add(part);
   images_.clear();
 }

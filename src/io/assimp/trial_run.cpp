@@ -15,8 +15,8 @@
 namespace relume {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kLimitMemory = false;  // AddressSanitizer reserves terabytes
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitMemory = false;  // sanitizers reserve terabytes
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
 constexpr bool kLimitMemory = false;

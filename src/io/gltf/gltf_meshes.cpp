@@ -3,8 +3,8 @@
 #include <exception>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "core/parallel.h"
 #include "io/gltf/gltf_primitive.h"
 #include "io/mesh_repair.h"
 
@@ -115,7 +115,7 @@ const std::vector<Index>& MeshImporter::import(int mesh) {
 void MeshImporter::finish() {
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
   std::vector<std::exception_ptr> problems(requests_.size());
-  tbb::parallel_for(size_t{0}, requests_.size(), [&](size_t i) {
+  parallel_for(requests_.size(), [&](size_t i) {
     try {
       convert(*requests_[i], scene_.meshes[i], warnings[i]);
     } catch (...) {

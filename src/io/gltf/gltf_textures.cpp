@@ -3,8 +3,8 @@
 #include <exception>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "core/parallel.h"
 #include "io/gltf/gltf_extras.h"
 #include "io/texture_decode.h"
 
@@ -99,7 +99,7 @@ std::string TextureImporter::decode(const Request& request, Texture& texture, st
 void TextureImporter::decode_all() {
   std::vector<std::string> problems(requests_.size());
   std::vector<std::string> repairs(requests_.size());
-  tbb::parallel_for(size_t{0}, requests_.size(), [&](size_t i) {
+  parallel_for(requests_.size(), [&](size_t i) {
     problems[i] = decode(requests_[i], scene_.textures[i], repairs[i]);
     if (!problems[i].empty()) make_stand_in(requests_[i].use, scene_.textures[i]);
   });

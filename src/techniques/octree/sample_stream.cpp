@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
 
+#include "core/parallel.h"
 #include "core/stream_io.h"
 
 namespace relume {
@@ -25,7 +25,7 @@ void SampleStream::group(Backend& backend, uint32_t region_count) {
     offsets_.resize(region_count);
     counts_.resize(region_count);
     const auto for_chunks = [&](const auto& f) {
-      tbb::parallel_for(0u, kChunks, [&](uint32_t chunk) {
+      parallel_for(kChunks, [&](uint32_t chunk) {
         uint32_t* of_region = chunk_starts.data() + size_t{chunk} * region_count;
         const uint32_t end = std::min((chunk + 1) * chunk_size, size);
         for (uint32_t i = chunk * chunk_size; i < end; ++i) {

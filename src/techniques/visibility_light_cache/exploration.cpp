@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
 
 #include "core/hash.h"
+#include "core/parallel.h"
 
 namespace relume {
 namespace {
@@ -121,7 +121,7 @@ void ExplorationTables::build(const LightsView& lights, const std::vector<LightG
   // A light in the cell is as far away as the points of the cell are from each other.
   const float nearest2 = 0.25f * length_squared(edge);
   entries_.assign(size_t{count} * list.size(), {});
-  tbb::parallel_for(0u, count, [&](uint32_t cell) {
+  parallel_for(count, [&](uint32_t cell) {
     const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
     const Vec3 middle = low + edge * (at + Vec3(0.5f));
     const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightGuess& light) {

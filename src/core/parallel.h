@@ -1,0 +1,38 @@
+// Loops whose iterations may run at once, on TBB's threads. Everything in parallel goes through here, and passes
+// through backend/launch.h, which builds on it.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+
+namespace relume {
+namespace detail {
+
+/// Calls run(body, begin, end) for ranges that cover [0, count) once. `each_alone`: ranges of one.
+void run_ranges(size_t count, bool each_alone, void (*run)(const void* body, size_t begin, size_t end),
+                const void* body);
+
+template <std::integral Index, typename Body>
+void run_iterations(Index count, bool each_alone, const Body& body) {
+  if (count <= 0) return;
+  const auto run = [](const void* b, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) (*static_cast<const Body*>(b))(static_cast<Index>(i));
+  };
+  run_ranges(static_cast<size_t>(count), each_alone, run, &body);
+}
+
+}  // namespace detail
+
+/// Calls body(i) for every i in [0, count), in any order. Returns when all have ended; throws what one of them threw.
+template <std::integral Index, typename Body>
+void parallel_for(Index count, const Body& body) {
+  detail::run_iterations(count, false, body);
+}
+
+/// The same, every iteration a task of its own: for few long ones of unequal length.
+template <std::integral Index, typename Body>
+void parallel_tasks(Index count, const Body& body) {
+  detail::run_iterations(count, true, body);
+}
+
+}  // namespace relume
