@@ -112,8 +112,8 @@ std::string most_rays_text(const std::vector<Case>& cases, int least, int most, 
   }
   std::string text;
   for (const auto& [bounces, c] : worst) {
-    text += fmt::format("{}D = {}: {:.1f} of {} in {}", text.empty() ? "" : ", ", bounces, c->all_rays,
-                        bound(bounces), c->scene);
+    text += fmt::format("{}D = {}: {:.1f} of {} in {}", text.empty() ? "" : ", ", bounces, c->all_rays, bound(bounces),
+                        c->scene);
   }
   return text;
 }
@@ -162,7 +162,7 @@ Claim claim_vertex() {
 }
 
 ExperimentResult run_bdpt_cost(const ExperimentContext& context) {
-  const std::vector<int> bounces = context.quick ? std::vector<int>{2, 4} : std::vector<int>{1, 2, 3, 4, 6, 8};
+  const std::vector<int> bounces = context.quick ? std::vector<int>{1, 4} : std::vector<int>{1, 2, 3, 4, 6, 8};
   std::vector<Case> cases;
   const auto add = [&](const ExperimentScene& scene) {
     for (const int d : bounces) cases.push_back(measure(context, scene, d));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 #include "core/parallel.h"
 #include "scene/placement.h"
 #include "scene/sun_sky.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-
 #include "core/parallel.h"
 #include "core/srgb.h"
 

@@ -45,6 +45,18 @@ Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
   return ratio;
 }
 
+Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+  const double mean_a = mean(a);
+  const double mean_b = mean(b);
+  if (!(mean_a > 0 && mean_b > 0) || a.size() != b.size() || a.size() < 2) return error_ratio(a, b);
+  std::vector<double> apart;  // to first order, deviations of the logarithm of the quotient
+  for (size_t i = 0; i < a.size(); ++i) apart.push_back(a[i] / mean_a - b[i] / mean_b);
+  const double error = standard_deviation(apart) / std::sqrt(static_cast<double>(apart.size()));
+  const double spread = std::exp(student_t(apart.size() - 1) * error);
+  const double value = mean_a / mean_b;
+  return {value, {value / spread, value * spread, 0.95}};
+}
+
 Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s) {
   const double median_b = median(b_s);
   if (!(median_b > 0)) return {};

@@ -21,6 +21,10 @@ struct Ratio {
 /// possible.
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
+/// The same of values in pairs, as of repetitions in which both had the same random numbers: what both have from these
+/// does not widen the interval.
+Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>& b);
+
 /// a's median over b's, of seconds of frames: how many times faster b is. Contenders had turns, frame by frame.
 Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 namespace relume {
 namespace {
@@ -30,6 +31,42 @@ TEST(Ratio, HasStudentsIntervals) {
   // Below the reference's own noise there is no error to compare with.
   const Ratio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
   EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
+}
+
+TEST(Ratio, PairsKnowWhatBothHaveInCommon) {
+  const std::vector<double> b{1, 5, 2, 9, 3};
+  std::vector<double> a;
+  for (const double x : b) a.push_back(2 * x);
+  const Ratio same = paired_error_ratio(a, b);
+  EXPECT_DOUBLE_EQ(same.value, 2);
+  EXPECT_NEAR(same.interval.low, 2, 1e-9);
+  EXPECT_NEAR(same.interval.high, 2, 1e-9);
+  EXPECT_LT(error_ratio(a, b).interval.low, 1);
+  // Deviations of the quotient of ±10 %, equal in size: a standard error of 0.1 · 2/√3 / 2.
+  const Ratio apart = paired_error_ratio({0.9, 1.1, 0.9, 1.1}, {1, 1, 1, 1});
+  EXPECT_NEAR(apart.interval.high, std::exp(3.182 * 0.1 / std::sqrt(3.0)), 1e-4);
+  EXPECT_EQ(paired_error_ratio({-1, 1e-4}, {1, 1}).value, 0);
+  EXPECT_EQ(paired_error_ratio({3}, {1}).interval.confidence, 0);
+}
+
+/// Of many quotients of noisy pairs, whose noise is half in common.
+TEST(Ratio, IntervalsOfPairsHoldTheTruthAsOftenAsTheySay) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.15);
+  constexpr int kTrials = 4000;
+  int held = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> a;
+    std::vector<double> b;
+    for (int i = 0; i < 5; ++i) {
+      const double both = noise(random);
+      a.push_back(3 * (1 + both + noise(random)));
+      b.push_back(1 + both + noise(random));
+    }
+    const Interval interval = paired_error_ratio(a, b).interval;
+    held += interval.low <= 3 && 3 <= interval.high;
+  }
+  EXPECT_NEAR(held / static_cast<double>(kTrials), 0.95, 0.015);
 }
 
 TEST(Ratio, VerdictsFollowIntervals) {

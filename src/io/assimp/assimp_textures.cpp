@@ -206,8 +206,7 @@ void AssimpTextures::finish() {
     if (!repair.empty()) warnings_.add(repair);
   }
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
-  parallel_for(requests_.size(),
-               [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
+  parallel_for(requests_.size(), [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
   for (const Warnings& part : warnings) warnings_.add(part);
   images_.clear();
 }

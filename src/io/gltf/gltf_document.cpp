@@ -123,8 +123,7 @@ void decompress_views(Document& document) {
     if (is_meshopt_view(document.model.bufferViews[i])) compressed.push_back(i);
   }
   std::vector<Bytes> decoded(compressed.size());
-  parallel_for(compressed.size(),
-               [&](size_t k) { decoded[k] = decode_meshopt_view(document, compressed[k]); });
+  parallel_for(compressed.size(), [&](size_t k) { decoded[k] = decode_meshopt_view(document, compressed[k]); });
   for (size_t k = 0; k < compressed.size(); ++k) {
     document.storage.push_back(std::move(decoded[k]));
     document.views[compressed[k]] = document.storage.back();

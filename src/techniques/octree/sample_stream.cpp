@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-
 #include "core/parallel.h"
 #include "core/stream_io.h"
 
