@@ -42,13 +42,13 @@ struct Timing {
   std::vector<FrameFigures> list;
   double of(std::string_view name) const { return named(list, name).frame_ms; }
   Ratio ratio(std::string_view a, std::string_view b) const {
-    return time_ratio(named(list, a).frame_s, named(list, b).frame_s);
+    return paired_time_ratio(named(list, a).frame_s, named(list, b).frame_s);
   }
 };
 
 /// Frames that do not count: cells fill, and their variance comes to be believed.
 int skipped_frames(const ExperimentContext& context) { return context.choose(24, 2); }
-int counted_frames(const ExperimentContext& context) { return context.choose(16, 3); }
+int counted_frames(const ExperimentContext& context) { return context.choose(24, 3); }
 
 /// Seconds that all threads of this program have worked: other programs hardly count.
 double processor_time(const Session&) { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

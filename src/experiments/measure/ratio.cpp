@@ -67,6 +67,15 @@ Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s)
   return {value, {value * std::exp(-spread), value * std::exp(spread), std::min(of_a.confidence, of_b.confidence)}};
 }
 
+Ratio paired_time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s) {
+  std::vector<double> quotients;
+  for (size_t i = 0; i < std::min(a_s.size(), b_s.size()); ++i) {
+    if (b_s[i] > 0) quotients.push_back(a_s[i] / b_s[i]);
+  }
+  if (quotients.empty()) return {};
+  return {median(quotients), median_interval(quotients)};
+}
+
 Ratio geometric_mean(const std::vector<double>& quotients) {
   std::vector<double> logs;
   for (const double q : quotients) logs.push_back(std::log(std::max(q, 1e-30)));

@@ -69,6 +69,19 @@ TEST(Ratio, IntervalsOfPairsHoldTheTruthAsOftenAsTheySay) {
   EXPECT_NEAR(held / static_cast<double>(kTrials), 0.95, 0.015);
 }
 
+TEST(Ratio, TurnsThatWereSlowForBothAreEqual) {
+  const std::vector<double> b{1, 1, 4, 1, 1, 2, 1, 1, 3, 1};
+  std::vector<double> a;
+  for (const double x : b) a.push_back(1.1 * x);
+  a.back() = 9;
+  const Ratio ratio = paired_time_ratio(a, b);
+  EXPECT_NEAR(ratio.value, 1.1, 1e-9);
+  EXPECT_NEAR(ratio.interval.low, 1.1, 1e-9);
+  EXPECT_NEAR(ratio.interval.high, 1.1, 1e-9);
+  EXPECT_GE(ratio.interval.confidence, 0.95);
+  EXPECT_GT(time_ratio(a, b).interval.high, 1.5);
+}
+
 TEST(Ratio, VerdictsFollowIntervals) {
   const auto verdict = [](std::vector<Ratio> ratios) {
     return judged_ratios("a", "[X §1]", "c", "m", ratios, 5).verdict;
