@@ -110,10 +110,22 @@ void write_index(const std::filesystem::path& folder) {
   write_file(folder / "index.md", index_markdown(all));
 }
 
-bool is_done(const ExperimentOptions& o, const std::filesystem::path& folder, const Experiment& experiment) {
-  if (!o.goes_on) return false;
-  const std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
-  return summary && summary->run.quick == o.quick;
+/// The result that `--continue` finds in the folder; std::nullopt if it is to be measured, as when it is without scenes
+/// that there are now.
+std::optional<ExperimentSummary> result_that_stays(const ExperimentOptions& o, const std::filesystem::path& folder,
+                                                   const Experiment& experiment) {
+  if (!o.goes_on) return std::nullopt;
+  std::optional<ExperimentSummary> summary = summary_in(folder, experiment);
+  if (summary && (summary->run.quick != o.quick || (!summary->run.scenes && !o.scenes.empty()))) summary.reset();
+  return summary;
+}
+
+void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem::path& folder,
+                        const ExperimentContext& context, const Verbosity& verbosity) {
+  tell(verbosity, fmt::format("{} is in {} already{}", summary.name, folder.string(),
+                              summary.run.program == context.program
+                                  ? ""
+                                  : ", measured by another build of relume; without --continue it is measured again"));
 }
 
 /// Measures, and writes what came out beside what is in the folder already.
@@ -122,7 +134,7 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
   const std::string name(experiment.name);
   const double start_s = now_s();
   const ExperimentResult result = experiment.run(context);
-  const ExperimentRun run{machine_description(), o.quick, now_s() - start_s};
+  const ExperimentRun run{machine_description(), o.quick, now_s() - start_s, !o.scenes.empty(), context.program};
   printer.clear();
   write_file(folder / (name + ".html"), to_html(experiment_page(experiment, result, run)));
   write_file(folder / (name + ".json"), to_json(experiment, result, run));
@@ -144,8 +156,8 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   for (const Experiment* experiment : list) {
     const std::string name(experiment->name);
     context.parts_folder = folder / (name + ".parts");
-    if (is_done(o, folder, *experiment)) {
-      tell(verbosity, fmt::format("{} is in {} already", name, folder.string()));
+    if (const auto summary = result_that_stays(o, folder, *experiment)) {
+      tell_that_it_stays(*summary, folder, context, verbosity);
       continue;
     }
     try {

@@ -72,7 +72,7 @@ std::vector<double> cumulative_time(const std::vector<double>& frame_s) {
     const size_t end = std::min(i + kReach + 1, frame_s.size());
     const double usual = median(
         {frame_s.begin() + static_cast<std::ptrdiff_t>(begin), frame_s.begin() + static_cast<std::ptrdiff_t>(end)});
-    sum += frame_s[i] > kOutlier * usual ? usual : frame_s[i];
+    sum += i > 0 && frame_s[i] > kOutlier * usual ? usual : frame_s[i];
     sums.push_back(sum);
   }
   return sums;

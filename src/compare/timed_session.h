@@ -46,7 +46,8 @@ class TimedSession {
 bool is_measured(uint32_t frames);
 
 /// Sums of the first 1, 2, … frames. Single frames that took much longer than their neighbours (another program had the
-/// processor) count as their neighbours do: a running median over nine frames.
+/// processor) count as their neighbours do: a running median over nine frames. The first counts as it is: techniques
+/// prepare in it.
 std::vector<double> cumulative_time(const std::vector<double>& frame_s);
 
 struct EqualTime {

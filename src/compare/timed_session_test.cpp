@@ -52,6 +52,13 @@ TEST(EqualTime, AFrameThatWasInterruptedDoesNotCount) {
   EXPECT_NEAR(cumulative_time(frames).back(), 0.2, 1e-9);
 }
 
+TEST(EqualTime, WhatIsPreparedInTheFirstFrameCounts) {
+  std::vector<double> frames(20, 0.010);
+  frames[0] = 0.5;
+  EXPECT_NEAR(cumulative_time(frames).back(), 0.69, 1e-9);
+  EXPECT_NEAR(cumulative_time(frames).front(), 0.5, 1e-9);
+}
+
 TEST(TimedSession, CountsSinceTheRestart) {
   RenderSettings settings;
   settings.width = 16;

@@ -157,17 +157,19 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
                     measured, ratios, 1));
 }
 
+/// But in `warehouse`, which the other claims are about.
 void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, const std::string& suffix,
-                     const char* source, std::vector<Claim>& claims) {
+                     std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;
   std::string measured;
   for (const SceneResult& scene : scenes) {
+    if (scene.name.starts_with("warehouse")) continue;
     ratios.push_back(against(named(scene.errors, kTree), named(scene.errors, cache)));
     measured += fmt::format("{}{} {}", measured.empty() ? "" : ", ", scene.name, to_text(ratios.back()));
   }
   claims.push_back(judged_ratios(
-      "never-worse" + suffix, source,
-      fmt::format("Where visibility does not decide, the cache ({}) does no harm (against the light tree).", cache),
+      "never-worse" + suffix, kOurs,
+      fmt::format("Where fewer lamps are hidden, the cache ({}) does no harm (against the light tree).", cache),
       measured, ratios, 1 / 1.3));
 }
 
@@ -199,8 +201,8 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
   ExperimentResult result;
   claim_warehouse(scenes.front(), kPaperCache, "", kPaper, result.claims);
   claim_warehouse(scenes.front(), kCache, "-own", kOurs, result.claims);
-  claim_elsewhere(scenes, kPaperCache, "", kPaper, result.claims);
-  claim_elsewhere(scenes, kCache, "-own", kOurs, result.claims);
+  claim_elsewhere(scenes, kPaperCache, "", result.claims);
+  claim_elsewhere(scenes, kCache, "-own", result.claims);
   claim_baseline(field, result.claims);
   std::vector<PictureSet> pictures;
   for (SceneResult& scene : scenes) pictures.push_back(std::move(scene.pictures));

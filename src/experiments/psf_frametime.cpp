@@ -42,7 +42,7 @@ struct Timing {
   std::vector<FrameFigures> list;
   double of(std::string_view name) const { return named(list, name).frame_ms; }
   Ratio ratio(std::string_view a, std::string_view b) const {
-    return paired_time_ratio(named(list, a).frame_s, named(list, b).frame_s);
+    return time_ratio(named(list, a).frame_s, named(list, b).frame_s);
   }
 };
 

@@ -14,11 +14,14 @@ constexpr const char* kPaper = "[Schipek22 §6.1]";
 void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims) {
   const FrameAverages& psf = named(scene.caches, "psf");
   const FrameAverages* least = &named(scene.caches, "path");
-  for (const FrameAverages& a : scene.graphs) {
-    if (a.variance.value < least->variance.value) least = &a;
-  }
-  std::vector<const char*> verdicts{verdict_below(difference(psf.variance, named(scene.caches, "path").variance))};
-  for (const FrameAverages& a : scene.graphs) verdicts.push_back(verdict_below(difference(psf.variance, a.variance)));
+  std::vector<const char*> verdicts;
+  const auto compare = [&](const FrameAverages& other) {
+    if (other.name == psf.name) return;
+    if (other.variance.value < least->variance.value) least = &other;
+    verdicts.push_back(verdict_below(difference(psf.variance, other.variance)));
+  };
+  for (const FrameAverages& a : scene.caches) compare(a);
+  for (const FrameAverages& a : scene.graphs) compare(a);
   claims.push_back(
       {"least-variance-" + scene.name, kPaper, fmt::format("{}: psf has the least variance.", scene.name),
        fmt::format("psf {}, least of the others: {} with {}, difference {}", with_noise(psf.variance), least->name,

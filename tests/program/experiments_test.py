@@ -45,6 +45,25 @@ class Experiments(ProgramTest):
         self.assertRegex(done.stderr.splitlines()[-1], r"2 of 3 experiments failed: psf-frametime, bdpt-cost")
         self.assertIn("\n## vlc-adaptation\n", (self.folder / "out/index.md").read_text())
 
+    def test_continue_leaves_out_what_can_stay(self):
+        command = ["experiment", "run", "psf-frametime", "--quick", "-o", "out", "--cache-dir", "cache"]
+        self.succeed(*command, timeout=300)
+        file = self.folder / "out/psf-frametime.json"
+        result = json.loads(file.read_text())
+        self.assertFalse(result["scenes"])
+        self.assertGreater(len(result["tables"]), 0)
+        stays = self.succeed(*command, "--continue").stderr
+        self.assertIn("psf-frametime is in out already\n", stays)
+        result["program"] = "another"
+        file.write_text(json.dumps(result))
+        self.assertIn("measured by another build of relume", self.succeed(*command, "--continue").stderr)
+        # With scenes that it is without, it is measured; these cannot be read.
+        (self.folder / "scenes/sponza").mkdir(parents=True)
+        (self.folder / "scenes/sponza/sponza.gltf").write_text("no glTF")
+        done = run("experiment", "run", "psf-frametime", "--quick", "-o", "out", "--cache-dir", "cache", "--scenes", "scenes", "--continue", cwd=self.folder, timeout=300)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("sponza.gltf", done.stderr)
+
     def test_the_published_index_is_that_of_the_published_results(self):
         shutil.copytree(PUBLISHED, self.folder / "out")
         (self.folder / "out/index.md").unlink()

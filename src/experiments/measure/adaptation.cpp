@@ -1,53 +1,17 @@
 #include "experiments/measure/adaptation.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "core/hash.h"
-
 namespace relume {
-
 namespace {
 
-constexpr uint32_t kBootstrapSeed = 0x3c6ef372u;
-constexpr uint32_t kResamples = 400;
-
-struct FrameMean {
-  double mse = 0;
-  double standard_error = 0;
-};
-
-/// By frame, over the runs with these numbers.
-std::vector<FrameMean> frame_means(const std::vector<std::vector<double>>& runs, const std::vector<size_t>& chosen) {
-  std::vector<FrameMean> means;
-  for (size_t frame = 0; frame < runs.front().size(); ++frame) {
-    std::vector<double> values;
-    for (const size_t run : chosen) values.push_back(runs[run][frame]);
-    means.push_back({mean(values), standard_deviation(values) / std::sqrt(static_cast<double>(values.size()))});
-  }
-  return means;
-}
-
-std::vector<size_t> all_of(const std::vector<std::vector<double>>& runs) {
-  std::vector<size_t> numbers(runs.size());
-  std::iota(numbers.begin(), numbers.end(), size_t{0});
-  return numbers;
-}
-
-size_t adapted_after(const std::vector<FrameMean>& frames, double share) {
-  const size_t last = std::max<size_t>(frames.size() / 4, 1);
-  double plateau = 0;
-  for (size_t i = frames.size() - last; i < frames.size(); ++i) plateau += frames[i].mse / static_cast<double>(last);
-  const double goal = (1 + share) * plateau;
-  size_t after = frames.size();
-  for (size_t i = frames.size(); i-- > 0;) {
-    if (frames[i].mse - 2 * frames[i].standard_error > goal) break;
-    if (frames[i].mse <= goal) after = i;
-  }
-  return after;
+/// Of one run's frames, as many as there are from `begin` on.
+double mean_of(const std::vector<double>& run, size_t begin, size_t count) {
+  const size_t end = std::min(begin + count, run.size());
+  return mean({run.begin() + static_cast<std::ptrdiff_t>(begin), run.begin() + static_cast<std::ptrdiff_t>(end)});
 }
 
 }  // namespace
@@ -61,23 +25,14 @@ std::vector<double> Adaptation::at(size_t frame) const {
 std::vector<double> Adaptation::plateaus(size_t frames) const {
   std::vector<double> result;
   for (const std::vector<double>& run : runs)
-    result.push_back(mean({run.end() - static_cast<std::ptrdiff_t>(std::min(frames, run.size())), run.end()}));
+    result.push_back(mean_of(run, run.size() - std::min(frames, run.size()), frames));
   return result;
 }
 
-size_t Adaptation::adapted_after(double share) const {
-  return relume::adapted_after(frame_means(runs, all_of(runs)), share);
-}
-
-Interval Adaptation::adapted_interval(double share) const {
-  std::vector<double> values;
-  std::vector<size_t> chosen(runs.size());
-  for (uint32_t i = 0; i < kResamples; ++i) {
-    for (uint32_t k = 0; k < chosen.size(); ++k) chosen[k] = hash(i, k, kBootstrapSeed) % runs.size();
-    values.push_back(static_cast<double>(relume::adapted_after(frame_means(runs, chosen), share)));
-  }
-  std::sort(values.begin(), values.end());
-  return {values[kResamples / 40], values[kResamples - 1 - kResamples / 40], 0.95};
+Ratio Adaptation::over_plateau(size_t begin, size_t count) const {
+  std::vector<double> means;
+  for (const std::vector<double>& run : runs) means.push_back(mean_of(run, begin, count));
+  return paired_error_ratio(means, plateaus(std::max<size_t>(runs.front().size() / 4, 1)));
 }
 
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
@@ -99,10 +54,19 @@ Adaptation measure_adaptation(const ExperimentContext& context, const std::strin
   return result;
 }
 
-std::string adapted_text(const Adaptation& adaptation, double share, int first_frame) {
-  const Interval interval = adaptation.adapted_interval(share);
-  return fmt::format("{} ({:.0f} to {:.0f})", adaptation.adapted_after(share) + static_cast<size_t>(first_frame),
-                     interval.low + first_frame, interval.high + first_frame);
+std::string adaptation_text(const Adaptation& adaptation, size_t adapted) {
+  return fmt::format("{} in the first frame, {} in frames {} to {}", share_text(adaptation.over_plateau(0, 1)),
+                     share_text(adaptation.over_plateau(adapted - 1, kFramesThatTell)), adapted,
+                     adapted + kFramesThatTell - 1);
+}
+
+Claim judged_adapted(std::string id, std::string paper, std::string claim, const Adaptation& adaptation,
+                     size_t adapted) {
+  return judged_within(std::move(id), std::move(paper), std::move(claim),
+                       fmt::format("{} of the plateau's MSE, which is {:.3g}", adaptation_text(adaptation, adapted),
+                                   adaptation.plateau(adaptation.runs.front().size() / 4)),
+                       fmt::format("at most 1.1 in the {} frames from there on", kFramesThatTell),
+                       {adaptation.over_plateau(adapted - 1, kFramesThatTell)}, 0, 1.1);
 }
 
 ChartBlock adaptation_chart(std::string title, std::string text, const std::vector<Adaptation>& list, int first_frame) {

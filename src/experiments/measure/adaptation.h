@@ -19,11 +19,8 @@ struct Adaptation {
   std::vector<double> at(size_t frame) const;
   std::vector<double> plateaus(size_t frames) const;
   double plateau(size_t frames) const { return mean(plateaus(frames)); }
-  /// First frame whose mean MSE is within `share` of the plateau, the mean of the last quarter, and after which none
-  /// is above that by more than twice its standard error. The number of frames if there is none.
-  size_t adapted_after(double share) const;
-  /// 95 % interval of that, by bootstrap over the runs.
-  Interval adapted_interval(double share) const;
+  /// The mean of `count` frames from `begin` on over that of the last quarter, run by run; 1: it has adapted by then.
+  Ratio over_plateau(size_t begin, size_t count) const;
 };
 
 /// Runs a session `runs` times with different seeds; `before` is called with the number of the frame before each of
@@ -32,8 +29,16 @@ Adaptation measure_adaptation(const ExperimentContext& context, const std::strin
                               int frames, const Reference& reference, const PixelMask& region,
                               const std::function<void(Session&, int frame)>& before = {});
 
-/// "6 (4 to 9)": the frame of adapted_after() with its interval, both counted from `first_frame`.
-std::string adapted_text(const Adaptation& adaptation, double share, int first_frame);
+/// Frames whose mean tells whether a technique has adapted: what single ones show is mostly noise.
+inline constexpr size_t kFramesThatTell = 8;
+
+/// "1.8 (1.7 to 1.9) in the first frame, 1.02 (0.99 to 1.05) in frames 11 to 18": of the plateau, by frames counted
+/// from 1.
+std::string adaptation_text(const Adaptation& adaptation, size_t adapted);
+
+/// A claim that frames from number `adapted` on, counted from 1, are within 10 % of the plateau.
+Claim judged_adapted(std::string id, std::string paper, std::string claim, const Adaptation& adaptation,
+                     size_t adapted);
 
 /// Curves of MSE against frames, the first of which is number `first_frame`.
 ChartBlock adaptation_chart(std::string title, std::string text, const std::vector<Adaptation>& list, int first_frame);

@@ -15,16 +15,31 @@
 namespace relume {
 namespace {
 
+/// What a technique takes from one frame to the next.
+enum class Keeps {
+  nothing,   ///< one session tells as much as several
+  prepared,  ///< what chance has prepared before the first frame, for good
+  learned,   ///< what frames have found
+};
+
+Keeps kept_by(const RenderSettings& settings) {
+  if (learns(settings)) return Keeps::learned;
+  return settings.lights == LightSelectionChoice::static_lists ? Keeps::prepared : Keeps::nothing;
+}
+
 /// A contender under way.
 struct Running {
   TimedSession timed;
-  bool learns = false;
+  Keeps keeps = Keeps::nothing;
   std::vector<PassTime> passes_before = {};
   std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the present block
   AdaptedError result = {};
 };
 
-void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions, int block) {
+void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions,
+                   const AdaptedOptions& options) {
+  // All frames of a session have what chance has prepared in common.
+  const int block = r.keeps == Keeps::prepared ? options.frames : options.block;
   r.timed.render_frame();
   r.result.frame_s.push_back(r.timed.frame_s().back());
   r.result.last = r.timed.session().image();
@@ -49,6 +64,11 @@ void add_pass_times(Running& r) {
   }
 }
 
+/// Whether it renders that frame of those before the first that is measured.
+bool needs_frame(Keeps keeps, int session, int frame) {
+  return keeps == Keeps::learned || (frame == 0 && (keeps == Keeps::prepared || session == 0));
+}
+
 std::vector<Running> begin(const ExperimentScene& scene, const std::vector<NamedSettings>& contenders, size_t regions,
                            int seed) {
   std::vector<Running> running;
@@ -56,7 +76,7 @@ std::vector<Running> begin(const ExperimentScene& scene, const std::vector<Named
     RenderSettings settings = contender.settings;
     settings.history = HistoryChoice::none;
     settings.seed = seed;
-    running.push_back({TimedSession(scene.scene, settings), learns(settings)});
+    running.push_back({TimedSession(scene.scene, settings), kept_by(settings)});
     running.back().timed.session().set_camera(scene.camera);
     running.back().mse.resize(regions);
     running.back().result.name = contender.name;
@@ -79,13 +99,13 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
     const int frame = i % all;
     for (Running& r : running) {
       context.check_stop();
-      if (r.learns && frame == 0 && session > 0) r.timed.restart(options.seed + session);
+      if (r.keeps != Keeps::nothing && frame == 0 && session > 0) r.timed.restart(options.seed + session);
       if (frame < options.warm_up) {
-        if (r.learns || i == 0) r.timed.render_frame();
+        if (needs_frame(r.keeps, session, frame)) r.timed.render_frame();
         continue;
       }
       if (frame == options.warm_up) r.passes_before = r.timed.session().statistics().passes;
-      measure_frame(r, reference, regions, options.block);
+      measure_frame(r, reference, regions, options);
       if (frame + 1 == all) add_pass_times(r);
     }
     context.report(scene.name, (i + 1.0) / (options.sessions * all));
@@ -125,10 +145,11 @@ std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentC
   const AdaptedOptions o = adapted_options(context);
   std::vector<std::pair<std::string, std::string>> setup = learning_setup(context);
   setup.emplace_back("Frames", fmt::format("{} sessions with seeds of their own, {} frames to adapt and {} measured in "
-                                           "each; what does not learn goes on in one session",
+                                           "each; what neither learns nor prepares anything goes on in one session",
                                            o.sessions, o.warm_up, o.frames));
-  setup.emplace_back("Intervals", fmt::format("95 %, from the means of {} blocks of {} frames",
-                                              o.sessions * o.frames / o.block, o.block));
+  setup.emplace_back("Intervals",
+                     fmt::format("95 %, from the means of {} blocks of {} frames; of static lists from {} sessions",
+                                 o.sessions * o.frames / o.block, o.block, o.sessions));
   setup.emplace_back("Times", "contenders take turns frame by frame");
   return setup;
 }

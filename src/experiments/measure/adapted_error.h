@@ -24,7 +24,7 @@ struct AdaptedOptions {
   int frames = 64;    ///< measured in each session
   int sessions = 4;
   /// Frames whose mean counts as one value: what a frame has learned goes into the next, so that single ones do not
-  /// tell how far the mean is off. Divides `frames`.
+  /// tell how far the mean is off. Divides `frames`. Of what is prepared by chance a whole session is one value.
   int block = 32;
   int seed = 1;  ///< of the first session
 };
@@ -42,16 +42,16 @@ struct AdaptedError {
 };
 
 /// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
-/// disturbs the machine disturbs all alike. What learns nothing from frames has no need to start again or to adapt: of
-/// it a single session is rendered, after one frame for what it prepares. What an interrupted experiment has measured
-/// so is not measured again. Throws ExperimentStopped.
+/// disturbs the machine disturbs all alike. What learns nothing from frames has no need to adapt, but for one frame for
+/// what it prepares; and if chance has no part in that either, a single session is rendered. What an interrupted
+/// experiment has measured is not measured again. Throws ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
-/// a's median time of a frame over b's.
+/// Median over the turns of a's time of a frame over b's.
 Ratio time_ratio(const AdaptedError& a, const AdaptedError& b);
-/// MSE times the median time of a frame, a's over b's: what equal time would give if errors fell with 1 / time, as
+/// MSE times the time of a frame, a's over b's: what equal time would give if errors fell with 1 / time, as
 /// those of independent frames do.
 Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
 

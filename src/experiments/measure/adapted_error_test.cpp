@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
 
 #include "experiments/measure/adaptation.h"
 #include "experiments/measure/adapted_file.h"
@@ -21,14 +22,16 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   settings.threads = 1;
   RenderSettings cache = settings;
   cache.lights = LightSelectionChoice::vlc;
+  RenderSettings lists = settings;
+  lists.lights = LightSelectionChoice::static_lists;
   const std::vector<AdaptedError> errors = measure_adapted(
-      {}, scene, {{"plain", settings}, {"vlc", cache}}, {.image = Image(16, 12)}, {mask_of({"picture"}, 16, 12)},
-      {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
-  ASSERT_EQ(errors.size(), 2u);
+      {}, scene, {{"plain", settings}, {"vlc", cache}, {"lists", lists}}, {.image = Image(16, 12)},
+      {mask_of({"picture"}, 16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
+  ASSERT_EQ(errors.size(), 3u);
   for (const AdaptedError& e : errors) {
-    ASSERT_EQ(e.mse[0].size(), 4u);  // two blocks a session
+    ASSERT_EQ(e.mse[0].size(), e.name == "lists" ? 2u : 4u);  // one or two blocks a session
     EXPECT_EQ(e.frame_s.size(), 8u);
-    EXPECT_NE(e.mse[0][1], e.mse[0][3]);  // other seeds
+    EXPECT_NE(e.mse[0].front(), e.mse[0].back());  // other seeds
     EXPECT_GT(e.mean_mse(), 0);
     EXPECT_GT(e.median_s(), 0);
     EXPECT_FALSE(e.pass_s.empty());
@@ -73,39 +76,38 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
   std::filesystem::remove_all(context.parts_folder);
 }
 
-TEST(Adaptation, EndsWhereTheCurveStaysNearItsPlateau) {
-  Adaptation a{"a", {{9, 5, 3, 1.05, 1.05, 1.05, 1, 1, 1, 1, 1, 1}}};
-  EXPECT_DOUBLE_EQ(a.plateau(4), 1);
-  EXPECT_EQ(a.adapted_after(0.1), 3u);
-  EXPECT_EQ(a.adapted_after(0.01), 6u);
-  a.runs[0][5] = 4;  // a relapse
-  EXPECT_EQ(a.adapted_after(0.1), 6u);
+TEST(Adaptation, IsMeasuredAgainstItsPlateauRunByRun) {
+  // The second run is twice as bright throughout: of ratios that changes nothing.
+  const Adaptation a{"a", {{9, 5, 3, 1.5, 1, 1, 1, 1}, {18, 10, 6, 3, 2, 2, 2, 2}}};
+  EXPECT_DOUBLE_EQ(a.plateau(4), 1.5);
+  EXPECT_DOUBLE_EQ(a.over_plateau(0, 1).value, 9);
+  EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).value, 4);
+  EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).interval.low, 4);
+  EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).interval.high, 4);
+  EXPECT_DOUBLE_EQ(a.over_plateau(6, 100).value, 1);  // as many as there are
 }
 
-TEST(Adaptation, IsThatOfTheFrameItself) {
-  // The mean of frames 1 to 3 is near the plateau, frame 1 is not.
-  EXPECT_EQ((Adaptation{"a", {{9, 1.25, 1, 1, 1, 1, 1, 1}}}.adapted_after(0.1)), 2u);
-}
-
-TEST(Adaptation, ForgivesWhatIsNoise) {
-  // One run in eight is off at frame 5, by as much as its standard error.
-  Adaptation a{"a", std::vector<std::vector<double>>(8, {9, 5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1})};
-  a.runs[0][5] = 2;
-  EXPECT_EQ(a.adapted_after(0.1), 2u);
-  EXPECT_EQ(a.adapted_interval(0.1).high, 2);
-  for (std::vector<double>& run : a.runs) run[5] = 2;  // all are: no noise
-  EXPECT_EQ(a.adapted_after(0.1), 6u);
-}
-
-TEST(Adaptation, HasAnIntervalOverTheRuns) {
+/// Sixteen runs of 64 frames whose error is `first` times the plateau's until frame `until`, and noise of 20 % a frame.
+Adaptation noisy_adaptation(double first, size_t until, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(1, 0.2);
   Adaptation a{"a", {}};
-  for (int run = 0; run < 8; ++run) {
-    a.runs.emplace_back(16, 1.0);
-    for (int frame = 0; frame < 2 + run; ++frame) a.runs.back()[static_cast<size_t>(frame)] = 5;
+  for (int run = 0; run < 16; ++run) {
+    a.runs.emplace_back();
+    for (size_t frame = 0; frame < 64; ++frame) a.runs.back().push_back((frame < until ? first : 1) * noise(random));
   }
-  const Interval interval = a.adapted_interval(0.1);
-  EXPECT_LT(interval.low, static_cast<double>(a.adapted_after(0.1)));
-  EXPECT_EQ(interval.high, 9);  // the slowest run's
+  return a;
+}
+
+TEST(Adaptation, IsJudgedInSpiteOfNoise) {
+  int held = 0;
+  int failed = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    held += judged_adapted("a", "p", "c", noisy_adaptation(3, 8, seed), 11).verdict == kVerdictHolds ? 1 : 0;
+    failed += judged_adapted("a", "p", "c", noisy_adaptation(1.5, 30, seed), 11).verdict == kVerdictFails ? 1 : 0;
+  }
+  EXPECT_GE(held, 18);
+  EXPECT_GE(failed, 18);
 }
 
 AdaptedError timed(std::vector<double> mse, std::vector<double> frame_s) {

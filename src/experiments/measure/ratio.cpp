@@ -58,16 +58,6 @@ Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>
 }
 
 Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s) {
-  const double median_b = median(b_s);
-  if (!(median_b > 0)) return {};
-  const Interval of_a = median_interval(a_s);
-  const Interval of_b = median_interval(b_s);
-  const double spread = std::hypot(std::log(of_a.high / of_a.low), std::log(of_b.high / of_b.low)) / 2;
-  const double value = median(a_s) / median_b;
-  return {value, {value * std::exp(-spread), value * std::exp(spread), std::min(of_a.confidence, of_b.confidence)}};
-}
-
-Ratio paired_time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s) {
   std::vector<double> quotients;
   for (size_t i = 0; i < std::min(a_s.size(), b_s.size()); ++i) {
     if (b_s[i] > 0) quotients.push_back(a_s[i] / b_s[i]);

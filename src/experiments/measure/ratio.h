@@ -25,11 +25,9 @@ Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 /// does not widen the interval.
 Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
-/// a's median over b's, of seconds of frames: how many times faster b is. Contenders had turns, frame by frame.
+/// How many times faster b is: median of the quotients of each turn's frames, in seconds; as many of a as of b. What
+/// slowed a whole turn down, or made its view cost more, does not count.
 Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s);
-
-/// Median of the quotients of each turn's frames: as many of a as of b. What slowed a whole turn down does not count.
-Ratio paired_time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s);
 
 /// Geometric mean of quotients that were measured independently, one a repetition.
 Ratio geometric_mean(const std::vector<double>& quotients);

@@ -74,12 +74,11 @@ TEST(Ratio, TurnsThatWereSlowForBothAreEqual) {
   std::vector<double> a;
   for (const double x : b) a.push_back(1.1 * x);
   a.back() = 9;
-  const Ratio ratio = paired_time_ratio(a, b);
+  const Ratio ratio = time_ratio(a, b);
   EXPECT_NEAR(ratio.value, 1.1, 1e-9);
   EXPECT_NEAR(ratio.interval.low, 1.1, 1e-9);
   EXPECT_NEAR(ratio.interval.high, 1.1, 1e-9);
   EXPECT_GE(ratio.interval.confidence, 0.95);
-  EXPECT_GT(time_ratio(a, b).interval.high, 1.5);
 }
 
 TEST(Ratio, VerdictsFollowIntervals) {

@@ -78,7 +78,7 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
   const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (const NamedSettings& contender : list) {
-    if (all || contender.name == "path" || contender.name == "psf")
+    if (all || contender.name != "apg")  // which is among the constants
       result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   }
   for (const float constant : kConstants) {

@@ -17,7 +17,7 @@ inline constexpr const char* kBeyondNoise = "a difference beyond the noise (95 %
 /// Whose averages are measured.
 enum class CacheSet {
   techniques,  ///< everybody's, of path graphs with moderate constants
-  constants,   ///< those of path tracing, psf, and path graphs with all constants
+  constants,   ///< everybody's, of path graphs with all constants
 };
 
 struct SceneAverages {

@@ -54,6 +54,30 @@ void add_curves(const ChartBlock& block, Json& curves) {
   }
 }
 
+std::string cell_with_note(const TableCell& cell) {
+  return cell.note.empty() ? cell.text : fmt::format("{} ({})", cell.text, cell.note);
+}
+
+Json table_json(const TableBlock& block) {
+  Json columns = Json::array({block.row_title});
+  for (const TableColumn& column : block.columns) columns.push_back(column.title);
+  Json rows = Json::array();
+  for (const TableRow& row : block.rows) {
+    Json cells = Json::array({row.name});
+    for (const TableCell& cell : row.cells) cells.push_back(cell_with_note(cell));
+    rows.push_back(std::move(cells));
+  }
+  return {{"title", block.title}, {"columns", std::move(columns)}, {"rows", std::move(rows)}};
+}
+
+Json bars_json(const BarBlock& block) {
+  Json rows = Json::array();
+  for (const Bar& bar : block.bars) {
+    for (const auto& [part, value] : bar.parts) rows.push_back({bar.name, part, fmt::format("{:.4g}", value)});
+  }
+  return {{"title", block.title}, {"columns", {"", "part", block.unit}}, {"rows", std::move(rows)}};
+}
+
 std::string machine_text(const ExperimentRun& run) {
   std::string text;
   for (const auto& [name, value] : run.machine) text += fmt::format("; {}: {}", name, value);
@@ -74,13 +98,16 @@ std::string cell_text(std::string_view text) {
 
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run) {
   Json json = {{"name", experiment.name}, {"paper", experiment.paper}, {"summary", experiment.summary},
-               {"quick", run.quick},      {"seconds", run.seconds},    {"machine", Json::object()},
-               {"setup", Json::object()}, {"claims", Json::array()},   {"curves", Json::array()}};
+               {"quick", run.quick},      {"seconds", run.seconds},    {"scenes", run.scenes},
+               {"program", run.program},  {"machine", Json::object()}, {"setup", Json::object()},
+               {"claims", Json::array()}, {"tables", Json::array()},   {"curves", Json::array()}};
   for (const auto& [name, value] : run.machine) json["machine"][name] = value;
   for (const auto& [name, value] : result.setup) json["setup"][name] = value;
   for (const Claim& c : result.claims) json["claims"].push_back(claim_json(c));
   for (const Block& block : result.blocks) {
     if (const auto* charts = std::get_if<ChartBlock>(&block)) add_curves(*charts, json["curves"]);
+    if (const auto* table = std::get_if<TableBlock>(&block)) json["tables"].push_back(table_json(*table));
+    if (const auto* bars = std::get_if<BarBlock>(&block)) json["tables"].push_back(bars_json(*bars));
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -106,6 +133,8 @@ ExperimentSummary read_summary(std::string_view text, const std::string& place) 
     ExperimentSummary summary{string(json, "name"), string(json, "paper"), string(json, "summary"), {}, {}};
     summary.run.quick = json.at("quick").get<bool>();
     summary.run.seconds = json.at("seconds").get<double>();
+    summary.run.scenes = json.value("scenes", true);
+    summary.run.program = json.value("program", "");
     for (const auto& [name, value] : json.at("machine").items())
       summary.run.machine.emplace_back(name, value.get<std::string>());
     for (const nlohmann::json& c : json.at("claims")) {

@@ -15,10 +15,13 @@ struct ExperimentRun {
   std::vector<std::pair<std::string, std::string>> machine;
   bool quick = false;
   double seconds = 0;
+  bool scenes = true;        ///< with ExperimentContext::scene_folder
+  std::string program = {};  ///< ExperimentContext::program
 };
 
-/// {"name", "paper", "summary", "quick", "seconds", "machine", "setup", "claims": [{"id", "paper", "claim", "measured",
-/// "threshold", "verdict"}], "curves"}.
+/// {"name", "paper", "summary", "quick", "seconds", "scenes", "program", "machine", "setup", "claims": [{"id", "paper",
+/// "claim", "measured", "threshold", "verdict"}], "tables": [{"title", "columns", "rows"}], "curves"}; a row is a list
+/// of its name and its cells, with notes in brackets. Bars are tables of their parts.
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run);
 
 /// Claims first, what the experiment shows after them.

@@ -13,9 +13,12 @@ TEST(Results, AreJsonAndAPage) {
   result.claims = {judged("a", "[X §1]", "holds here", "1", "below 2", true),
                    judged("b", "[X §1]", "fails", "3", "below 2", false),
                    unmeasured("c", "[X §1]", "unknown", "below 2", "no scene")};
-  result.blocks = {ChartBlock{"t", "", {{"l", "x", "y", true, true, {{"curve", 0, false, {{1, 2}}}}}}}};
+  result.blocks = {ChartBlock{"t", "", {{"l", "x", "y", true, true, {{"curve", 0, false, {{1, 2}}}}}}},
+                   TableBlock{"times", "", "who", {{"ms"}}, {{"we", 0, {{"3", 3, "of two"}}}}},
+                   BarBlock{"parts", "", "ms", {{"we", {{"first", 1}, {"second", 2}}}}}};
   const Experiment& experiment = experiments().front();
-  const auto json = nlohmann::json::parse(to_json(experiment, result, {{{"Processor", "p"}}, true, 3}));
+  const auto json =
+      nlohmann::json::parse(to_json(experiment, result, {{{"Processor", "p"}}, true, 3, false, "a build"}));
   ASSERT_EQ(json["claims"].size(), 3u);
   for (const char* key : {"id", "paper", "claim", "measured", "threshold", "verdict"})
     EXPECT_TRUE(json["claims"][0].contains(key)) << key;
@@ -23,6 +26,13 @@ TEST(Results, AreJsonAndAPage) {
   EXPECT_EQ(json["claims"][1]["verdict"], "does not hold");
   EXPECT_EQ(json["claims"][2]["verdict"], "not measured");
   EXPECT_EQ(json["curves"][0]["points"][0], nlohmann::json({1.0, 2.0}));
+  using Json = nlohmann::json;
+  EXPECT_EQ(json["tables"][0],
+            (Json{{"title", "times"}, {"columns", {"who", "ms"}}, {"rows", Json::array({{"we", "3 (of two)"}})}}));
+  EXPECT_EQ(json["tables"][1]["rows"], (Json{{"we", "first", "1"}, {"we", "second", "2"}}));
+  const ExperimentSummary summary = read_summary(json.dump(), "a.json");
+  EXPECT_FALSE(summary.run.scenes);
+  EXPECT_EQ(summary.run.program, "a build");
   const Page page = experiment_page(experiment, result, {{}, false, 3});
   EXPECT_TRUE(std::holds_alternative<TextBlock>(page.blocks[0]));
   EXPECT_EQ(std::get<TextBlock>(page.blocks[0]).text, "1 of 3 claims hold, 1 not measured.");

@@ -12,6 +12,7 @@ namespace relume {
 struct LightListOptions {
   float cell_size = 0;   ///< metres; 0: a 24th of the scene's longest side
   uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, and two at least, if that is more
+  uint32_t seed = 0;     ///< which rays
 
   bool operator==(const LightListOptions&) const = default;
 };
@@ -34,15 +35,17 @@ struct CellVisibilityKernel {
   LightGrid grid;
   View<const uint32_t> cells;  ///< that hold a surface
   uint32_t rays = 0;
+  uint32_t seed = 0;
   uint32_t words = 0;  ///< a row
   View<uint32_t> visible;
 
   RELUME_HD void operator()(uint32_t i, uint32_t) const {
     const uint32_t cell = cells[i];
+    const uint32_t stream = hash(cell, seed);
     const Vec3 low = grid.low(cell);
     const uint32_t lights = scene.lights.first_infinite;
     for (uint32_t k = 0; k < rays; ++k) {
-      const auto random = [&](uint32_t dimension) { return to_unit_float(hash(cell, k, dimension, 0x51a71cu)); };
+      const auto random = [&](uint32_t dimension) { return to_unit_float(hash(stream, k, dimension, 0x51a71cu)); };
       Vec3 p = low + grid.cell_size * Vec3(random(0), random(1), random(2));
       // Every other point of a light is moved to a surface: places in the air see more than those that are lit.
       const uint32_t light = k % lights;
