@@ -35,7 +35,8 @@ std::vector<FrameAverages> measure_depths(const ExperimentContext& context, cons
                                           const Reference& reference) {
   std::vector<FrameAverages> list;
   const PixelMask surfaces = surfaces_of(context, scene);
-  const FramePlanOfAverages plan{.skip = context.choose(32, 8), .count = context.choose(32, 4), .repetitions = 3};
+  const FramePlanOfAverages plan{
+      .skip = context.choose(32, 8), .count = context.choose(32, 4), .repetitions = context.choose(8, 3)};
   for (const float constant : kConstants) {
     NamedSettings contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
     contender.settings.apg.variance_constant = constant;

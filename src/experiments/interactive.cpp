@@ -1,4 +1,4 @@
-// Which combination of techniques shows the best picture while the camera moves: all that combine, and presets, at
+// Which combination of techniques shows the best picture while the camera turns: many that combine, and presets, at
 // equal time.
 #include <algorithm>
 #include <cmath>

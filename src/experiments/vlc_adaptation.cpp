@@ -37,7 +37,7 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   settings.lights = LightSelectionChoice::light_tree;
   Session session(Scene(scene.scene), settings);
   session.set_camera(scene.camera);
-  const int runs = context.choose(16, 2);
+  const int runs = context.choose(256, 2);  // rare bright samples decide what few would show
   const int frames = context.choose(64, 20);
   const Adaptation tree =
       measure_adaptation(context, "light tree", session, runs, context.choose(8, 4), reference, surfaces);

@@ -108,6 +108,7 @@ const BuiltinCase kSharp[] = {{"cornell", 32, 32, 0, 512, 256, 512},
                               {"door", 32, 24, 0, 256, 128, 0},
                               {"mine", 48, 27, 0, 128, 64, 0},
                               {"lamp-room", 32, 24, 0, 1024, 64, 0, true},
+                              {"cover", 48, 27, 0, 1024, 512, 0, true},
                               {"city", 48, 27, 0, 256, 128, 0}};
 
 std::string builtin_name(const ::testing::TestParamInfo<BuiltinCase>& info) { return test_name(info.param.scene); }

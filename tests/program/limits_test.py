@@ -41,6 +41,8 @@ class Limits(ProgramTest):
             ["render", "cornell", *SIZE, "--spp", "2", "--resume", "a.ckpt", "-o", "a.exr"],
             ["render", "cornell", *SIZE, "--spp", "1", "--aov", "albedo,normal", "-o", "a.exr"],
             ["export", "cornell-spheres", "-o", "a.glb"],
+            ["export", "cornell-spheres", "-o", "a.gltf"],
+            ["export", "door", "-o", "a.gltf"],
             ["compare", "cornell", *SIZE, "--techniques", "default,u=lights:uniform", "--spp", "1", "--reference-spp", "2", "-o", "page"],
             ["experiment", "run", "guide-cost", "--quick", "-o", "pages"],
         ]
@@ -55,6 +57,14 @@ class Limits(ProgramTest):
         before = (self.folder / "a.exr").read_bytes()
         self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, "render", "cornell", *SIZE, "--spp", "2", "-o", "a.exr"))
         self.assertEqual((self.folder / "a.exr").read_bytes(), before)
+
+    def test_an_old_scene_outlives_a_full_disk(self):
+        self.succeed("export", "cornell", "-o", "a.gltf")
+        before = {name: (self.folder / name).read_bytes() for name in self.written()}
+        self.assertIn("a.bin", before)
+        last = self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, "export", "cornell-spheres", "-o", "a.gltf"))
+        self.assertIn("a.bin", last)
+        self.assertEqual({name: (self.folder / name).read_bytes() for name in self.written()}, before)
 
     @unittest.skipIf("RELUME_SANITIZED" in os.environ, "sanitizers take terabytes of addresses")
     def test_out_of_memory(self):

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
 
 namespace relume::gltf {
 namespace {
@@ -56,6 +55,17 @@ const char* type_name(int components) {
   return names[components - 1];
 }
 
+/// RFC 3986: letters, digits and -._~ stand for themselves.
+std::string uri_of(const std::filesystem::path& file) {
+  std::string uri;
+  for (const char c : file.filename().string()) {
+    const bool plain =
+        (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || std::strchr("-._~", c);
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
 }  // namespace
 
 OutputJson number(float value) {
@@ -69,17 +79,6 @@ OutputJson numbers(std::span<const float> values) {
   OutputJson list = OutputJson::array();
   for (const float value : values) list.push_back(number(value));
   return list;
-}
-
-/// RFC 3986: letters, digits and -._~ stand for themselves.
-std::string uri_of(const std::filesystem::path& file) {
-  std::string uri;
-  for (const char c : file.filename().string()) {
-    const bool plain =
-        (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || std::strchr("-._~", c);
-    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return uri;
 }
 
 Output::Output(const std::filesystem::path& file) : file_(file), binary_(is_binary(file)) {
@@ -146,8 +145,25 @@ void Output::use_extension(const std::string& name, bool required) {
   if (required) required_.insert(name);
 }
 
-std::filesystem::path Output::beside(const std::string& suffix) const {
-  return file_.parent_path() / (file_.stem().string() + "." + suffix);
+void Output::write_staged(const std::filesystem::path& target,
+                          const std::function<void(const std::filesystem::path&)>& write) {
+  const PendingFile& staged = staged_.emplace_back(target);
+  try {
+    write(staged.path());
+  } catch (const Error& error) {
+    std::string sentence = error.what();  // about a name that nobody knows
+    const std::string name = staged.path().string();
+    if (const size_t at = sentence.find(name); at != std::string::npos)
+      sentence.replace(at, name.size(), target.string());
+    throw Error(sentence);
+  }
+}
+
+std::string Output::add_file(const std::string& suffix,
+                             const std::function<void(const std::filesystem::path&)>& write) {
+  const std::filesystem::path target = file_.parent_path() / (file_.stem().string() + "." + suffix);
+  write_staged(target, write);
+  return uri_of(target);
 }
 
 std::vector<std::string> Output::finish() {
@@ -157,24 +173,24 @@ std::vector<std::string> Output::finish() {
   if (!bytes_.empty()) {
     root["buffers"] = OutputJson::array({{{"byteLength", bytes_.size()}}});
     if (!binary_) {
-      const std::filesystem::path buffer = beside("bin");
-      root["buffers"][0]["uri"] = uri_of(buffer);
-      AtomicFile out(buffer);
-      out.write(bytes_);
-      out.commit();
+      root["buffers"][0]["uri"] = add_file("bin", [&](const std::filesystem::path& file) {
+        AtomicFile out(file);
+        out.write(bytes_);
+        out.commit();
+      });
     }
   }
-  if (binary_) {
-    write_glb(root.dump());
-  } else {
+  write_staged(file_, [&](const std::filesystem::path& file) {
+    if (binary_) return write_glb(file, root.dump());
     print(root, 0, text);
-    write_file(file_, text + "\n");
-  }
+    write_file(file, text + "\n");
+  });
+  for (PendingFile& staged : staged_) staged.commit();
   return std::move(warnings_);
 }
 
 /// glTF 2.0, section 4: header, JSON chunk padded with spaces, binary chunk padded with zeros.
-void Output::write_glb(const std::string& text) const {
+void Output::write_glb(const std::filesystem::path& file, const std::string& text) const {
   const size_t json_size = (text.size() + 3) / 4 * 4;
   const size_t binary_size = (bytes_.size() + 3) / 4 * 4;
   const size_t total = 12 + 8 + json_size + (bytes_.empty() ? 0 : 8 + binary_size);
@@ -188,7 +204,7 @@ void Output::write_glb(const std::string& text) const {
   append_word(head, 0x4e4f534a);  // "JSON"
   head += text;
   head.append(json_size - text.size(), ' ');
-  AtomicFile out(file_);
+  AtomicFile out(file);
   if (!bytes_.empty()) {
     append_word(head, static_cast<uint32_t>(binary_size));
     append_word(head, 0x004e4942);  // "BIN\0"

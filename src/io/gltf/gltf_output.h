@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <list>
 #include <set>
 #include <span>
 #include <string>
@@ -11,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/vec.h"
+#include "io/atomic_file.h"
 
 namespace relume::gltf {
 
@@ -22,9 +25,6 @@ OutputJson number(float value);
 OutputJson numbers(std::span<const float> values);
 inline OutputJson numbers(const Vec2& v) { return numbers(std::span(&v.x, 2)); }
 inline OutputJson numbers(const Vec3& v) { return numbers(std::span(&v.x, 3)); }
-
-/// Reference to a file that lies beside the glTF file, percent-encoded.
-std::string uri_of(const std::filesystem::path& file);
 
 /// What the bytes of an accessor are for (WebGL's buffer targets; none for animation and instances).
 enum class BufferTarget : int { none = 0, vertices = 34962, indices = 34963 };
@@ -50,18 +50,23 @@ class Output {
 
   bool binary() const { return binary_; }
   std::string place() const { return file_.string(); }
-  /// Path of a file that lies beside this one: "STEM.SUFFIX".
-  std::filesystem::path beside(const std::string& suffix) const;
+  /// `write` writes a file that is to lie beside this one, "STEM.SUFFIX", under the name that it is told; finish()
+  /// gives it its own. Returns the reference to it, percent-encoded. Throws Error.
+  std::string add_file(const std::string& suffix, const std::function<void(const std::filesystem::path&)>& write);
 
   OutputJson root;
 
-  /// Writes .glb, or .bin and .gltf, each under a temporary name first. Returns the warnings.
+  /// Writes .glb, or .bin and .gltf. Only when everything is written do files get their names, the scene's last: what
+  /// fails before leaves an older scene whole. Returns the warnings.
   std::vector<std::string> finish();
 
  private:
-  void write_glb(const std::string& text) const;
+  void write_staged(const std::filesystem::path& target,
+                    const std::function<void(const std::filesystem::path&)>& write);
+  void write_glb(const std::filesystem::path& file, const std::string& text) const;
 
   std::filesystem::path file_;
+  std::list<PendingFile> staged_;
   bool binary_;
   std::vector<std::byte> bytes_;
   std::set<std::string> used_;

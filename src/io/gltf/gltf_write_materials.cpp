@@ -173,12 +173,12 @@ int MaterialWriter::texture(Index index, Use use) {
   json["sampler"] = sampler(t);
   json["source"] = image(t, use, name);
   if (t.format == PixelFormat::rgba32_float) {
-    const std::filesystem::path exr = output_.beside(name + ".exr");
-    write_exr(exr, exr_of(t));
-    json["extras"]["relume"]["image"] = uri_of(exr);
+    const std::string exr =
+        output_.add_file(name + ".exr", [&](const std::filesystem::path& file) { write_exr(file, exr_of(t)); });
+    json["extras"]["relume"]["image"] = exr;
     output_.warn(fmt::format(
         "texture '{}' has floating-point texels; they are kept in {}, and other programs see a PNG limited to [0, 1]",
-        t.name, exr.filename().string()));
+        t.name, exr));
   } else if ((t.format == PixelFormat::rgba8_srgb) != (use == Use::color)) {
     output_.warn(fmt::format("texture '{}' is converted {} sRGB, which glTF expects where it is used", t.name,
                              use == Use::color ? "to" : "from"));
@@ -211,9 +211,7 @@ int MaterialWriter::image(const Texture& t, Use use, const std::string& name) {
     json["mimeType"] = "image/png";
     json["bufferView"] = output_.add_bytes(std::as_bytes(std::span(png)));
   } else {
-    const std::filesystem::path file = output_.beside(name + ".png");
-    write_file(file, png);
-    json["uri"] = uri_of(file);
+    json["uri"] = output_.add_file(name + ".png", [&](const std::filesystem::path& file) { write_file(file, png); });
   }
   return output_.add("images", std::move(json));
 }

@@ -30,7 +30,7 @@ OutputJson sun_sky_json(const SunSky& s) {
 }
 
 /// Null for none. A map is written beside the scene as an EXR file.
-OutputJson environment_json(const Environment& environment, const Output& output) {
+OutputJson environment_json(const Environment& environment, Output& output) {
   OutputJson json;
   switch (environment.kind) {
     case EnvironmentKind::none: return json;
@@ -39,9 +39,8 @@ OutputJson environment_json(const Environment& environment, const Output& output
     case EnvironmentKind::map: {
       Image image(environment.width, environment.height);
       image.pixels = environment.map;
-      const std::filesystem::path file = output.beside("environment.exr");
-      write_image(file, image);
-      json["map"] = gltf::uri_of(file);
+      json["map"] =
+          output.add_file("environment.exr", [&](const std::filesystem::path& file) { write_image(file, image); });
       break;
     }
   }
