@@ -83,6 +83,23 @@ OutputFiles output_files(const CompareOptions& o) {
   return files;
 }
 
+/// Results are not to replace what they are made from.
+void check_inputs_stay(const OutputFiles& files, const CompareOptions& o, const ComparisonOptions& options) {
+  std::vector<std::filesystem::path> inputs{o.scene, o.reference};
+  for (const Contender& contender : options.contenders) inputs.emplace_back(contender.file);
+  for (const PictureContender& picture : options.pictures) inputs.push_back(picture.file);
+  for (const std::filesystem::path& output : {files.page, files.json, files.csv}) {
+    for (const std::filesystem::path& input : inputs) {
+      std::error_code missing;
+      if (!input.empty() && std::filesystem::equivalent(input, output, missing))
+        throw UsageError(
+            fmt::format("{}: the comparison reads this file and would replace it; choose another name "
+                        "for -o",
+                        output.string()));
+    }
+  }
+}
+
 /// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
 constexpr const char* kUsualTechniques = "default,interactive";
 
@@ -186,6 +203,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   const Scene scene = open_compared_scene(o, options, verbosity);
   if (o.timed_frames > 0) return run_timing(o, options, scene, verbosity);
   const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
+  check_inputs_stay(files, o, options);
 
   const InterruptGuard interrupts;
   const std::stop_token stop = interrupts.token();

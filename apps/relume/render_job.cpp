@@ -138,6 +138,7 @@ class RenderJob {
   void load();
   void resume();
   size_t picture_of_checkpoint() const;
+  void check_earlier_pictures() const;
   StopReason render_picture(size_t index, std::stop_token stop);
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
   void save_checkpoint();
@@ -197,6 +198,7 @@ void RenderJob::resume() {
   session_->load_checkpoint(options_.checkpoint);
   resumed_rays_ = session_->statistics().rays;
   first_picture_ = picture_of_checkpoint();
+  check_earlier_pictures();
   tell(verbosity_,
        fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
                    format_samples(session_->picture_samples()),
@@ -213,6 +215,19 @@ size_t RenderJob::picture_of_checkpoint() const {
       fmt::format("{}: the checkpoint was made at time {} s, which is not asked for; use the same frames or "
                   "time, or delete it",
                   options_.checkpoint, session_->settings().time_s));
+}
+
+/// A checkpoint of another range would leave out what comes before it.
+void RenderJob::check_earlier_pictures() const {
+  for (size_t i = 0; i < first_picture_; ++i) {
+    if (std::filesystem::exists(plan_.files[i])) continue;
+    throw Error(
+        fmt::format("{}: the checkpoint is of frame {}, and frame {} ({}) is missing; delete the checkpoint to "
+                    "render all, or ask for --frames {}-{}",
+                    options_.checkpoint, plan_.frames.first + static_cast<int>(first_picture_),
+                    plan_.frames.first + static_cast<int>(i), plan_.files[i].string(),
+                    plan_.frames.first + static_cast<int>(first_picture_), plan_.frames.last));
+  }
 }
 
 StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -129,6 +131,25 @@ TEST_F(ComparisonTest, EqualTimeIsEqualWithin5Percent) {
   EXPECT_NEAR(median_of(c.contenders[0], time_s) / median_of(c.contenders[1], time_s), 1, 0.05);
   EXPECT_GT(c.contenders[0].repetitions[0].frames, c.contenders[1].repetitions[0].frames);
   EXPECT_TRUE(c.notes.empty() || c.notes.front().find("times differ") == std::string::npos);
+}
+
+TEST_F(ComparisonTest, AStallDoesNotShortenAContenderForGood) {
+  // Another program has the processor for a second, more than twice the budget, in everybody's fifth frame.
+  ComparisonOptions o = options("a=seed:1,b=seed:2");
+  o.budget_s = 0.4;
+  o.repetitions = 1;
+  o.reference_spp = 16;
+  o.clock = [calls = std::make_shared<std::map<const Session*, int>>()](const Session& session) {
+    return ray_clock(session) + (++(*calls)[&session] > 11 ? 1.0 : 0.0);
+  };
+  const Comparison stalled = run("cornell", o);
+  o.clock = ray_clock;
+  const Comparison usual = run("cornell", o);
+  for (size_t i = 0; i < 2; ++i) {
+    const double frames = usual.contenders[i].repetitions[0].frames;
+    ASSERT_GT(frames, 20);
+    EXPECT_NEAR(stalled.contenders[i].repetitions[0].frames / frames, 1, 0.05);
+  }
 }
 
 TEST_F(ComparisonTest, SaysWhenTimesAreNotEqual) {

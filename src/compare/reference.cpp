@@ -151,7 +151,8 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
   const auto wanted = static_cast<uint32_t>(half_spp_);
   bool changed = false;
   while (s.frames_since_change() < wanted) {
-    if (!s.render_frame(stop)) break;
+    // What adapts renders a frame that has begun to its end.
+    if (stop.stop_requested() || !s.render_frame(stop)) break;
     changed = true;
     if (progress) progress(0.5 * half + 0.5 * s.frames_since_change() / wanted);
     if (now_s() - saved_s > kCheckpointInterval_s) {

@@ -126,6 +126,14 @@ class Recorder {
 /// Seconds of frames, by contender and picture.
 using FrameTimes = std::vector<std::vector<std::vector<double>>>;
 
+/// Whether frames make up `share_s` as cumulative_time() counts them, or some are so slow that no more are asked for.
+bool fill(const std::vector<double>& frame_s, size_t first, double used_s, double share_s) {
+  constexpr double kMostTimes = 4;
+  if (used_s < share_s) return false;
+  if (used_s > kMostTimes * share_s) return true;
+  return cumulative_time({frame_s.begin() + static_cast<std::ptrdiff_t>(first), frame_s.end()}).back() >= share_s;
+}
+
 /// Contenders take turns until each has rendered the first pictures of an animation, or the still scene, for `share_s`
 /// each. std::nullopt if `stop` was requested.
 std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vector<float>& times_s, double share_s,
@@ -142,7 +150,7 @@ std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vec
     for (bool any = true; any;) {
       any = false;
       for (size_t i = 0; i < sessions.size(); ++i) {
-        if (used[i] >= share_s) continue;
+        if (fill(sessions[i]->frame_s(), before[i], used[i], share_s)) continue;
         if (stop.stop_requested()) return std::nullopt;
         sessions[i]->render_frame();
         used[i] += sessions[i]->frame_s().back();
@@ -159,17 +167,17 @@ std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vec
   return frame_s;
 }
 
-/// Medians over the pictures of their first, second, … frame, as long as all have one.
+/// Medians over the pictures of their first, second, … frame, of those that have one.
 std::vector<double> median_frames(const std::vector<std::vector<double>>& pictures) {
-  size_t shortest = pictures.front().size();
-  for (const auto& times : pictures) shortest = std::min(shortest, times.size());
   std::vector<double> usual;
-  for (size_t k = 0; k < shortest; ++k) {
+  for (size_t k = 0;; ++k) {
     std::vector<double> times;
-    for (const auto& picture : pictures) times.push_back(picture[k]);
+    for (const auto& picture : pictures) {
+      if (k < picture.size()) times.push_back(picture[k]);
+    }
+    if (times.empty()) return usual;
     usual.push_back(median(std::move(times)));
   }
-  return usual;
 }
 
 }  // namespace
@@ -177,7 +185,10 @@ std::vector<double> median_frames(const std::vector<std::vector<double>>& pictur
 std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::vector<float>& times_s, double budget_s,
                                          const std::stop_token& stop, const std::function<void(double)>& progress) {
   // The first frames of a process pay for memory that later ones find there.
-  for (const auto& session : sessions) session->render_frame();
+  for (const auto& session : sessions) {
+    if (stop.stop_requested()) return std::nullopt;
+    session->render_frame();
+  }
   for (const auto& session : sessions) {
     if (!times_s.empty()) session->session().set_time(times_s.front());
     session->restart(session->session().settings().seed);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/clock.h"
@@ -65,16 +66,20 @@ bool is_measured(uint32_t frames) {
 std::vector<double> cumulative_time(const std::vector<double>& frame_s) {
   constexpr size_t kReach = 4;
   constexpr double kOutlier = 1.5;
-  std::vector<double> sums;
-  double sum = 0;
-  for (size_t i = 0; i < frame_s.size(); ++i) {
+  std::vector<double> cleaned = frame_s;
+  size_t interrupted = 0;
+  for (size_t i = 1; i < frame_s.size(); ++i) {
     const size_t begin = i > kReach ? i - kReach : 0;
     const size_t end = std::min(i + kReach + 1, frame_s.size());
     const double usual = median(
         {frame_s.begin() + static_cast<std::ptrdiff_t>(begin), frame_s.begin() + static_cast<std::ptrdiff_t>(end)});
-    sum += i > 0 && frame_s[i] > kOutlier * usual ? usual : frame_s[i];
-    sums.push_back(sum);
+    if (frame_s[i] <= kOutlier * usual) continue;
+    cleaned[i] = usual;
+    ++interrupted;
   }
+  if (interrupted > std::max<size_t>(frame_s.size() / 16, 1)) cleaned = frame_s;
+  std::vector<double> sums(cleaned.size());
+  std::partial_sum(cleaned.begin(), cleaned.end(), sums.begin());
   return sums;
 }
 

@@ -46,8 +46,8 @@ class TimedSession {
 bool is_measured(uint32_t frames);
 
 /// Sums of the first 1, 2, … frames. Single frames that took much longer than their neighbours (another program had the
-/// processor) count as their neighbours do: a running median over nine frames. The first counts as it is: techniques
-/// prepare in it.
+/// processor) count as their neighbours do: a running median over nine frames. The first counts as it is, as techniques
+/// prepare in it; and all do if more than one in sixteen take long, which is a technique's own rhythm.
 std::vector<double> cumulative_time(const std::vector<double>& frame_s);
 
 struct EqualTime {

@@ -52,6 +52,13 @@ TEST(EqualTime, AFrameThatWasInterruptedDoesNotCount) {
   EXPECT_NEAR(cumulative_time(frames).back(), 0.2, 1e-9);
 }
 
+TEST(EqualTime, ARhythmIsNoInterruption) {
+  // A denoiser that filters every eighth frame.
+  std::vector<double> frames(64, 0.010);
+  for (size_t i = 7; i < frames.size(); i += 8) frames[i] = 0.050;
+  EXPECT_NEAR(cumulative_time(frames).back(), 56 * 0.010 + 8 * 0.050, 1e-9);
+}
+
 TEST(EqualTime, WhatIsPreparedInTheFirstFrameCounts) {
   std::vector<double> frames(20, 0.010);
   frames[0] = 0.5;

@@ -189,7 +189,7 @@ PictureSet pictures(const MovingErrors& scene) {
   std::vector<MeasuredImage> images;
   for (size_t i = 0; i <= std::size(kPapers); ++i) {
     const MovingError& e = scene.contenders[i];
-    images.push_back({e.name, static_cast<int>(i), &e.last, fmt::format("MSE {:.2e}", e.mse)});
+    images.push_back({e.name, static_cast<int>(i), &e.last, fmt::format("mean MSE {:.2e}", e.mse)});
   }
   return measured_set(scene.scene, scene.reference, images, {.values = false});
 }
@@ -217,15 +217,18 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
   std::vector<PictureSet> sets;
   for (const MovingErrors& scene : scenes) sets.push_back(pictures(scene));
   result.blocks.emplace_back(table(scenes));
-  result.blocks.emplace_back(ViewerBlock{"Pictures", "What is shown at the last view, while the camera turns.",
+  result.blocks.emplace_back(ViewerBlock{"Pictures",
+                                         "What is shown at the last view, while the camera turns; with the mean MSE "
+                                         "over both views and all repetitions.",
                                          picture_layer_kinds(), std::move(sets)});
   result.setup = {
       {"Camera",
        fmt::format(
            "turns by 10° from view to view; two views are measured, in each of {} repetitions ({} of presets and of "
            "what led in earlier runs)",
-           kRepetitions, kManyRepetitions)},
-      {"Time", "that of 12 frames of `interactive` between views; a slow technique has fewer frames"},
+           options.repetitions, context.choose(kManyRepetitions, 2))},
+      {"Time", fmt::format("that of {} frames of `interactive` between views; a slow technique has fewer frames",
+                           options.frames)},
       {"Bounces", "6; 2 in `warehouse` and `mine`"},
       {"Size", size_text(context)},
       {"Reference", fmt::format("{} samples a pixel by path tracing with the light tree; its own noise is known "

@@ -243,6 +243,14 @@ class Checkpoints(RefusalTest):
 
 
 class Commands(RefusalTest):
+    def test_compare_replaces_none_of_its_inputs(self):
+        scene = b'{"scene": "builtin:cornell"}'
+        (self.folder / "evening.json").write_bytes(scene)
+        (self.folder / "mine.json").write_bytes(b'{"lights": "uniform"}')
+        for arguments in (["evening.json", "-o", "evening.html"], ["cornell", "--techniques", "default,mine.json", "-o", "mine.html"]):
+            self.refuse(USAGE, "compare", *arguments, *SMALL, "--cache-dir", "cache", says=[".json", "would replace it; choose another name"])
+        self.assertEqual((self.folder / "evening.json").read_bytes(), scene)
+
     def test_compare(self):
         write_bare_exr(self.folder / "small.exr", 0.5)
         write_bare_exr(self.folder / "fits.exr", 0.5, 24, 18)

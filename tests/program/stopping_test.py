@@ -8,7 +8,7 @@ import signal
 import time
 import unittest
 
-from program import SMALL, ProgramTest, exr_strings, png_size, start
+from program import SMALL, ProgramTest, exr_strings, png_size, run, start
 
 ROOM = ["cornell", "--width", "96", "--height", "96"]
 LAYERS = ["--aov", "heatmap,variance"]
@@ -163,6 +163,15 @@ class Stopping(ProgramTest):
         self.succeed(*arguments, "-o", "whole.####.exr", timeout=240)
         for frame in range(6):
             self.assert_same_pixels(f"a.{frame:04}.exr", f"whole.{frame:04}.exr")
+
+    def test_a_checkpoint_of_another_range_leaves_nothing_out(self):
+        arguments = ["render", "turntable", *SMALL, "--spp", "1", "-o", "a.####.png", "--resume", "a.ckpt"]
+        self.succeed(*arguments, "--frames", "2-3")
+        done = run(*arguments, "--frames", "0-3", cwd=self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"a\.ckpt: the checkpoint is of frame 3, and frame 0 \(a\.0000\.png\) is missing; delete the checkpoint")
+        self.succeed(*arguments, "--frames", "2-4")
+        self.assertTrue((self.folder / "a.0004.png").exists())
 
     def test_pictures_of_a_scene_at_rest_are_rendered(self):
         for history in ("none", "accumulate", "reproject"):

@@ -50,7 +50,8 @@ std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGri
 
 }  // namespace
 
-LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options) {
+LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
+                                uint32_t seed) {
   LightListData data;
   const uint32_t lights = scene.lights.first_infinite;
   data.grid = make_grid(scene, options.cell_size);
@@ -70,7 +71,7 @@ LightListData build_light_lists(Backend& backend, const SceneView& scene, const 
   kernel.cells = view_of(cells);
   const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights;
   kernel.rays = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, UINT32_MAX));
-  kernel.seed = options.seed;
+  kernel.seed = seed;
   kernel.words = words;
   kernel.visible = mutable_view_of(visible);
   launch(backend, "static-lists.rays", kernel, static_cast<uint32_t>(cells.size()), 1);

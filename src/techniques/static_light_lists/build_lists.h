@@ -12,7 +12,6 @@ namespace relume {
 struct LightListOptions {
   float cell_size = 0;   ///< metres; 0: a 24th of the scene's longest side
   uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, and two at least, if that is more
-  uint32_t seed = 0;     ///< which rays
 
   bool operator==(const LightListOptions&) const = default;
 };
@@ -25,9 +24,10 @@ struct LightListData {
 };
 
 /// Traces shadow rays from every cell that holds a surface: from points of the cell and from the surfaces that
-/// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list. Throws Error if
-/// this took more than 4 GiB.
-LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options);
+/// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list. Another `seed` has
+/// other rays. Throws Error if this took more than 4 GiB.
+LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
+                                uint32_t seed = 0);
 
 /// Sets bit `light` of a cell's row if any ray from the cell reaches the light.
 struct CellVisibilityKernel {

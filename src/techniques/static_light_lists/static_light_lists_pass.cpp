@@ -28,11 +28,12 @@ bool is_consistent(const LightListData& data, uint32_t lights) {
 
 bool StaticLightListsPass::run(const FrameContext& frame) {
   const LightsView& lights = frame.scene.lights;
-  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays), frame.index.seed};
+  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};
   const bool listed = (built_ || restored_) && options == options_ && listed_ == lights.first_infinite;
   restored_ = false;
   if (!listed) {
-    lists_ = build_light_lists(frame.backend, frame.scene, options);
+    // The seed of a frame changes with whatever moves; the lists stay.
+    lists_ = build_light_lists(frame.backend, frame.scene, options, frame.index.seed);
     options_ = options;
     listed_ = lights.first_infinite;
     built_ = false;
@@ -64,7 +65,6 @@ void StaticLightListsPass::save(std::ostream& out) const {
   write_value(out, listed_);
   write_value(out, options_.cell_size);
   write_value(out, options_.rays);
-  write_value(out, options_.seed);
   write_value(out, lists_.grid.corner);
   write_value(out, lists_.grid.cell_size);
   write_value(out, lists_.grid.cells);
@@ -76,7 +76,6 @@ void StaticLightListsPass::load(std::istream& in) {
   read_value(in, listed_);
   read_value(in, options_.cell_size);
   read_value(in, options_.rays);
-  read_value(in, options_.seed);
   read_value(in, lists_.grid.corner);
   read_value(in, lists_.grid.cell_size);
   read_value(in, lists_.grid.cells);

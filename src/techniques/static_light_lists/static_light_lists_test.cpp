@@ -63,7 +63,7 @@ TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
   // With few rays a cell misses some lamps: which of them is chance, and must not be the same in every session.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   Backend backend(2);
-  const auto lists = [&](uint32_t seed) { return build_light_lists(backend, scene.view(), {4.6f, 128, seed}).ids; };
+  const auto lists = [&](uint32_t seed) { return build_light_lists(backend, scene.view(), {4.6f, 128}, seed).ids; };
   const std::vector<LightId> one = lists(1);
   const std::vector<LightId> two = lists(2);
   EXPECT_EQ(one, lists(1));
@@ -98,6 +98,27 @@ TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
   EXPECT_GT(lists.all.pmf(2), 0.0f);
 }
 
+TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
+  // The camera moves, and every frame has a seed of its own.
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const StaticLightListsSettings settings{.rays = 128};
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(2);
+  const auto lists_in_frame = [&](uint32_t seed) {
+    pass.run(FrameContext{scene.view(), buffers, backend, {.seed = seed}, 0, 0, Change::camera, {}});
+    const View<const LightId> ids = pass.selector().lists.ids;
+    return std::vector<LightId>(ids.data, ids.data + ids.size);
+  };
+  const std::vector<LightId> first = lists_in_frame(1);
+  EXPECT_EQ(first, lists_in_frame(2));
+  StaticLightListsPass another(settings, selection);
+  another.run(FrameContext{scene.view(), buffers, backend, {.seed = 2}, 0, 0, Change::camera, {}});
+  const View<const LightId> ids = another.selector().lists.ids;
+  EXPECT_NE(first, std::vector<LightId>(ids.data, ids.data + ids.size));
+}
+
 TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
   const StaticLightListsSettings settings;
   const LightSelectionSettings selection;
@@ -106,7 +127,6 @@ TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
     write_value(file, uint32_t{3});  // lights
     write_value(file, 0.0f);
     write_value(file, uint32_t{4096});
-    write_value(file, uint32_t{0});  // seed
     write_value(file, data.grid.corner);
     write_value(file, data.grid.cell_size);
     write_value(file, data.grid.cells);
