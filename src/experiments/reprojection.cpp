@@ -161,18 +161,19 @@ TableBlock overhead_table(const std::vector<Overhead>& list) {
       "scene",
       {{"start anew, ms"}, {"1 stored, ms"}, {"share"}, {"bytes"}, {"4 stored, ms"}, {"share"}, {"bytes"}},
       {}};
-  const auto share = [](double with, double without) {
-    return TableCell{fmt::format("{:.0f} %", 100 * (1 - without / with)), 1 - without / with};
+  const auto share = [](const Ratio& frame) {
+    const double value = 1 - 1 / frame.value;
+    return TableCell{fmt::format("{:.0f} %", 100 * value), value};
   };
   for (const Overhead& o : list) {
     block.rows.push_back({o.scene,
                           kNeutralColor,
                           {{fmt::format("{:.2f}", o.anew_ms), o.anew_ms},
                            {fmt::format("{:.2f}", o.one_ms), o.one_ms},
-                           share(o.one_ms, o.anew_ms),
+                           share(o.one),
                            {fmt::format("{:.0f}", o.one_bytes), o.one_bytes},
                            {fmt::format("{:.2f}", o.four_ms), o.four_ms},
-                           share(o.four_ms, o.anew_ms),
+                           share(o.four),
                            {fmt::format("{:.0f}", o.four_bytes), o.four_bytes}}});
   }
   return block;
