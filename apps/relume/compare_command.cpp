@@ -146,8 +146,7 @@ std::vector<float> frame_times(const CompareOptions& o, float scene_time_s) {
   if (o.frames.empty()) return {};
   const FrameRange range = parse_frame_range(o.frames, "--frames");
   std::vector<float> times;
-  for (int frame = range.first; frame <= range.last; ++frame)
-    times.push_back(scene_time_s + static_cast<float>(frame) / o.fps);
+  for (int frame = range.first; frame <= range.last; ++frame) times.push_back(frame_time_s(frame, o.fps, scene_time_s));
   return times;
 }
 

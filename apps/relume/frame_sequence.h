@@ -17,6 +17,9 @@ struct FrameRange {
 /// "0-99", "0..99" or a single "12". Throws UsageError that begins with `place`.
 FrameRange parse_frame_range(std::string_view text, std::string_view place);
 
+/// When a frame is shown, if frame 0 is at `scene_time_s`. Throws UsageError if that is later than animations go.
+float frame_time_s(int frame, float fps, float scene_time_s);
+
 /// The name of the file of each frame of a sequence.
 class FrameNames {
  public:

@@ -22,6 +22,14 @@ TEST(FrameRange, RefusesTheRest) {
   }
 }
 
+TEST(FrameRange, FramesHaveTimesThatAnimationsHave) {
+  EXPECT_EQ(frame_time_s(0, 24, 0.5f), 0.5f);
+  EXPECT_EQ(frame_time_s(12, 24, 0.5f), 1);
+  EXPECT_EQ(frame_time_s(1000000, 1, 0), 1e6f);
+  EXPECT_THROW(frame_time_s(1000001, 1, 0), UsageError);
+  EXPECT_THROW(frame_time_s(24, 24, 1e6f), UsageError);
+}
+
 TEST(FrameNames, InsertTheNumber) {
   EXPECT_EQ(FrameNames("out.exr")(7), "out.0007.exr");
   EXPECT_EQ(FrameNames("a.b/out.v2.exr")(12345), "a.b/out.v2.12345.exr");

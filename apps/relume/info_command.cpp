@@ -32,17 +32,22 @@ PictureReport report_picture(const std::string& file, const std::string& extensi
   const ExrFile exr = read_exr(file);
   PictureReport report{exr.width, exr.height, {}, {exr.attributes.begin(), exr.attributes.end()}};
   for (const ExrChannel& channel : exr.channels) {
-    const auto [low, high] = std::minmax_element(channel.values.begin(), channel.values.end());
-    report.channels.push_back({channel.name, *low, *high});
+    report.channels.push_back(report_channel(channel));
   }
   return report;
+}
+
+std::string to_text(const PictureReport::Channel& channel) {
+  std::string text = fmt::format("              {}", channel.name);
+  if (channel.min <= channel.max) text += fmt::format(" from {:.4g} to {:.4g}", channel.min, channel.max);
+  if (channel.nonfinite > 0) text += fmt::format(", {} not finite", format_count(channel.nonfinite));
+  return text + "\n";
 }
 
 std::string to_text(const PictureReport& report) {
   std::string text = fmt::format("size          {} x {}\n", report.width, report.height);
   if (!report.channels.empty()) text += fmt::format("channels      {}\n", report.channels.size());
-  for (const PictureReport::Channel& channel : report.channels)
-    text += fmt::format("              {} from {:.4g} to {:.4g}\n", channel.name, channel.min, channel.max);
+  for (const PictureReport::Channel& channel : report.channels) text += to_text(channel);
   for (const auto& [name, value] : report.attributes) text += fmt::format("{}: {}\n", name, value);
   return text;
 }

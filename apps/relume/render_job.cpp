@@ -65,7 +65,7 @@ Plan make_plan(const RenderOptions& options) {
   settings.auxiliary = true;
   plan.aovs = parse_aovs(options.aov, Session::aov_names(settings));
   if (is_video_file(options.output) && !options.frames.empty()) {
-    check_video_file(options.output);
+    check_video_file(options.output, plan.aovs);
   } else {
     check_picture_file(options.output, plan.aovs);
   }
@@ -121,7 +121,7 @@ class RenderJob {
     StopReason reason = StopReason::samples;
     for (size_t i = first_picture_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
       if (i > first_picture_) {
-        session_->set_time(frame_time_s(i));
+        session_->set_time(time_of(i));
         session_->begin_picture();  // even if nothing has moved
       }
       reason = render_picture(i, interrupts.token());
@@ -142,12 +142,13 @@ class RenderJob {
   StopReason render_picture(size_t index, std::stop_token stop);
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
   void save_checkpoint();
+  void try_checkpoint();
   void write(size_t index, StopReason reason);
   void report(StopReason reason) const;
 
-  float frame_time_s(size_t index) const {
+  float time_of(size_t index) const {
     if (options_.frames.empty()) return scene_time_s_;
-    return scene_time_s_ + static_cast<float>(plan_.frames.first + static_cast<int>(index)) / options_.fps;
+    return frame_time_s(plan_.frames.first + static_cast<int>(index), options_.fps, scene_time_s_);
   }
 
   const RenderOptions& options_;
@@ -185,7 +186,8 @@ void RenderJob::load() {
   tell_more(verbosity_, fmt::format("loaded {} in {:.2f} s", options_.scene, load_s_));
 
   scene_time_s_ = settings_.render.time_s;
-  settings_.render.time_s = frame_time_s(0);
+  settings_.render.time_s = time_of(0);
+  time_of(plan_.files.size() - 1);  // refused before anything is rendered
   settings_.render.auxiliary = !plan_.aovs.empty();
   session_.emplace(std::move(scene), settings_.render);
   for (const std::string& note : session_->notes()) tell(verbosity_, note);
@@ -209,7 +211,7 @@ void RenderJob::resume() {
 
 size_t RenderJob::picture_of_checkpoint() const {
   for (size_t i = 0; i < plan_.files.size(); ++i) {
-    if (frame_time_s(i) == session_->settings().time_s) return i;
+    if (time_of(i) == session_->settings().time_s) return i;
   }
   throw Error(
       fmt::format("{}: the checkpoint was made at time {} s, which is not asked for; use the same frames or "
@@ -242,9 +244,9 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const auto done = [&](const Accumulation& state) { frame_done(index, state, criteria, printer); };
   const StopReason reason = render_until(source, criteria, now_s, stop, done);
   printer.clear();
-  save_checkpoint();
   display_.show(*session_);
-  write(index, reason);
+  write(index, reason);  // before the checkpoint: a disk that is full for that need not be full for the picture
+  save_checkpoint();
   return reason;
 }
 
@@ -261,7 +263,7 @@ void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCr
           .remaining_s = remaining_s(state, criteria),
       },
       now_s());
-  if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) save_checkpoint();
+  if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) try_checkpoint();
   if (display_.due()) display_.show(*session_);
 }
 
@@ -269,6 +271,16 @@ void RenderJob::save_checkpoint() {
   if (options_.checkpoint.empty()) return;
   session_->save_checkpoint(options_.checkpoint);
   last_checkpoint_s_ = now_s();
+}
+
+/// While a picture is made: that its disk is full is no reason to give the picture up.
+void RenderJob::try_checkpoint() {
+  try {
+    save_checkpoint();
+  } catch (const Error& error) {
+    warn(error.what());
+    last_checkpoint_s_ = now_s();
+  }
 }
 
 void RenderJob::write(size_t index, StopReason reason) {

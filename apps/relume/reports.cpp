@@ -1,6 +1,8 @@
 #include "reports.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -66,10 +68,21 @@ std::string to_json(const Metrics& m, bool with_hdr_flip) {
   return text_of(json);
 }
 
+PictureReport::Channel report_channel(const ExrChannel& channel) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  PictureReport::Channel report{channel.name, kInfinity, -kInfinity};
+  for (const float value : channel.values) {
+    report.min = std::isfinite(value) ? std::min(report.min, value) : report.min;
+    report.max = std::isfinite(value) ? std::max(report.max, value) : report.max;
+    report.nonfinite += std::isfinite(value) ? 0 : 1;
+  }
+  return report;
+}
+
 std::string to_json(const PictureReport& report) {
   Json channels = Json::array();
   for (const PictureReport::Channel& c : report.channels) {
-    channels.push_back({{"name", c.name}, {"min", c.min}, {"max", c.max}});
+    channels.push_back({{"name", c.name}, {"min", c.min}, {"max", c.max}, {"nonfinite", c.nonfinite}});
   }
   Json attributes = Json::object();
   for (const auto& [name, value] : report.attributes) attributes[name] = value;

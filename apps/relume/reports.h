@@ -1,10 +1,13 @@
 // What `render --stats`, `metrics --json` and `info --json` write, as JSON. Numbers that are not finite become null.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "io/image.h"
 
 namespace relume {
 struct Metrics;
@@ -46,12 +49,15 @@ struct PictureReport {
     std::string name;
     float min = 0;
     float max = 0;
+    size_t nonfinite = 0;  ///< values that neither counts; min > max if there are no others
   };
   int width = 0;
   int height = 0;
   std::vector<Channel> channels;                                ///< of an EXR
   std::vector<std::pair<std::string, std::string>> attributes;  ///< of an EXR: name and text
 };
+
+PictureReport::Channel report_channel(const ExrChannel& channel);
 
 /// A mean number of samples a pixel: "64", or "12.25" where it is not whole.
 std::string format_samples(double samples);

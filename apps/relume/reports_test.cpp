@@ -64,6 +64,17 @@ TEST(Reports, PicturesTellTheirChannelsAndAttributes) {
   expect_in("\"relume.seed\": \"7\"", text);
 }
 
+TEST(Reports, ExtremesLeaveOutWhatIsNoNumber) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const PictureReport::Channel channel = report_channel({"R", {kNan, 100, kNan, 1, 2}});
+  EXPECT_EQ(channel.min, 1);
+  EXPECT_EQ(channel.max, 100);
+  EXPECT_EQ(channel.nonfinite, 2u);
+  const PictureReport::Channel lost = report_channel({"R", {kNan}});
+  EXPECT_GT(lost.min, lost.max);
+  expect_in("\"max\": null", to_json(PictureReport{1, 1, {lost}, {}}));
+}
+
 TEST(Reports, ScenesThatPlaceNothingHaveNoBounds) {
   SceneSummary summary;
   summary.warnings = {"a texture is missing"};

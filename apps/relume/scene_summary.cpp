@@ -33,14 +33,13 @@ void add_placed(const Scene& scene, SceneSummary& summary) {
   const std::vector<Box> boxes = mesh_boxes(scene);
   const std::vector<Mat4> world = world_matrices(scene, 0);
   Box bounds;
+  summary.instanced_triangles = placed_triangles(scene);
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     const std::vector<Mat4> once = {Mat4(1)};
     const std::vector<Mat4>& instances = node.instances.empty() ? once : node.instances;
     for (const Index index : node.meshes) {
-      const Mesh& mesh = scene.meshes[static_cast<size_t>(index)];
       summary.mesh_instances += instances.size();
-      summary.instanced_triangles += instances.size() * mesh.triangles.size();
       for (const Mat4& instance : instances)
         bounds.add(transformed(boxes[static_cast<size_t>(index)], world[i] * instance));
     }

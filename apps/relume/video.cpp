@@ -12,7 +12,8 @@ bool is_video_file(const std::filesystem::path& file) {
   return file.extension() == ".mp4" || file.extension() == ".y4m";
 }
 
-void check_video_file(const std::filesystem::path& file) {
+void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
+  if (!aovs.empty()) throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
   if (!program_exists("ffmpeg")) {
     throw UsageError(fmt::format(
         "{}: videos are encoded by ffmpeg, which is not there; install it (apt install ffmpeg), or write pictures: "
@@ -26,8 +27,10 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, floa
     : file_(std::move(file)), pending_(file_), bytes_(static_cast<size_t>(width) * static_cast<size_t>(height) * 3) {
   std::vector<std::string> command{"ffmpeg", "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   command.insert(command.end(), {"-s", fmt::format("{}x{}", width, height), "-r", fmt::format("{}", fps), "-i", "-"});
-  // 4:2:0 needs even sizes: the last row or column is repeated.
-  command.insert(command.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"});
+  // 4:2:0 needs even sizes: the last row or column is repeated. Players take BT.709 for granted in high definition.
+  command.insert(command.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"});
+  command.insert(command.end(), {"-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709"});
+  command.insert(command.end(), {"-color_trc", "iec61966-2-1", "-color_range", "tv"});
   if (file_.extension() == ".mp4") command.insert(command.end(), {"-crf", "17", "-movflags", "+faststart"});
   command.push_back(std::filesystem::absolute(pending_.path()).string());
   encoder_ = std::make_unique<ChildPipe>(command);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "child_pipe.h"
@@ -14,8 +15,8 @@ namespace relume::cli {
 /// Whether the extension names a video: .mp4 or .y4m.
 bool is_video_file(const std::filesystem::path& file);
 
-/// Throws UsageError if ffmpeg is missing or the folder cannot be written to.
-void check_video_file(const std::filesystem::path& file);
+/// Throws UsageError if ffmpeg is missing, the folder cannot be written to or `aovs` are asked for.
+void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 
 class VideoWriter {
  public:

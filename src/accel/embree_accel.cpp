@@ -14,19 +14,22 @@
 namespace relume {
 namespace {
 
+/// The node that holds all that stands still, where that has a scene of its own.
+constexpr uint32_t kStillNode = 0;
+
+/// Instance i has this number, as a node or, in world space, as a geometry: both kinds may lie in one scene.
+uint32_t id_of(uint32_t instance) { return instance + 1; }
+
+/// The instance that was hit.
+uint32_t instance_of(uint32_t geometry, uint32_t node) {
+  return (node == RTC_INVALID_GEOMETRY_ID || node == kStillNode ? geometry : node) - id_of(0);
+}
+
 /// What a filter callback knows about its geometry.
 struct GeometryContext {
   const CoverageFunction* coverage = nullptr;
-  uint32_t instance = 0;  ///< used where the geometry is not below an instance node
+  uint32_t id = 0;  ///< used where the geometry is not below an instance node
 };
-
-/// Identifies, among the instance nodes at the top, the one that holds all that stands still; instance i is node i + 1.
-constexpr uint32_t kStillNode = 0;
-
-/// The instance that was hit; geometries in world space have its number themselves.
-uint32_t instance_of(uint32_t geometry, uint32_t node) {
-  return node == RTC_INVALID_GEOMETRY_ID || node == kStillNode ? geometry : node - 1;
-}
 
 /// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive
 /// does no harm.
@@ -34,7 +37,7 @@ void coverage_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
-    const uint32_t instance = instance_of(geometry.instance, RTCHitN_instID(args->hit, args->N, i, 0));
+    const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
     const float u = RTCHitN_u(args->hit, args->N, i);
     const float v = RTCHitN_v(args->hit, args->N, i);
@@ -187,7 +190,7 @@ struct EmbreeAccel::State {
     RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
     place(node, instance.to_world);
-    rtcAttachGeometryByID(scene, node, index + 1);
+    rtcAttachGeometryByID(scene, node, id_of(index));
     rtcReleaseGeometry(node);
     instance_nodes.emplace_back(index, node);
   }
@@ -218,10 +221,10 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     const AccelInstance& instance = instances[i];
     const AccelMesh& mesh = meshes[instance.mesh];
     if (mesh.triangle_count == 0) continue;
-    s.contexts[i] = {&s.coverage, i};
+    s.contexts[i] = {&s.coverage, id_of(i)};
     if (instance.in_world_space) {
       RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
-      rtcAttachGeometryByID(s.still, geometry, i);
+      rtcAttachGeometryByID(s.still, geometry, id_of(i));
       rtcReleaseGeometry(geometry);
       continue;
     }
@@ -249,7 +252,7 @@ void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstanc
     if (instances[i].mesh != mesh || !s.contexts[i].coverage) continue;  // without triangles there is no geometry
     const bool in_world_space = instances[i].in_world_space;
     const RTCScene owner = in_world_space ? s.still : s.mesh_scenes[mesh];
-    const RTCGeometry geometry = rtcGetGeometry(owner, in_world_space ? i : 0);
+    const RTCGeometry geometry = rtcGetGeometry(owner, in_world_space ? id_of(i) : 0);
     set_filter(geometry, &s.contexts[i], needs_coverage);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);

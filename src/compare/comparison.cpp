@@ -9,6 +9,7 @@
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
+#include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
 namespace relume {
@@ -44,6 +45,8 @@ class Comparing {
             const ComparisonProgress& progress)
       : scene_(scene), stop_(stop), progress_(progress) {
     result_.options = options;
+    result_.scene_hash = scene_hash(scene);
+    result_.triangles = placed_triangles(scene);
   }
 
   std::optional<Comparison> run() {
@@ -136,11 +139,7 @@ bool Comparing::measure_contenders() {
   Sessions sessions;
   for (const Settings& settings : settings_)
     sessions.push_back(std::make_unique<TimedSession>(scene_, settings.render, o.clock));
-  if (!sessions.empty()) {
-    result_.scene_hash = sessions.front()->session().scene_hash();
-    result_.triangles = sessions.front()->session().scene().triangle_count();
-    result_.threads = sessions.front()->session().statistics().threads;
-  }
+  if (!sessions.empty()) result_.threads = sessions.front()->session().statistics().threads;
   FramePlan plan{.frames = {}, .samples = static_cast<double>(o.spp)};
   if (o.budget_s > 0 && !sessions.empty()) {
     const std::optional<EqualTime> equal = plan_equal_time(sessions, o.times_s, o.budget_s, stop_, stage("timing"));

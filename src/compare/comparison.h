@@ -94,7 +94,7 @@ struct Comparison {
   uint64_t reference_nonfinite = 0;  ///< pixels of it that are not finite; in all frames of an animation
   uint64_t scene_hash = 0;
   size_t triangles = 0;
-  int threads = 0;
+  int threads = 0;           ///< 0: nothing was rendered, only pictures compared
   double budget_spread = 0;  ///< expected, of the times that whole frames add up to
   std::vector<ContenderResult> contenders;
   std::vector<std::string> notes;  ///< limits_of() it

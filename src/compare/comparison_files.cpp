@@ -103,20 +103,23 @@ std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g
 }  // namespace
 
 std::string to_json(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
+  const bool rendered = c.threads > 0;
   Settings reference_settings = c.reference_settings;
   Json json = {{"scene", c.options.scene_name},
                {"scene_hash", fmt::format("{:016x}", c.scene_hash)},
                {"triangles", c.triangles},
                {"width", c.reference.image.width},
                {"height", c.reference.image.height},
-               {"mode", c.options.budget_s > 0 ? "equal-time" : "equal-samples"},
-               {"spp", c.options.budget_s > 0 ? Json() : Json(c.options.spp)},
+               {"mode", !rendered                ? "pictures"
+                        : c.options.budget_s > 0 ? "equal-time"
+                                                 : "equal-samples"},
+               {"spp", !rendered || c.options.budget_s > 0 ? Json() : Json(c.options.spp)},
                {"budget_s", c.options.budget_s > 0 ? Json(c.options.budget_s) : Json()},
                {"animation_times_s", c.options.times_s},
-               {"repetitions", c.options.repetitions}};
+               {"repetitions", rendered ? Json(c.options.repetitions) : Json()}};
   json["machine"] = Json::object();
   for (const auto& [name, value] : machine) json["machine"][name] = value;
-  json["machine"]["threads"] = c.threads;
+  if (rendered) json["machine"]["threads"] = c.threads;
   const bool known = c.reference.spp > 0;
   const bool moves = is_animation(c.options);
   json["reference"] = {{"samples_per_pixel", known ? Json(c.reference.spp) : Json()},

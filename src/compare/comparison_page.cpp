@@ -73,6 +73,7 @@ std::string settings_text(const SettingTexts& settings) {
 }
 
 std::string budget_text(const Comparison& c) {
+  if (c.threads == 0) return "pictures from files";
   const bool animation = is_animation(c.options);
   if (c.options.budget_s > 0) {
     const double ms = 1000 * c.options.budget_s;
@@ -139,13 +140,14 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
   DetailsBlock block{.title = "How it was made", .text = {}, .pairs = machine, .parts = {}};
   const Reference& r = c.reference;
   const std::string common = settings_text(c.options.common.flags);
-  block.pairs.emplace_back("Threads", std::to_string(c.threads));
+  const bool rendered = c.threads > 0;
+  if (rendered) block.pairs.emplace_back("Threads", std::to_string(c.threads));
   block.pairs.emplace_back(
       "Scene", fmt::format("{}, {} triangles, hash {:016x}", c.options.scene_name, c.triangles, c.scene_hash));
-  block.pairs.emplace_back(
-      "Comparison",
-      fmt::format("{}; median of {} repetitions with seeds of their own; the contenders take turns frame by frame",
-                  budget_text(c), c.options.repetitions));
+  const std::string turns =
+      fmt::format("; median of {} repetitions with seeds of their own; the contenders take turns frame by frame",
+                  c.options.repetitions);
+  block.pairs.emplace_back("Comparison", budget_text(c) + (rendered ? turns : ""));
   block.pairs.emplace_back("Reference", reference_text(c));
   block.pairs.emplace_back("Common settings", common.empty() ? "the defaults" : common);
   if (!c.reference_left_out.empty() && r.spp > 0)
@@ -163,7 +165,11 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
 
 }  // namespace
 
-std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
+std::string short_number(double x) {
+  if (!std::isfinite(x)) return "–";
+  const bool all_digits = std::abs(x) >= 999.5 && std::abs(x) < 1e6;
+  return all_digits ? fmt::format("{:.0f}", x) : fmt::format("{:.3g}", x);
+}
 
 ChartBlock comparison_curves(const Comparison& c) {
   const auto mse = [](const ErrorPoint& p) { return p.mse; };

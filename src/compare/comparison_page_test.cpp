@@ -1,5 +1,7 @@
 #include "compare/comparison_page.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace relume {
@@ -28,6 +30,7 @@ Comparison compared(std::vector<ContenderResult> contenders) {
   c.options.repetitions = static_cast<int>(contenders.front().repetitions.size());
   c.reference.image = grey(0.5f);
   c.reference.spp = 64;
+  c.threads = 1;
   c.contenders = std::move(contenders);
   return c;
 }
@@ -48,6 +51,15 @@ TEST(ComparisonPage, BiasIsNearZeroOnlyWithinItsNoise) {
   EXPECT_EQ(bias_cell(ErrorSplit{.bias2 = 0.5}).text, "0.5");
   EXPECT_EQ(bias_cell(ErrorSplit{.bias2 = 0.5}).note, "± not known");
   EXPECT_EQ(bias_cell(std::nullopt).note, "not known");
+}
+
+TEST(ComparisonPage, NumbersKeepTheDigitsThatCount) {
+  EXPECT_EQ(short_number(1024), "1024");
+  EXPECT_EQ(short_number(999.6), "1000");
+  EXPECT_EQ(short_number(1234.5), "1234");
+  EXPECT_EQ(short_number(0.0012345), "0.00123");
+  EXPECT_EQ(short_number(3.2e9), "3.2e+09");
+  EXPECT_EQ(short_number(NAN), "–");
 }
 
 TEST(ComparisonPage, TheSplitOfAnAnimationIsOfItsLastFrame) {

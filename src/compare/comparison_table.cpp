@@ -141,6 +141,7 @@ TableRow reference_row(const Comparison& c, size_t columns) {
 
 /// What stands above the table.
 std::string explanation(const Comparison& c) {
+  if (c.threads == 0) return "Figures of the pictures as they are. The best value of a column is marked.";
   const int repetitions = c.options.repetitions;
   std::string text = fmt::format("Medians of {} repetitions{}; ", repetitions,
                                  is_animation(c.options) ? " and means over the frames" : "");

@@ -28,10 +28,10 @@ class Turns {
 
   /// Calls `rendered(contender)` after each frame. False if `stop` was requested.
   bool run(const std::stop_token& stop, const std::function<void(size_t)>& rendered) {
-    const uint32_t rounds = plan_.frames.empty()
-                                ? kMostFramesPerSample * static_cast<uint32_t>(std::ceil(plan_.samples))
+    const uint64_t rounds = plan_.frames.empty()
+                                ? kMostFramesPerSample * static_cast<uint64_t>(std::ceil(plan_.samples))
                                 : *std::max_element(plan_.frames.begin(), plan_.frames.end());
-    for (uint32_t round = 0; round < rounds; ++round) {
+    for (uint64_t round = 0; round < rounds; ++round) {
       bool any = false;
       for (size_t i = 0; i < sessions_.size(); ++i) {
         if (!is_due(i, round, rounds)) continue;
@@ -46,7 +46,7 @@ class Turns {
   }
 
  private:
-  bool is_due(size_t i, uint32_t round, uint32_t rounds) const {
+  bool is_due(size_t i, uint64_t round, uint64_t rounds) const {
     if (plan_.frames.empty()) return sessions_[i]->samples_per_pixel() - first_sample_[i] < plan_.samples - 1e-9;
     const uint64_t wanted = plan_.frames[i];
     return (round + 1) * wanted / rounds > round * wanted / rounds;

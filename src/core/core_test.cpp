@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/euler.h"
 #include "core/fixed_point.h"
 #include "core/fnv1a.h"
 #include "core/frame.h"
@@ -193,6 +194,25 @@ TEST(Fnv1a, IsTheStandardsOfBytesInAnyPieces) {
   EXPECT_EQ(hash_of("foobar", ""), 0x85944171f73967e8u);
   EXPECT_EQ(hash_of("foo", "bar"), 0x85944171f73967e8u);
   EXPECT_NE(Fnv1a(1).value(), Fnv1a(0).value());
+}
+
+TEST(Euler, AnglesTakeTheRotationBack) {
+  constexpr float kUlp = 6e-8f;
+  for (const float x : {0.0f, 30.0f, -75.0f, 179.0f}) {
+    for (const float y : {0.0f, 45.0f, 90.0f, -90.0f, 89.99f}) {
+      for (const float z : {0.0f, 20.0f, -160.0f}) {
+        const glm::quat exact(glm::radians(Vec3(x, y, z)));
+        for (const float noise : {0.0f, kUlp, -kUlp}) {
+          glm::quat q = exact;
+          q.y += noise;
+          q.z -= noise;
+          const glm::quat back(glm::radians(euler_degrees(q)));
+          for (const Vec3& v : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+            EXPECT_LT(glm::distance(back * v, q * v), 1e-5f) << x << ' ' << y << ' ' << z << ' ' << noise;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

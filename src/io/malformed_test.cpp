@@ -89,12 +89,13 @@ TEST(Malformed, TruncatedFiles) {
   constexpr size_t kCuts = 20;
   for (const ExampleFile& file : example_files()) {
     int refused = 0;
-    for (size_t i = 0; i < kCuts; ++i) {
+    for (size_t i = 1; i < kCuts; ++i) {
       Bytes cut = file.bytes;
       cut.resize(cut.size() * i / kCuts);
       refused += is_refused(file.name, cut, "cut " + std::to_string(i));
     }
-    EXPECT_GE(refused, 1) << file.name;  // at least the empty file
+    EXPECT_GE(refused, 1) << file.name;
+    EXPECT_TRUE(is_refused(file.name, {}, "the empty file"));
   }
 }
 

@@ -1,6 +1,5 @@
 #include "io/stb_decode.h"
 
-#include <algorithm>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -9,18 +8,11 @@
 #include <stb_image.h>
 
 #include "core/error.h"
+#include "io/image_complete.h"
 #include "io/image_limits.h"
 
 namespace relume::detail {
 namespace {
-
-bool starts_with(std::span<const std::byte> bytes, std::string_view magic, size_t offset = 0) {
-  if (bytes.size() < offset + magic.size()) return false;
-  for (size_t i = 0; i < magic.size(); ++i) {
-    if (static_cast<char>(bytes[offset + i]) != magic[i]) return false;
-  }
-  return true;
-}
 
 /// TGA has no magic number: colour map type, image type and pixel depth must make sense.
 bool looks_like_tga(std::span<const std::byte> bytes) {
@@ -58,39 +50,10 @@ std::vector<T> copy_rgba(const StbPixels<T>& pixels, int width, int height) {
                           reason != nullptr ? reason : "unknown reason"));
 }
 
-/// Whether every chunk of a PNG ends within the file. stb_image would first allocate what a damaged length asks for.
-bool png_chunks_fit(std::span<const std::byte> bytes) {
-  constexpr size_t kSignature = 8;
-  constexpr size_t kChunkHead = 8;  // length (big-endian) and type
-  constexpr size_t kChecksum = 4;
-  size_t offset = kSignature;
-  while (offset + kChunkHead <= bytes.size()) {
-    uint32_t length = 0;
-    for (size_t i = 0; i < 4; ++i) length = (length << 8) | std::to_integer<uint32_t>(bytes[offset + i]);
-    if (starts_with(bytes, "IEND", offset + 4)) return true;
-    if (length > bytes.size() - offset - kChunkHead) return false;
-    offset += kChunkHead + length + kChecksum;
-  }
-  return false;
-}
-
-/// stb_image fills what is missing at the end of a JPEG with grey and of a TGA with whatever is in memory.
 void check_complete(std::span<const std::byte> bytes, ImageFormat format, uint64_t pixel_count,
                     const std::string& name) {
-  bool complete = true;
-  if (format == ImageFormat::png) {
-    complete = png_chunks_fit(bytes);
-  } else if (format == ImageFormat::jpeg) {
-    constexpr std::byte kEndOfImage[] = {std::byte{0xff}, std::byte{0xd9}};
-    complete = std::find_end(bytes.begin(), bytes.end(), std::begin(kEndOfImage), std::end(kEndOfImage)) != bytes.end();
-  } else if (format == ImageFormat::tga) {
-    const auto at = [&](size_t i) { return std::to_integer<uint64_t>(bytes[i]); };
-    const uint64_t map_bytes = at(1) != 0 ? (at(5) | at(6) << 8) * ((at(7) + 7) / 8) : 0;
-    const bool run_length_encoded = (at(2) & 8) != 0;
-    const uint64_t pixel_bytes = run_length_encoded ? 0 : pixel_count * ((at(16) + 7) / 8);
-    complete = bytes.size() >= 18 + at(0) + map_bytes + pixel_bytes;
-  }
-  if (!complete) throw Error(fmt::format("{}: the image is cut off; export or copy it again", name));
+  if (!is_complete(bytes, format, pixel_count))
+    throw Error(fmt::format("{}: the image is cut off; export or copy it again", name));
 }
 
 }  // namespace

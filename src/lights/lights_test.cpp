@@ -213,6 +213,23 @@ TEST(Lights, PowerIsWhatIsEmitted) {
   });
 }
 
+TEST(Lights, NarrowSpotsAreAsBrightAsStated) {
+  for (const Vec2& cones : {Vec2(0, 0.002f), Vec2(0, 0.009f), Vec2(0.01f, 0.01f), Vec2(0.005f, 0.02f)}) {
+    const SpotLight spot{.position = Vec3(0),
+                         .axis = Vec3(0, 0, 1),
+                         .intensity = Rgb(1),
+                         .cos_inner = std::cos(cones.x),
+                         .cos_outer = std::cos(cones.y)};
+    EXPECT_FLOAT_EQ(sample_li(spot, Vec3(0, 0, 2)).radiance.r, 0.25f) << cones.y;
+    Random random(67);
+    constexpr int kSamples = 20000;
+    double sum = 0;
+    for (int i = 0; i < kSamples; ++i) sum += static_cast<double>(emitted(sample_le(spot, random.next_2d())).r);
+    // Of the narrowest only thirty cosines are different floats.
+    EXPECT_NEAR(sum / kSamples, power(spot).r, 0.05 * static_cast<double>(power(spot).r)) << cones.y;
+  }
+}
+
 TEST(Lights, EmissionAgreesWithItsDensities) {
   for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
     Random random(65);

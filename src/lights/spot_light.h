@@ -15,7 +15,8 @@ struct SpotLight {
 
 /// Angular attenuation of KHR_lights_punctual: the square of a linear ramp in cos θ.
 RELUME_HD inline float spot_falloff(const SpotLight& light, float cos_theta) {
-  const float ramp = saturate((cos_theta - light.cos_outer) / relume::max(light.cos_inner - light.cos_outer, 1e-4f));
+  constexpr float kLeast = 1e-7f;  // of two cosines that differ at all
+  const float ramp = saturate((cos_theta - light.cos_outer) / relume::max(light.cos_inner - light.cos_outer, kLeast));
   return ramp * ramp;
 }
 

@@ -112,8 +112,8 @@ RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
     case LobeKind::mirror: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric: {
-      const float fresnel = fresnel_dielectric(cos_theta, lobe.eta);
-      return (Rgb(fresnel) + lobe.color * (1.0f - fresnel)) * lobe.weight;
+      const Rgb reflected = dielectric::reflectance(lobe, cos_theta);
+      return (reflected + lobe.color * (Rgb(1) - reflected)) * lobe.weight;
     }
     case LobeKind::thin_transmission:
     case LobeKind::pass_through:

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "materials/testing/bsdf_charts.h"
@@ -105,6 +106,77 @@ TEST(BsdfEnergy, SmoothMetalAndGlassLoseNothing) {
     const BsdfCase wall = testing::full_material(white("thin wall", 0, 1, false), 0, MicrofacetModel::ggx);
     const Mean m = albedo_by_sampling(wall, cos_o, 100000);
     EXPECT_NEAR(m.value, 1.0, 1e-4 + 5 * m.error) << cos_o;
+  }
+}
+
+/// Mean weight of samples of delta lobes, by the side that they go to.
+struct Shares {
+  Rgb reflected{0};
+  Rgb transmitted{0};
+};
+
+Shares shares_by_sampling(const Bsdf& bsdf, const Vec3& wo, int samples) {
+  Random random(43);
+  Shares sum;
+  for (int i = 0; i < samples; ++i) {
+    const float u_lobe = random.next();
+    const BsdfSample s = sample(bsdf, wo, u_lobe, random.next_2d(), TransportMode::importance);
+    EXPECT_TRUE(s.valid && s.delta);
+    (s.transmitted() ? sum.transmitted : sum.reflected) += s.weight / static_cast<float>(samples);
+  }
+  return sum;
+}
+
+TEST(BsdfEnergy, SmoothInterfacesShareLightAsFresnelSays) {
+  const Rgb gold(1.0f, 0.77f, 0.34f);
+  MaterialCase metal = white("metal", 1, 0, false);
+  metal.sample.base_color = gold;
+  MaterialCase gilded = white("gilded glass", 0, 1, true);  // F0 of 0.4, 0.3, 0.14 for the half that specular leaves
+  gilded.sample.specular = 0.5f;
+  gilded.sample.specular_color = Rgb(20, 15, 7);
+  MaterialCase dull = white("glass without reflections", 0, 1, true);
+  dull.sample.specular = 0;
+  for (const float cos_o : {1.0f, 0.6f, 0.2f}) {
+    const float exact = fresnel_dielectric(cos_o, 1.5f);
+    const float wall = 0.04f + 0.96f * pow5(1 - cos_o);
+    const Rgb f0 = 0.04f * 0.5f * Rgb(20, 15, 7);
+    const std::pair<MaterialCase, Rgb> expected[] = {{metal, gold + (Rgb(1) - gold) * pow5(1 - cos_o)},
+                                                     {white("glass", 0, 1, true), Rgb(exact)},
+                                                     {white("thin wall", 0, 1, false), Rgb(wall)},
+                                                     {gilded, f0 + (Rgb(0.5f) - f0) * ((exact - 0.04f) / 0.96f)},
+                                                     {dull, Rgb(0)}};
+    for (const auto& [material, reflected] : expected) {
+      const Bsdf bsdf = testing::full_material(material, 0, MicrofacetModel::ggx).make(cos_o, true);
+      const Shares shares = shares_by_sampling(bsdf, testing::viewer(cos_o), 100000);
+      const Rgb transmitted = material.sample.transmission > 0 ? Rgb(1) - reflected : Rgb(0);
+      EXPECT_LT(max_component(abs(shares.reflected - reflected)), 0.01f) << material.name << ", cos " << cos_o;
+      EXPECT_LT(max_component(abs(shares.transmitted - transmitted)), 0.01f) << material.name << ", cos " << cos_o;
+    }
+  }
+}
+
+TEST(BsdfEnergy, BodiesThatDoNotRefractLetLightPass) {
+  for (const float r : {0.0f, 0.3f, 1.0f}) {
+    MaterialCase air = white("air", 0, 1, true);
+    air.ior = 1;
+    air.sample.base_color = Rgb(0.2f, 0.4f, 0.9f);
+    const Vec3 wo = testing::viewer(0.4f);
+    const Bsdf bsdf = testing::full_material(air, r, MicrofacetModel::ggx).make(wo.z, true);
+    const BsdfSample s = sample(bsdf, wo, 0.5f, {0.3f, 0.7f});
+    ASSERT_TRUE(s.valid) << r;
+    EXPECT_LT(glm::length(s.wi + wo), 1e-5f) << r;
+    EXPECT_LT(max_component(abs(s.weight - air.sample.base_color)), 1e-5f) << r;
+  }
+}
+
+TEST(BsdfEnergy, NothingShowsBelowAPerfectMirror) {
+  MaterialCase mirror = white("mirror over a diffuse base", 0, 0, false);
+  mirror.sample.specular_color = Rgb(25);
+  for (const float r : {0.01f, 0.2f}) {
+    const Bsdf bsdf = testing::full_material(mirror, r, MicrofacetModel::ggx).make(0.6f, true);
+    const BsdfEval e = eval_pdf(bsdf, testing::viewer(0.6f), testing::viewer(0.3f));
+    EXPECT_TRUE(is_finite(e.f)) << r;
+    EXPECT_LT(max_component(e.f), r < 0.1f ? 1e-5f : 1.0f) << r;
   }
 }
 

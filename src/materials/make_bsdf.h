@@ -48,16 +48,16 @@ RELUME_HD inline void add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, 
   lobe.f90 = f90;
 }
 
+/// Whether refraction bends light visibly. Where it does not, microfacets do nothing, and half vectors are rounding.
+RELUME_HD inline bool bends(const MaterialData& material) { return std::fabs(material.ior - 1.0f) > 1e-3f; }
+
 RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const Rgb& f0,
                                        const Rgb& f90, float weight, bool front_face, const Microfacet& microfacet) {
-  if (material.volume) {
-    Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric, microfacet);
-    lobe.eta = front_face ? material.ior : 1.0f / material.ior;
-    lobe.color = m.base_color;
-    lobe.weight = weight;
-    return;
-  }
-  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::pass_through : LobeKind::thin_transmission, microfacet);
+  const Microfacet interface { microfacet.model, bends(material) ? microfacet.alpha : 0.0f };
+  const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
+  const LobeKind passing = microfacet.smooth() ? LobeKind::pass_through : LobeKind::thin_transmission;
+  Lobe& lobe = material.volume ? add(bsdf, refracting, interface) : add(bsdf, passing, microfacet);
+  if (material.volume) lobe.eta = front_face ? material.ior : 1.0f / material.ior;
   lobe.color = m.base_color;
   lobe.f0 = f0;
   lobe.f90 = f90;

@@ -8,15 +8,10 @@
 namespace relume {
 namespace {
 
-/// Probability that fewer than `k` of `n` fair coins show heads.
-double binomial_below(size_t n, size_t k) {
-  double term = std::pow(0.5, static_cast<double>(n));
-  double sum = 0;
-  for (size_t i = 0; i < k; ++i) {
-    sum += term;
-    term *= static_cast<double>(n - i) / static_cast<double>(i + 1);
-  }
-  return sum;
+/// Probability that just `k` of `n` fair coins show heads. By logarithms: 2^-n underflows from a thousand on.
+double binomial(size_t n, size_t k) {
+  const auto log_factorial = [](size_t i) { return std::lgamma(static_cast<double>(i) + 1); };
+  return std::exp(log_factorial(n) - log_factorial(k) - log_factorial(n - k) - static_cast<double>(n) * std::log(2.0));
 }
 
 }  // namespace
@@ -33,9 +28,13 @@ Interval median_interval(std::vector<double> values, double confidence) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const size_t n = values.size();
-  size_t k = 1;  // the pair is the k-th smallest and the k-th largest value
-  while (2 * (k + 1) <= n && 1 - 2 * binomial_below(n, k + 1) >= confidence) ++k;
-  return {values[k - 1], values[n - k], n < 2 ? 0 : 1 - 2 * binomial_below(n, k)};
+  size_t k = 1;                   // the pair is the k-th smallest and the k-th largest value
+  double below = binomial(n, 0);  // probability that fewer than k values lie below the median
+  for (double next = below + binomial(n, k); 2 * (k + 1) <= n && 1 - 2 * next >= confidence; next += binomial(n, k)) {
+    below = next;
+    ++k;
+  }
+  return {values[k - 1], values[n - k], n < 2 ? 0 : 1 - 2 * below};
 }
 
 double student_t(size_t degrees_of_freedom) {

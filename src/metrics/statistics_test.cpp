@@ -26,6 +26,13 @@ TEST(Statistics, MedianIntervalCountsOrderStatistics) {
   EXPECT_EQ(nine.high, 8);
   EXPECT_DOUBLE_EQ(nine.confidence, 1 - 20.0 / 512);
   EXPECT_EQ(median_interval({7}).confidence, 0);
+  // Many: the normal approximation, n / 2 ± 0.98 √n.
+  std::vector<double> many;
+  for (int i = 1; i <= 2000; ++i) many.push_back(i);
+  const Interval wide = median_interval(many);
+  EXPECT_NEAR(wide.low, 1000 - 0.98 * std::sqrt(2000.0), 2);
+  EXPECT_EQ(wide.low + wide.high, 2001);
+  EXPECT_NEAR(wide.confidence, 0.95, 0.005);
 }
 
 TEST(Statistics, MeanIntervalIsStudents) {

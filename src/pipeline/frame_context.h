@@ -31,6 +31,7 @@ struct FrameContext {
   uint32_t since_change = 0;             ///< frames since anything changed
   Change changes = Change::none;         ///< since the frame before
   std::stop_token stop;                  ///< set only if no pass remembers anything beyond its buffers
+  bool begins_picture = false;           ///< the first frame of a picture: of a sequence, or after a change
   const BufferAccess* access = nullptr;  ///< of the pass that runs; nullptr: everything
 
   uint32_t width() const { return buffers.width(); }

@@ -23,6 +23,8 @@
 
 namespace relume {
 
+inline constexpr float kLatestTime_s = 1e6f;  ///< of an animation
+
 // The slots (docs/architecture.md): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path, bdpt, light };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };

@@ -118,10 +118,15 @@ struct Session::State {
   FrameContext frame(const std::stop_token& stop) {
     const bool adapts = pipeline.adapts();
     const SampleIndex index{scramble(), counters.frames, adapts ? 0 : counters.since_change, adapts};
-    return {scene->view(),   *buffers,
-            *backend,        index,
-            counters.frames, counters.since_change,
-            changes,         adapts || pipeline.keeps_state() ? std::stop_token{} : stop};
+    return {scene->view(),
+            *buffers,
+            *backend,
+            index,
+            counters.frames,
+            counters.since_change,
+            changes,
+            adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
+            counters.since_change == 0 || counters.picture_frames == counters.frames};
   }
 
   void count_frame() {

@@ -107,6 +107,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   end_frame();
   build_accel();
   view_.accel = accel_->view();
+  refresh_view();
 }
 
 void CompiledScene::list_appearances() {
@@ -270,8 +271,10 @@ void CompiledScene::choose_camera(const std::string& name) {
       throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
                               source_.name, name));
     notes_.emplace_back("the scene has no camera: one that sees all of it stands in");
-    const float fov = camera_.fov_y_rad;
-    const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(0.5f * fov));
+    const float half_y = 0.5f * camera_.fov_y_rad;
+    const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
+    const float narrower = std::min(half_y, std::atan(std::tan(half_y) * aspect));
+    const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(narrower));
     default_camera_ = glm::inverse(glm::lookAt(eye, bounds_.center, Vec3(0, 1, 0)));
     return;
   }
@@ -308,12 +311,6 @@ void CompiledScene::build_accel() {
     meshes.push_back(a);
   }
   accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), CoverageFunction{accel_coverage, &view_});
-}
-
-size_t CompiledScene::triangle_count() const {
-  size_t sum = 0;
-  for (const Instance& i : instances_) sum += meshes_[i.mesh].triangle_count;
-  return sum;
 }
 
 size_t CompiledScene::memory_bytes() const {

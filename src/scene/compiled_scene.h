@@ -66,7 +66,6 @@ class CompiledScene {
   const Scene& source() const { return source_; }
   /// What stands in for things the file lacks, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
-  size_t triangle_count() const;  ///< counting every instance
   size_t memory_bytes() const;
   SceneBounds bounds() const { return view_.lights.bounds; }
 

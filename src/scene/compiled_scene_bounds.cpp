@@ -12,23 +12,26 @@ namespace relume {
 
 namespace {
 
-/// Times at which to look where animation takes things: the keys and some between, at most a few hundred. 0 without
-/// animation.
+/// Times at which to look where animation takes things: the keys, at most some thousand of them, and where they are few
+/// some between. 0 without animation.
 std::vector<float> times_of_animation(const Scene& scene) {
-  constexpr size_t kMostKeys = 64;
-  constexpr int kBetween = 4;  // turns bulge between keys
+  constexpr size_t kMostKeys = 4096;
+  constexpr size_t kMostStretches = 64;  // that are looked at between their ends
+  constexpr int kBetween = 4;            // turns bulge between keys
   std::vector<float> keys{0};
   for (const AnimationChannel& channel : scene.animation)
     keys.insert(keys.end(), channel.times.begin(), channel.times.end());
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  const size_t step = (keys.size() + kMostKeys - 1) / kMostKeys;
   std::vector<float> times;
-  for (size_t i = 0; i + 1 < keys.size(); i += step) {
-    const float next = keys[std::min(i + step, keys.size() - 1)];
-    for (int k = 0; k < kBetween; ++k) times.push_back(lerp(keys[i], next, static_cast<float>(k) / kBetween));
-  }
+  const auto rounded_up = [](size_t a, size_t b) { return (a + b - 1) / b; };
+  for (size_t i = 0; i < keys.size(); i += rounded_up(keys.size(), kMostKeys)) times.push_back(keys[i]);
   times.push_back(keys.back());
+  const size_t stretch = rounded_up(keys.size(), kMostStretches);
+  for (size_t i = 0; i + 1 < keys.size(); i += stretch) {
+    const float next = keys[std::min(i + stretch, keys.size() - 1)];
+    for (int k = 1; k < kBetween; ++k) times.push_back(lerp(keys[i], next, static_cast<float>(k) / kBetween));
+  }
   return times;
 }
 

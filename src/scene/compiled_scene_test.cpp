@@ -265,6 +265,51 @@ TEST(CompiledScene, BoundsHoldWhereverAnimationLeads) {
   EXPECT_GT(edited.bounds().radius, 50.0f);
 }
 
+TEST(CompiledScene, BoundsHoldOneKeyAmongThousands) {
+  Scene scene = plate();
+  AnimationChannel away{0, AnimatedProperty::translation, Interpolation::linear, {}, {}};
+  for (int i = 0; i < 3000; ++i) {
+    away.times.push_back(static_cast<float>(i));
+    away.values.emplace_back(i == 1234 ? 100.0f : 0.0f, 0, 0, 0);
+  }
+  scene.animation.push_back(away);
+  EXPECT_GE(CompiledScene(scene, {}).bounds().radius, 50.0f);
+}
+
+TEST(CompiledScene, TheStandInCameraSeesAllOfItInPicturesOfAnyShape) {
+  Scene scene = plate();
+  scene.nodes[1].camera = kNone;
+  const auto width_seen = [&](int width, int height) {  // at the middle, where the plate's sphere has its radius
+    const CompiledScene compiled(scene, {.width = width, .height = height});
+    const CameraView& camera = compiled.view().camera;
+    return glm::distance(camera.position, compiled.bounds().center) *
+           std::sin(std::atan(min(camera.half_extent.x, camera.half_extent.y)));
+  };
+  const float radius = CompiledScene(scene, {}).bounds().radius;
+  EXPECT_NEAR(width_seen(90, 160), radius, 1e-4f);
+  EXPECT_NEAR(width_seen(160, 90), radius, 1e-4f);
+}
+
+TEST(CompiledScene, NormalsOutliveTheLargestScales) {
+  for (const float scale : {1e-6f, 1.0f, 7e8f}) {
+    CompiledScene scene(plate(), {.movable = {0}});
+    scene.set_transform(0, {.scale = Vec3(scale)});
+    const Vec3 normal = scene.view().instances[0].normal_to_world * Vec3(0, 0, 32767);
+    const float length = glm::length(normal);
+    EXPECT_TRUE(std::isfinite(length) && length > 0) << scale;
+    EXPECT_NEAR(normal.z / length, 1, 1e-6f);
+  }
+}
+
+TEST(CompiledScene, RefusesASunBeyondAllRadiance) {
+  Scene scene = plate();
+  scene.environment.kind = EnvironmentKind::sun_sky;
+  scene.environment.sun_sky.sun_scale = 1e8f;
+  EXPECT_EQ(problem_of([&] { validate(scene, "a"); }), "");
+  scene.environment.sun_sky.sun_scale = 1e20f;
+  EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
+}
+
 TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {
   CompiledScene scene(plate(), {.width = kSize, .height = kSize, .movable = {0}});
   EXPECT_EQ(world_box(scene.view()).low, Vec3(-1, -1, 0));

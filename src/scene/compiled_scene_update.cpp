@@ -7,8 +7,8 @@
 
 #include "core/error.h"
 #include "scene/compiled_scene.h"
+#include "scene/medium.h"
 #include "scene/placement.h"
-#include "scene/surface_point.h"
 
 namespace relume {
 namespace {
@@ -16,6 +16,12 @@ namespace {
 bool same(const CameraView& a, const CameraView& b) {
   return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
          a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
+}
+
+/// Magnitude of the largest entry; 1 for a matrix that collapses everything.
+float largest_entry(const Mat3& m) {
+  const float largest = max(max_component(abs(m[0])), max(max_component(abs(m[1])), max_component(abs(m[2]))));
+  return largest > 0 ? largest : 1;
 }
 
 }  // namespace
@@ -170,7 +176,7 @@ bool CompiledScene::place_instances() {
     moved = moved || now.linear != instance.to_world.linear || now.translation != instance.to_world.translation;
     if (first) instance.previous_to_world = now;
     instance.to_world = now;
-    instance.normal_to_world = cofactors(now.linear);
+    instance.normal_to_world = cofactors(now.linear / largest_entry(now.linear));  // only its direction counts
     instance.orientation = glm::dot(now.linear[0], instance.normal_to_world[0]) < 0.0f ? -1.0f : 1.0f;
   }
   return moved;
@@ -213,6 +219,7 @@ void CompiledScene::refresh_view() {
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
   view_.energy_tables = &energy_tables();
+  if (accel_) view_.camera_medium = absorption_around(view_, {camera_view_.position, -camera_view_.axes.n, kInfinity});
 }
 
 std::vector<AccelInstance> CompiledScene::accel_instances() const {

@@ -25,9 +25,50 @@ RELUME_HD inline Rgb transmittance(const Rgb& medium, float distance) {
 RELUME_HD inline Rgb transmittance_to(const SceneView& scene, const SurfacePoint& sp, float distance, Rgb& medium) {
   if (!scene.absorbs) return Rgb(1);
   const MaterialData& material = scene.materials[sp.material];
-  // Who meets an inner side is inside, even if it did not see itself enter: the camera may stand there.
+  // Who meets an inner side is inside, even if it did not see itself enter: through an opening, or one body in another.
   if (material.volume && !sp.front_face) medium = glm::max(medium, material.absorption);
   return transmittance(medium, distance);
+}
+
+namespace medium_detail {
+
+inline constexpr uint32_t kMaxSteps = 64;  ///< surfaces on the way
+inline constexpr uint32_t kMaxBodies = 8;  ///< in one another
+
+/// Takes a body out of the list; false if it is not there.
+RELUME_HD inline bool forget(uint32_t (&entered)[kMaxBodies], uint32_t& count, uint32_t body) {
+  for (uint32_t i = count; i-- > 0;) {
+    if (entered[i] != body) continue;
+    entered[i] = entered[--count];
+    return true;
+  }
+  return false;
+}
+
+}  // namespace medium_detail
+
+/// What absorbs light where `ray` begins, per metre: that of all bodies around. The ray, followed to where there is
+/// nothing more, leaves them without having entered them.
+RELUME_HD inline Rgb absorption_around(const SceneView& scene, Ray ray) {
+  using namespace medium_detail;
+  uint32_t entered[kMaxBodies];
+  uint32_t count = 0;
+  Rgb sum(0);
+  for (uint32_t step = 0; step < kMaxSteps && scene.absorbs; ++step) {
+    const Hit hit = intersect(scene.accel, ray, step);
+    if (!hit.valid()) break;
+    SurfacePoint sp;
+    make_surface_point(scene, ray, hit, 0.0f, sp);
+    if (scene.materials[sp.material].volume) {
+      if (sp.front_face) {
+        if (count < kMaxBodies) entered[count++] = sp.material;
+      } else if (!forget(entered, count, sp.material)) {
+        sum += scene.materials[sp.material].absorption;
+      }
+    }
+    ray = sp.spawn_ray(ray.direction);
+  }
+  return sum;
 }
 
 }  // namespace relume

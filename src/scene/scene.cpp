@@ -98,6 +98,15 @@ std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
   return world;
 }
 
+size_t placed_triangles(const Scene& scene) {
+  size_t sum = 0;
+  for (const Node& node : scene.nodes) {
+    const size_t places = std::max<size_t>(node.instances.size(), 1);
+    for (const Index mesh : node.meshes) sum += places * scene.meshes[static_cast<size_t>(mesh)].triangles.size();
+  }
+  return sum;
+}
+
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable) {
   std::vector<bool> moves(scene.nodes.size(), false);
   for (const Index node : movable) moves[static_cast<size_t>(node)] = true;

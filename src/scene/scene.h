@@ -234,6 +234,9 @@ void validate(const Environment& environment, const std::string& place);
 /// the last key).
 std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
+/// As many as the nodes of a valid scene place, every instance counted.
+size_t placed_triangles(const Scene& scene);
+
 /// Whether each node may move: it or an ancestor has an animation channel or is one of `movable`.
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});
 

@@ -66,7 +66,7 @@ struct MeshView {
 /// One appearance of a mesh.
 struct Instance {
   Affine to_world;
-  Mat3 normal_to_world{1};  ///< cofactors of to_world.linear: takes normals along
+  Mat3 normal_to_world{1};  ///< cofactors of to_world.linear up to a factor: takes normals along
   Affine previous_to_world;
   uint32_t mesh = 0;
   LightId first_light = kNoLight;  ///< of its triangles, if they emit
@@ -89,6 +89,7 @@ struct SceneView {
   const EnergyTables* energy_tables = nullptr;
   AccelView accel;
   bool absorbs = false;  ///< some material fills a body that absorbs
+  Rgb camera_medium{0};  ///< absorption at the camera, per metre: that of all bodies it stands in
 };
 
 }  // namespace relume

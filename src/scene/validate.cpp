@@ -1,3 +1,4 @@
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -180,6 +181,12 @@ void validate(const Environment& e, const std::string& place) {
   if (!is_radiance(e.color) || !is_radiance(s.ground_albedo) || !(is_finite(s.sky_scale) && s.sky_scale >= 0) ||
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
     fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another", kMaxRadiance);
+  // Radiance of the sky below 1e4 kcd/m², of a disk of 128 klx by its solid angle; a sun without extent is not seen.
+  const float disk = 1.0f - std::cos(0.5f * s.sun_angular_diameter_rad);
+  const float sun = 128.0f * s.sun_scale / (disk > 0.0f ? 2 * kPi * disk : 1.0f);
+  const bool is_sky = e.kind == EnvironmentKind::sun_sky;
+  if (is_sky && !(max(1e4f * s.sky_scale, sun) * max_component(e.color) <= kMaxRadiance))
+    fail(place, "the sun or the sky shines brighter than {:g}; give it a smaller scale", kMaxRadiance);
   if (!is_finite(e.rotation_rad) || !is_finite(s.sun_elevation_rad) || !is_finite(s.sun_azimuth_rad) ||
       !is_finite(s.turbidity) || !in_range(s.sun_angular_diameter_rad, 0, kPi))
     fail(place, "the environment has an angle or turbidity out of range; give it another");

@@ -2,6 +2,10 @@
 // was abandoned; and they work with whatever samples the pixels.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <stop_token>
+#include <thread>
+
 #include "core/error.h"
 #include "determinism/same_bits.h"
 #include "support/measure.h"
@@ -58,13 +62,23 @@ TEST_P(DenoiseSession, AFrameThatIsAbandonedLeavesNothingBehind) {
   const RenderSettings settings = settings_of(GetParam(), 1);
   Session whole(build("cornell"), settings);
   Session stopped(build("cornell"), settings);
-  std::stop_source stop;
-  stop.request_stop();
-  for (int i = 0; i < 3; ++i) {
-    whole.render_frame();
-    EXPECT_FALSE(stopped.render_frame(stop.get_token()));
-    EXPECT_TRUE(stopped.render_frame());
+  whole.render_frame();
+  stopped.render_frame();
+  const auto frame_s = std::chrono::duration<double>(stopped.statistics().render_s);
+  int abandoned = 0;
+  for (int attempt = 0; attempt < 40; ++attempt) {  // the clock decides where it stops, or whether it does
+    std::stop_source stop;
+    std::jthread later([&] {
+      std::this_thread::sleep_for(0.025 * attempt * frame_s);
+      stop.request_stop();
+    });
+    if (stopped.render_frame(stop.get_token())) {
+      whole.render_frame();
+    } else {
+      ++abandoned;
+    }
   }
+  EXPECT_GT(abandoned, 0);
   EXPECT_TRUE(same_bits(stopped.image(), whole.image()));
 }
 

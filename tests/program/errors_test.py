@@ -139,6 +139,8 @@ class Errors(RefusalTest):
         for frames in ("5-2", "x", "-3", "1-9999999"):
             self.refuse(USAGE, *self.render("-o", "out.exr", f"--frames={frames}"), says=["--frames"])
         self.refuse(USAGE, *self.render("-o", "out.mp4", "--frames", "0-1", "--resume", "a.ckpt"), says=["--resume"])
+        self.refuse(USAGE, *self.render("-o", "out.mp4", "--frames", "0-1", "--aov", "albedo"), says=["--aov"])
+        self.refuse(USAGE, *self.render("-o", "out.exr", "--frames", "1000001", "--fps", "1"), says=["--frames"])
 
     def test_display_that_is_not_there(self):
         self.refuse(FAILED, *self.render("-o", "out.exr", "--quiet", "--display", "127.0.0.1:1"), says=["127.0.0.1"])

@@ -322,6 +322,15 @@ class Settings(Viewer):
         self.succeed("render", "v.json", "-o", "f.png", "--frames", "0-1", "--fps", 1, "--spp", 1)
         self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))
 
+    def test_pictures_that_wait_for_the_same_frame_have_names_of_their_own(self):
+        keys = "key f12 1\nkey f12 1\nkey f12 1\n"
+        self.view("cornell", f"frames 1\nset width 900\nset height 700\nset max-bounces 8\n{keys}", frames=2)
+        self.assertEqual([name for name in self.files() if name.endswith(".png")], [f"relume-cornell-{i:04}.png" for i in (1, 2, 3)])
+
+    def test_a_goal_ends_it_too(self):
+        report = self.view("cornell", "", "--width", 240, "--height", 180, "--spp", 4, frames=20)[-1]
+        self.assertEqual(report["samples"], 4)
+
     def test_a_picture_that_cannot_be_written_is_an_error(self):
         for step in ("save missing/a.png", "save-view missing/a.json"):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
@@ -345,8 +354,7 @@ class Rates(Viewer):
               f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} frames/s at {report['width']}x{report['height']}, "
               f"camera seen after {report['camera_latency_frames']} frames", file=sys.stderr)
         self.assertLessEqual(report["camera_latency_frames"], 2)
-        self.assertGreaterEqual(report["width"], 320)
-        self.assertGreaterEqual(report["height"], 180)
+        self.assertLess(report["width"], 1280)
         if QUIET:
             self.assertGreaterEqual(report["worst_interface_hz"], 30)
             self.assertGreaterEqual(report["frames_per_s"], 9.5)

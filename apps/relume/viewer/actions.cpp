@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
@@ -39,6 +41,29 @@ void focus_at(State& state, const Vec3& point) {
   placed.camera.focus_distance = depth;
   state.document->set_camera(placed);
   state.touch();
+}
+
+std::filesystem::path free_name(const std::string& document, const std::string& extension) {
+  const std::string scene = std::filesystem::path(document).stem().string();
+  std::error_code failure;
+  for (int number = 1;; ++number) {
+    std::filesystem::path file = fmt::format("relume-{}-{:04d}{}", scene, number, extension);
+    if (!std::filesystem::exists(file, failure)) return file;
+  }
+}
+
+/// `name` is called when the picture is written: two that wait for the same frame get names of their own.
+void post_picture(State& state, std::function<std::filesystem::path()> name) {
+  state.renderer->post_task([name = std::move(name), settings = state.settings[0], renderer = state.renderer](
+                                const Session& session, const LoadedScene& scene) {
+    const std::filesystem::path file = name();
+    std::vector<std::string> aovs;
+    if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
+    const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
+    cli::write_picture(file, session, settings.output, aovs, metadata);
+    const std::string samples = cli::format_samples(session.kept_samples());
+    renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
+  });
 }
 
 }  // namespace
@@ -122,25 +147,12 @@ void update_animation(State& state, double seconds) {
   state.touch();
 }
 
-std::filesystem::path free_name(const State& state, const std::string& extension) {
-  const std::string scene = std::filesystem::path(state.document->name()).stem().string();
-  std::error_code failure;
-  for (int number = 1;; ++number) {
-    std::filesystem::path file = fmt::format("relume-{}-{:04d}{}", scene, number, extension);
-    if (!std::filesystem::exists(file, failure)) return file;
-  }
+void save_picture(State& state, const std::filesystem::path& file) {
+  post_picture(state, [file] { return file; });
 }
 
-void save_picture(State& state, const std::filesystem::path& file) {
-  state.renderer->post_task([file, settings = state.settings[0], renderer = state.renderer](const Session& session,
-                                                                                            const LoadedScene& scene) {
-    std::vector<std::string> aovs;
-    if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
-    const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
-    cli::write_picture(file, session, settings.output, aovs, metadata);
-    const std::string samples = cli::format_samples(session.kept_samples());
-    renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
-  });
+void save_numbered_picture(State& state, const std::string& extension) {
+  post_picture(state, [document = state.document->name(), extension] { return free_name(document, extension); });
 }
 
 void write_view_file(State& state, const std::filesystem::path& file) {
@@ -157,6 +169,8 @@ void save_view_file(State& state, const std::filesystem::path& file) {
     state.tell(error.what(), true);
   }
 }
+
+void save_numbered_view_file(State& state) { save_view_file(state, free_name(state.document->name(), ".json")); }
 
 void pick_at(State& state, const Vec2& point, bool focus) {
   auto promise = std::make_shared<std::promise<PickResult>>();

@@ -22,15 +22,15 @@ void update_path(State& state);
 /// Moves the animation on by `seconds`, round and round.
 void update_animation(State& state, double seconds);
 
-/// A name in the working folder that no file has: "relume-cornell-0001.png".
-std::filesystem::path free_name(const State& state, const std::string& extension);
-
 /// Has the rendering thread write the picture of side A between two frames; a message tells how it went.
 void save_picture(State& state, const std::filesystem::path& file);
+/// The same, with a name in the working folder that no file has then: "relume-cornell-0001.png".
+void save_numbered_picture(State& state, const std::string& extension);
 
 /// Writes camera, path, changes and settings of side A as relume JSON.
 void save_view_file(State& state, const std::filesystem::path& file);
-/// The same, but throws Error.
+void save_numbered_view_file(State& state);
+/// Throws Error.
 void write_view_file(State& state, const std::filesystem::path& file);
 
 /// Puts the sun of `sky` where it stands at the state's hour, day and latitude.

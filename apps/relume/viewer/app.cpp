@@ -66,9 +66,8 @@ void App::run() {
 }
 
 bool App::finished() const {
-  if (!smoke_ && options_.script.empty()) return false;
-  const uint64_t frames = state_.frame() ? state_.frame()->serial : 0;
-  return script_.done() && !state_.loading.valid() && smoke_ && frames >= static_cast<uint64_t>(options_.smoke);
+  if (!smoke_ || !script_.done() || state_.loading.valid() || !state_.frame()) return false;
+  return state_.frame()->serial >= static_cast<uint64_t>(options_.smoke) || state_.reached_goals(version_);
 }
 
 void App::frame() {

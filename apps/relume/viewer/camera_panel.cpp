@@ -81,12 +81,12 @@ void draw_path(State& state) {
 
 void draw_files(State& state) {
   heading("Files");
-  if (ImGui::Button("Picture as PNG")) save_picture(state, free_name(state, ".png"));
+  if (ImGui::Button("Picture as PNG")) save_numbered_picture(state, ".png");
   tooltip("As it is displayed [F12]");
   ImGui::SameLine();
-  if (ImGui::Button("as EXR")) save_picture(state, free_name(state, ".exr"));
+  if (ImGui::Button("as EXR")) save_numbered_picture(state, ".exr");
   tooltip("Linear radiance with every buffer as a layer [Shift+F12]");
-  if (ImGui::Button("View as relume JSON")) save_view_file(state, free_name(state, ".json"));
+  if (ImGui::Button("View as relume JSON")) save_numbered_view_file(state);
   tooltip("Camera or path, changes to the scene, and settings; `relume render` takes it like any scene [Ctrl+S]");
 }
 

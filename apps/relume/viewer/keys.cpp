@@ -38,7 +38,7 @@ void expose(State& state, float stops) {
 }
 
 void handle_control_keys(State& state) {
-  if (pressed(GLFW_KEY_S)) save_view_file(state, free_name(state, ".json"));
+  if (pressed(GLFW_KEY_S)) save_numbered_view_file(state);
   for (int digit = 0; digit < 9; ++digit) {
     if (pressed(GLFW_KEY_1 + digit)) store_bookmark(state, static_cast<size_t>(digit));
   }
@@ -55,7 +55,7 @@ void handle_plain_keys(State& state) {
   if (pressed(GLFW_KEY_ESCAPE)) state.selection = {};
   if (pressed(GLFW_KEY_LEFT_BRACKET)) expose(state, -0.5f);
   if (pressed(GLFW_KEY_RIGHT_BRACKET)) expose(state, 0.5f);
-  if (pressed(GLFW_KEY_F12)) save_picture(state, free_name(state, ImGui::GetIO().KeyShift ? ".exr" : ".png"));
+  if (pressed(GLFW_KEY_F12)) save_numbered_picture(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
   if (pressed(GLFW_KEY_SPACE)) {
     state.paused = !state.paused;
     state.request_changed = true;

@@ -241,10 +241,17 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frames_[static_cast<size_t>(side)] = std::move(frame);
 }
 
+bool RenderThread::has_final_size(const Session& session) const {
+  if (!request_.pace.hold_rate || !request_.pace.full_at_rest) return true;
+  const RenderSettings& wanted = request_.settings[0].render;
+  return session.settings().width == wanted.width && session.settings().height == wanted.height;
+}
+
 bool RenderThread::goal_reached(int side) {
   const StopSettings& goal = request_.settings[static_cast<size_t>(side)].stop;
   const Session& session = *slots_[static_cast<size_t>(side)].session();
   const bool accurate = error_reached(side);  // first: it follows every frame
+  if (!has_final_size(session)) return false;
   if (goal.spp > 0 && session.frames_since_change() >= static_cast<uint32_t>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
   return accurate;

@@ -72,6 +72,7 @@ class RenderThread {
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   IVec2 choose_size(bool rest) const;
   bool at_rest() const;  ///< nothing has changed for a moment: pictures may take their time
+  bool has_final_size(const Session& session) const;  ///< no larger picture follows at rest
   bool goal_reached(int side);
   bool error_reached(int side);
 

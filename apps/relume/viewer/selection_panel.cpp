@@ -5,6 +5,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "core/euler.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"
@@ -17,7 +18,7 @@ void draw_transform(State& state, Index node) {
   Document& document = *state.document;
   Transform t = document.transform(node);
   const float step = max(0.001f, 0.0005f * document.bounds(kNone == node ? 0 : node).diagonal());
-  Vec3 rotation_deg = glm::degrees(glm::eulerAngles(t.rotation));
+  Vec3 rotation_deg = euler_degrees(t.rotation);
   bool changed = ImGui::DragFloat3("position", &t.translation.x, max(step, 0.005f), 0, 0, "%.3f");
   tooltip("Metres, below the parent. Ctrl and the mouse move it in the picture.");
   if (ImGui::DragFloat3("rotation", &rotation_deg.x, 0.5f, 0, 0, "%.1f")) {

@@ -63,6 +63,12 @@ void FrameTimes::add(const ViewerFrame& frame) {
   }
 }
 
+bool State::reached_goals(uint64_t request_version) const {
+  return std::all_of(frames.begin(), frames.begin() + sides(), [&](const auto& side) {
+    return side && side->request_version >= request_version && side->reached_goal;
+  });
+}
+
 void State::tell(const std::string& text, bool problem) {
   std::erase_if(toasts, [&](const Toast& toast) { return toast.text == text; });
   toasts.push_back({text, problem, now_s + (problem ? kProblemToast_s : kToast_s)});

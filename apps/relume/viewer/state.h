@@ -124,6 +124,9 @@ struct State {
 
   const ViewerFrame* frame() const { return frames[0].get(); }
   int sides() const { return split ? 2 : 1; }
+  /// Whether what is shown follows that request, and no frame comes any more: every side has met --spp, --time or
+  /// --error.
+  bool reached_goals(uint64_t request_version) const;
 };
 
 /// Starts to load a scene; the one that is shown stays until it is there.

@@ -67,6 +67,7 @@ Scene convert(const aiScene* source, const std::string& problem, const std::file
   AssimpTextures textures(*source, base_dir, scene, warnings);
   import_assimp_materials(*source, textures, scene, warnings);
   textures.finish();
+  darken_missing_lamps(*source, textures, scene);
   mask_transparent_textures(textures, scene);
   const std::vector<Index> mesh_of = import_assimp_meshes(*source, scene, warnings);
   import_assimp_nodes(*source, mesh_of, scene, warnings);

@@ -164,6 +164,16 @@ void import_assimp_materials(const aiScene& source, AssimpTextures& textures, Sc
     scene.materials.push_back(convert(*source.mMaterials[i], textures, warnings));
 }
 
+void darken_missing_lamps(const aiScene& source, const AssimpTextures& textures, Scene& scene) {
+  for (unsigned i = 0; i < source.mNumMaterials; ++i) {
+    Material& material = scene.materials[i];
+    Rgb own(0);
+    color(*source.mMaterials[i], AI_MATKEY_COLOR_EMISSIVE, kMaxRadiance, own);
+    const bool by_texture = material.emission_texture.used() && is_black(own);
+    if (by_texture && textures.is_missing(material.emission_texture.texture)) material.emission = Rgb(0);
+  }
+}
+
 void mask_transparent_textures(const AssimpTextures& textures, Scene& scene) {
   for (Material& material : scene.materials) {
     const bool undecided = material.alpha_mode == AlphaMode::opaque && material.base_color_texture.used();

@@ -11,6 +11,9 @@ namespace relume {
 /// Refraction through Rough Surfaces", §5.2).
 void import_assimp_materials(const aiScene& source, AssimpTextures& textures, Scene& scene, Warnings& warnings);
 
+/// After AssimpTextures::finish(): materials that emit only by a texture, whose image is missing, are dark.
+void darken_missing_lamps(const aiScene& source, const AssimpTextures& textures, Scene& scene);
+
 /// After AssimpTextures::finish(): materials whose colour texture has holes become alpha-masked, since these formats do
 /// not say how they mean their alpha channel.
 void mask_transparent_textures(const AssimpTextures& textures, Scene& scene);

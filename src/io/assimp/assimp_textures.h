@@ -36,6 +36,9 @@ class AssimpTextures {
   /// normal), with a warning.
   void finish();
 
+  /// After finish(): whether nothing but white stands in for the texture's image.
+  bool is_missing(Index texture) const { return missing_[static_cast<size_t>(texture)]; }
+
   /// After finish(): whether some texel's alpha is below one half.
   bool has_transparency(Index texture) const;
 
@@ -57,6 +60,7 @@ class AssimpTextures {
   Scene& scene_;
   Warnings& warnings_;
   std::vector<Request> requests_;  ///< parallel to Scene::textures
+  std::vector<bool> missing_;      ///< the same: the first image
   std::map<std::pair<std::string, PixelFormat>, Texture> images_;
 };
 

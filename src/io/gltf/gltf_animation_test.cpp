@@ -81,6 +81,7 @@ TEST(GltfCamera, ReadsBothKinds) {
   EXPECT_EQ(scene.cameras[1].half_height, 2.0f);
   EXPECT_EQ(scene.nodes[1].camera, 1);
   EXPECT_EQ(scene.nodes[2].camera, kNone);
+  EXPECT_TRUE(mentions(scene.warnings, "xmag / ymag 1.5 is not used"));
 }
 
 TEST(GltfCamera, NamesAShapeThatThePictureDoesNotHave) {

@@ -68,6 +68,19 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
     document_.warnings.add("occlusion textures are ignored; occlusion is computed");
 }
 
+/// A coat is bent as the base below it.
+void MaterialImporter::warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
+                                            const Material& m) {
+  if (!(m.clearcoat > 0)) return;
+  const tinygltf::Value* own = object_member(clearcoat, "clearcoatNormalTexture");
+  const int base = source.normalTexture.index;
+  const int coat = own ? static_cast<int>(number_member(*own, "index", -1)) : -1;
+  if (coat == base) return;
+  document_.warnings.add(fmt::format("material '{}': its clearcoat {}", m.name,
+                                     coat >= 0 ? "has a normal texture of its own, which is ignored"
+                                               : "is smooth over a normal texture; here it is bent by that, too"));
+}
+
 void MaterialImporter::convert_surface_extensions(const tinygltf::Material& source, Material& m) {
   if (const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength")) {
     m.emission *= limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name);
@@ -85,8 +98,7 @@ void MaterialImporter::convert_surface_extensions(const tinygltf::Material& sour
     m.clearcoat_roughness =
         limited(number_member(*e, "clearcoatRoughnessFactor", 0), 0, 1, "clearcoat roughness", m.name);
     m.clearcoat_roughness_texture = reference(*e, "clearcoatRoughnessTexture", TextureUse::data);
-    if (object_member(*e, "clearcoatNormalTexture"))
-      document_.warnings.add("normal textures of clearcoats are ignored");
+    warn_of_coat_normals(source, *e, m);
   }
   apply_material_extras(source.extras, m);
   m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;

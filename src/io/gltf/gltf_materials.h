@@ -22,6 +22,8 @@ class MaterialImporter {
   Material convert(const tinygltf::Material& source);
   void convert_core(const tinygltf::Material& source, Material& material);
   void convert_surface_extensions(const tinygltf::Material& source, Material& material);
+  void warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
+                            const Material& material);
   void convert_volume_extensions(const tinygltf::Material& source, Material& material);
   TextureRef reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use);
   template <typename Info>

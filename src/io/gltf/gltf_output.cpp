@@ -55,18 +55,17 @@ const char* type_name(int components) {
   return names[components - 1];
 }
 
-/// RFC 3986: letters, digits and -._~ stand for themselves.
-std::string uri_of(const std::filesystem::path& file) {
+}  // namespace
+
+std::string uri_of(const std::string& name) {
   std::string uri;
-  for (const char c : file.filename().string()) {
+  for (const char c : name) {
     const bool plain =
         (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || std::strchr("-._~", c);
     uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return uri;
 }
-
-}  // namespace
 
 OutputJson number(float value) {
   char text[32];
@@ -163,7 +162,7 @@ std::string Output::add_file(const std::string& suffix,
                              const std::function<void(const std::filesystem::path&)>& write) {
   const std::filesystem::path target = file_.parent_path() / (file_.stem().string() + "." + suffix);
   write_staged(target, write);
-  return uri_of(target);
+  return target.filename().string();
 }
 
 std::vector<std::string> Output::finish() {
@@ -173,11 +172,11 @@ std::vector<std::string> Output::finish() {
   if (!bytes_.empty()) {
     root["buffers"] = OutputJson::array({{{"byteLength", bytes_.size()}}});
     if (!binary_) {
-      root["buffers"][0]["uri"] = add_file("bin", [&](const std::filesystem::path& file) {
+      root["buffers"][0]["uri"] = uri_of(add_file("bin", [&](const std::filesystem::path& file) {
         AtomicFile out(file);
         out.write(bytes_);
         out.commit();
-      });
+      }));
     }
   }
   write_staged(file_, [&](const std::filesystem::path& file) {

@@ -26,6 +26,9 @@ OutputJson numbers(std::span<const float> values);
 inline OutputJson numbers(const Vec2& v) { return numbers(std::span(&v.x, 2)); }
 inline OutputJson numbers(const Vec3& v) { return numbers(std::span(&v.x, 3)); }
 
+/// A reference to a file that lies beside this one, percent-encoded (RFC 3986).
+std::string uri_of(const std::string& name);
+
 /// What the bytes of an accessor are for (WebGL's buffer targets; none for animation and instances).
 enum class BufferTarget : int { none = 0, vertices = 34962, indices = 34963 };
 
@@ -51,7 +54,7 @@ class Output {
   bool binary() const { return binary_; }
   std::string place() const { return file_.string(); }
   /// `write` writes a file that is to lie beside this one, "STEM.SUFFIX", under the name that it is told; finish()
-  /// gives it its own. Returns the reference to it, percent-encoded. Throws Error.
+  /// gives it its own, which is returned. Throws Error.
   std::string add_file(const std::string& suffix, const std::function<void(const std::filesystem::path&)>& write);
 
   OutputJson root;

@@ -11,13 +11,12 @@ namespace relume::gltf {
 namespace {
 
 /// Pictures have the shape that --width and --height give them: 16:9 unless they say something else.
-void warn_of_aspect_ratio(Document& document, const Camera& camera, float ratio) {
+void warn_of_aspect_ratio(Document& document, const Camera& camera, const char* what, float ratio) {
   constexpr float kDefault = 16.0f / 9.0f;
   if (!(ratio > 0) || !is_finite(ratio) || std::fabs(ratio / kDefault - 1) <= 0.01f) return;
   document.warnings.add(
-      fmt::format("camera '{}': its aspectRatio {:.3g} is not used; give the picture that shape with --width and "
-                  "--height",
-                  camera.name, ratio));
+      fmt::format("camera '{}': its {} {:.3g} is not used; give the picture that shape with --width and --height",
+                  camera.name, what, ratio));
 }
 
 Camera convert_camera(Document& document, const tinygltf::Camera& source, int index) {
@@ -28,11 +27,13 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
     camera.projection = Projection::orthographic;
     const float ymag = std::fabs(to_float(source.orthographic.ymag));
     if (ymag > 0) camera.half_height = ymag;
-    if (ymag == 0)
+    if (ymag > 0)
+      warn_of_aspect_ratio(document, camera, "xmag / ymag", std::fabs(to_float(source.orthographic.xmag)) / ymag);
+    else
       document.warnings.add(fmt::format("camera '{}': ymag is 0; {} takes its place", camera.name, camera.half_height));
     return camera;
   }
-  warn_of_aspect_ratio(document, camera, to_float(source.perspective.aspectRatio));
+  warn_of_aspect_ratio(document, camera, "aspectRatio", to_float(source.perspective.aspectRatio));
   const float yfov = to_float(source.perspective.yfov);
   if (yfov > 0 && yfov < kPi) {
     camera.fov_y_rad = yfov;

@@ -80,8 +80,7 @@ OutputJson MaterialWriter::material(const Material& m) {
   OutputJson json = OutputJson::object();
   if (!m.name.empty()) json["name"] = m.name;
   json["pbrMetallicRoughness"] = metallic_roughness(m);
-  add_texture(json, "normalTexture", m.normal_texture, Use::data);
-  if (m.normal_texture.used() && m.normal_scale != 1) json["normalTexture"]["scale"] = number(m.normal_scale);
+  add_normal_texture(json, "normalTexture", m);
   const float strength = std::fmax(1.0f, max_component(m.emission));
   if (!is_black(m.emission)) json["emissiveFactor"] = numbers(m.emission / strength);
   add_texture(json, "emissiveTexture", m.emission_texture, Use::color);
@@ -130,7 +129,13 @@ void MaterialWriter::add_surface_extensions(const Material& m, OutputJson& exten
   add_texture(coat, "clearcoatTexture", m.clearcoat_texture, Use::data);
   if (m.clearcoat_roughness != 0) coat["clearcoatRoughnessFactor"] = number(m.clearcoat_roughness);
   add_texture(coat, "clearcoatRoughnessTexture", m.clearcoat_roughness_texture, Use::data);
+  if (m.clearcoat != 0) add_normal_texture(coat, "clearcoatNormalTexture", m);  // as the base
   if (!coat.empty()) add_extension(extensions, "KHR_materials_clearcoat", std::move(coat));
+}
+
+void MaterialWriter::add_normal_texture(OutputJson& json, const char* key, const Material& m) {
+  add_texture(json, key, m.normal_texture, Use::data);
+  if (m.normal_texture.used() && m.normal_scale != 1) json[key]["scale"] = number(m.normal_scale);
 }
 
 void MaterialWriter::add_volume_extensions(const Material& m, OutputJson& extensions) {
@@ -175,7 +180,7 @@ int MaterialWriter::texture(Index index, Use use) {
   if (t.format == PixelFormat::rgba32_float) {
     const std::string exr =
         output_.add_file(name + ".exr", [&](const std::filesystem::path& file) { write_exr(file, exr_of(t)); });
-    json["extras"]["relume"]["image"] = exr;
+    json["extras"]["relume"]["image"] = uri_of(exr);
     output_.warn(fmt::format(
         "texture '{}' has floating-point texels; they are kept in {}, and other programs see a PNG limited to [0, 1]",
         t.name, exr));
@@ -211,7 +216,8 @@ int MaterialWriter::image(const Texture& t, Use use, const std::string& name) {
     json["mimeType"] = "image/png";
     json["bufferView"] = output_.add_bytes(std::as_bytes(std::span(png)));
   } else {
-    json["uri"] = output_.add_file(name + ".png", [&](const std::filesystem::path& file) { write_file(file, png); });
+    json["uri"] =
+        uri_of(output_.add_file(name + ".png", [&](const std::filesystem::path& file) { write_file(file, png); }));
   }
   return output_.add("images", std::move(json));
 }

@@ -27,6 +27,7 @@ class MaterialWriter {
   void add_volume_extensions(const Material& m, OutputJson& extensions);
   /// Adds a texture info at `key` if `ref` names a texture.
   void add_texture(OutputJson& object, const char* key, const TextureRef& ref, Use use);
+  void add_normal_texture(OutputJson& object, const char* key, const Material& material);
   void add_extension(OutputJson& extensions, const char* name, OutputJson members);
 
   int texture(Index index, Use use);

@@ -84,9 +84,9 @@ void NodeWriter::write_cameras() {
     OutputJson json = OutputJson::object();
     if (!camera.name.empty()) json["name"] = camera.name;
     if (camera.projection == Projection::orthographic) {
-      const OutputJson half = number(camera.half_height);
+      const OutputJson width = number(camera.half_height * 16 / 9);  // of a picture that is given no other shape
       json["type"] = "orthographic";
-      json["orthographic"] = {{"xmag", half}, {"ymag", half}, {"znear", 0}, {"zfar", 1e6}};
+      json["orthographic"] = {{"xmag", width}, {"ymag", number(camera.half_height)}, {"znear", 0}, {"zfar", 1e6}};
     } else {
       json["type"] = "perspective";
       json["perspective"] = {{"yfov", number(camera.fov_y_rad)}, {"znear", 0.01}};

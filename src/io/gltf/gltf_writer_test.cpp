@@ -1,8 +1,5 @@
 #include <array>
 #include <cstring>
-#include <fstream>
-#include <set>
-#include <sstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -13,8 +10,8 @@
 #include "io/image.h"
 #include "io/scene_io.h"
 #include "io/testing/temp_folder.h"
+#include "io/testing/written_gltf.h"
 #include "io/texture_decode.h"
-#include "scene/builtin.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
 
@@ -22,15 +19,9 @@ namespace relume {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string contents(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-Json written_json(const std::filesystem::path& file) { return Json::parse(contents(file)); }
+using testing::contents;
+using testing::expect_sound_accessors;
+using testing::written_json;
 
 template <typename T>
 T word_at(const std::string& bytes, size_t offset) {
@@ -38,152 +29,6 @@ T word_at(const std::string& bytes, size_t offset) {
   std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
 }
-
-/// Names of all extensions that appear anywhere.
-void collect_extensions(const Json& json, std::set<std::string>& names) {
-  if (!json.is_structured()) return;
-  for (const auto& [key, value] : json.items()) {
-    if (key == "extensions") {
-      for (const auto& [name, members] : value.items()) names.insert(name);
-    }
-    collect_extensions(value, names);
-  }
-}
-
-/// Triangles with every instance counted.
-size_t triangle_count(const Scene& scene) {
-  size_t sum = 0;
-  for (const Node& node : scene.nodes) {
-    const size_t copies = node.instances.empty() ? 1 : node.instances.size();
-    for (const Index i : node.meshes) sum += copies * scene.meshes[static_cast<size_t>(i)].triangles.size();
-  }
-  return sum;
-}
-
-size_t triangle_count(const Json& gltf) {
-  size_t sum = 0;
-  for (const Json& node : gltf["nodes"]) {
-    if (!node.contains("mesh")) continue;
-    size_t copies = 1;
-    if (node.contains("extensions") && node["extensions"].contains("EXT_mesh_gpu_instancing")) {
-      const size_t accessor = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"];
-      copies = gltf["accessors"][accessor]["count"];
-    }
-    for (const Json& primitive : gltf["meshes"][node["mesh"].get<size_t>()]["primitives"]) {
-      sum += copies * gltf["accessors"][primitive["indices"].get<size_t>()]["count"].get<size_t>() / 3;
-    }
-  }
-  return sum;
-}
-
-void expect_sound_accessors(const Json& gltf, size_t buffer_size) {
-  ASSERT_EQ(gltf["buffers"].size(), 1u);
-  EXPECT_EQ(gltf["buffers"][0]["byteLength"], buffer_size);
-  for (const Json& view : gltf["bufferViews"]) {
-    EXPECT_EQ(view["byteOffset"].get<size_t>() % 4, 0u);
-    EXPECT_LE(view["byteOffset"].get<size_t>() + view["byteLength"].get<size_t>(), buffer_size);
-  }
-  const std::map<std::string, size_t> components = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
-  for (const Json& accessor : gltf["accessors"]) {
-    const size_t size = accessor["componentType"] == 5123 ? 2 : 4;
-    EXPECT_EQ(accessor["count"].get<size_t>() * components.at(accessor["type"]) * size,
-              gltf["bufferViews"][accessor["bufferView"].get<size_t>()]["byteLength"]);
-  }
-}
-
-/// Within the rounding of a few float operations at the size of the values.
-void expect_near(const Mat4& a, const Mat4& b) {
-  for (int c = 0; c < 4; ++c) EXPECT_LE(glm::distance(a[c], b[c]), 1e-5f * (1 + glm::length(a[c])));
-}
-
-class BuiltinExport : public testing::TestWithParam<std::string> {};
-
-TEST_P(BuiltinExport, HasTheStructureOfTheScene) {
-  const Scene scene = find_builtin_scene(GetParam())->build();
-  const TempFolder folder;
-  EXPECT_TRUE(write_gltf(folder / "scene.gltf", scene).empty());
-  const Json gltf = written_json(folder / "scene.gltf");
-  EXPECT_EQ(gltf["asset"]["version"], "2.0");
-  EXPECT_EQ(gltf["nodes"].size(), scene.nodes.size());
-  EXPECT_EQ(gltf["materials"].size(), scene.materials.size());
-  EXPECT_EQ(gltf["cameras"].size(), scene.cameras.size());
-  EXPECT_EQ(triangle_count(gltf), triangle_count(scene));
-  expect_sound_accessors(gltf, std::filesystem::file_size(folder / "scene.bin"));
-  std::set<std::string> extensions;
-  collect_extensions(gltf, extensions);
-  EXPECT_EQ(gltf.value("extensionsUsed", std::set<std::string>()), extensions);
-  EXPECT_EQ(gltf.contains("animations"), !scene.animation.empty());
-}
-
-/// What the loader makes of the file is the scene again.
-TEST_P(BuiltinExport, ReadsBackTheSame) {
-  const Scene scene = find_builtin_scene(GetParam())->build();
-  const TempFolder folder;
-  write_gltf(folder / "scene.glb", scene);
-  const Scene loaded = load_gltf(folder / "scene.glb");
-  EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings.front();
-  ASSERT_EQ(loaded.nodes.size(), scene.nodes.size());
-  EXPECT_EQ(triangle_count(loaded), triangle_count(scene));
-  const float end = animation_end(scene);
-  EXPECT_EQ(animation_end(loaded), end);
-  // The order of nodes may differ; names of built-in nodes are unique.
-  const auto node_named = [&](const std::string& name) {
-    for (size_t i = 0; i < loaded.nodes.size(); ++i) {
-      if (loaded.nodes[i].name == name) return i;
-    }
-    ADD_FAILURE() << name;
-    return size_t{0};
-  };
-  for (const float time : {0.0f, 0.37f * end}) {
-    const std::vector<Mat4> before = world_matrices(scene, time);
-    const std::vector<Mat4> after = world_matrices(loaded, time);
-    for (size_t i = 0; i < scene.nodes.size(); ++i) {
-      const Node& node = scene.nodes[i];
-      const size_t k = node_named(node.name);
-      expect_near(before[i], after[k]);
-      ASSERT_EQ(loaded.nodes[k].instances.size(), node.instances.size());
-      for (size_t j = 0; j < node.instances.size(); ++j) expect_near(node.instances[j], loaded.nodes[k].instances[j]);
-      ASSERT_EQ(loaded.nodes[k].meshes.size(), node.meshes.size());
-      for (size_t j = 0; j < node.meshes.size(); ++j) {
-        const Mesh& a = scene.meshes[static_cast<size_t>(node.meshes[j])];
-        const Mesh& b = loaded.meshes[static_cast<size_t>(loaded.nodes[k].meshes[j])];
-        EXPECT_EQ(a.positions, b.positions);
-        ASSERT_EQ(a.normals.size(), b.normals.size());
-        // The loader normalises once more.
-        for (size_t v = 0; v < a.normals.size(); ++v) ASSERT_LT(glm::distance(a.normals[v], b.normals[v]), 1e-6f);
-        EXPECT_EQ(a.uv0, b.uv0);
-        EXPECT_TRUE(a.triangles == b.triangles) << a.name;
-        const Material& m = scene.materials[static_cast<size_t>(a.material)];
-        const Material& n = loaded.materials[static_cast<size_t>(b.material)];
-        EXPECT_EQ(m.name, n.name);
-        EXPECT_EQ(m.base_color, n.base_color);
-        EXPECT_EQ(m.roughness, n.roughness);
-        EXPECT_EQ(m.metallic, n.metallic);
-        EXPECT_EQ(m.specular, n.specular);
-        EXPECT_EQ(m.ior, n.ior);
-        EXPECT_EQ(m.transmission, n.transmission);
-        EXPECT_EQ(m.thickness, n.thickness);
-        EXPECT_EQ(m.attenuation_color, n.attenuation_color);
-        EXPECT_EQ(m.attenuation_distance, n.attenuation_distance);
-        // Factor times strength rounds once.
-        EXPECT_LE(glm::distance(m.emission, n.emission), 1e-6f * glm::length(m.emission));
-        EXPECT_EQ(m.base_color_texture.used(), n.base_color_texture.used());
-      }
-    }
-  }
-}
-
-std::vector<std::string> all_names() {
-  std::vector<std::string> names;
-  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
-  return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(, BuiltinExport, testing::ValuesIn(all_names()), [](const auto& param) {
-  std::string name = param.param;
-  for (char& c : name) c = c == '-' ? '_' : c;
-  return name;
-});
 
 /// One quad with `material`.
 Scene small_scene(Material material) {
@@ -370,6 +215,8 @@ TEST(GltfWriter, KeepsWhatGltfHasNoFormForInExtras) {
   EXPECT_EQ(gltf["extensions"]["KHR_lights_punctual"]["lights"][0]["extras"]["relume"]["angular_diameter_deg"], 1);
   EXPECT_EQ(gltf["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"], 0);
   EXPECT_EQ(read_image(folder / "a.environment.exr").pixels, scene.environment.map);
+  write_gltf(folder / "my room+%41.gltf", scene);
+  EXPECT_EQ(load_gltf(folder / "my room+%41.gltf").environment.map, scene.environment.map);
 
   scene.environment = Environment();
   scene.environment.kind = EnvironmentKind::sun_sky;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/srgb.h"
 #include "io/mesh_repair.h"
 #include "io/ply/ply_header.h"
 
@@ -79,12 +80,14 @@ class NumberReader {
   const std::string& place_;
 };
 
-/// Value that stands for 1 in a colour of this type.
-float color_scale(Type type) {
-  if (type == Type::u8) return 255;
-  if (type == Type::u16) return 65535;
-  return 1;
+/// Linear value of a colour. Integers are display values, as scanners and editors write them; floats are linear.
+float linear_color(Type type, float value) {
+  if (type == Type::u8) return linear_from_srgb(value / 255);
+  if (type == Type::u16) return linear_from_srgb(value / 65535);
+  return value;
 }
+
+float alpha_of(Type type, float value) { return value / (type == Type::u8 ? 255 : type == Type::u16 ? 65535 : 1); }
 
 /// Doubles beyond float's range become infinite on purpose: repair_mesh() deals with them.
 float narrow(double value) { return std::fabs(value) > 3e38 ? kInfinity : static_cast<float>(value); }
@@ -130,12 +133,11 @@ void read_vertices(NumberReader& reader, const ply::Element& element, Mesh& mesh
     mesh.positions.push_back(vec3(position));
     if (normal.complete()) mesh.normals.push_back(vec3(normal));
     if (uv.complete()) mesh.uv0.emplace_back(uv(row, 0), 1 - uv(row, 1));
-    const auto share = [&](const auto& c, size_t k) {
-      return c(row, k) / color_scale(element.properties[static_cast<size_t>(c.at[k])].type);
-    };
-    if (color.complete())
-      mesh.colors.emplace_back(share(color, 0), share(color, 1), share(color, 2),
-                               alpha.complete() ? share(alpha, 0) : 1.0f);
+    if (!color.complete()) continue;
+    const auto type = [&](const auto& c, size_t k) { return element.properties[static_cast<size_t>(c.at[k])].type; };
+    const auto linear = [&](size_t k) { return linear_color(type(color, k), color(row, k)); };
+    mesh.colors.emplace_back(linear(0), linear(1), linear(2),
+                             alpha.complete() ? alpha_of(type(alpha, 0), alpha(row, 0)) : 1.0f);
   }
 }
 

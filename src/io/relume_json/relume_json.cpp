@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/bytes.h"
+#include "io/extension.h"
 #include "io/json_parse.h"
 #include "io/relume_json/overrides.h"
 #include "io/scene_io.h"
@@ -19,7 +20,8 @@ Scene load_base_scene(const JsonObject& root, const std::filesystem::path& base_
   const std::string reference = root.string("scene", "");
   if (reference.starts_with(kBuiltinPrefix)) return build_builtin_scene(reference.substr(kBuiltinPrefix.size()), place);
   const std::filesystem::path file = resolve_uri(base_dir, reference, place);
-  if (file.extension() == ".json") root.fail("scene must not be another JSON file; name a model or a built-in scene");
+  if (lower_extension(file) == ".json")
+    root.fail("scene must not be another JSON file; name a model or a built-in scene");
   if (!std::filesystem::exists(file)) root.fail(fmt::format("scene is {}, but there is no such file", file.string()));
   return load_scene(file);
 }

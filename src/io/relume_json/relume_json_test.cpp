@@ -242,6 +242,8 @@ TEST_F(RelumeJson, SaysWhereTheSyntaxIsWrong) {
   EXPECT_NE(error_of([&] { load_scene(none); }).find("scene is missing"), std::string::npos);
   const auto nested = folder_.write("nested.json", R"({"scene": "nested.json"})");
   EXPECT_NE(error_of([&] { load_scene(nested); }).find("another JSON file"), std::string::npos);
+  const auto shouting = folder_.write("shouting.JSON", R"({"scene": "shouting.JSON"})");
+  EXPECT_NE(error_of([&] { load_scene(shouting); }).find("another JSON file"), std::string::npos);
   const auto remote = folder_.write("remote.json", R"({"scene": "https://a.b/c.gltf"})");
   EXPECT_NE(error_of([&] { load_scene(remote); }).find("not a local file"), std::string::npos);
 }

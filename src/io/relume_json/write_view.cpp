@@ -1,8 +1,12 @@
 #include "io/relume_json/write_view.h"
 
+#include <algorithm>
+
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
+
+#include "core/euler.h"
 
 namespace relume {
 namespace {
@@ -21,6 +25,11 @@ json sun_sky_to_json(const SunSky& s) {
           {"ground_albedo", list_of(s.ground_albedo)}};
 }
 
+/// Far enough that rounding at the size of the coordinates does not turn the view.
+Vec3 point_ahead(const Vec3& eye, const Vec3& direction) {
+  return eye + direction * std::max(1.0f, max_component(abs(eye)));
+}
+
 }  // namespace
 
 json camera_to_json(const Camera& camera, const Mat4& to_world) {
@@ -29,7 +38,7 @@ json camera_to_json(const Camera& camera, const Mat4& to_world) {
   return {{"name", camera.name},
           {"projection", kProjections[static_cast<int>(camera.projection)]},
           {"eye", list_of(eye)},
-          {"target", list_of(eye - glm::normalize(Vec3(to_world[2])))},
+          {"target", list_of(point_ahead(eye, -glm::normalize(Vec3(to_world[2]))))},
           {"up", list_of(glm::normalize(Vec3(to_world[1])))},
           {"fov_y_deg", glm::degrees(camera.fov_y_rad)},
           {"half_height", camera.half_height},
@@ -38,8 +47,7 @@ json camera_to_json(const Camera& camera, const Mat4& to_world) {
 }
 
 json camera_key_to_json(float time_s, const Vec3& eye, const glm::quat& rotation) {
-  const Vec3 target = eye + rotation * Vec3(0, 0, -1);
-  return {{"time", time_s}, {"eye", list_of(eye)}, {"target", list_of(target)}};
+  return {{"time", time_s}, {"eye", list_of(eye)}, {"target", list_of(point_ahead(eye, rotation * Vec3(0, 0, -1)))}};
 }
 
 json material_to_json(const Material& material) {
@@ -57,7 +65,7 @@ json material_to_json(const Material& material) {
 json transform_to_json(const Transform& transform) {
   // About X, then Y, then Z, as the reader turns.
   return {{"translation", list_of(transform.translation)},
-          {"rotation_deg", list_of(glm::degrees(glm::eulerAngles(transform.rotation)))},
+          {"rotation_deg", list_of(euler_degrees(transform.rotation))},
           {"scale", list_of(transform.scale)}};
 }
 

@@ -59,6 +59,13 @@ TEST(WriteView, CamerasComeBack) {
   }
 }
 
+TEST(WriteView, CamerasFarFromTheOriginKeepTheirDirection) {
+  const Mat4 to_world = placed({5e6f, 2, -5e8f}, look_rotation({1, 0, 3}));
+  json file;
+  file["camera"] = camera_to_json({}, to_world);
+  EXPECT_LT(glm::distance(Vec3(world_matrices(read_back(file), 0).back()[2]), Vec3(to_world[2])), 1e-6f);
+}
+
 TEST(WriteView, KeysMoveTheCamera) {
   const glm::quat from = look_rotation({0, 0, -1});
   const glm::quat to = look_rotation({1, -0.5f, 0});
@@ -98,16 +105,20 @@ TEST(WriteView, MaterialsComeBack) {
 }
 
 TEST(WriteView, TransformsComeBack) {
-  Transform transform;
-  transform.translation = {1, -2, 3};
-  transform.rotation = look_rotation({0.3f, 0.2f, -0.9f}, {1, 2, 0});
-  transform.scale = {1, 2, 0.5f};
-  json file;
-  file["nodes"]["part"] = transform_to_json(transform);
-  const Scene scene = read_back(file);
-  Mat4 expected = placed(transform.translation, transform.rotation);
-  for (int axis = 0; axis < 3; ++axis) expected[axis] *= transform.scale[axis];
-  expect_near(world_matrices(scene, 0)[0], expected);
+  // The second stands where X and Z turn about the same axis, one rounding beside it.
+  for (const glm::quat& rotation :
+       {look_rotation({0.3f, 0.2f, -0.9f}, {1, 2, 0}), glm::quat(0.70710677f, 0, 0.70710683f, 0)}) {
+    Transform transform;
+    transform.translation = {1, -2, 3};
+    transform.rotation = rotation;
+    transform.scale = {1, 2, 0.5f};
+    json file;
+    file["nodes"]["part"] = transform_to_json(transform);
+    const Scene scene = read_back(file);
+    Mat4 expected = placed(transform.translation, transform.rotation);
+    for (int axis = 0; axis < 3; ++axis) expected[axis] *= transform.scale[axis];
+    expect_near(world_matrices(scene, 0)[0], expected);
+  }
 }
 
 TEST(WriteView, EnvironmentsComeBack) {

@@ -10,14 +10,26 @@ RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
   return mode == TransportMode::radiance ? 1.0f / (eta * eta) : 1.0f;
 }
 
+/// Reflectance at `cos_i`: exact for lobe.f0 = f0_from_ior(η) and lobe.f90 = 1. KHR_materials_specular may lower both;
+/// the curve then goes from the one to the other as the exact one does. Total internal reflection stays total.
+RELUME_HD inline Rgb reflectance(const Lobe& lobe, float cos_i) {
+  const float exact = fresnel_dielectric(cos_i, lobe.eta);
+  if (exact >= 1.0f) return Rgb(1);
+  const float f0 = f0_from_ior(lobe.eta);
+  return lobe.f0 + (lobe.f90 - lobe.f0) * saturate((exact - f0) / (1.0f - f0));
+}
+
+/// With which probability reflection is chosen: the share of light that it takes, as far as the tint lets both through.
+RELUME_HD inline float reflection_probability(const Rgb& reflectance) { return saturate(luminance(reflectance)); }
+
 RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const Vec3& wo, const Vec3& wi) {
   const Microfacet& mf = lobe.microfacet;
   const Vec3 m = glm::normalize(wo + wi);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
-  const float fresnel = fresnel_dielectric(cos_om, lobe.eta);
-  const float f = fresnel * mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z);
-  return {Rgb(f), fresnel * mf.pdf(wo, m) / (4.0f * cos_om)};
+  const Rgb reflected = reflectance(lobe, cos_om);
+  const float f = mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z);
+  return {reflected * f, reflection_probability(reflected) * mf.pdf(wo, m) / (4.0f * cos_om)};
 }
 
 /// [Walter07], eq. 21 and 17.
@@ -30,11 +42,13 @@ RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const Vec3& wo, cons
   const float cos_om = glm::dot(wo, m);
   const float cos_im = glm::dot(wi, m);
   if (cos_om <= 0.0f || cos_im >= 0.0f) return {};
-  const float transmittance = 1.0f - fresnel_dielectric(cos_om, lobe.eta);
+  const Rgb reflected = reflectance(lobe, cos_om);
+  const float chosen = 1.0f - reflection_probability(reflected);
   const float jacobian_i = -cos_im * lobe.eta * lobe.eta / sqr(cos_om + lobe.eta * cos_im);
   const Vec3 wi_up(wi.x, wi.y, -wi.z);
-  const float f = transmittance * mf.d(m) * mf.g2(wo, wi_up) * cos_om * jacobian_i / (wo.z * wi_up.z);
-  return {lobe.color * (f * transport_scale(lobe.eta, mode)), transmittance * mf.pdf(wo, m) * jacobian_i};
+  const float f = mf.d(m) * mf.g2(wo, wi_up) * cos_om * jacobian_i / (wo.z * wi_up.z);
+  const Rgb transmitted = lobe.color * (Rgb(1) - reflected);
+  return {transmitted * (f * transport_scale(lobe.eta, mode)), chosen * mf.pdf(wo, m) * jacobian_i};
 }
 
 RELUME_HD inline LobeEval eval(const Lobe& lobe, const Vec3& wo, const Vec3& wi, TransportMode mode) {
@@ -46,7 +60,7 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_sid
   const Vec3 m = lobe.microfacet.sample(wo, u);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
-  if (u_side < fresnel_dielectric(cos_om, lobe.eta)) {
+  if (u_side < reflection_probability(reflectance(lobe, cos_om))) {
     const Vec3 wi = reflect(wo, m);
     return {wi, Rgb(0), wi.z > 0.0f};
   }
@@ -61,10 +75,13 @@ namespace relume::smooth_dielectric {
 
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_side, TransportMode mode) {
   const Vec3 n(0, 0, 1);
-  if (u_side < fresnel_dielectric(wo.z, lobe.eta)) return {{-wo.x, -wo.y, wo.z}, Rgb(1), true};
+  const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+  const float p = dielectric::reflection_probability(reflected);
+  if (u_side < p) return {{-wo.x, -wo.y, wo.z}, reflected / p, true};
   Vec3 wi;
   if (!refract(wo, n, lobe.eta, &wi)) return {};
-  return {wi, lobe.color * dielectric::transport_scale(lobe.eta, mode), true};
+  const Rgb transmitted = lobe.color * (Rgb(1) - reflected) / (1.0f - p);
+  return {wi, transmitted * dielectric::transport_scale(lobe.eta, mode), true};
 }
 
 }  // namespace relume::smooth_dielectric

@@ -34,7 +34,8 @@ RELUME_HD inline Rgb transmitted(const Lobe& lobe, const EnergyTable& table, flo
 RELUME_HD inline LobeEval eval(const Lobe& lobe, const EnergyTable& table, const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   const Rgb average = Rgb(1) - cover_albedo(lobe, table.average_shares(std::sqrt(lobe.microfacet.alpha)));
-  const Rgb f = lobe.color * kInvPi * transmitted(lobe, table, wo.z) * transmitted(lobe, table, wi.z) / average;
+  Rgb f = lobe.color * kInvPi * transmitted(lobe, table, wo.z) * transmitted(lobe, table, wi.z);
+  for (int c = 0; c < 3; ++c) f[c] = average[c] > 0.0f ? f[c] / average[c] : 0.0f;  // below a perfect mirror
   return {f, cosine_hemisphere_pdf(wi.z)};
 }
 

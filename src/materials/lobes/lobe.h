@@ -32,10 +32,10 @@ enum class TransportMode : uint8_t { radiance, importance };
 struct Lobe {
   LobeKind kind;
   Microfacet microfacet;
-  float eta;  ///< dielectric: index beyond over index on wo's side
-  Rgb color;  ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0;     ///< Schlick's Fresnel; covered_lambert: of the cover
-  Rgb f90;
+  float eta;          ///< dielectric: index beyond over index on wo's side
+  Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
+  Rgb f0;             ///< reflectance from the front; covered_lambert: of the cover
+  Rgb f90;            ///< and at grazing angles
   float weight;       ///< share of the mixture that this lobe stands for
   float probability;  ///< with which sampling chooses this lobe
 };

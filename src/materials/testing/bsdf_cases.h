@@ -132,8 +132,13 @@ inline std::vector<MaterialCase> material_list() {
     coated.sample.clearcoat_roughness = i % 3 ? 0.2f : 0.0f;
     list.push_back(coated);
   }
+  MaterialCase gilded{"gilded glass", sample(Rgb(1), 0, 1), true};
+  gilded.sample.specular = 0.5f;
+  gilded.sample.specular_color = Rgb(20, 15, 7);
   list.push_back(diffuse);
   list.push_back(tinted);
+  list.push_back(gilded);
+  list.push_back({"air", sample(blue, 0, 1), true, 1.0f});
   return list;
 }
 

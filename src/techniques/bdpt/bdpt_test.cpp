@@ -138,6 +138,21 @@ TEST(Bdpt, LampsInDarkGlassAreAsBrightFromBothSides) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);  // 65536 samples of each
 }
 
+TEST(Bdpt, CamerasKnowTheBodyThatTheyStandIn) {
+  const auto mean = [](const BdptOptions& options) {
+    return mean_of(render_bdpt(make_lamp_in_glass(true), options, 512));
+  };
+  const Rgb both = mean({});
+  const Rgb camera_alone = mean({.max_light_vertices = 1});
+  const Rgb light_alone = mean({.light_only = true});
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(both[c] / camera_alone[c], 1.0f, 0.02f);
+    EXPECT_NEAR(both[c] / light_alone[c], 1.0f, 0.02f);
+  }
+  EXPECT_NEAR(BdptFrame(make_lamp_in_glass(true), {}).compiled.view().camera_medium.r, -std::log(0.3f), 1e-4f);
+  EXPECT_EQ(BdptFrame(make_lamp_in_glass(), {}).compiled.view().camera_medium, Rgb(0));
+}
+
 TEST(Bdpt, DoesNotDependOnThreads) {
   for (const bool light_only : {false, true}) {
     BdptOptions options{.width = 40, .height = 40, .light_only = light_only};

@@ -21,6 +21,7 @@ RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uin
   e.path.ray = camera_ray(camera, x, y, sampler);
   e.path.cone_width = camera.cone_width();
   e.path.cone_spread = camera.cone_spread();
+  e.path.medium = c.scene().camera_medium;
   const CameraPdf pdf = pdf_of_generated(camera, e.path.ray);
   const bool parallel = camera.projection == Projection::orthographic;
   const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;

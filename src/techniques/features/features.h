@@ -47,16 +47,16 @@ RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* shar
     case LobeKind::thin_transmission: return -wo;
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric: {
-      const float fresnel = fresnel_dielectric(wo.z, lobe.eta);
-      const Rgb through = lobe.color * (1.0f - fresnel);
-      const Rgb total = Rgb(fresnel) + through;
+      const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+      const Rgb through = lobe.color * (Rgb(1) - reflected);
+      const Rgb total = reflected + through;
       Vec3 wi;
-      if (fresnel <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
+      if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
         for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
         *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
         return wi;
       }
-      for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? fresnel / total[c] : 0.0f;
+      for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
       return mirrored;
     }
     default: return mirrored;
@@ -145,7 +145,7 @@ struct FeatureTracer {
   RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp) const {
     Feature f;
     Rgb seen(1);
-    Rgb medium(0);  // of what the way leads through
+    Rgb medium = scene.camera_medium;  // of what the way leads through
     Mat3 unfold(1);
     uint32_t path_id = 0;
     f.albedo = Rgb(1);

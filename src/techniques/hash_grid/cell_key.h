@@ -127,7 +127,9 @@ struct CellKeys {
   RELUME_HD CellAddress address_of(const glm::i64vec3& v, const CellPoint& p, int level, int coarser) const {
     const auto cell_kind = static_cast<uint64_t>((level - kMinCellLevel) * (1 << 18) + coarser * (1 << 16) + p.layer);
     const uint64_t place = place_of(v, cell_kind);
-    const uint64_t facing = (static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
+    // Cells that are coarser than their place asks for are others than those whose place asks for as much.
+    const uint64_t coarsened = p.coarsening > 0 ? uint64_t{1} << 63 : 0;
+    const uint64_t facing = (coarsened | static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
     CellAddress result;
     const uint64_t region = mixed(place_of(v >> int64_t{kRegionLevels}, cell_kind));
     result.home =

@@ -243,6 +243,7 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
   path.ray = camera_ray(c.scene.camera, x, y, sampler);
   path.cone_width = c.scene.camera.cone_width();
   path.cone_spread = c.scene.camera.cone_spread();
+  path.medium = c.scene.camera_medium;
   path.rays = 1;
   return path;
 }

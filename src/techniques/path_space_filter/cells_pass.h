@@ -14,7 +14,8 @@
 
 namespace relume {
 
-/// Owns the cells.
+/// Owns the cells. Does not adapt() in the sense of Pass: frames go on with one low-discrepancy sequence a pixel, whose
+/// evenness one sample a pixel lives on; a pixel's earlier samples are one in hundreds of those that its cell knows.
 class CellsPass final : public Pass {
  public:
   /// `depths`: vertices of a path that have cells of their own; for the table's first size.

@@ -88,7 +88,7 @@ bool AuxiliaryPass::run(const FrameContext& frame) {
   kernel.normal = frame.view<Vec3>("normal");
   kernel.depth = frame.view<float>("depth");
   kernel.motion = frame.view<Vec2>("motion");
-  kernel.first = frame.since_change == 0;
+  kernel.first = frame.begins_picture;
   kernel.width = frame.width();
   return launch(frame.backend, "auxiliary", kernel, frame.width(), frame.height());
 }

@@ -44,7 +44,7 @@ struct ClaimKernel {
   View<uint64_t> claims;  ///< a pixel; kNoClaim at first
   View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
   View<const Rgb> mean;   ///< of the frame before
-  View<uint32_t> limits;  ///< samples that its history may count for, because light has changed
+  View<uint32_t> limits;  ///< samples that its history may count for, because light has changed; 0: none
   uint32_t capacity = 1;
   float max_error = 0;               ///< ε of eq. 15, in exposed display units
   float max_light_error = 0;         ///< the same for light that changed, below which a history counts in full
@@ -65,7 +65,7 @@ struct ClaimKernel {
       const ReprojectionFate f = claim(sample, pixels[pixel], claimed);
       if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
     }
-    fates[pixel] = fate;
+    fates[pixel] = limits[pixel] == 0 ? static_cast<uint32_t>(ReprojectionFate::relit) : fate;
   }
 
  private:
@@ -144,20 +144,29 @@ struct ClaimKernel {
     // A camera that turns in its place sees the same side of what rests.
     if (!parallel && c.position == scene.camera.position && p.before == p.now) return 0.0f;
     const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
+    const Mat3 turn = turn_of(scene.instances[sample.hit.instance]);
     float error = 0.0f;
     if (sample.scatter)
-      error = relume::max(error, eq15(sp, wo_before, unpack_direction(sample.scatter), pixel.indirect));
+      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
     if (sample.to_light)
-      error = relume::max(error, eq15(sp, wo_before, unpack_direction(sample.to_light), pixel.direct));
+      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct));
     return error * exposure;
   }
 
-  RELUME_HD static float eq15(const SurfacePoint& sp, const Vec3& wo_before, const Vec3& wi, const Rgb& irradiance) {
-    const Vec3 wi_local = sp.frame.to_local(wi);
-    const Vec3 before_local = sp.frame.to_local(wo_before);
-    if (before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
-    const Rgb now = view_dependent_f(sp.bsdf, sp.wo_local, wi_local);
-    const Rgb before = view_dependent_f(sp.bsdf, before_local, wi_local);
+  /// Takes directions about the surface where it was to those about it where it is now.
+  RELUME_HD static Mat3 turn_of(const Instance& instance) {
+    if (instance.to_world.linear == instance.previous_to_world.linear) return Mat3(1);
+    return instance.to_world.linear * glm::inverse(instance.previous_to_world.linear);
+  }
+
+  /// What was reflected before is evaluated in the surface's frame of now: viewer and light have turned about it.
+  RELUME_HD static float eq15(const SurfacePoint& sp, const Mat3& turn, const Vec3& wo_before, const Vec3& wi,
+                              const Rgb& irradiance) {
+    const Vec3 wi_before_local = sp.frame.to_local(glm::normalize(turn * wi));
+    const Vec3 wo_before_local = sp.frame.to_local(glm::normalize(turn * wo_before));
+    if (wo_before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
+    const Rgb now = view_dependent_f(sp.bsdf, sp.wo_local, sp.frame.to_local(wi));
+    const Rgb before = view_dependent_f(sp.bsdf, wo_before_local, wi_before_local);
     return max_component(abs(now - before) * irradiance);
   }
 
@@ -174,7 +183,10 @@ struct ClaimKernel {
     const float change = relume::max(stored_light_change(sp, stored[index]), moved_light_change(sp, index));
     const float error = change * exposure / (1.0f + shown);  // bright pixels hide more, as tone mapping has it
     const float excess = error / max_light_error;
-    if (excess > static_cast<float>(max_samples_changed)) return false;
+    if (excess > static_cast<float>(max_samples_changed)) {
+      limits[pixel] = 0;  // whatever the pixel's other samples find
+      return false;
+    }
     const float limit = static_cast<float>(max_samples_changed) / relume::max(excess, 1.0f);
     limits[pixel] = relume::min(limits[pixel], static_cast<uint32_t>(relume::max(limit, 1.0f)));
     return true;
@@ -235,12 +247,17 @@ struct SourceKernel {
     const uint32_t pixel = y * width + x;
     for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
     pixels[pixel] = StoredPixel{};
-    kept[pixel] = is_claim(claims[pixel]);
+    kept[pixel] = 0;
     reasons[pixel] = static_cast<uint32_t>(reason_of(claims[pixel]));
     sources[pixel] = kNoSource;
     limits[pixel] = 0;
     if (!is_claim(claims[pixel])) return;
     const auto sample = static_cast<uint32_t>(claims[pixel]);
+    if (limits_before[sample / capacity] == 0) {
+      reasons[pixel] = static_cast<uint32_t>(ReprojectionFate::relit);
+      return;
+    }
+    kept[pixel] = 1;
     sources[pixel] = sample / capacity;
     limits[pixel] = limits_before[sample / capacity];
     stored[pixel * capacity] = stored_before[sample];

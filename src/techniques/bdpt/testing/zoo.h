@@ -38,7 +38,7 @@ Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth = true, bool bent =
 /// The inside of a sphere that shines and reflects, seen by a panoramic camera: every place sees every other.
 Scene make_closed_sphere(float albedo);
 
-/// A lamp, a floor and a wall in a block of dark glass, seen from outside.
-Scene make_lamp_in_glass();
+/// A lamp, a floor and a wall in a block of dark glass, seen from outside or from within.
+Scene make_lamp_in_glass(bool from_within = false);
 
 }  // namespace relume::testing

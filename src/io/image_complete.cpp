@@ -1,0 +1,105 @@
+#include "io/image_complete.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace relume::detail {
+namespace {
+
+/// Little-endian number of `size` bytes; what is beyond the end counts as 0.
+uint64_t number_at(std::span<const std::byte> bytes, size_t offset, size_t size) {
+  uint64_t value = 0;
+  for (size_t i = 0; i < size && offset + i < bytes.size(); ++i)
+    value |= std::to_integer<uint64_t>(bytes[offset + i]) << (8 * i);
+  return value;
+}
+
+/// Whether every chunk ends within the file. stb_image would first allocate what a damaged length asks for.
+bool is_complete_png(std::span<const std::byte> bytes) {
+  constexpr size_t kSignature = 8;
+  constexpr size_t kChunkHead = 8;  // length (big-endian) and type
+  constexpr size_t kChecksum = 4;
+  size_t offset = kSignature;
+  while (offset + kChunkHead <= bytes.size()) {
+    uint32_t length = 0;
+    for (size_t i = 0; i < 4; ++i) length = (length << 8) | std::to_integer<uint32_t>(bytes[offset + i]);
+    if (starts_with(bytes, "IEND", offset + 4)) return true;
+    if (length > bytes.size() - offset - kChunkHead) return false;
+    offset += kChunkHead + length + kChecksum;
+  }
+  return false;
+}
+
+/// Whether the end of the image follows the last start of a scan: thumbnails have ends of their own.
+bool is_complete_jpeg(std::span<const std::byte> bytes) {
+  constexpr std::byte kStartOfScan[] = {std::byte{0xff}, std::byte{0xda}};
+  constexpr std::byte kEndOfImage[] = {std::byte{0xff}, std::byte{0xd9}};
+  const auto scan = std::find_end(bytes.begin(), bytes.end(), std::begin(kStartOfScan), std::end(kStartOfScan));
+  return std::search(scan, bytes.end(), std::begin(kEndOfImage), std::end(kEndOfImage)) != bytes.end();
+}
+
+/// Truevision TGA File Format Specification 2.0: header, name, colour map, then pixels or packets of up to 128.
+bool is_complete_tga(std::span<const std::byte> bytes, uint64_t pixel_count) {
+  const uint64_t map_bytes =
+      number_at(bytes, 1, 1) != 0 ? number_at(bytes, 5, 2) * ((number_at(bytes, 7, 1) + 7) / 8) : 0;
+  const uint64_t pixel_bytes = (number_at(bytes, 16, 1) + 7) / 8;
+  const bool run_length_encoded = (number_at(bytes, 2, 1) & 8) != 0;
+  uint64_t end = 18 + number_at(bytes, 0, 1) + map_bytes;
+  if (!run_length_encoded) return end + pixel_count * pixel_bytes <= bytes.size();
+  for (uint64_t pixels = 0; pixels < pixel_count;) {
+    if (end >= bytes.size()) return false;
+    const uint64_t head = number_at(bytes, end, 1);
+    const uint64_t count = (head & 127) + 1;
+    end += 1 + (head & 128 ? 1 : count) * pixel_bytes;
+    pixels += count;
+  }
+  return end <= bytes.size();
+}
+
+/// BITMAPCOREHEADER or BITMAPINFOHEADER and later ones, without compression: rows are padded to four bytes.
+bool is_complete_bmp(std::span<const std::byte> bytes) {
+  constexpr size_t kFileHeader = 14;
+  const uint64_t begin = number_at(bytes, 10, 4);
+  const uint64_t header = number_at(bytes, 14, 4);
+  const bool is_core = header == 12;
+  const uint64_t width = number_at(bytes, 18, is_core ? 2 : 4);
+  const auto height =
+      static_cast<uint64_t>(is_core ? number_at(bytes, 20, 2)
+                                    : static_cast<uint64_t>(std::llabs(static_cast<int32_t>(number_at(bytes, 22, 4)))));
+  const uint64_t depth = number_at(bytes, is_core ? 24 : 28, 2);
+  const uint64_t row_bytes = (width * depth + 31) / 32 * 4;
+  if (begin + row_bytes * height > bytes.size()) return false;
+  if (depth != 1 && depth != 4 && depth != 8) return true;
+  if (begin < kFileHeader + header) return false;
+  const uint64_t colors = (begin - kFileHeader - header) / (is_core ? 3 : 4);
+  for (uint64_t y = 0; y < height && colors < uint64_t{1} << depth; ++y) {
+    for (uint64_t x = 0; x < width; ++x) {
+      const uint64_t bit = x * depth;
+      const uint64_t byte = number_at(bytes, begin + y * row_bytes + bit / 8, 1);
+      if ((byte >> (8 - depth - bit % 8) & ((uint64_t{1} << depth) - 1)) >= colors) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool starts_with(std::span<const std::byte> bytes, std::string_view magic, size_t offset) {
+  if (bytes.size() < offset + magic.size()) return false;
+  for (size_t i = 0; i < magic.size(); ++i) {
+    if (static_cast<char>(bytes[offset + i]) != magic[i]) return false;
+  }
+  return true;
+}
+
+bool is_complete(std::span<const std::byte> bytes, ImageFormat format, uint64_t pixel_count) {
+  switch (format) {
+    case ImageFormat::png: return is_complete_png(bytes);
+    case ImageFormat::jpeg: return is_complete_jpeg(bytes);
+    case ImageFormat::tga: return is_complete_tga(bytes, pixel_count);
+    case ImageFormat::bmp: return is_complete_bmp(bytes);
+    default: return true;
+  }
+}
+
+}  // namespace relume::detail
