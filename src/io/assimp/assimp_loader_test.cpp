@@ -88,6 +88,18 @@ TEST(Assimp, TurnsPhongIntoMetallicRoughness) {
   EXPECT_EQ(veil.alpha_mode, AlphaMode::blend);
 }
 
+TEST(Assimp, AMissingEmissiveTextureDoesNotShine) {
+  const SceneFolder folder;
+  folder.write("lamp.png", solid_png(2, 2, 255, 255, 255, 255));
+  const auto emission = [&](const std::string& text) {
+    const Scene scene = load_obj(folder, text);
+    return scene.materials.at(material_of(scene)).emission;
+  };
+  EXPECT_EQ(emission("Ke 0 0 0\nmap_Ke lamp.png\n"), Rgb(1));
+  EXPECT_EQ(emission("Ke 0 0 0\nmap_Ke nowhere.png\n"), Rgb(0));
+  EXPECT_EQ(emission("Ke 3 4 5\nmap_Ke nowhere.png\n"), Rgb(3, 4, 5));
+}
+
 TEST(Assimp, MergesOpacityIntoTheColourTexture) {
   const SceneFolder folder;
   folder.write("color.png", solid_png(2, 2, 10, 20, 30, 255));
