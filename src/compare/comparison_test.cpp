@@ -210,8 +210,8 @@ TEST_F(ComparisonTest, PicturesAloneClaimNoRenderingOfTheirOwn) {
   EXPECT_TRUE(json["repetitions"].is_null() && json["spp"].is_null());
   EXPECT_FALSE(json["machine"].contains("threads"));
   const std::string html = to_html(comparison_page(c, {}));
-  EXPECT_EQ(occurrences(html, "repetitions"), 0u);
-  EXPECT_EQ(occurrences(html, "Threads"), 0u);
+  for (const char* claim : {"5 repetitions", "take turns", "Threads", "equal samples"})
+    EXPECT_EQ(occurrences(html, claim), 0u) << claim;
 }
 
 TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {

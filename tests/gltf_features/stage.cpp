@@ -55,7 +55,7 @@ std::string text_of(const Rgb& c) {
 
 Stage::Stage() {
   const int camera = file.add("cameras", {{"type", "orthographic"},
-                                          {"orthographic", {{"xmag", 1}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 100}}}});
+                                          {"orthographic", {{"xmag", 16.0 / 9}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 100}}}});
   file.add_root({{"camera", camera}, {"translation", {0, 0, 5}}});
 }
 
