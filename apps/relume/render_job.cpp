@@ -1,6 +1,7 @@
 #include "render_job.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -141,6 +142,7 @@ class RenderJob {
   void check_earlier_pictures() const;
   StopReason render_picture(size_t index, std::stop_token stop);
   void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
+  void keep(size_t index, StopReason reason);
   void save_checkpoint();
   void try_checkpoint();
   void write(size_t index, StopReason reason);
@@ -245,8 +247,7 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const StopReason reason = render_until(source, criteria, now_s, stop, done);
   printer.clear();
   display_.show(*session_);
-  write(index, reason);  // before the checkpoint: a disk that is full for that need not be full for the picture
-  save_checkpoint();
+  keep(index, reason);
   return reason;
 }
 
@@ -265,6 +266,18 @@ void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCr
       now_s());
   if (now_s() - last_checkpoint_s_ >= static_cast<double>(options_.checkpoint_interval_s)) try_checkpoint();
   if (display_.due()) display_.show(*session_);
+}
+
+/// Picture and checkpoint may lie on different disks: one that is full costs only what lies on it.
+void RenderJob::keep(size_t index, StopReason reason) {
+  std::exception_ptr problem;
+  try {
+    write(index, reason);
+  } catch (...) {
+    problem = std::current_exception();
+  }
+  save_checkpoint();
+  if (problem) std::rethrow_exception(problem);
 }
 
 void RenderJob::save_checkpoint() {

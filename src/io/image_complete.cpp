@@ -30,12 +30,35 @@ bool is_complete_png(std::span<const std::byte> bytes) {
   return false;
 }
 
-/// Whether the end of the image follows the last start of a scan: thumbnails have ends of their own.
+/// Where the entropy-coded data that begin at `offset` end: at a marker that is neither a stuffed byte nor a restart.
+size_t end_of_scan(std::span<const std::byte> bytes, size_t offset) {
+  for (; offset + 1 < bytes.size(); ++offset) {
+    const auto code = std::to_integer<unsigned>(bytes[offset + 1]);
+    const bool is_marker =
+        bytes[offset] == std::byte{0xff} && code != 0 && code != 0xff && (code < 0xd0 || code > 0xd7);
+    if (is_marker) return offset;
+  }
+  return bytes.size();
+}
+
+/// ITU-T T.81, annex B: segments with their lengths up to the end of the image. Thumbnails lie within segments, and
+/// what follows the end (films of telephones) does not count.
 bool is_complete_jpeg(std::span<const std::byte> bytes) {
-  constexpr std::byte kStartOfScan[] = {std::byte{0xff}, std::byte{0xda}};
-  constexpr std::byte kEndOfImage[] = {std::byte{0xff}, std::byte{0xd9}};
-  const auto scan = std::find_end(bytes.begin(), bytes.end(), std::begin(kStartOfScan), std::end(kStartOfScan));
-  return std::search(scan, bytes.end(), std::begin(kEndOfImage), std::end(kEndOfImage)) != bytes.end();
+  constexpr unsigned kEndOfImage = 0xd9;
+  constexpr unsigned kStartOfScan = 0xda;
+  size_t offset = 2;
+  while (offset + 1 < bytes.size()) {
+    const auto code = std::to_integer<unsigned>(bytes[offset + 1]);
+    if (bytes[offset] != std::byte{0xff} || code == 0xff) {  // fill bytes, and what decoders pass over
+      ++offset;
+      continue;
+    }
+    if (code == kEndOfImage) return true;
+    if (offset + 4 > bytes.size()) return false;
+    offset += 2 + (std::to_integer<size_t>(bytes[offset + 2]) << 8 | std::to_integer<size_t>(bytes[offset + 3]));
+    if (code == kStartOfScan) offset = end_of_scan(bytes, offset);
+  }
+  return false;
 }
 
 /// Truevision TGA File Format Specification 2.0: header, name, colour map, then pixels or packets of up to 128.
@@ -70,8 +93,9 @@ bool is_complete_bmp(std::span<const std::byte> bytes) {
   const uint64_t row_bytes = (width * depth + 31) / 32 * 4;
   if (begin + row_bytes * height > bytes.size()) return false;
   if (depth != 1 && depth != 4 && depth != 8) return true;
-  if (begin < kFileHeader + header) return false;
-  const uint64_t colors = (begin - kFileHeader - header) / (is_core ? 3 : 4);
+  // As stb_image counts them, which takes the core header for twice its length.
+  const uint64_t headers = kFileHeader + (is_core ? 24 : header);
+  const uint64_t colors = begin > headers ? (begin - headers) / (is_core ? 3 : 4) : 0;
   for (uint64_t y = 0; y < height && colors < uint64_t{1} << depth; ++y) {
     for (uint64_t x = 0; x < width; ++x) {
       const uint64_t bit = x * depth;

@@ -191,6 +191,8 @@ TEST(ImageMalformed, TheEndOfAThumbnailIsNotThatOfThePicture) {
   bytes.insert(bytes.end(), picture.begin() + 2, picture.end());
   EXPECT_NO_THROW(parse_image(bytes, "a.jpg"));
   EXPECT_THROW(parse_image({bytes.data(), bytes.size() - 20}, "a.jpg"), Error);
+  for (const unsigned char byte : {0x00, 0xff, 0xda, 0x12, 0x34}) bytes.push_back(std::byte(byte));
+  EXPECT_NO_THROW(parse_image(bytes, "a.jpg")) << "what follows the end is none of the picture's";
 }
 
 TEST(ImageMalformed, CutOffBitmapsAreErrors) {

@@ -143,8 +143,8 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
   const Mesh& mesh = source_.meshes[mesh_index];
   const uint32_t first_vertex = static_cast<uint32_t>(vertices_.size());
   const Affine m = transform ? Affine{Mat3(*transform), Vec3((*transform)[3])} : Affine{};
-  const Mat3 normal_matrix = cofactors(m.linear);
-  const bool mirrored = glm::dot(m.linear[0], normal_matrix[0]) < 0.0f;
+  const Mat3 normal_to_world = normal_matrix(m.linear);
+  const bool mirrored = glm::dot(m.linear[0], normal_to_world[0]) < 0.0f;
   const float orientation = mirrored ? -1.0f : 1.0f;
 
   MeshView view;
@@ -167,7 +167,7 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
     Vertex& v = vertices_[first_vertex + i];
     v.position = m.point(mesh.positions[i]);
     const auto unit = [](const Vec3& d) { return length_squared(d) > 0.0f ? glm::normalize(d) : Vec3(0, 0, 1); };
-    const Vec3 normal = view.has_normals ? unit(normal_matrix * mesh.normals[i] * orientation) : Vec3(0, 0, 1);
+    const Vec3 normal = view.has_normals ? unit(normal_to_world * mesh.normals[i] * orientation) : Vec3(0, 0, 1);
     const float handedness = view.has_tangents ? std::copysign(1.0f, mesh.tangents[i].w) * orientation : 1.0f;
     v.normal = pack_normal(normal, handedness);
     v.uv = view.has_uv ? mesh.uv0[i] : Vec2(0);

@@ -92,7 +92,7 @@ class CompiledScene {
   PlacedCamera scene_camera(const std::vector<Mat4>& world) const;
   std::vector<Mat4> checked_world(float time_s) const;
   void check_extent(const Box& box) const;
-  Box moving_box(const std::vector<Mat4>& world) const;
+  Box placed_box(const std::vector<Mat4>& world, bool moving_only = false) const;  ///< of what instance nodes place
   Change place_everything(std::vector<Mat4> world);
   void collect_lights();
   void compute_bounds();

@@ -37,11 +37,12 @@ std::vector<float> times_of_animation(const Scene& scene) {
 
 }  // namespace
 
-Box CompiledScene::moving_box(const std::vector<Mat4>& world) const {
+Box CompiledScene::placed_box(const std::vector<Mat4>& world, bool moving_only) const {
   Box box;
   for (size_t i = 0; i < appearances_.size(); ++i) {
     const Appearance& a = appearances_[i];
-    if (!world_space_[i]) box.add(transformed(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local));
+    if (!world_space_[i] && (moves_[a.node] || !moving_only))
+      box.add(transformed(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local));
   }
   return box;
 }
@@ -66,7 +67,13 @@ void CompiledScene::compute_bounds() {
     if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]]);
   }
   // The time that is shown first must make no difference, so that frames do not depend on which came before.
-  for (const float time_s : times_of_animation(source_)) extent_.add(moving_box(world_matrices(source_, time_s)));
+  extent_.add(placed_box(world_matrices(source_, 0)));
+  const bool anything_moves =
+      std::any_of(appearances_.begin(), appearances_.end(), [&](const Appearance& a) { return moves_[a.node]; });
+  if (anything_moves) {
+    for (const float time_s : times_of_animation(source_))
+      extent_.add(placed_box(world_matrices(source_, time_s), true));
+  }
   check_extent(extent_);
   set_bounds();
 }

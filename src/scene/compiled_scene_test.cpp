@@ -308,6 +308,9 @@ TEST(CompiledScene, RefusesASunBeyondAllRadiance) {
   EXPECT_EQ(problem_of([&] { validate(scene, "a"); }), "");
   scene.environment.sun_sky.sun_scale = 1e20f;
   EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
+  scene.environment.sun_sky.sun_scale = 1e8f;
+  scene.environment.sun_sky.sun_angular_diameter_rad = 3e-6f;
+  EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
 }
 
 TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {

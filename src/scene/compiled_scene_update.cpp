@@ -18,12 +18,6 @@ bool same(const CameraView& a, const CameraView& b) {
          a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
 }
 
-/// Magnitude of the largest entry; 1 for a matrix that collapses everything.
-float largest_entry(const Mat3& m) {
-  const float largest = max(max_component(abs(m[0])), max(max_component(abs(m[1])), max_component(abs(m[2]))));
-  return largest > 0 ? largest : 1;
-}
-
 }  // namespace
 
 void CompiledScene::end_frame() {
@@ -73,7 +67,7 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
   std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
   try {
     std::vector<Mat4> world = checked_world(time_s_);
-    extent_.add(moving_box(world));
+    extent_.add(placed_box(world));
     set_bounds();
     return place_everything(std::move(world));
   } catch (const Error&) {
@@ -128,7 +122,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
 std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
   std::vector<Mat4> world = world_matrices(source_, time_s);
   check_placement(source_, world, source_.name);
-  check_extent(moving_box(world));
+  check_extent(placed_box(world));
   view_through(scene_camera(world));
   return world;
 }
@@ -176,7 +170,7 @@ bool CompiledScene::place_instances() {
     moved = moved || now.linear != instance.to_world.linear || now.translation != instance.to_world.translation;
     if (first) instance.previous_to_world = now;
     instance.to_world = now;
-    instance.normal_to_world = cofactors(now.linear / largest_entry(now.linear));  // only its direction counts
+    instance.normal_to_world = normal_matrix(now.linear);
     instance.orientation = glm::dot(now.linear[0], instance.normal_to_world[0]) < 0.0f ? -1.0f : 1.0f;
   }
   return moved;
@@ -219,7 +213,10 @@ void CompiledScene::refresh_view() {
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
   view_.energy_tables = &energy_tables();
-  if (accel_) view_.camera_medium = absorption_around(view_, {camera_view_.position, -camera_view_.axes.n, kInfinity});
+  if (!accel_) return;
+  // A closed body is left in every direction; a lone sheet of glass, or a gap that a ray slips through, in one.
+  const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
+  view_.camera_medium = glm::min(around(-camera_view_.axes.n), around(camera_view_.axes.n));
 }
 
 std::vector<AccelInstance> CompiledScene::accel_instances() const {

@@ -26,6 +26,12 @@ RELUME_HD inline Mat3 cofactors(const Mat3& m) {
   return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
 
+/// Takes normals along, up to a positive factor, without overflow for any scale: only directions count.
+inline Mat3 normal_matrix(const Mat3& m) {
+  const float largest = max(max_component(abs(m[0])), max(max_component(abs(m[1])), max_component(abs(m[2]))));
+  return cofactors(largest > 0 ? m / largest : m);
+}
+
 /// A unit normal with 16 bits a component, so that three of them interpolate without a square root; the fourth number
 /// is the handedness of the bitangent.
 struct PackedNormal {

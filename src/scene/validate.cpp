@@ -182,7 +182,8 @@ void validate(const Environment& e, const std::string& place) {
       !(is_finite(s.sun_scale) && s.sun_scale >= 0))
     fail(place, "the environment has a colour or scale that is negative or above {:g}; give it another", kMaxRadiance);
   // Radiance of the sky below 1e4 kcd/m², of a disk of 128 klx by its solid angle; a sun without extent is not seen.
-  const float disk = 1.0f - std::cos(0.5f * s.sun_angular_diameter_rad);
+  const float half_sine = std::sin(0.25f * s.sun_angular_diameter_rad);
+  const float disk = 2.0f * half_sine * half_sine;
   const float sun = 128.0f * s.sun_scale / (disk > 0.0f ? 2 * kPi * disk : 1.0f);
   const bool is_sky = e.kind == EnvironmentKind::sun_sky;
   if (is_sky && !(max(1e4f * s.sky_scale, sun) * max_component(e.color) <= kMaxRadiance))

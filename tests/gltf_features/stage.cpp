@@ -54,8 +54,9 @@ std::string text_of(const Rgb& c) {
 }  // namespace
 
 Stage::Stage() {
-  const int camera = file.add("cameras", {{"type", "orthographic"},
-                                          {"orthographic", {{"xmag", 16.0 / 9}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 100}}}});
+  const int camera = file.add(
+      "cameras",
+      {{"type", "orthographic"}, {"orthographic", {{"xmag", 16.0 / 9}, {"ymag", 1}, {"znear", 0.1}, {"zfar", 100}}}});
   file.add_root({{"camera", camera}, {"translation", {0, 0, 5}}});
 }
 

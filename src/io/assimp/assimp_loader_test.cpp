@@ -96,6 +96,10 @@ TEST(Assimp, AMissingEmissiveTextureDoesNotShine) {
     return scene.materials.at(material_of(scene)).emission;
   };
   EXPECT_EQ(emission("Ke 0 0 0\nmap_Ke lamp.png\n"), Rgb(1));
+  Image bright(2, 2);
+  for (Rgb& pixel : bright.pixels) pixel = Rgb(5);
+  write_image(folder.path() / "lamp.exr", bright);
+  EXPECT_EQ(emission("Ke 0 0 0\nmap_Ke lamp.exr\n"), Rgb(1));
   EXPECT_EQ(emission("Ke 0 0 0\nmap_Ke nowhere.png\n"), Rgb(0));
   EXPECT_EQ(emission("Ke 3 4 5\nmap_Ke nowhere.png\n"), Rgb(3, 4, 5));
 }

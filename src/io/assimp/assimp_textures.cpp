@@ -209,7 +209,7 @@ void AssimpTextures::finish() {
   parallel_for(requests_.size(), [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
   for (const Warnings& part : warnings) warnings_.add(part);
   for (size_t i = 0; i < requests_.size(); ++i)
-    missing_.push_back(image(requests_[i].first, scene_.textures[i].format) == nullptr);
+    missing_.push_back(image(requests_[i].first, format_of(requests_[i].recipe)) == nullptr);
   images_.clear();
 }
 

@@ -200,6 +200,7 @@ TEST(GltfMaterial, SaysWhereACoatIsBentAsItsBase) {
   EXPECT_TRUE(mentions(warnings(nullptr, true), "'car': its clearcoat is smooth"));
   EXPECT_TRUE(mentions(warnings(1, true), "of its own"));
   EXPECT_TRUE(mentions(warnings(1, false), "of its own"));
+  EXPECT_TRUE(mentions(warnings(1e300, true), "smooth"));
 }
 
 TEST(GltfMaterial, ReadsImagesFromBufferViews) {

@@ -25,6 +25,16 @@ AlphaMode alpha_mode(const std::string& name) {
   return AlphaMode::opaque;
 }
 
+/// Whether a normal texture of an extension says what that of the material says, if both name the same texture.
+bool bends_alike(const tinygltf::NormalTextureInfo& base, const tinygltf::Value& other) {
+  const tinygltf::Value* extensions = object_member(other, "extensions");
+  const tinygltf::Value* a = find_extension(base.extensions, "KHR_texture_transform");
+  const tinygltf::Value* b = extensions ? object_member(*extensions, "KHR_texture_transform") : nullptr;
+  const bool same_place = a && b ? *a == *b : !a && !b;
+  return same_place && base.texCoord == integer_member(other, "texCoord", 0) &&
+         base.scale == number_member(other, "scale", 1);
+}
+
 }  // namespace
 
 Index MaterialImporter::import(int material) {
@@ -73,9 +83,9 @@ void MaterialImporter::warn_of_coat_normals(const tinygltf::Material& source, co
                                             const Material& m) {
   if (!(m.clearcoat > 0)) return;
   const tinygltf::Value* own = object_member(clearcoat, "clearcoatNormalTexture");
-  const int base = source.normalTexture.index;
-  const int coat = own ? static_cast<int>(number_member(*own, "index", -1)) : -1;
-  if (coat == base) return;
+  const tinygltf::NormalTextureInfo& base = source.normalTexture;
+  const int coat = own ? integer_member(*own, "index", -1) : -1;
+  if (coat == base.index && (!own || bends_alike(base, *own))) return;
   document_.warnings.add(fmt::format("material '{}': its clearcoat {}", m.name,
                                      coat >= 0 ? "has a normal texture of its own, which is ignored"
                                                : "is smooth over a normal texture; here it is bent by that, too"));

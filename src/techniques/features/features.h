@@ -129,7 +129,8 @@ struct FeatureTracer {
     SurfacePoint sp;
     make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     // Most pixels show a surface directly, and for them there is nothing to follow or to unfold.
-    if (!sp.front_face || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp);
+    const bool in_body = !sp.front_face || !is_black(scene.camera_medium);
+    if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp);
     f.position = sp.position;
     f.previous = sp.previous_position;
     f.normal = sp.frame.n;

@@ -128,6 +128,12 @@ TEST(Features, BodiesAbsorbAsAlongPaths) {
   Scene inside = testing::glowing_plate(5);
   testing::add_body(inside, testing::tint(kAbsorption), 3, -1);
   expect_seen_through(inside, 3, "the plate in a body");
+  Scene eye_inside = testing::glowing_plate(2);
+  testing::add_body(eye_inside, testing::tint(kAbsorption), 3, 0.5f);
+  expect_seen_through(eye_inside, 1.5f, "the camera in a body");
+  Scene all_inside = testing::glowing_plate(2);
+  testing::add_body(all_inside, testing::tint(kAbsorption), 3, -1);
+  expect_seen_through(all_inside, 2, "camera and plate in a body");
   Scene nested = testing::glowing_plate(5);
   testing::add_body(nested, testing::tint(kAbsorption * 0.5f), 4, -1);
   testing::add_body(nested, testing::tint(kAbsorption), 3, 2);

@@ -145,6 +145,17 @@ TEST(CellKey, CoarsenedPointsShareLargerCells) {
   EXPECT_GT(cells[1].size(), 2 * cells[2].size());
 }
 
+TEST(CellKey, CoarsenedCellsAreOthersThanThoseOfTheirLevel) {
+  const CellKeys k = keys();
+  CellPoint near{Vec3(0.1f, 0.2f, 1), 7, 0, 2, 0};
+  CellPoint coarsened = near;
+  coarsened.coarsening = 1;
+  const int level = k.level_of(near);
+  EXPECT_NE(k.address_at(near.position, near, level, 0).fingerprint,
+            k.address_at(near.position, coarsened, level, 0).fingerprint);
+  EXPECT_EQ(k.address_at(near.position, near, level, 0).home, k.address_at(near.position, coarsened, level, 0).home);
+}
+
 TEST(CellKey, FarFromTheOriginToo) {
   CellKeys k = keys();
   k.camera = Vec3(1e6f, 0, 1e6f);

@@ -196,6 +196,12 @@ TEST(Path, BodiesAbsorbWhereverThePathIsInside) {
   Scene eye_inside = glowing_plate(2);
   add_body(eye_inside, tint(kAbsorption), 3, 0.5f);
   expect_transmitted(eye_inside, 1.5f, "the camera in a body");
+  Scene all_inside = glowing_plate(2);
+  add_body(all_inside, tint(kAbsorption), 3, -1);
+  expect_transmitted(all_inside, 2, "camera and plate in a body");
+  Scene sheet_behind = glowing_plate(2);
+  add_body(sheet_behind, tint(kAbsorption), -1, -1);
+  expect_transmitted(sheet_behind, 0, "an open sheet beyond the plate");
   Scene nested = glowing_plate(5);
   add_body(nested, tint(kAbsorption * 0.5f), 4, -1);
   add_body(nested, tint(kAbsorption), 3, 2);
