@@ -41,10 +41,13 @@ void check_picture_file(const std::filesystem::path& file, const std::vector<std
     throw UsageError(fmt::format("{}: pictures are written as {}; choose one of these extensions", file.string(),
                                  fmt::join(kExtensions, ", ")));
   }
-  if (!aovs.empty() && extension != ".exr") {
-    throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
-  }
+  check_layers(file, aovs);
   check_folder_of(file);
+}
+
+void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
+  if (aovs.empty() || lower_extension(file) == ".exr") return;
+  throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
 }
 
 void check_folder_of(const std::filesystem::path& file) {

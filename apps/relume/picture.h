@@ -17,6 +17,8 @@ namespace relume::cli {
 /// check_folder_of(), and throws UsageError unless the extension is one that pictures can be written to and the format
 /// can hold `aovs` if there are any.
 void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
+/// Throws UsageError if layers are asked for in a file that has none.
+void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 
 /// Throws UsageError unless the folder of `file` exists and can be written to, and `file` is not a folder itself.
 void check_folder_of(const std::filesystem::path& file);

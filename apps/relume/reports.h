@@ -57,6 +57,7 @@ struct PictureReport {
   std::vector<std::pair<std::string, std::string>> attributes;  ///< of an EXR: name and text
 };
 
+/// Extremes of what is finite, and how much is not.
 PictureReport::Channel report_channel(const ExrChannel& channel);
 
 /// A mean number of samples a pixel: "64", or "12.25" where it is not whole.

@@ -13,7 +13,7 @@ bool is_video_file(const std::filesystem::path& file) {
 }
 
 void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
-  if (!aovs.empty()) throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
+  check_layers(file, aovs);
   if (!program_exists("ffmpeg")) {
     throw UsageError(fmt::format(
         "{}: videos are encoded by ffmpeg, which is not there; install it (apt install ffmpeg), or write pictures: "

@@ -218,7 +218,9 @@ ViewerBlock comparison_pictures(const Comparison& c) {
   const PictureOptions options{display.tone_map, display.exposure, value_bytes <= kMostValueBytes};
   const bool moves = is_animation(c.options);
   ViewerBlock block{.title = "Pictures",
-                    .text = moves ? "The last frame of the first repetition." : "Of the first repetition.",
+                    .text = c.threads == 0 ? ""
+                            : moves        ? "The last frame of the first repetition."
+                                           : "Of the first repetition.",
                     .layers = picture_layer_kinds(),
                     .sets = {}};
   std::vector<MeasuredImage> images;

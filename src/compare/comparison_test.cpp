@@ -210,7 +210,7 @@ TEST_F(ComparisonTest, PicturesAloneClaimNoRenderingOfTheirOwn) {
   EXPECT_TRUE(json["repetitions"].is_null() && json["spp"].is_null());
   EXPECT_FALSE(json["machine"].contains("threads"));
   const std::string html = to_html(comparison_page(c, {}));
-  for (const char* claim : {"5 repetitions", "take turns", "Threads", "equal samples"})
+  for (const char* claim : {"5 repetitions", "first repetition", "take turns", "Threads", "equal samples"})
     EXPECT_EQ(occurrences(html, claim), 0u) << claim;
 }
 
