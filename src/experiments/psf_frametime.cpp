@@ -153,7 +153,7 @@ TableBlock cost_table(const Timing& t) {
                    {}};
   const auto cell = [](double value, int digits) { return TableCell{fmt::format("{:.{}f}", value, digits), value}; };
   for (const FrameFigures& f : t.list) {
-    const double ratio = f.frame_ms / t.list.front().frame_ms;
+    const double ratio = time_ratio(f.frame_s, t.list.front().frame_s).value;
     block.rows.push_back({.name = f.name,
                           .cells = {cell(ratio, 2), cell(f.frame_ms, 0), cell(f.rays, 2), cell(f.cells, 0),
                                     cell(f.table_mb, 0), cell(f.probes, 1)}});

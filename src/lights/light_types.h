@@ -36,6 +36,7 @@ struct LightSample {
 /// A ray that leaves a light. Throughput of the light path: le · cos / (pdf_a · pdf_w).
 struct EmissionSample {
   Vec3 origin{0};
+  float error = 0;      ///< of the origin, metres, beyond rounding in world space: TriangleLight::error
   Vec3 direction{0};    ///< away from the light
   Vec3 normal{0};       ///< of the emitter; zero: point light
   Rgb le{0};            ///< radiance; intensity for point and spot lights; irradiance for delta directional lights

@@ -14,6 +14,7 @@ struct TriangleLight {
   Vec3 e2;       ///< v2 − v0
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
+  float error;   ///< of where rays meet the triangle in the space of its mesh, metres; 0 if that is world space
   Rgb radiance;  ///< emitted where the texture is white
   uint32_t instance;
   uint32_t primitive;
@@ -168,6 +169,7 @@ RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const Text
   const Vec3 local = cosine_hemisphere_from_square(u_direction);
   EmissionSample s;
   s.origin = light.position(point.barycentric);
+  s.error = light.error;
   s.direction = make_frame(normal).to_world(local);
   s.normal = normal;
   s.le = emitted_radiance(light, e, point.barycentric);

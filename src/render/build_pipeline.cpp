@@ -159,6 +159,11 @@ void check_combination(const RenderSettings& settings) {
         "estimators 'bdpt' and 'light' do not combine with history 'reproject' by reproject.method 'forward', which "
         "judges the directions of one path; use reproject.method 'backward' or history 'accumulate'");
   }
+  if (settings.estimator == EstimatorChoice::light && settings.allocation == AllocationChoice::adaptive) {
+    throw Error(
+        "estimator 'light' does not combine with allocation 'adaptive': where light paths arrive does not depend on "
+        "the pixels that get samples; use allocation 'uniform' or estimator 'path' or 'bdpt'");
+  }
   if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
     throw Error(
         "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "

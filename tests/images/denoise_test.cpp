@@ -143,6 +143,33 @@ TEST_P(DenoisedPicture, AFurnaceStaysWhite) {
   EXPECT_NEAR(mean / mean_luminance(truth.image()), 1.0, 2e-3);
 }
 
+/// What is shown in the first frame of a view, after frames of another one or (0) of none.
+Image first_of_a_view(const RenderSettings& settings, int frames_before) {
+  Session session(build("cornell-closed"), settings);
+  const PlacedCamera there = session.scene().camera();
+  PlacedCamera elsewhere = there;
+  elsewhere.to_world[0] = -there.to_world[0];  // turned around
+  elsewhere.to_world[2] = -there.to_world[2];
+  session.set_camera(elsewhere);
+  for (int i = 0; i < frames_before; ++i) session.render_frame();
+  session.set_camera(there);
+  session.render_frame();
+  return session.image();
+}
+
+TEST_P(DenoisedPicture, ACutIsFilteredAsAFirstFrameIs) {
+  const Image& reference = reference_of("cornell-closed", EstimatorChoice::path, 0);
+  double first = 0;
+  double after_cut = 0;
+  for (int seed = 1; seed <= 6; ++seed) {
+    RenderSettings settings = settings_of(GetParam());
+    settings.seed = seed;
+    first += shown_mse(first_of_a_view(settings, 0), reference);
+    after_cut += shown_mse(first_of_a_view(settings, 4), reference);
+  }
+  EXPECT_NEAR(after_cut / first, 1.0, 0.25);
+}
+
 std::string denoiser_name(const ::testing::TestParamInfo<DenoiseChoice>& instance) {
   return instance.param == DenoiseChoice::bmfr ? "bmfr" : "svgf";
 }

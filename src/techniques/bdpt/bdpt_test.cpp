@@ -11,6 +11,8 @@
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/builtin.h"
+#include "scene/testing/bodies.h"
+#include "scene/testing/light_scene.h"
 #include "techniques/bdpt/testing/bdpt_frame.h"
 #include "techniques/bdpt/testing/zoo.h"
 
@@ -151,6 +153,87 @@ TEST(Bdpt, CamerasKnowTheBodyThatTheyStandIn) {
   }
   EXPECT_NEAR(BdptFrame(make_lamp_in_glass(true), {}).compiled.view().camera_medium.r, -std::log(0.3f), 1e-4f);
   EXPECT_EQ(BdptFrame(make_lamp_in_glass(), {}).compiled.view().camera_medium, Rgb(0));
+}
+
+TEST(Bdpt, LampsHalfInABodyKnowWhichHalf) {
+  EXPECT_EQ(BdptFrame(make_lamp_half_in_glass(), {}).light_medium, std::vector<Rgb>(2, Rgb(kSeveralMedia)));
+  const auto mean = [](const BdptOptions& options) {
+    return mean_of(render_bdpt(make_lamp_half_in_glass(), options, 2048));
+  };
+  // With two bounces, paths lead to the half outside, too, which from the camera alone are found too rarely.
+  const Rgb one_bounce = mean({.max_bounces = 1, .max_light_vertices = 1});
+  const Rgb two_bounces = mean({.max_bounces = 2});
+  const Rgb light_once = mean({.max_bounces = 1, .light_only = true});
+  const Rgb light_twice = mean({.max_bounces = 2, .light_only = true});
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(light_once[c] / one_bounce[c], 1.0f, 0.04f);
+    EXPECT_NEAR(light_twice[c] / two_bounces[c], 1.0f, 0.04f);
+  }
+}
+
+/// A plate and a ceiling with a sheet between them that half of all rays pass; the lamp, below it, shines up.
+Scene make_sheet_below_ceiling() {
+  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
+  Material sheet = lambert(Rgb(0));
+  sheet.alpha_mode = AlphaMode::blend;
+  sheet.alpha = 0.5f;
+  sheet.double_sided = true;
+  add_body(scene, sheet, 1, 1);
+  Material ceiling = lambert(Rgb(0.8f));
+  ceiling.double_sided = true;
+  add_body(scene, ceiling, 2, 2);
+  add_light_node(scene, {"up", PunctualType::spot, Rgb(50), 0.5f, 0.6f}, Vec3(0, 0.6f, 0), Vec3(0, 2, 0.01f));
+  return scene;
+}
+
+TEST(Bdpt, ShadowRaysMeetSheetsAnew) {
+  // All light passes the sheet twice: a quarter of what would arrive without it.
+  Scene open = make_sheet_below_ceiling();
+  open.materials[1].alpha = 0;
+  const Rgb unhindered = mean_of(render_bdpt(std::move(open), {.max_bounces = 2}, 2048));
+  for (const uint32_t vertices : {1u, 16u}) {
+    const Rgb mean =
+        mean_of(render_bdpt(make_sheet_below_ceiling(), {.max_bounces = 2, .max_light_vertices = vertices}, 2048));
+    EXPECT_NEAR(mean.g / unhindered.g, 0.25f, 0.005f) << vertices;
+  }
+}
+
+TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
+  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
+  add_body(scene, tint(Rgb(0.5f, 1, 2)), 2, 2);
+  Node& sheet = scene.nodes.back();
+  sheet.transform.rotation = glm::angleAxis(kPi, Vec3(1, 0, 0));  // its inner side up
+  sheet.transform.translation.y = 4;
+  PunctualLight sun{"sun", PunctualType::directional, Rgb(1)};
+  sun.angular_diameter_rad = 0.5f;
+  add_light_node(scene, sun, Vec3(0, 5, 0), Vec3(0, 0, 0.01f));
+  const Rgb camera_alone = mean_of(render_bdpt(Scene(scene), {.max_light_vertices = 1}, 1024));
+  const Rgb light_alone = mean_of(render_bdpt(Scene(scene), {.light_only = true}, 1024));
+  EXPECT_GT(camera_alone.b, 0.05f);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(light_alone[c] / camera_alone[c], 1.0f, 0.03f);
+}
+
+TEST(Bdpt, LampsBroughtFromAfarShineFromTheirSurface) {
+  // Vertices in the space of the mesh are rounded to 0.5 mm there, which the light's origin has to leave behind.
+  const auto mean = [](float away, const BdptOptions& options) {
+    Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
+    Material lamp = lambert(Rgb(0));
+    lamp.emission = Rgb(10);
+    add_body(scene, lamp, 1, 1);
+    const glm::quat turn = glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3)));
+    const Vec3 shift(away, 0, 0);
+    for (Vec3& p : scene.meshes.back().positions) p = glm::inverse(turn) * (Vec3(p.x, 1, -p.z)) + shift;
+    Node& node = scene.nodes.back();
+    node.transform.rotation = turn;
+    node.transform.translation = -(turn * shift);
+    BdptOptions moving = options;
+    moving.movable = {static_cast<Index>(scene.nodes.size()) - 1};
+    return mean_of(render_bdpt(std::move(scene), moving, 128));
+  };
+  const Rgb near = mean(0, {.light_only = true});
+  EXPECT_GT(near.g, 0.5f);
+  EXPECT_NEAR(mean(5000, {.light_only = true}).g / near.g, 1.0f, 0.02f);
+  EXPECT_NEAR(mean(5000, {}).g / near.g, 1.0f, 0.02f);
 }
 
 TEST(Bdpt, DoesNotDependOnThreads) {

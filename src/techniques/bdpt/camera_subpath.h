@@ -170,8 +170,11 @@ RELUME_HD inline void try_connection(const BdptContext& c, const Connection& con
 /// All connections of the last vertex; `kept` holds the light subpath's vertices but the first.
 RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View<const PathVertex> kept,
                               CameraSubpath& e, Sampler& sampler, BdptCounters& counters) {
+  const Connection to_light = connect_to_light(c, sp, e, sampler);
+  // Only now: before the draws for the light this would be the identity of the ray that led here, and what is partly
+  // transparent would let both pass or neither.
   const uint32_t ray_id = sampler.ray_id();
-  try_connection(c, connect_to_light(c, sp, e, sampler), ray_id, e, counters);
+  try_connection(c, to_light, ray_id, e, counters);
   const uint32_t longest = c.max_bidirectional_vertices();
   for (uint32_t i = 0; i < kept.size && e.count() + i + 2 <= longest; ++i) {
     if (!kept[i].connectable()) continue;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "techniques/bdpt/bdpt_context.h"
+#include "techniques/bdpt/light_medium.h"
 
 namespace relume {
 
@@ -10,6 +11,7 @@ struct LightSubpath {
   PathState path;  ///< its radiance is not used
   SubpathWeights weights;
   uint32_t count = 0;  ///< vertices, the one on the light included
+  bool from_infinity = false;
 };
 
 /// First vertex and direction. False if no light can be chosen or the sample carries nothing.
@@ -21,15 +23,11 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d());
   if (!e.valid() || !(e.cos_theta > 0.0f)) return false;
   l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
-  l.path.ray = {e.origin, e.direction, kInfinity};
-  if (!is_black(e.normal)) {
-    // The light does not know how its triangle was transformed: a generous bound.
-    const float error = gamma_bound(64) * max_component(abs(e.origin));
-    l.path.ray.origin = offset_origin(e.origin, error, e.normal, e.direction);
-  }
+  l.path.ray = emitted_ray(e);
   l.path.cone_spread = 0.0f;
-  if (!c.light_medium.empty()) l.path.medium = c.light_medium[selection.light];
+  if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
   l.count = 1;
+  l.from_infinity = e.infinite;
   // At infinity the direction is the vertex, and the position goes with the next one.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
@@ -124,7 +122,8 @@ RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath&
   make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp);
   const float cosine = glm::dot(sp.ng, sp.wo);
   if (!(cosine > 0.0f) || sp.bsdf.empty()) return false;
-  absorb(c.scene(), sp, hit.t, l.path);
+  // Where light from infinity enters the scene is not known, so nothing absorbs it on the way, as seen from the camera.
+  absorb(c.scene(), sp, l.from_infinity && l.count == 1 ? kInfinity : hit.t, l.path);
   l.weights.arrive(cosine, sqr(hit.t));
   ++l.count;
   return true;
@@ -157,6 +156,7 @@ RELUME_HD inline uint32_t trace_light_subpath(const BdptContext& c, Sampler& sam
     if (l.count == max_count && !lens) break;
     if (!continue_light_subpath(c, sp, l, sampler)) break;
   }
+  if (!is_finite(l.path.radiance)) ++counters.nonfinite;  // a throughput that ended the subpath
   return c.light_only ? 0 : l.count - 1;
 }
 

@@ -65,8 +65,10 @@ class SubpathWeights {
   RELUME_HD PartialWeights arrive(float cosine, float distance_squared) {
     const float density = pdf_ * cosine;
     const float inverse = density > 0.0f ? 1.0f / density : 0.0f;  // the pole of a panoramic camera: no density at all
-    at_.a = connectable_ * sqr(parallel_ ? inverse : distance_squared * inverse);
-    at_.b = carried_ * sqr(inverse);
+    // In scenes of enormous extent these would leave the range of a float, and ∞ times a density of zero is no number.
+    constexpr float kLargest = 1e30f;
+    at_.a = relume::min(connectable_ * sqr(parallel_ ? inverse : distance_squared * inverse), kLargest);
+    at_.b = relume::min(carried_ * sqr(inverse), kLargest);
     return at_;
   }
 

@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Fits that the first frame is the mean of.
+/// Fits that a frame without a past is the mean of: the first, and one after a cut.
 constexpr uint32_t kFirstFits = 8;
 /// And a frame in which the light has changed in places, which forget earlier fits.
 constexpr uint32_t kFitsOfChangedLight = 4;
@@ -20,6 +20,21 @@ uint32_t shift_of(uint32_t i, uint32_t base) {
   float digit = 1;
   for (; i > 0; i /= base) value += static_cast<float>(i % base) * (digit /= static_cast<float>(base));
   return std::min(static_cast<uint32_t>(value * kBlockSize), kBlockSize - 1);
+}
+
+/// Whether most of what is filtered has no past, as after a cut; a look at some of the pixels tells.
+bool begins_anew(const FrameContext& frame) {
+  const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
+  const View<const uint32_t> age = frame.view<const uint32_t>("bmfr-age");
+  constexpr uint32_t kStride = 13;
+  uint32_t filtered = 0;
+  uint32_t fresh = 0;
+  for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
+    if (!is_filtered(albedo[i])) continue;
+    ++filtered;
+    fresh += age[i] == 0 ? 1 : 0;
+  }
+  return 2 * fresh > filtered;
 }
 
 }  // namespace
@@ -84,7 +99,7 @@ void BmfrPass::fit(const FrameContext& frame) {
   // Without fits of earlier frames the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
-  if (frame.number == 0 || includes(frame.changes, kEndsDenoiserHistory)) fits = kFirstFits;
+  if (begins_anew(frame)) fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);

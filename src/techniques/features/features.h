@@ -99,7 +99,9 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   step.wi = sp.frame.to_world(wi);
   step.reflected = wi.z > 0.0f;
   step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
-  step.emission = largest * share * compression;
+  // As BSDFs do, emission counts the coat on the way in as well; an albedo is the mean over all directions.
+  const float coat_again = sp.bsdf.is_coat(chosen) ? 1.0f : coat_transmittance(sp.bsdf, wi.z);
+  step.emission = largest * share * (compression * coat_again);
   step.albedo = total * compression;
   return step;
 }

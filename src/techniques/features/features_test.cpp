@@ -263,6 +263,22 @@ TEST(Features, LobesThatMirrorAreFollowed) {
   EXPECT_TRUE(step_of(metal, material).valid);
   metal.roughness = 0.3f;
   EXPECT_FALSE(step_of(metal, material).valid);
+  metal.roughness = 0;
+  metal.clearcoat = 1;
+  metal.clearcoat_roughness = 0.3f;
+  sp.wo_local = glm::normalize(Vec3(1.0f, 0.2f, 0.3f));
+  sp.wo = sp.frame.to_world(sp.wo_local);
+  const NarrowStep below_coat = step_of(metal, material);
+  ASSERT_TRUE(below_coat.valid);
+  Rgb returned(0);  // of a lamp that is seen there
+  constexpr int kSamples = 4096;
+  for (int i = 0; i < kSamples; ++i) {
+    const float u = (static_cast<float>(i) + 0.5f) / kSamples;
+    const BsdfSample s = sample(sp.bsdf, sp.wo_local, u, Vec2(0.5f), TransportMode::radiance);
+    if (s.valid && s.delta) returned += s.weight / static_cast<float>(kSamples);
+  }
+  EXPECT_LT(returned.g, 0.9f);
+  EXPECT_NEAR(below_coat.emission.g / returned.g, 1.0f, 1e-3f);
   MaterialSample plastic;
   plastic.roughness = 0;  // mirrors a twentieth; most is diffuse
   EXPECT_FALSE(step_of(plastic, material).valid);

@@ -14,6 +14,8 @@
 namespace relume {
 namespace {
 
+bool is_leaf(const OctreeTree& tree, uint32_t slot) { return (tree.view().nodes[slot / 8] >> (slot % 8)) & 1u; }
+
 /// A surface with detail: points on a sphere, half of them in one small spot.
 std::vector<Vec3> surface_points(int count, const Vec3& shift, uint32_t seed) {
   testing::Random random(seed);
@@ -61,7 +63,7 @@ TEST(Octree, LeavesPartitionTheCube) {
   ASSERT_GT(tree.leaf_count(), 200u);
   double volume = 0;
   for (uint32_t slot = 0; slot < tree.leaf_slots(); ++slot) {
-    if (!tree.is_leaf(slot)) continue;
+    if (!is_leaf(tree, slot)) continue;
     const OctreeCell cell = cell_of(tree, slot);
     const double edge = std::ldexp(1.0, -static_cast<int>(cell.depth));
     volume += edge * edge * edge;
@@ -79,12 +81,12 @@ TEST(Octree, FindsTheCellThatHoldsThePoint) {
   for (const Vec3& p : surface_points(5000, Vec3(1, 2, 3), 9)) {
     const uint32_t leaf = tree.view().find(p);
     ASSERT_LT(leaf, tree.leaf_slots());
-    ASSERT_TRUE(tree.is_leaf(leaf));
+    ASSERT_TRUE(is_leaf(tree, leaf));
     EXPECT_TRUE(inside(cell_of(tree, leaf), tree.view().quantise(p)));
   }
   // Outside, infinitely far or not a number: some leaf, and no crash.
   for (const Vec3& p : {Vec3(1e9f), Vec3(-1e30f, 0, 0), Vec3(kInfinity), Vec3(std::nanf(""), 0, 0)})
-    EXPECT_TRUE(tree.is_leaf(tree.view().find(p)));
+    EXPECT_TRUE(is_leaf(tree, tree.view().find(p)));
 }
 
 TEST(Octree, BothLeavesOfAPairAreThoseOfTheirPoints) {
@@ -111,7 +113,7 @@ TEST(Octree, SplitsUntilRegionsHaveTheirSharesAndThenStays) {
   const OctreeTree again = adapted(tree, points, kThresholds);
   EXPECT_EQ(again.node_count(), tree.node_count());
   for (uint32_t slot = 0; slot < tree.leaf_slots(); ++slot) {  // nothing moved: each leaf stems from itself
-    EXPECT_EQ(again.links().previous[slot], tree.is_leaf(slot) ? slot : kNoRegion);
+    EXPECT_EQ(again.links().previous[slot], is_leaf(tree, slot) ? slot : kNoRegion);
   }
 }
 
@@ -146,7 +148,7 @@ TEST(Octree, NeighboursShareAFace) {
   const OctreeTree tree = adapted(OctreeTree(Vec3(0), 8), surface_points(20000, Vec3(0), 1), kThresholds, 12);
   uint32_t found = 0;
   for (uint32_t slot = 0; slot < tree.leaf_slots(); ++slot) {
-    if (!tree.is_leaf(slot)) continue;
+    if (!is_leaf(tree, slot)) continue;
     const OctreeCell cell = cell_of(tree, slot);
     for (uint32_t face = 0; face < 6; ++face) {
       const int axis = static_cast<int>(face / 2);
@@ -191,9 +193,9 @@ TEST(Octree, LeavesKnowWhatTheyStemFrom) {
         count_samples(tree, surface_points(20000, Vec3(2.0f - 0.4f * static_cast<float>(frame), 0, 0), 2));
     const OctreeTree next = tree.adapted(backend, view_of(counts), kThresholds);
     for (uint32_t slot = 0; slot < next.leaf_slots(); ++slot) {
-      if (!next.is_leaf(slot)) continue;
+      if (!is_leaf(next, slot)) continue;
       const uint32_t previous = next.links().previous[slot];
-      ASSERT_TRUE(previous < tree.leaf_slots() && tree.is_leaf(previous));
+      ASSERT_TRUE(previous < tree.leaf_slots() && is_leaf(tree, previous));
       const OctreeCell now = cell_of(next, slot);
       const OctreeCell before = cell_of(tree, previous);
       if (before.depth <= now.depth) {  // the same region, or the one it was cut out of

@@ -39,7 +39,6 @@ class OctreeTree {
   uint32_t leaf_count() const;
   std::vector<uint8_t> leaf_depths() const;  ///< by slot; those of unused slots say nothing
   uint32_t depth() const { return depth_; }  ///< of the deepest leaf
-  bool is_leaf(uint32_t slot) const { return (nodes_[slot / 8] >> (slot % 8)) & 1u; }
   const OctreeLinks& links() const { return links_; }
   size_t memory_bytes() const;
   void save(std::ostream& out) const;

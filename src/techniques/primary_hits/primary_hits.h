@@ -52,15 +52,18 @@ RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, 
   return is_finite(film->x);
 }
 
-/// Pixels from where the previous frame showed `before` to where this one shows `now`; zero where one of them lies
-/// behind its camera.
+/// Motion, in pixels, of what the previous frame could not show: leads beyond every picture.
+inline constexpr float kFromNowhere = 1e6f;
+
+/// Pixels from where the previous frame showed `before` to where this one shows `now`; kFromNowhere where one of them
+/// lies behind its camera.
 RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
   Vec2 here;
   Vec2 there;
   if (!film_position_of(scene.camera, now, &here) || !film_position_of(scene.previous_camera, before, &there))
-    return Vec2(0);
+    return Vec2(kFromNowhere);
   const Vec2 difference = here - there;
-  return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(0);
+  return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(kFromNowhere);
 }
 
 /// The same for what is infinitely far away in this direction.
@@ -127,7 +130,7 @@ struct AuxiliaryKernel {
     albedo[pixel] += surface_albedo[pixel];
     normal[pixel] += surface_normal[pixel];
     depth[pixel] += surface_depth[pixel];
-    if (first) motion[pixel] = surface_motion[pixel];
+    if (first) motion[pixel] = surface_motion[pixel].x == kFromNowhere ? Vec2(0) : surface_motion[pixel];
   }
 };
 

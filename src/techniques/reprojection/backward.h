@@ -34,6 +34,28 @@ struct BackwardTaps {
     return result;
   }
 
+  /// Those of them that know something: the others know as little as another surface does.
+  RELUME_HD BackwardTaps known(const View<const uint32_t>& counts) const {
+    BackwardTaps result = *this;
+    bool all = true;
+    for (int k = 0; k < 4; ++k) {
+      if (!(weights[k] > 0.0f) || counts[pixels[k]] > 0) continue;
+      result.weights[k] = 0.0f;
+      all = false;
+    }
+    if (!all) result.normalise();
+    return result;
+  }
+
+  /// Scales the weights to sum to one; not valid if there is next to nothing to be scaled.
+  RELUME_HD void normalise() {
+    constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
+    const float sum = weights[0] + weights[1] + weights[2] + weights[3];
+    valid = valid && sum > kLeastWeight;
+    const float scale = valid ? 1.0f / sum : 0.0f;
+    for (float& w : weights) w *= scale;
+  }
+
   /// Σ w²: the variance of what fetch() gives, as a share of that of a single pixel.
   RELUME_HD float variance_share() const {
     float sum = 0;
@@ -92,7 +114,6 @@ struct BackwardReprojection {
     const float wx = fx - x0;
     const float wy = fy - y0;
     if (wx == 0.0f && wy == 0.0f) return single_tap(pixel, static_cast<int>(x0), static_cast<int>(y0));
-    float sum = 0.0f;
     for (int k = 0; k < 4; ++k) {
       const int px = static_cast<int>(x0) + (k & 1);
       const int py = static_cast<int>(y0) + (k >> 1);
@@ -102,12 +123,9 @@ struct BackwardReprojection {
       if (weight == 0.0f || !same_surface(pixel, other)) continue;
       result.pixels[k] = other;
       result.weights[k] = weight;
-      sum += result.weights[k];
     }
-    constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
-    result.valid = sum > kLeastWeight;
-    const float scale = result.valid ? 1.0f / sum : 0.0f;
-    for (float& w : result.weights) w *= scale;
+    result.valid = true;
+    result.normalise();
     return result;
   }
 

@@ -51,6 +51,23 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
 }
 
+TEST(BackwardReprojection, LeavesOutWhatKnowsNothing) {
+  Plane plane;
+  std::vector<float> values(16);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  std::vector<uint32_t> counts(16, 20);
+  const BackwardTaps all = plane.reprojection().taps(3, 1);
+  const BackwardTaps same = all.known(view_of(counts));
+  EXPECT_FLOAT_EQ(same.fetch(view_of(values)), 6.5f);
+  counts[6] = 0;
+  const BackwardTaps known = all.known(view_of(counts));
+  EXPECT_TRUE(known.valid);
+  EXPECT_FLOAT_EQ(known.fetch(view_of(values)), 7.0f);
+  EXPECT_EQ(known.least(view_of(counts)), 20u);
+  counts[7] = 0;
+  EXPECT_FALSE(all.known(view_of(counts)).valid);
+}
+
 struct History {
   std::vector<Rgb> mean = std::vector<Rgb>(16, Rgb(3));
   std::vector<float> m2 = std::vector<float>(16, 1.0f);

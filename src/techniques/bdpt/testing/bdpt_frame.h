@@ -21,6 +21,7 @@ struct BdptOptions {
   float connection_roulette = 0;
   LightSelectorKind lights = LightSelectorKind::power;
   int threads = 1;
+  std::vector<Index> movable = {};  ///< CompileOptions::movable
 };
 
 /// A compiled scene and the buffers of one frame.
@@ -28,7 +29,7 @@ class BdptFrame {
  public:
   BdptFrame(Scene scene, const BdptOptions& o)
       : options(o),
-        compiled(std::move(scene), {.camera = {}, .width = o.width, .height = o.height}),
+        compiled(std::move(scene), {.camera = {}, .width = o.width, .height = o.height, .movable = o.movable}),
         backend(o.threads) {
     const LightsView& lights = compiled.view().lights;
     power = build_power_lights(lights);

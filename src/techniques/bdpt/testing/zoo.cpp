@@ -189,16 +189,28 @@ Scene make_closed_sphere(float albedo) {
   return scene;
 }
 
-Scene make_lamp_in_glass(bool from_within) {
+namespace {
+
+Scene make_block_of_glass(Mesh lamp, bool from_within) {
   SceneBuilder b("lamp in glass");
   const Index dark = b.add_material(glass("dark", 1.3f, {0.3f, 0.4f, 0.5f}, 1.0f));
   const Index white = b.add_material(lambert("white", Rgb(0.8f)));
   b.add("block", box({-2, -2, -2}, {2, 2, 2}), dark);
   b.add("floor", quad({-1.8f, -1.5f, 1.8f}, {3.6f, 0, 0}, {0, 0, -3.6f}), white);
   b.add("back", quad({-1.8f, -1.5f, -1.8f}, {3.6f, 0, 0}, {0, 3.3f, 0}), white);
-  b.add("lamp", quad({-0.4f, 1.5f, -0.4f}, {0.8f, 0, 0}, {0, 0, 0.8f}), b.add_material(emitter("lamp", Rgb(20))));
+  b.add("lamp", std::move(lamp), b.add_material(emitter("lamp", Rgb(20))));
   b.add_camera({0, 0, from_within ? 1.7f : 7.0f}, {0, -0.4f, 0}, from_within ? 60.0f : 30.0f);
   return b.take();
+}
+
+}  // namespace
+
+Scene make_lamp_in_glass(bool from_within) {
+  return make_block_of_glass(quad({-0.4f, 1.5f, -0.4f}, {0.8f, 0, 0}, {0, 0, 0.8f}), from_within);
+}
+
+Scene make_lamp_half_in_glass() {
+  return make_block_of_glass(quad({-0.4f, 1.2f, -1.5f}, {0.8f, 0, 0}, {0, 1.6f, 0}), true);
 }
 
 }  // namespace relume::testing

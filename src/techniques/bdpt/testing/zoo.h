@@ -41,4 +41,7 @@ Scene make_closed_sphere(float albedo);
 /// A lamp, a floor and a wall in a block of dark glass, seen from outside or from within.
 Scene make_lamp_in_glass(bool from_within = false);
 
+/// The same from within, with a lamp that stands half out of the block.
+Scene make_lamp_half_in_glass();
+
 }  // namespace relume::testing
