@@ -133,7 +133,7 @@ TableBlock table(const std::vector<Timing>& timings) {
     TableRow row{.name = fmt::format("{}, {}", t.scene, t.bounces), .cells = {}};
     for (const FrameFigures& f : t.list) {
       row.cells.push_back({fmt::format("{:.1f}", f.frame_ms), f.frame_ms,
-                           fmt::format("{:.2f}×", f.frame_ms / t.list.front().frame_ms)});
+                           fmt::format("{:.2f}×", time_ratio(f.frame_s, t.list.front().frame_s).value)});
     }
     block.rows.push_back(std::move(row));
   }

@@ -22,12 +22,13 @@ struct EmitterPoint {
 /// Light that arrives at a point from one sampled direction.
 struct LightSample {
   Vec3 wi{0};
-  float distance = 0;  ///< to the emitter; infinite for lights at infinity
-  Rgb radiance{0};     ///< delta lights: irradiance on a plane that faces the light
-  float pdf_w = 0;     ///< delta lights: 1
-  bool delta = false;  ///< no other strategy can find this light
-  Vec3 position{0};    ///< on the emitter (finite lights)
-  Vec3 normal{0};      ///< of the emitter; zero for point lights and lights at infinity
+  float distance = 0;   ///< to the emitter; infinite for lights at infinity
+  float clearance = 0;  ///< metres before it in which a ray may already meet the emitter, as it is rounded
+  Rgb radiance{0};      ///< delta lights: irradiance on a plane that faces the light
+  float pdf_w = 0;      ///< delta lights: 1
+  bool delta = false;   ///< no other strategy can find this light
+  Vec3 position{0};     ///< on the emitter (finite lights)
+  Vec3 normal{0};       ///< of the emitter; zero for point lights and lights at infinity
   Vec2 barycentric{0};
 
   RELUME_HD bool valid() const { return pdf_w > 0.0f && !is_black(radiance); }
@@ -36,7 +37,7 @@ struct LightSample {
 /// A ray that leaves a light. Throughput of the light path: le · cos / (pdf_a · pdf_w).
 struct EmissionSample {
   Vec3 origin{0};
-  float error = 0;      ///< of the origin, metres, beyond rounding in world space: TriangleLight::error
+  float error = 0;      ///< bound of the origin's rounding, metres; 0 where nothing is met there
   Vec3 direction{0};    ///< away from the light
   Vec3 normal{0};       ///< of the emitter; zero: point light
   Rgb le{0};            ///< radiance; intensity for point and spot lights; irradiance for delta directional lights

@@ -14,7 +14,7 @@ struct TriangleLight {
   Vec3 e2;       ///< v2 − v0
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
-  float error;   ///< of where rays meet the triangle in the space of its mesh, metres; 0 if that is world space
+  float error;   ///< bound of the rounding of where rays meet it, metres
   Rgb radiance;  ///< emitted where the texture is white
   uint32_t instance;
   uint32_t primitive;
@@ -144,6 +144,7 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
   const float cos_light = light.emission_cosine(-s.wi);
   if (!(cos_light > 0.0f)) return s;
   s.pdf_w = pdf_w_from_pdf_a(point.pdf_a, distance_squared, cos_light);
+  s.clearance = light.error / cos_light;
   s.radiance = emitted_radiance(light, e, point.barycentric);
   s.normal = light.normal;
   return s;

@@ -258,18 +258,35 @@ void CompiledScene::add_missing_light() {
   collect_lights();
 }
 
-void CompiledScene::choose_camera(const std::string& name) {
+Index find_camera(const Scene& scene, const std::string& name) {
   std::vector<Index> nodes;
-  for (size_t i = 0; i < source_.nodes.size(); ++i) {
-    if (source_.nodes[i].camera != kNone) nodes.push_back(static_cast<Index>(i));
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].camera != kNone) nodes.push_back(static_cast<Index>(i));
   }
   std::stable_sort(nodes.begin(), nodes.end(), [&](Index a, Index b) {
-    return source_.nodes[static_cast<size_t>(a)].camera < source_.nodes[static_cast<size_t>(b)].camera;
+    return scene.nodes[static_cast<size_t>(a)].camera < scene.nodes[static_cast<size_t>(b)].camera;
   });
+  if (name.empty()) return nodes.empty() ? kNone : nodes.front();
   if (nodes.empty()) {
-    if (!name.empty())
-      throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
-                              source_.name, name));
+    throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
+                            scene.name, name));
+  }
+  size_t index = 0;
+  const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);
+  const bool is_number = parsed.ec == std::errc{} && parsed.ptr == name.data() + name.size();
+  std::string known;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const Node& node = scene.nodes[static_cast<size_t>(nodes[i])];
+    const std::string& camera_name = scene.cameras[static_cast<size_t>(node.camera)].name;
+    if (node.name == name || camera_name == name || (is_number && i == index)) return nodes[i];
+    known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
+  }
+  throw Error(fmt::format("{}: there is no camera '{}'; it has {}", scene.name, name, known));
+}
+
+void CompiledScene::choose_camera(const std::string& name) {
+  camera_node_ = find_camera(source_, name);
+  if (camera_node_ == kNone) {
     notes_.emplace_back("the scene has no camera: one that sees all of it stands in");
     const float half_y = 0.5f * camera_.fov_y_rad;
     const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
@@ -277,23 +294,6 @@ void CompiledScene::choose_camera(const std::string& name) {
     const Vec3 eye = bounds_.center + glm::normalize(Vec3(0.6f, 0.4f, 1.0f)) * (bounds_.radius / std::sin(narrower));
     default_camera_ = glm::inverse(glm::lookAt(eye, bounds_.center, Vec3(0, 1, 0)));
     return;
-  }
-  camera_node_ = nodes.front();
-  if (!name.empty()) {
-    camera_node_ = kNone;
-    size_t index = 0;
-    const auto parsed = std::from_chars(name.data(), name.data() + name.size(), index);
-    const bool is_number = parsed.ec == std::errc{} && parsed.ptr == name.data() + name.size();
-    std::string known;
-    for (size_t i = 0; i < nodes.size(); ++i) {
-      const Node& node = source_.nodes[static_cast<size_t>(nodes[i])];
-      const std::string& camera_name = source_.cameras[static_cast<size_t>(node.camera)].name;
-      if (node.name == name || camera_name == name || (is_number && i == index))
-        camera_node_ = camera_node_ == kNone ? nodes[i] : camera_node_;
-      known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
-    }
-    if (camera_node_ == kNone)
-      throw Error(fmt::format("{}: there is no camera '{}'; it has {}", source_.name, name, known));
   }
   camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
 }

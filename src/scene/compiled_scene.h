@@ -31,6 +31,10 @@ struct PlacedCamera {
   Camera camera;
 };
 
+/// The node of the camera of that name or number, or of the first camera; kNone if there is none and none is named.
+/// Throws Error with the names that there are.
+Index find_camera(const Scene& scene, const std::string& name);
+
 /// Owns everything that a SceneView points to. Not movable: kernels and Embree hold its addresses.
 class CompiledScene {
  public:

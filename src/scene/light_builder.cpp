@@ -188,15 +188,19 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
 namespace {
 
 /// TriangleLight::error, bounded as in geometry_at() (surface_point_impl.h): rays are intersected in object space.
-float object_space_error(const SceneView& geometry, const UVec3& index, const Instance& instance) {
-  if (instance.in_world_space) return 0;
+float triangle_error(const SceneView& geometry, const UVec3& index, const Instance& instance) {
   const Affine& m = instance.to_world;
   const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
   float error = 0;
   for (int k = 0; k < 3; ++k) {
     const Vec3 p = abs(geometry.vertices[index[k]].position);
-    const Vec3 moved = gamma_bound(3) * (magnitude * p + abs(m.translation)) +
-                       (1.0f + gamma_bound(3)) * (magnitude * Vec3(gamma_bound(7) * max_component(p)));
+    const float stored = gamma_bound(7) * max_component(p);
+    if (instance.in_world_space) {
+      error = relume::max(error, stored);
+      continue;
+    }
+    const Vec3 moved =
+        gamma_bound(3) * (magnitude * p + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * Vec3(stored));
     error = relume::max(error, 2.0f * max_component(moved));
   }
   return error;
@@ -229,7 +233,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     light.primitive = k;
     light.textured = -1;
     light.two_sided = material.double_sided;
-    light.error = object_space_error(geometry, index, instance);
+    light.error = triangle_error(geometry, index, instance);
     if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha())) {
       light.textured = textured_index(geometry, mesh, k);
       if (light.textured == kBlackTexture) light.radiance = Rgb(0);

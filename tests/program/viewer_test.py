@@ -344,6 +344,13 @@ class Settings(Viewer):
         self.assertEqual(done.returncode, 1)
         self.assertIn("steps.txt:2: set:", done.stderr)
 
+    def test_steps_that_would_mean_nothing_end_with_their_line(self):
+        for step, said in (("split of", "neither on nor off"), ("pace of", "none of"), ("set camera nope", "there is no camera 'nope'")):
+            (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
+            done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            self.assertEqual(done.returncode, 1, step)
+            self.assertIn(said, done.stderr)
+
 
 class Rates(Viewer):
     def check(self, scene):
@@ -357,7 +364,7 @@ class Rates(Viewer):
         self.assertLess(report["width"], 1280)
         if QUIET:
             self.assertGreaterEqual(report["worst_interface_hz"], 30)
-            self.assertGreaterEqual(report["frames_per_s"], 10)
+            self.assertGreaterEqual(report["frames_per_s"], 9.5)  # ten is what it aims at, by steps of √2 in pixels
             self.assertGreaterEqual(report["width"], 320)
 
     def test_cornell(self):

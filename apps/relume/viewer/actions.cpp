@@ -9,6 +9,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/error.h"
+#include "io/extension.h"
 #include "picture.h"
 #include "reports.h"
 #include "viewer/panels.h"
@@ -19,6 +20,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kRecordInterval_s = 0.1;
+constexpr const char* kNoCamera = "the camera is not known before the first picture; wait for it";
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
 float selection_depth(const State& state, const PlacedCamera& camera) {
@@ -58,7 +60,7 @@ void post_picture(State& state, std::function<std::filesystem::path()> name) {
                                 const Session& session, const LoadedScene& scene) {
     const std::filesystem::path file = name();
     std::vector<std::string> aovs;
-    if (file.extension() == ".exr") aovs = Session::aov_names(session.settings());
+    if (lower_extension(file) == ".exr") aovs = Session::aov_names(session.settings());
     const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
     cli::write_picture(file, session, settings.output, aovs, metadata);
     const std::string samples = cli::format_samples(session.kept_samples());
@@ -77,6 +79,7 @@ void move_sun(const State& state, SunSky& sky) {
 void add_bookmark(State& state) { store_bookmark(state, state.bookmarks.size()); }
 
 void store_bookmark(State& state, size_t slot) {
+  if (!state.knows_camera()) return state.tell(kNoCamera, true);
   slot = std::min(slot, state.bookmarks.size());
   const Bookmark bookmark{fmt::format("View {}", slot + 1), current_view(state)};
   if (slot == state.bookmarks.size()) {
@@ -91,6 +94,7 @@ void store_bookmark(State& state, size_t slot) {
 void go_to_bookmark(State& state, size_t slot) {
   if (slot >= state.bookmarks.size())
     return state.tell(fmt::format("there is no view {}; Ctrl and a digit stores one", slot + 1));
+  if (!state.knows_camera()) return state.tell(kNoCamera, true);
   set_view(state, state.bookmarks[slot].view);
 }
 
@@ -114,9 +118,11 @@ void toggle_path(State& state) {
 }
 
 void add_path_key(State& state) {
+  if (!state.knows_camera()) return state.tell(kNoCamera, true);
   PathTools& tools = state.path;
   const Viewpoint view = current_view(state);
-  const float time = tools.path.keys().empty() ? 0 : tools.path.duration_s() + tools.spacing_s;
+  float time = tools.path.keys().empty() ? 0 : tools.path.duration_s() + tools.spacing_s;
+  if (tools.recording && time > 0) time = static_cast<float>(state.now_s - tools.since_s);
   tools.path.add({time, view.eye, view.rotation});
   state.tell(fmt::format("key {} at {:.1f} s", tools.path.keys().size(), time));
 }
@@ -124,7 +130,7 @@ void add_path_key(State& state) {
 void update_path(State& state) {
   PathTools& tools = state.path;
   const auto time = static_cast<float>(state.now_s - tools.since_s);
-  if (tools.recording) {
+  if (tools.recording && state.knows_camera()) {
     const bool due =
         tools.path.keys().empty() || time - tools.path.duration_s() >= static_cast<float>(kRecordInterval_s);
     const Viewpoint view = current_view(state);
@@ -143,8 +149,7 @@ void update_animation(State& state, double seconds) {
     state.animating = false;
     return state.tell("nothing in this scene is animated");
   }
-  state.document->set_time(std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
-  state.touch();
+  set_scene_time(state, std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
 }
 
 void save_picture(State& state, const std::filesystem::path& file) {
@@ -156,6 +161,7 @@ void save_numbered_picture(State& state, const std::string& extension) {
 }
 
 void write_view_file(State& state, const std::filesystem::path& file) {
+  if (!state.knows_camera()) throw Error(kNoCamera);
   const CameraPath* path = state.path.path.keys().empty() ? nullptr : &state.path.path;
   const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), path});
   state.tell("wrote " + file.string());
@@ -176,8 +182,11 @@ void pick_at(State& state, const Vec2& point, bool focus) {
   auto promise = std::make_shared<std::promise<PickResult>>();
   state.picked = promise->get_future();
   state.pick_focuses = focus;
-  state.renderer->post_task(
-      [promise, point](const Session& session, const LoadedScene&) { promise->set_value(pick(session, point)); });
+  state.renderer->post_task([promise, point](const Session& session, const LoadedScene& scene) {
+    PickResult result = pick(session, point);
+    result.scene = &scene;
+    promise->set_value(result);
+  });
 }
 
 void show_directions_at(State& state, const Vec2& point) {
@@ -198,6 +207,7 @@ void finish_pick(State& state) {
   } catch (const std::future_error&) {
     return;  // the renderer ended first
   }
+  if (result.scene != state.document->loaded().get()) return;  // the scene has changed meanwhile
   if (!result.hit) {
     if (!state.pick_focuses) state.selection = {};
   } else if (state.pick_focuses) {

@@ -22,7 +22,7 @@ constexpr double kDrawingShare = 0.5;  // of the time, at most, unless that is s
 constexpr double kNumbers_s = 0.5;     // between two changes of the rates that are shown, to be readable
 constexpr float kSidebar_px = 390;
 constexpr float kTiming_px = 148;
-constexpr double kFirstFrame_s = 300;  // for compiling a scene, before smoke tests give up
+constexpr double kPatience_s = 300;  // for a frame, also one for which a scene is compiled, before smoke tests give up
 
 ScriptPlayer load_script(const std::string& file) {
   if (file.empty()) return {};
@@ -56,11 +56,11 @@ App::App(const cli::ViewOptions& options, const Settings& settings, bool fixed_s
 }
 
 void App::run() {
-  const double start_s = now_s();
+  newest_frame_s_ = now_s();
   while (!window_.should_close() && !finished()) {
     frame();
     if (!state_.frame() && !first_problem_.empty()) throw Error(first_problem_);
-    if (smoke_ && !state_.frame() && now_s() - start_s > kFirstFrame_s) throw Error("no frame was rendered in time");
+    if (smoke_ && now_s() - newest_frame_s_ > kPatience_s) throw Error("no frame was rendered in time");
   }
   finish();
 }
@@ -77,11 +77,10 @@ void App::frame() {
   const double passed_s = std::min(state_.now_s - last_s_, 0.1);
   last_s_ = state_.now_s;
   std::erase_if(state_.toasts, [&](const Toast& toast) { return toast.until_s < state_.now_s; });
+  const std::string name = state_.document ? state_.document->name() : "";
   take_frames();
   take_notices();
   for (const std::string& file : window_.take_dropped_files()) open_scene(state_, file);
-  const Document* before = state_.document ? &*state_.document : nullptr;
-  const std::string name = before ? before->name() : "";
   finish_loading(state_);
   if (state_.document && state_.document->name() != name) window_.set_title("relume " + state_.document->name());
   finish_pick(state_);
@@ -135,7 +134,10 @@ void App::take_frames() {
     if (!frame || (state_.frames[s] && frame->serial == state_.frames[s]->serial)) continue;
     state_.frames[s] = std::move(frame);
     state_.times[s].add(*state_.frames[s]);
-    if (side == 0) monitor_.rendered_frame(state_.now_s);
+    if (side > 0) continue;
+    monitor_.rendered_frame(state_.now_s);
+    newest_frame_s_ = state_.now_s;
+    if (state_.frame()->request_version >= release_version_) state_.awaits_camera = false;
   }
   const auto shows_document = [&](const auto& frame) { return frame && frame->scene == state_.document->loaded(); };
   if (state_.document && std::all_of(state_.frames.begin(), state_.frames.begin() + state_.sides(), shows_document))
@@ -167,6 +169,10 @@ void App::post() {
   state_.request_changed = state_.picture_changed = false;
   const uint64_t camera = state_.document->edits().camera.version;
   ++version_;
+  if (std::exchange(state_.camera_released, false)) {
+    state_.awaits_camera = true;
+    release_version_ = version_;
+  }
   const auto newest = renderer_.frame(0);  // may be newer than the one that is shown
   if (camera != camera_version_ && newest) camera_moves_.emplace_back(version_, newest->serial);
   camera_version_ = camera;

@@ -124,10 +124,11 @@ void App::act(const ScriptStep& step) {
     state_.request_changed = true;
   }
   if (step.verb == "split") {
-    state_.split = w[0] != "off";
-    state_.touch();
+    if (w[0] != "on" && w[0] != "off") throw Error("'" + w[0] + "' is neither on nor off");
+    set_split(state_, w[0] == "on");
   }
   if (step.verb == "pace") {
+    if (w[0] != "on" && w[0] != "moving" && w[0] != "off") throw Error("'" + w[0] + "' is none of on, moving, off");
     state_.pace.hold_rate = w[0] != "off";
     state_.pace.full_at_rest = w[0] != "moving";
     state_.request_changed = true;

@@ -97,7 +97,7 @@ void draw_buffers_panel(State& state) {
   bool changed = ImGui::Checkbox("Hold the frame rate", &state.pace.hold_rate);
   tooltip(fmt::format("Scales the resolution, never below {}x{}", kMinWidth, kMinHeight));
   ImGui::BeginDisabled(!state.pace.hold_rate);
-  changed |= ImGui::SliderFloat("target", &state.pace.target_hz, 1, 60, "%.0f frames/s");
+  changed |= ImGui::SliderFloat("target", &state.pace.target_hz, 1, 60, "%.0f frames/s", ImGuiSliderFlags_AlwaysClamp);
   changed |= ImGui::Checkbox("Full size at rest", &state.pace.full_at_rest);
   tooltip("Full resolution as soon as nothing changes; histories begin anew with every change of size");
   ImGui::EndDisabled();

@@ -24,12 +24,15 @@ void draw_lens(State& state) {
   }
   if (placed.camera.projection == Projection::perspective) {
     changed |= angle_widget("field of view", placed.camera.fov_y_rad, 5, 150);
-    changed |= ImGui::DragFloat("lens radius", &placed.camera.lens_radius, 0.001f, 0, 10, "%.4f m");
+    changed |= ImGui::DragFloat("lens radius", &placed.camera.lens_radius, 0.001f, 0, 10, "%.4f m",
+                                ImGuiSliderFlags_AlwaysClamp);
     tooltip("0: a pinhole, everything is sharp");
-    changed |= ImGui::DragFloat("focus", &placed.camera.focus_distance, 0.02f, 0.001f, 1e6f, "%.3f m");
+    changed |= ImGui::DragFloat("focus", &placed.camera.focus_distance, 0.02f, 0.001f, 1e6f, "%.3f m",
+                                ImGuiSliderFlags_AlwaysClamp);
     tooltip("Ctrl+Shift+click in the picture focuses there");
   }
-  ImGui::SliderFloat("speed", &state.fly.speed, 0.01f, 100, "%.2f m/s", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("speed", &state.fly.speed, 0.01f, 100, "%.2f m/s",
+                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
   tooltip("Of flying; the mouse wheel changes it, Shift makes it five times as fast");
   if (changed) {
     state.fly.place(placed.to_world);
@@ -76,7 +79,7 @@ void draw_path(State& state) {
   ImGui::EndDisabled();
   ImGui::SameLine();
   if (ImGui::Button("Clear")) tools = {};
-  ImGui::SliderFloat("between keys", &tools.spacing_s, 0.1f, 10, "%.1f s");
+  ImGui::SliderFloat("between keys", &tools.spacing_s, 0.1f, 10, "%.1f s", ImGuiSliderFlags_AlwaysClamp);
 }
 
 void draw_files(State& state) {
@@ -85,7 +88,7 @@ void draw_files(State& state) {
   tooltip("As it is displayed [F12]");
   ImGui::SameLine();
   if (ImGui::Button("as EXR")) save_numbered_picture(state, ".exr");
-  tooltip("Linear radiance with every buffer as a layer [Shift+F12]");
+  tooltip("Linear radiance, with every buffer that is being recorded as a layer [Shift+F12]");
   if (ImGui::Button("View as relume JSON")) save_numbered_view_file(state);
   tooltip("Camera or path, changes to the scene, and settings; `relume render` takes it like any scene [Ctrl+S]");
 }

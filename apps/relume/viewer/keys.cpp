@@ -22,7 +22,7 @@ void fly(State& state, float seconds, float picture_height_px) {
   input.fast = io.KeyShift;
   input.turn_px = state.look_px;
   state.look_px = Vec2(0);
-  if (input.idle() || !state.document || !state.frame()) return;
+  if (input.idle() || !state.knows_camera()) return;
   PlacedCamera placed = current_camera(state);
   if (!state.flying) state.fly.place(placed.to_world);
   if (!state.fly.update(input, seconds, placed.camera.fov_y_rad, picture_height_px)) return;
@@ -60,10 +60,7 @@ void handle_plain_keys(State& state) {
     state.paused = !state.paused;
     state.request_changed = true;
   }
-  if (pressed(GLFW_KEY_B)) {
-    state.split = !state.split;
-    state.touch();
-  }
+  if (pressed(GLFW_KEY_B)) set_split(state, !state.split);
   for (int digit = 0; digit < 9; ++digit) {
     if (pressed(GLFW_KEY_1 + digit)) go_to_bookmark(state, static_cast<size_t>(digit));
   }

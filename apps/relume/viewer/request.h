@@ -99,6 +99,7 @@ struct ViewerFrame {
 
 /// What lies under a point of the picture.
 struct PickResult {
+  const LoadedScene* scene = nullptr;  ///< that the picture shows
   bool hit = false;
   Index node = kNone;
   Index material = kNone;

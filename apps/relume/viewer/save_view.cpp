@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_file.h"
+#include "io/extension.h"
 #include "io/relume_json/write_view.h"
 #include "scene/builtin.h"
 #include "settings/settings_json.h"
@@ -26,7 +27,7 @@ fs::path from_folder(const fs::path& file, const fs::path& folder) {
 json base_of(const std::string& scene, const fs::path& folder) {
   if (find_builtin_scene(scene)) return {{"scene", "builtin:" + scene}};
   const fs::path file(scene);
-  if (file.extension() != ".json") return {{"scene", from_folder(file, folder).generic_string()}};
+  if (lower_extension(file) != ".json") return {{"scene", from_folder(file, folder).generic_string()}};
   const std::vector<std::byte> bytes = read_file(file);
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   json root = json::parse(text, text + bytes.size(), nullptr, true, true);

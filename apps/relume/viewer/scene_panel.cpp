@@ -82,10 +82,7 @@ void draw_time(State& state) {
   ImGui::SameLine();
   float time = state.document->time_s();
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##time", &time, 0, end, "%.2f s")) {
-    state.document->set_time(time);
-    state.touch();
-  }
+  if (ImGui::SliderFloat("##time", &time, 0, end, "%.2f s", ImGuiSliderFlags_AlwaysClamp)) set_scene_time(state, time);
 }
 
 }  // namespace

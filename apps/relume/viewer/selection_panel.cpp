@@ -25,7 +25,7 @@ void draw_transform(State& state, Index node) {
     t.rotation = glm::quat(glm::radians(rotation_deg));
     changed = true;
   }
-  changed |= ImGui::DragFloat3("scale", &t.scale.x, 0.005f, 0.001f, 1000, "%.3f");
+  changed |= ImGui::DragFloat3("scale", &t.scale.x, 0.005f, 0.001f, 1000, "%.3f", ImGuiSliderFlags_AlwaysClamp);
   if (!changed) return;
   document.set_transform(node, t);
   state.touch();
@@ -79,8 +79,8 @@ void draw_sun(State& state, SunSky& sky, bool& changed) {
   changed |= angle_widget("azimuth", sky.sun_azimuth_rad, -180, 180);
   changed |= ImGui::SliderFloat("turbidity", &sky.turbidity, 1.7f, 10, "%.2f", ImGuiSliderFlags_AlwaysClamp);
   tooltip("1.7: clear, 10: hazy");
-  changed |= ImGui::SliderFloat("sky", &sky.sky_scale, 0, 4, "%.2f");
-  changed |= ImGui::SliderFloat("sun", &sky.sun_scale, 0, 4, "%.2f");
+  changed |= ImGui::SliderFloat("sky", &sky.sky_scale, 0, 4, "%.2f", ImGuiSliderFlags_AlwaysClamp);
+  changed |= ImGui::SliderFloat("sun", &sky.sun_scale, 0, 4, "%.2f", ImGuiSliderFlags_AlwaysClamp);
 }
 
 }  // namespace
@@ -96,6 +96,8 @@ void draw_environment(State& state) {
       const bool possible = kind != static_cast<int>(EnvironmentKind::map) || state.document->has_environment_map();
       ImGui::BeginDisabled(!possible);
       if (ImGui::Selectable(kKinds[kind])) {
+        // What one kind is multiplied with means nothing to another.
+        if (e.kind != static_cast<EnvironmentKind>(kind)) e.color = Rgb(1);
         e.kind = static_cast<EnvironmentKind>(kind);
         changed = true;
       }

@@ -59,9 +59,23 @@ bool choice_widget(const Settings& settings, const Setting& setting, const Choic
 }
 
 bool text_widget(std::string* value) {
-  // Names of files and cameras mean something only when they are complete.
-  ImGui::InputText("##v", value);
-  return ImGui::IsItemDeactivatedAfterEdit();
+  // Names of files and cameras mean something only when they are complete. Until then they are kept here: ImGui does
+  // not hand them over when a widget that was drawn before takes the keyboard away.
+  static ImGuiID edited = 0;
+  static std::string text;
+  const ImGuiID id = ImGui::GetID("##v");
+  std::string shown = edited == id ? text : *value;
+  ImGui::InputText("##v", &shown);
+  if (ImGui::IsItemActive()) {
+    edited = id;
+    text = shown;
+    return false;
+  }
+  if (edited != id) return false;
+  edited = 0;
+  if (!ImGui::IsItemDeactivatedAfterEdit()) return false;
+  *value = shown;
+  return true;
 }
 
 /// The widget for the setting's type. Returns whether the value changed.
@@ -133,10 +147,8 @@ void draw_presets(State& state) {
 }
 
 void draw_sides(State& state) {
-  if (ImGui::Checkbox("Compare A and B", &state.split)) {
-    state.touch();
-    if (!state.split) state.edited_side = 0;
-  }
+  bool split = state.split;
+  if (ImGui::Checkbox("Compare A and B", &split)) set_split(state, split);
   tooltip("Renders two settings in alternation; drag the line in the picture [B]");
   if (!state.split) return;
   ImGui::SameLine();

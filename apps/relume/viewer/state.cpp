@@ -12,6 +12,7 @@
 #include "platform.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
+#include "scene/builtin.h"
 #include "scene_source.h"
 #include "viewer/start_settings.h"
 
@@ -26,9 +27,9 @@ std::filesystem::path bookmarks_file_of(const std::string& scene) {
   const std::string folder = cli::state_folder();
   if (folder.empty()) return {};
   std::error_code failure;
-  const std::filesystem::path file = std::filesystem::absolute(scene, failure);
-  // Scenes of the same name in other folders stay apart.
-  const std::string name = std::filesystem::exists(file, failure) ? file.string() : scene;
+  // Scenes of the same name in other folders stay apart, however they are named.
+  const bool is_file = !find_builtin_scene(scene) && std::filesystem::exists(scene, failure);
+  const std::string name = is_file ? std::filesystem::weakly_canonical(scene, failure).string() : scene;
   Fnv1a key;
   key.add(name.data(), name.size());
   return std::filesystem::path(folder) / "bookmarks" / fmt::format("{:016x}.json", key.value());
@@ -42,6 +43,7 @@ void load_bookmarks(State& state) {
     if (!state.bookmarks_file.empty()) state.bookmarks = read_bookmarks(state.bookmarks_file);
   } catch (const Error& error) {
     state.tell(error.what(), true);
+    state.bookmarks_file.clear();  // is not written over
   }
 }
 
@@ -61,6 +63,12 @@ void FrameTimes::add(const ViewerFrame& frame) {
   for (const PassTime& pass : frame.passes) {
     if (std::find(names.begin(), names.end(), pass.name) == names.end()) names.push_back(pass.name);
   }
+}
+
+bool State::knows_camera() const {
+  if (!document) return false;
+  if (document->edits().camera.value) return true;
+  return frame() && frame()->scene == document->loaded() && !camera_released && !awaits_camera;
 }
 
 bool State::reached_goals(uint64_t request_version) const {
@@ -110,12 +118,15 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   if (!settings[0].scene.env.empty()) document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
 
-  if (!first) state.previous = {std::move(*state.document), state.settings};
+  // One that has never been shown is nothing to go back to.
+  if (!first && !state.previous)
+    state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
   state.document.emplace(std::move(document));
   state.settings = settings;
   state.selection = {};
-  state.flying = state.animating = false;
+  state.flying = state.animating = state.camera_released = state.awaits_camera = false;
   state.path = {};
+  state.picked = {};
   const float size = state.document->bounds().diagonal();
   state.fly.speed = clamp(0.15f * size, 0.01f, 100.0f);
   load_bookmarks(state);
@@ -126,7 +137,10 @@ void revert_document(State& state) {
   if (!state.previous) return;
   state.document.emplace(std::move(state.previous->document));
   state.settings = state.previous->settings;
+  state.path = state.previous->path;
+  state.fly.speed = state.previous->speed;
   state.previous.reset();
+  state.picked = {};
   load_bookmarks(state);
   state.selection = {};
   state.flying = state.document->edits().camera.value.has_value();
@@ -136,6 +150,7 @@ void revert_document(State& state) {
 void take_settings(State& state, int side, const Settings& wanted) {
   Settings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
+  if (state.document) find_camera(state.document->outline(), wanted.render.camera);
   if (wanted.scene.env != current.scene.env && state.document) {
     if (wanted.scene.env.empty()) {
       state.document->restore_environment();
@@ -143,7 +158,8 @@ void take_settings(State& state, int side, const Settings& wanted) {
       state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));
     }
   }
-  if (wanted.render.time_s != current.render.time_s && state.document) state.document->set_time(wanted.render.time_s);
+  if (state.document && wanted.render.time_s != state.document->time_s())
+    state.document->set_time(wanted.render.time_s);
   if (wanted.render.camera != current.render.camera) release_camera(state);
   current = wanted;
   // One picture, one scene: what is not a matter of technique is the same on both sides.
@@ -170,6 +186,18 @@ void apply_preset(State& state, int side, const std::string& name) {
   take_settings(state, side, apply_preset(current, loaded.scene.settings_json, loaded.name, name));
 }
 
+void set_split(State& state, bool split) {
+  state.split = split;
+  if (!split) state.edited_side = 0;
+  state.touch();
+}
+
+void set_scene_time(State& state, float time_s) {
+  state.document->set_time(time_s);
+  for (Settings& settings : state.settings) settings.render.time_s = time_s;
+  state.touch();
+}
+
 PlacedCamera current_camera(const State& state) {
   if (state.document && state.document->edits().camera.value) return *state.document->edits().camera.value;
   return state.frame() ? state.frame()->camera : PlacedCamera{};
@@ -194,6 +222,7 @@ void set_view(State& state, const Viewpoint& view) {
 
 void release_camera(State& state) {
   state.flying = false;
+  state.camera_released = true;
   if (state.document && state.document->edits().camera.value) state.document->set_camera(std::nullopt);
   state.touch();
 }

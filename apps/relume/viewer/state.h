@@ -68,6 +68,8 @@ struct PathTools {
 struct Shown {
   Document document;
   std::array<Settings, kSides> settings;
+  PathTools path;
+  float speed = 1;
 };
 
 struct State {
@@ -88,8 +90,10 @@ struct State {
   std::string buffer;
   Inspector inspector;
   FlyCamera fly;
-  Vec2 look_px{0};      ///< mouse movement that turns the camera, for the next update
-  bool flying = false;  ///< the user's camera, not the scene's
+  Vec2 look_px{0};               ///< mouse movement that turns the camera, for the next update
+  bool flying = false;           ///< the user's camera, not the scene's
+  bool camera_released = false;  ///< in favour of the scene's, since the last request
+  bool awaits_camera = false;    ///< the scene's, which was requested but which no frame shows yet
   std::vector<Bookmark> bookmarks;
   std::filesystem::path bookmarks_file;  ///< empty: not kept
   PathTools path;
@@ -123,6 +127,8 @@ struct State {
   double now_s = 0;
 
   const ViewerFrame* frame() const { return frames[0].get(); }
+  /// Whether the present camera is known: the user's, or that of a frame that shows the scene with its own.
+  bool knows_camera() const;
   int sides() const { return split ? 2 : 1; }
   /// Whether what is shown follows that request, and no frame comes any more: every side has met --spp, --time or
   /// --error.
@@ -150,7 +156,13 @@ void take_settings(State& state, int side, const Settings& settings);
 /// Applies a preset to a side. Throws Error.
 void apply_preset(State& state, int side, const std::string& name);
 
-/// The camera that is shown: the user's, or the scene's.
+/// Renders both sides, or A alone.
+void set_split(State& state, bool split);
+
+/// Goes to a moment of the animation.
+void set_scene_time(State& state, float time_s);
+
+/// The camera that is shown: the user's, or the scene's. Means nothing unless State::knows_camera().
 PlacedCamera current_camera(const State& state);
 
 /// Puts the camera somewhere; it is the user's from now on.

@@ -27,18 +27,17 @@ Rect fit(const Rect& room, float aspect) {
 }
 
 /// The picture grows and shrinks with its place, once that has settled.
-void follow_room(State& state, const Rect& room, double& wanted_s) {
-  const int width = std::clamp(static_cast<int>(room.size.x) / 2 * 2, 64, 8192);
-  const int height = std::clamp(static_cast<int>(room.size.y) / 2 * 2, 64, 8192);
-  RenderSettings& a = state.settings[0].render;
-  if (!state.follow_window || (a.width == width && a.height == height)) {
-    wanted_s = state.now_s;
-    return;
-  }
+void follow_room(State& state, const Rect& room, IVec2& wanted, double& wanted_s) {
+  const IVec2 size(std::clamp(static_cast<int>(room.size.x) / 2 * 2, 64, 8192),
+                   std::clamp(static_cast<int>(room.size.y) / 2 * 2, 64, 8192));
+  if (size != wanted) wanted_s = state.now_s;
+  wanted = size;
+  const RenderSettings& a = state.settings[0].render;
+  if (!state.follow_window || size == IVec2(a.width, a.height)) return;
   if (state.frame() && state.now_s - wanted_s < kSettle_s) return;
   for (Settings& settings : state.settings) {
-    settings.render.width = width;
-    settings.render.height = height;
+    settings.render.width = size.x;
+    settings.render.height = size.y;
   }
   state.touch();
 }
@@ -174,7 +173,7 @@ void Viewport::draw_lights(State& state) {
 }
 
 void Viewport::draw(State& state, const Rect& room) {
-  follow_room(state, room, size_wanted_s_);
+  follow_room(state, room, size_wanted_, size_wanted_s_);
   const RenderSettings& render = state.settings[0].render;
   picture_ = fit(room, static_cast<float>(render.width) / static_cast<float>(render.height));
   ImDrawList& list = *ImGui::GetWindowDrawList();

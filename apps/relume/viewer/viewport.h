@@ -76,6 +76,7 @@ class Viewport {
   Drag drag_ = Drag::none;
   float dragged_px_ = 0;
   std::string under_mouse_;
+  IVec2 size_wanted_{0};
   double size_wanted_s_ = 0;
 };
 

@@ -232,8 +232,11 @@ TEST(Bdpt, LampsBroughtFromAfarShineFromTheirSurface) {
   };
   const Rgb near = mean(0, {.light_only = true});
   EXPECT_GT(near.g, 0.5f);
-  EXPECT_NEAR(mean(5000, {.light_only = true}).g / near.g, 1.0f, 0.02f);
-  EXPECT_NEAR(mean(5000, {}).g / near.g, 1.0f, 0.02f);
+  for (const float away : {5000.0f, -5000.0f}) {
+    EXPECT_NEAR(mean(away, {.light_only = true}).g / near.g, 1.0f, 0.02f) << away;
+    EXPECT_NEAR(mean(away, {.max_light_vertices = 1}).g / near.g, 1.0f, 0.02f) << away;
+    EXPECT_NEAR(mean(away, {}).g / near.g, 1.0f, 0.02f) << away;
+  }
 }
 
 TEST(Bdpt, DoesNotDependOnThreads) {

@@ -111,7 +111,7 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
   if (is_black(bsdf.f)) return {};
   const float weight = weight_of_light_connection(c, sp, e, pick, bsdf);
   Connection connection;
-  connection.ray = shadow_ray(sp, light.wi, light.distance);
+  connection.ray = shadow_ray(sp, light);
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
                             (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
   return connection;

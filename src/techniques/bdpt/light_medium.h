@@ -9,7 +9,7 @@ namespace relume {
 RELUME_HD inline Ray emitted_ray(const EmissionSample& e) {
   Ray ray{e.origin, e.direction, kInfinity};
   if (!is_black(e.normal)) {
-    // A generous bound for what the light computes in world space.
+    // A generous bound for what the light computes of its own.
     const float error = gamma_bound(64) * max_component(abs(e.origin)) + e.error;
     ray.origin = offset_origin(e.origin, error, e.normal, e.direction);
   }

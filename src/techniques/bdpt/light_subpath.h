@@ -8,7 +8,7 @@
 namespace relume {
 
 struct LightSubpath {
-  PathState path;  ///< its radiance is not used
+  PathState path;  ///< its radiance takes what is not finite, and nothing else
   SubpathWeights weights;
   uint32_t count = 0;  ///< vertices, the one on the light included
   bool from_infinity = false;

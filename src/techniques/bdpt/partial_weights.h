@@ -27,15 +27,18 @@
 
 namespace relume {
 
+/// factor · value, also if the value is beyond the range of a float, as in scenes of enormous extent.
+RELUME_HD inline float zero_or(float factor, float value) { return factor > 0.0f ? factor * value : 0.0f; }
+
 /// Part of a weight that is known at one end of a subpath.
 struct PartialWeights {
   float a;
   float b;
 
   /// Sum over all strategies with a shorter subpath. `p` = ←p, per area; `sigma` = ←σ, per solid angle.
-  RELUME_HD float sum(float p, float sigma) const { return sqr(p) * (a + sqr(sigma) * b); }
+  RELUME_HD float sum(float p, float sigma) const { return zero_or(sqr(p), a + zero_or(sqr(sigma), b)); }
   /// The same for paths too long to be sampled from both sides: only the last cut is possible.
-  RELUME_HD float last(float p) const { return sqr(p) * a; }
+  RELUME_HD float last(float p) const { return zero_or(sqr(p), a); }
 };
 
 /// The weight of a strategy whose rivals sum up to these.
@@ -65,10 +68,8 @@ class SubpathWeights {
   RELUME_HD PartialWeights arrive(float cosine, float distance_squared) {
     const float density = pdf_ * cosine;
     const float inverse = density > 0.0f ? 1.0f / density : 0.0f;  // the pole of a panoramic camera: no density at all
-    // In scenes of enormous extent these would leave the range of a float, and ∞ times a density of zero is no number.
-    constexpr float kLargest = 1e30f;
-    at_.a = relume::min(connectable_ * sqr(parallel_ ? inverse : distance_squared * inverse), kLargest);
-    at_.b = relume::min(carried_ * sqr(inverse), kLargest);
+    at_.a = zero_or(connectable_, sqr(parallel_ ? inverse : distance_squared * inverse));
+    at_.b = zero_or(carried_, sqr(inverse));
     return at_;
   }
 
@@ -78,7 +79,7 @@ class SubpathWeights {
   RELUME_HD void leave(float cosine, float pdf, float reverse) {
     pdf_ = pdf;
     connectable_ = 1.0f;
-    carried_ = sqr(cosine) * (at_.a + sqr(reverse) * at_.b);
+    carried_ = sqr(cosine) * (at_.a + zero_or(sqr(reverse), at_.b));
     parallel_ = false;
   }
 
@@ -86,7 +87,7 @@ class SubpathWeights {
   RELUME_HD void leave_delta(float cosine, float ratio) {
     pdf_ = 1.0f;
     connectable_ = 0.0f;
-    carried_ = sqr(cosine * ratio) * at_.b;
+    carried_ = zero_or(sqr(cosine * ratio), at_.b);
     parallel_ = false;
   }
 

@@ -22,21 +22,6 @@ uint32_t shift_of(uint32_t i, uint32_t base) {
   return std::min(static_cast<uint32_t>(value * kBlockSize), kBlockSize - 1);
 }
 
-/// Whether most of what is filtered has no past, as after a cut; a look at some of the pixels tells.
-bool begins_anew(const FrameContext& frame) {
-  const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
-  const View<const uint32_t> age = frame.view<const uint32_t>("bmfr-age");
-  constexpr uint32_t kStride = 13;
-  uint32_t filtered = 0;
-  uint32_t fresh = 0;
-  for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
-    if (!is_filtered(albedo[i])) continue;
-    ++filtered;
-    fresh += age[i] == 0 ? 1 : 0;
-  }
-  return 2 * fresh > filtered;
-}
-
 }  // namespace
 
 PassDeclaration BmfrPass::declaration() const {
@@ -99,7 +84,7 @@ void BmfrPass::fit(const FrameContext& frame) {
   // Without fits of earlier frames the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
-  if (begins_anew(frame)) fits = kFirstFits;
+  if (begins_anew(frame, "bmfr-samples")) fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);
@@ -119,7 +104,7 @@ void BmfrPass::present(const FrameContext& frame) const {
   kernel.max_fits = static_cast<uint32_t>(settings_.max_fits);
   kernel.width = frame.width();
   launch(frame.backend, "bmfr-present", kernel, frame.width(), frame.height());
-  finish_picture(frame, {"bmfr-present", "bmfr-shown", "bmfr-picture"}, settings_.history.newest);
+  finish_picture(frame, {"bmfr-present", "bmfr-shown", "bmfr-picture", "bmfr-samples"}, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -319,6 +319,19 @@ TEST(Bmfr, LightFollowsItsSurface) {
   EXPECT_EQ(h.count[row + 1], 1u);  // came in at the border
 }
 
+TEST(Bmfr, BlackTexelsTakeNothingFromTheHistoryBesideThem) {
+  History h;
+  const uint32_t black = 20 * kWidth + 20;
+  h.albedo[black] = Rgb(0);
+  h.accumulate(kNoHistoryLimit);
+  h.motion.assign(kPixels, Vec2(0.5f, 0));  // each pixel was between two
+  for (uint32_t i = 0; i < kPixels; ++i) h.came_from[i] = h.position[i] - Vec3(0.5f, 0, 0);
+  h.accumulate(kNoHistoryLimit);
+  EXPECT_EQ(h.count[black - 1], 2u);
+  EXPECT_EQ(h.count[black + 1], 2u);
+  EXPECT_NEAR(h.light[black + 1].r, 2.0f, 1e-5f);
+}
+
 TEST(Bmfr, OtherSurfacesHaveNoHistory) {
   History h;
   h.accumulate(kNoHistoryLimit);

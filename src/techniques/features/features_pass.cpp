@@ -49,8 +49,8 @@ PassDeclaration FeaturesPass::declaration() const {
                               "its directional albedo, and what mirrors take from it", false),
                surface_buffer("feature-emission", BufferType::rgb32f, "emission seen directly or in mirrors", false),
                surface_buffer("feature-depth", BufferType::f32, "length of the way to it, metres", false, "Z"),
-               surface_buffer("feature-motion", BufferType::vec2f, "its motion since the previous frame, pixels",
-                              false),
+               surface_buffer("feature-motion", BufferType::vec2f,
+                              "its motion since the previous frame, pixels; 65504: seen by no frame before", false),
                surface_buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
       .reads = {"primary-hits"}};
 }
@@ -138,6 +138,20 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .discounts = {}};
 }
 
+bool begins_anew(const FrameContext& frame, std::string_view samples) {
+  const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
+  const View<const uint32_t> known = frame.view<const uint32_t>(samples);
+  constexpr uint32_t kStride = 13;
+  uint32_t filtered = 0;
+  uint32_t fresh = 0;
+  for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
+    if (!is_filtered(albedo[i])) continue;
+    ++filtered;
+    fresh += known[i] <= 1 ? 1 : 0;
+  }
+  return 2 * fresh > filtered;
+}
+
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest) {
   const bool still = frame.changes == Change::none;
   PictureHistoryKernel average;
@@ -154,7 +168,8 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;
-  if (frame.number == 0 || includes(frame.changes, Change::materials | Change::settings)) average.newest = 1.0f;
+  const bool changed = includes(frame.changes, Change::materials | Change::settings);
+  if (frame.number == 0 || changed || begins_anew(frame, buffers.samples)) average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();
   launch(frame.backend, buffers.launch_name, average, frame.width(), frame.height());

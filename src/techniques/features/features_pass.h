@@ -58,7 +58,12 @@ struct PictureBuffers {
   std::string_view launch_name;
   std::string_view shown;
   std::string_view history;
+  std::string_view samples;  ///< of each pixel's light, this frame's included
 };
+/// Whether most of what is filtered knows no more than this frame's sample: at the start, and after a cut. A look at
+/// some of the pixels tells.
+bool begins_anew(const FrameContext& frame, std::string_view samples);
+
 /// `newest`: weight of this frame where something moves.
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);
 

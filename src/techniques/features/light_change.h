@@ -27,7 +27,7 @@ struct CompareBlocksKernel {
       for (uint32_t x = block_x * kChangeBlock; x < (block_x + 1) * kChangeBlock && x < width; ++x) {
         const SurfaceLightSample sample = history.samples.at(y * width + x);
         if (!sample.valid) continue;
-        const BackwardTaps taps = history.reprojection.taps(x, y);
+        const BackwardTaps taps = history.reprojection.taps(x, y).known(history.count_before);
         const uint32_t age = taps.least(history.count_before);
         if (age == 0) continue;
         const float d = luminance(sample.light) - luminance(taps.fetch(history.light_before));

@@ -127,6 +127,19 @@ TEST(LightChange, TheMoreTheLightHasChangedTheLessThePastIsWorth) {
   }
 }
 
+TEST(LightChange, IsSeenBesideTexelsThatKnowNothing) {
+  // Every other column is black; half a pixel of motion leaves no pixel without one of them among its taps.
+  Wall wall(1);
+  std::fill(wall.motion.begin(), wall.motion.end(), Vec2(0.5f, 0));
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (i % 2 == 0) continue;
+    wall.albedo[i] = Rgb(0);
+    wall.count[i] = 0;
+  }
+  for (Rgb& light : wall.scattered) light = Rgb(0);
+  for (const float d : wall.discounts()) EXPECT_GT(d, 1.0f);
+}
+
 TEST(LightChange, NothingIsKnownWithoutAPast) {
   Wall wall(3);
   std::fill(wall.count.begin(), wall.count.end(), 0u);

@@ -113,7 +113,7 @@ struct LightHistory {
     const uint32_t i = pixel(x, y);
     PixelHistory history;
     history.sample = samples.at(i);
-    history.taps = reprojection.taps_or_nearest(x, y).known(count_before);
+    history.taps = reprojection.taps_or_nearest(x, y, count_before);
     history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
     light[i] = history.mean(light_before, history.sample.light);
     count[i] = history.count();

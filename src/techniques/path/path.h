@@ -59,6 +59,13 @@ RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const Vec3& w, float dis
   return ray;
 }
 
+/// The same to a light.
+RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const LightSample& light) {
+  Ray ray = shadow_ray(sp, light.wi, light.distance);
+  ray.t_max = relume::min(ray.t_max, relume::max(light.distance - light.clearance, 0.0f));
+  return ray;
+}
+
 /// Emission at the hit surface, weighted against next event estimation from the previous vertex. Returns whether that
 /// could have found it.
 RELUME_HD inline bool add_surface_emission(const PathContext& c, const SurfacePoint& previous, const SurfacePoint& sp,
@@ -121,7 +128,7 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
   if (is_black(bsdf.f)) return false;
   const float pdf_light = pick.pmf * light.pdf_w;
   const float weight = light.delta ? 1.0f : power_heuristic(pdf_light, c.directions.pdf(sp, light.wi, bsdf));
-  connection.ray = shadow_ray(sp, light.wi, light.distance);
+  connection.ray = shadow_ray(sp, light);
   connection.ray_id = sampler.ray_id();
   connection.light = pick.id;
   connection.u = pick.u;

@@ -52,8 +52,8 @@ RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, 
   return is_finite(film->x);
 }
 
-/// Motion, in pixels, of what the previous frame could not show: leads beyond every picture.
-inline constexpr float kFromNowhere = 1e6f;
+/// Motion, in pixels, of what the previous frame could not show: leads beyond every picture. The largest binary16.
+inline constexpr float kFromNowhere = 65504;
 
 /// Pixels from where the previous frame showed `before` to where this one shows `now`; kFromNowhere where one of them
 /// lies behind its camera.
@@ -130,7 +130,7 @@ struct AuxiliaryKernel {
     albedo[pixel] += surface_albedo[pixel];
     normal[pixel] += surface_normal[pixel];
     depth[pixel] += surface_depth[pixel];
-    if (first) motion[pixel] = surface_motion[pixel].x == kFromNowhere ? Vec2(0) : surface_motion[pixel];
+    if (first) motion[pixel] = surface_motion[pixel];
   }
 };
 

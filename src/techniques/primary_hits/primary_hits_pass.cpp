@@ -36,7 +36,8 @@ PassDeclaration SurfacePass::declaration() const {
                surface_buffer("surface-normal", BufferType::rgb32f, "shading normal of the first hit", true, "XYZ"),
                surface_buffer("surface-albedo", BufferType::rgb32f, "directional albedo of the first hit", false),
                surface_buffer("surface-depth", BufferType::f32, "distance of the first hit, metres", false, "Z"),
-               surface_buffer("surface-motion", BufferType::vec2f, "motion since the previous frame, pixels", false),
+               surface_buffer("surface-motion", BufferType::vec2f,
+                              "motion since the previous frame, pixels; 65504 where it lay behind its camera", false),
                surface_buffer("surface-instance", BufferType::u32, "instance of the first hit", true)},
       .reads = {"primary-hits"}};
 }
@@ -73,7 +74,8 @@ PassDeclaration AuxiliaryPass::declaration() const {
           .owns = {buffer("albedo", BufferType::rgb32f, "directional albedo of the first hit"),
                    buffer("normal", BufferType::rgb32f, "shading normal of the first hit", "XYZ"),
                    buffer("depth", BufferType::f32, "distance of the first hit, metres", "Z"),
-                   buffer("motion", BufferType::vec2f, "motion since the previous frame, pixels", "XY",
+                   buffer("motion", BufferType::vec2f,
+                          "motion since the previous frame, pixels; 65504 where it lay behind its camera", "XY",
                           BufferDisplay::value)},
           .reads = {"surface-albedo", "surface-normal", "surface-depth", "surface-motion"}};
 }

@@ -169,6 +169,15 @@ TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
   EXPECT_LT(std::fabs(s.motion[kHeight / 2 * kWidth + kWidth / 2].x), 1e-3f);
 }
 
+TEST(PrimaryHits, WhatLayBehindTheCameraComesFromNowhere) {
+  const CompiledScene scene = compile("cornell");
+  SceneView view = scene.view();
+  const Vec3 seen(0, 2.7f, 0);
+  EXPECT_EQ(film_motion(view, seen, seen), Vec2(0));
+  view.previous_camera.axes.n = -view.previous_camera.axes.n;
+  EXPECT_EQ(film_motion(view, seen, seen), Vec2(kFromNowhere));
+}
+
 TEST(PrimaryHits, AuxiliarySumsAndKeepsTheFirstMotion) {
   std::vector<Rgb> albedo{Rgb(1)};
   std::vector<Vec3> normal{Vec3(0, 1, 0)};

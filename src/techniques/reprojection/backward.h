@@ -129,11 +129,12 @@ struct BackwardReprojection {
     return result;
   }
 
-  /// taps(); where none of the four fits, as on edges, whose pixels see one surface in one frame and the other in the
-  /// next, the nearest pixel of the eight around them that does.
-  RELUME_HD BackwardTaps taps_or_nearest(uint32_t x, uint32_t y) const {
-    BackwardTaps result = taps(x, y);
+  /// taps() that know something by `counts`; where none of the four does, as on edges, whose pixels see one surface in
+  /// one frame and the other in the next, the nearest pixel of the eight around them that fits and does.
+  RELUME_HD BackwardTaps taps_or_nearest(uint32_t x, uint32_t y, const View<const uint32_t>& counts) const {
+    BackwardTaps result = taps(x, y).known(counts);
     if (result.valid) return result;
+    result = {};
     const uint32_t pixel = y * width + x;
     const float fx = std::floor(static_cast<float>(x) - motion[pixel].x + 0.5f);
     const float fy = std::floor(static_cast<float>(y) - motion[pixel].y + 0.5f);
@@ -145,7 +146,7 @@ struct BackwardReprojection {
       const int py = static_cast<int>(fy) + offset[1];
       if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
       const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
-      if (!same_surface(pixel, other)) continue;
+      if (counts[other] == 0 || !same_surface(pixel, other)) continue;
       result.pixels[0] = other;
       result.weights[0] = 1.0f;
       result.valid = true;

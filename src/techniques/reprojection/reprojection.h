@@ -223,7 +223,7 @@ struct ClaimKernel {
     if (!light.valid()) return {};
     const float f = max_component(eval_pdf(sp, light.wi).f);
     if (!(f > 0.0f)) return {};
-    if (occluded(scene.accel, shadow_ray(sp, light.wi, light.distance), hash(seed, id))) return {};
+    if (occluded(scene.accel, shadow_ray(sp, light), hash(seed, id))) return {};
     return {luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w, f};
   }
 };

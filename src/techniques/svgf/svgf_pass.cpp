@@ -90,7 +90,7 @@ void SvgfPass::present(const FrameContext& frame) {
   kernel.shown = frame.view<Rgb>("svgf-shown");
   kernel.width = frame.width();
   launch(frame.backend, "svgf-present", kernel, frame.width(), frame.height());
-  finish_picture(frame, {"svgf-present", "svgf-shown", "svgf-picture"}, settings_.history.newest);
+  finish_picture(frame, {"svgf-present", "svgf-shown", "svgf-picture", "svgf-samples"}, settings_.history.newest);
 }
 
 }  // namespace relume
