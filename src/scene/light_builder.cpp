@@ -11,6 +11,18 @@
 namespace relume {
 namespace {
 
+/// TriangleLight::error: the largest of the vertices'.
+float triangle_error(const SceneView& geometry, const UVec3& index, const Instance& instance) {
+  float largest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& p = geometry.vertices[index[k]].position;
+    const float error = gamma_bound(7) * max_component(abs(p));
+    largest =
+        std::max(largest, instance.in_world_space ? error : surface_detail::world_error(instance.to_world, p, error));
+  }
+  return largest;
+}
+
 /// Extent of a triangle in the texels of the textures that modulate it.
 struct TexelExtent {
   float area = 1;
@@ -184,29 +196,6 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   if (!environment_.black()) lights_.emplace_back();
   mark_changes();
 }
-
-namespace {
-
-/// TriangleLight::error, bounded as in geometry_at() (surface_point_impl.h): rays are intersected in object space.
-float triangle_error(const SceneView& geometry, const UVec3& index, const Instance& instance) {
-  const Affine& m = instance.to_world;
-  const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
-  float error = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 p = abs(geometry.vertices[index[k]].position);
-    const float stored = gamma_bound(7) * max_component(p);
-    if (instance.in_world_space) {
-      error = relume::max(error, stored);
-      continue;
-    }
-    const Vec3 moved =
-        gamma_bound(3) * (magnitude * p + abs(m.translation)) + (1.0f + gamma_bound(3)) * (magnitude * Vec3(stored));
-    error = relume::max(error, 2.0f * max_component(moved));
-  }
-  return error;
-}
-
-}  // namespace
 
 void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance) {
   const MeshView& mesh = geometry.meshes[instance.mesh];

@@ -114,6 +114,15 @@ struct Geometry {
   Vec3 front;
 };
 
+/// Bound of the rounding of where rays meet a surface in the world, metres, from that in its mesh's own space, where
+/// `position` is. Embree intersects there: its rounding moves the ray, so the bound counts the transform there and
+/// back.
+RELUME_HD_INLINE float world_error(const Affine& to_world, const Vec3& position, float error) {
+  const Mat3 magnitude(abs(to_world.linear[0]), abs(to_world.linear[1]), abs(to_world.linear[2]));
+  return 2.0f * max_component(gamma_bound(3) * (magnitude * abs(position) + abs(to_world.translation)) +
+                              (1.0f + gamma_bound(3)) * (magnitude * Vec3(error)));
+}
+
 RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt& t) {
   const Vec3& p0 = t.v[0]->position;
   const Vec3& p1 = t.v[1]->position;
@@ -127,10 +136,7 @@ RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt
   g.e2 = p2 - p0;
   if (!instance.in_world_space) {
     const Affine& m = instance.to_world;
-    const Mat3 magnitude(abs(m.linear[0]), abs(m.linear[1]), abs(m.linear[2]));
-    // Embree intersects in object space: its rounding moves the ray, so the bound counts the transform there and back.
-    g.error = 2.0f * max_component(gamma_bound(3) * (magnitude * abs(g.position) + abs(m.translation)) +
-                                   (1.0f + gamma_bound(3)) * (magnitude * Vec3(g.error)));
+    g.error = world_error(m, g.position, g.error);
     g.previous_position = instance.previous_to_world.point(g.position);
     g.position = m.point(g.position);
     g.e1 = m.vector(g.e1);

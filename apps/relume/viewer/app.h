@@ -55,7 +55,7 @@ class App {
   uint64_t picture_version_ = 0;
   uint64_t camera_version_ = 0;
   uint64_t release_version_ = 0;                            ///< request with which the scene's camera came back last
-  double newest_frame_s_ = 0;                               ///< when it came
+  double newest_frame_s_ = 0;                               ///< when the newest frame was taken
   std::deque<std::pair<uint64_t, uint64_t>> camera_moves_;  ///< request, and the newest frame when it was posted
   std::string first_problem_;
   std::string failed_task_;  ///< why the first task failed

@@ -50,7 +50,8 @@ PassDeclaration FeaturesPass::declaration() const {
                surface_buffer("feature-emission", BufferType::rgb32f, "emission seen directly or in mirrors", false),
                surface_buffer("feature-depth", BufferType::f32, "length of the way to it, metres", false, "Z"),
                surface_buffer("feature-motion", BufferType::vec2f,
-                              "its motion since the previous frame, pixels; 65504: seen by no frame before", false),
+                              "its motion since the previous frame, pixels; 65504 where it lay behind its camera",
+                              false),
                surface_buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
       .reads = {"primary-hits"}};
 }
@@ -139,9 +140,10 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
 }
 
 bool begins_anew(const FrameContext& frame, std::string_view samples) {
+  if (frame.number > 0 && frame.changes == Change::none) return false;
   const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
   const View<const uint32_t> known = frame.view<const uint32_t>(samples);
-  constexpr uint32_t kStride = 13;
+  constexpr uint32_t kStride = 61;
   uint32_t filtered = 0;
   uint32_t fresh = 0;
   for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
