@@ -141,8 +141,10 @@ TEST(Help, ShowsExamplesFirstAndEverySetting) {
   EXPECT_NE(help.find("  -o, --output FILE           Where to\n"), std::string::npos) << help;
   EXPECT_NE(help.find("  --count N                   How often [3]\n"), std::string::npos) << help;
   Settings settings;
-  for (const Setting& setting : describe(settings))
-    EXPECT_NE(help.find("--" + setting.name), std::string::npos) << setting.name;
+  for (const Setting& setting : describe(settings)) {
+    const bool is_switch = std::holds_alternative<bool*>(setting.value);
+    EXPECT_NE(help.find((is_switch ? "  --[no-]" : "  --") + setting.name), std::string::npos) << setting.name;
+  }
   for (size_t begin = 0; begin < help.size(); begin = help.find('\n', begin) + 1) {
     EXPECT_LE(help.find('\n', begin) - begin, 100u) << help.substr(begin, 120);
   }

@@ -54,13 +54,23 @@ std::string value_name(const Setting& setting, std::string_view given) {
   return upper_case(setting.name);
 }
 
-std::string option_row(const Setting& setting, std::string_view given_value_name, char letter) {
-  std::string left = letter != 0 ? fmt::format("-{}, --{}", letter, setting.name) : "--" + setting.name;
-  const std::string value = value_name(setting, given_value_name);
-  if (!value.empty()) left += " " + value;
+std::string explained(const Setting& setting, const std::string& left) {
   const std::string now = to_string(setting);
   const bool tells_default = !now.empty() && now != "false";
   return row(left, tells_default ? fmt::format("{} [{}]", setting.help, now) : std::string(setting.help));
+}
+
+std::string option_row(const Option& option) {
+  const Setting& setting = option.setting;
+  std::string left = option.letter != 0 ? fmt::format("-{}, --{}", option.letter, setting.name) : "--" + setting.name;
+  const std::string value = value_name(setting, option.value_name);
+  if (!value.empty()) left += " " + value;
+  return explained(setting, left);
+}
+
+std::string setting_row(const Setting& setting) {
+  const std::string value = value_name(setting, "");
+  return explained(setting, value.empty() ? "--[no-]" + setting.name : fmt::format("--{} {}", setting.name, value));
 }
 
 std::string usage_line(const Command& command) {
@@ -83,11 +93,11 @@ std::string help_text(const Command& command) {
   if (!command.arguments.empty()) text += "\nArguments:\n";
   for (const Argument& argument : command.arguments) text += row(std::string(argument.name), argument.help);
   text += "\nOptions:\n";
-  for (const Option& option : command.options) text += option_row(option.setting, option.value_name, option.letter);
+  for (const Option& option : command.options) text += option_row(option);
   text += row("-h, --help", "Show this");
   for (const SettingGroup& group : command.setting_groups) {
     text += fmt::format("\n{}:\n", group.title);
-    for (const Setting& setting : group.settings) text += option_row(setting, "", 0);
+    for (const Setting& setting : group.settings) text += setting_row(setting);
   }
   return text;
 }

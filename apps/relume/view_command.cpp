@@ -32,7 +32,8 @@ int run([[maybe_unused]] const ViewOptions& options, [[maybe_unused]] const Verb
   return run_view(options, verbosity);
 #else
   throw Error(
-      "this relume was built without its viewer; install libglfw3-dev, libimgui-dev and libgl-dev and build again");
+      "this relume was built without its viewer; install libglfw3-dev, libimgui-dev and libgl-dev, then configure "
+      "and build again (scripts/build does both)");
 #endif
 }
 

@@ -116,7 +116,13 @@ std::string settings_reference() {
       "*Resets*: a change drops what earlier frames have accumulated. *Biases*: some values change the expected "
       "picture.\n";
   text += settings_to_markdown(setting_groups(defaults));
-  text += "\n## Presets\n\n| `--preset` | what for | settings |\n|---|---|---|\n";
+  text +=
+      "\n## Presets\n\n"
+      "Listed is what differs from the defaults. `adaptive`, `reprojection` and `combination` change only what is "
+      "listed and "
+      "leave the rest as\n"
+      "the scene file has it. All others fill every slot, with the default where nothing is listed.\n\n"
+      "| `--preset` | what for | settings |\n|---|---|---|\n";
   for (const Preset& preset : presets()) {
     Settings changed;
     settings_from_json(describe(changed), preset.json, preset.name);

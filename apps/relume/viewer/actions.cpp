@@ -162,8 +162,7 @@ void save_numbered_picture(State& state, const std::string& extension) {
 
 void write_view_file(State& state, const std::filesystem::path& file) {
   if (!state.knows_camera()) throw Error(kNoCamera);
-  const CameraPath* path = state.path.path.keys().empty() ? nullptr : &state.path.path;
-  const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), path});
+  const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path});
   state.tell("wrote " + file.string());
   for (const std::string& omission : omissions) state.tell(omission, true);
 }

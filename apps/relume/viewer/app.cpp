@@ -7,7 +7,6 @@
 
 #include "core/clock.h"
 #include "core/error.h"
-#include "io/atomic_file.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/settings_panel.h"
@@ -24,12 +23,6 @@ constexpr float kSidebar_px = 390;
 constexpr float kTiming_px = 148;
 constexpr double kPatience_s = 300;  // for a frame, also one for which a scene is compiled, before smoke tests give up
 
-ScriptPlayer load_script(const std::string& file) {
-  if (file.empty()) return {};
-  const std::vector<std::byte> bytes = read_file(file, 1 << 24);
-  return {parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file), file};
-}
-
 /// A window in which a picture of the wanted size has room, as far as screens usually go.
 IVec2 window_size(const Settings& settings, bool fixed_size) {
   if (!fixed_size) return {1440, 900};
@@ -39,13 +32,13 @@ IVec2 window_size(const Settings& settings, bool fixed_size) {
 
 }  // namespace
 
-App::App(const cli::ViewOptions& options, const Settings& settings, bool fixed_size,
+App::App(const cli::ViewOptions& options, const Settings& settings, bool fixed_size, ScriptPlayer script,
          std::shared_ptr<const LoadedScene> scene)
     : options_(options),
       smoke_(options.smoke > 0),
       window_(window_size(settings, fixed_size).x, window_size(settings, fixed_size).y, "relume " + scene->name,
               !smoke_),
-      script_(load_script(options.script)) {
+      script_(std::move(script)) {
   state_.renderer = &renderer_;
   state_.settings = {settings, settings};
   state_.follow_window = !fixed_size;

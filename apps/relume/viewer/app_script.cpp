@@ -29,7 +29,7 @@ void choose_panel(State& state, const std::string& name) {
     state.panel_wanted = true;
     return;
   }
-  throw Error("there is no panel '" + name + "'");
+  throw Error("there is no panel '" + name + "'; there are settings, scene, camera and buffers");
 }
 
 void set_sun(State& state, float hour) {

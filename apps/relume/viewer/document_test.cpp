@@ -202,6 +202,20 @@ TEST(SaveView, MovedThingsNoLongerMoveByThemselves) {
   }
 }
 
+TEST(SaveView, ASingleKeyIsNoPath) {
+  const Document document = cornell();
+  CameraPath path;
+  std::vector<std::string> omissions;
+  const auto moves = [&] {
+    return view_as_json({document, {}, some_camera(), &path}, ".", omissions).find("camera_keys") != std::string::npos;
+  };
+  EXPECT_FALSE(moves());
+  path.add({.time_s = 0});
+  EXPECT_FALSE(moves());
+  path.add({.time_s = 1});
+  EXPECT_TRUE(moves());
+}
+
 TEST(SaveView, ThingsThatShareANameAreReported) {
   auto loaded = std::make_shared<LoadedScene>(*small_scene());
   for (Node& node : loaded->scene.nodes) node.name = "same";

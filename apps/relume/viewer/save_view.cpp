@@ -111,11 +111,11 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   root["camera"] = camera_to_json(view.camera.camera, view.camera.to_world);
   root["camera"]["name"] = "view";
   root.erase("camera_keys");
-  if (view.path && !view.path->keys().empty()) root["camera_keys"] = path_json(*view.path);
+  const bool moves = view.path && view.path->keys().size() > 1;  // a single key is no path yet
+  if (moves) root["camera_keys"] = path_json(*view.path);
   put_edits(view.document, root, omissions);
   if (view.document.environment_is_edited())
     put_environment(view.document.outline().environment, view.settings.scene.env, folder, root, omissions);
-  const bool moves = view.path && !view.path->keys().empty();
   put_settings(view.settings, moves ? 0 : view.document.time_s(), root);
   return root.dump(1) + "\n";
 }

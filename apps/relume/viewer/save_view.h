@@ -14,7 +14,7 @@ struct SavedView {
   const Document& document;
   const Settings& settings;
   PlacedCamera camera;
-  const CameraPath* path = nullptr;  ///< its keys move the camera; nullptr: the camera rests
+  const CameraPath* path = nullptr;  ///< two keys or more move the camera; nullptr: it rests
 };
 
 /// The file's text, if it stands in `folder`; what relume JSON cannot say goes to `omissions`, one sentence each.

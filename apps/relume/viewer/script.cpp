@@ -15,8 +15,8 @@
 namespace relume::viewer {
 namespace {
 
-constexpr double kPatience_s = 60;
-constexpr int kDragTicks = 12;  // frames of the interface that a drag takes
+constexpr double kPatience_s = 300;  // for a frame, also one for which a large scene is compiled
+constexpr int kDragTicks = 12;       // frames of the interface that a drag takes
 constexpr int kMostFrames = 1'000'000;
 
 struct Verb {
@@ -184,7 +184,7 @@ void ScriptPlayer::update(const ScriptTarget& target) {
       if (!perform(step, target)) {
         ++tick_;
         const bool waits = step.verb == "seconds";
-        if (!waits && target.now_s() - progress_s_ > kPatience_s) throw Error("nothing happened for a minute");
+        if (!waits && target.now_s() - progress_s_ > kPatience_s) throw Error("nothing happened for five minutes");
         return;
       }
     } catch (const Error& error) {

@@ -57,7 +57,7 @@ class ScriptPlayer {
   bool done() const { return next_ >= steps_.size(); }
 
   /// Called once a frame of the interface. Throws Error naming the line of a step that fails, or during which no frame
-  /// came for a minute.
+  /// came for five minutes, in which large scenes are compiled.
   void update(const ScriptTarget& target);
 
   const ScriptedInput& input() const { return input_; }

@@ -41,6 +41,14 @@ Settings resolve_start(SettingSources sources) {
   return resolve(sources);
 }
 
+bool chooses_size(const SettingSources& sources) {
+  const RenderSettings plain;
+  const RenderSettings chosen = resolve({.file = sources.file}).render;
+  return chosen.width != plain.width || chosen.height != plain.height ||
+         std::any_of(sources.flags.begin(), sources.flags.end(),
+                     [](const auto& flag) { return flag.first == "width" || flag.first == "height"; });
+}
+
 Settings apply_preset(const Settings& current, const std::string& scene_json, const std::string& scene_place,
                       const std::string& preset) {
   Settings wanted = resolve({.scene_json = scene_json, .scene_place = scene_place});

@@ -1,8 +1,11 @@
 #include "viewer/start_settings.h"
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "io/atomic_file.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 
@@ -35,6 +38,19 @@ TEST(StartSettings, AreTheUsersWhereTheySpeakOfTechniques) {
   scene.scene_json = R"({"guide": "cdq"})";
   EXPECT_EQ(resolve_start(scene).render.denoise, plain.denoise);
   EXPECT_EQ(resolve_start(scene).render.guide, GuideChoice::cdq);
+}
+
+TEST(StartSettings, HaveTheSizeThatIsAskedForByFlagOrFile) {
+  EXPECT_FALSE(chooses_size({}));
+  EXPECT_FALSE(chooses_size({.preset = "preview"}));
+  EXPECT_FALSE(chooses_size({.scene_json = R"({"width": 100})"}));  // saved views follow the window, too
+  EXPECT_TRUE(chooses_size({.flags = {{"height", "100"}}}));
+  const auto file = std::filesystem::temp_directory_path() / "relume_start_settings_test.json";
+  write_file(file, R"({"spp": 3})");
+  EXPECT_FALSE(chooses_size({.file = file.string()}));
+  write_file(file, R"({"spp": 3, "width": 100})");
+  EXPECT_TRUE(chooses_size({.file = file.string()}));
+  std::filesystem::remove(file);
 }
 
 TEST(Presets, MeanTheSameWhateverWasChosenBefore) {

@@ -1,25 +1,39 @@
 #include "viewer/view_job.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <future>
 
 #include "console.h"
 #include "core/clock.h"
+#include "io/atomic_file.h"
 #include "picture.h"
 #include "platform.h"
 #include "render/settings.h"
 #include "scene_source.h"
 #include "viewer/app.h"
+#include "viewer/script.h"
 #include "viewer/start_settings.h"
+#include "viewer/window.h"
 
 namespace relume::cli {
+namespace {
+
+viewer::ScriptPlayer load_script(const std::string& file) {
+  if (file.empty()) return {};
+  const std::vector<std::byte> bytes = read_file(file, 1 << 24);
+  return {viewer::parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file), file};
+}
+
+}  // namespace
 
 int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  resolve(sources);  // finds what is wrong with them before anything is loaded
+  // What is wrong with these is told before anything is loaded.
+  resolve(sources);
   if (!options.screenshot.empty()) check_picture_file(options.screenshot, {});
+  viewer::ScriptPlayer script = load_script(options.script);
+  viewer::Window::require_display();
   const double start_s = now_s();
   // On a thread of low priority, whose children rendering uses later: the interface keeps the right of way.
   auto loading = std::async(std::launch::async, [&] {
@@ -32,10 +46,9 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   const Settings settings = viewer::resolve_start(sources);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene.warnings);
-  const bool fixed_size = std::any_of(options.flags.begin(), options.flags.end(),
-                                      [](const auto& flag) { return flag.first == "width" || flag.first == "height"; });
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
-  viewer::App app(options, settings, fixed_size, std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
+  viewer::App app(options, settings, viewer::chooses_size(sources), std::move(script),
+                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
   app.run();
   if (app.loading()) {
     // Nobody waits for a scene that nobody will see.

@@ -72,11 +72,14 @@ uint64_t fingerprint(const ImDrawData& data, uint64_t content) {
 
 }  // namespace
 
+void Window::require_display() {
+  if (glfwInit() == GLFW_TRUE) return;
+  throw Error(fmt::format("no window can be opened ({}); relume view needs a display, such as X11 or `xvfb-run`",
+                          glfw_problem()));
+}
+
 Window::Window(int width, int height, const std::string& title, bool visible) {
-  if (glfwInit() == GLFW_FALSE) {
-    throw Error(fmt::format("no window can be opened ({}); relume view needs a display, such as X11 or `xvfb-run`",
-                            glfw_problem()));
-  }
+  require_display();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

@@ -19,6 +19,9 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
+  /// Throws Error where there is no display. For the thread that opens the window later.
+  static void require_display();
+
   bool should_close() const;
   void set_title(const std::string& title);
 
