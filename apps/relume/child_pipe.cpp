@@ -18,6 +18,11 @@
 extern char** environ;
 
 namespace relume::cli {
+namespace {
+
+constexpr int kUnknownExit = 255;  // nobody could say how it ended
+
+}  // namespace
 
 ChildPipe::ChildPipe(const std::vector<std::string>& arguments) {
   int ends[2];
@@ -65,7 +70,10 @@ bool ChildPipe::write(const void* data, size_t bytes) {
 int ChildPipe::finish() {
   close(pipe_);
   int status = 0;
-  while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+  while (waitpid(child_, &status, 0) < 0) {
+    if (errno == EINTR) continue;
+    child_ = -1;
+    return kUnknownExit;
   }
   child_ = -1;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

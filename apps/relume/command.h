@@ -67,7 +67,7 @@ struct Verbosity {
   bool verbose = false;
 };
 
-/// "--quiet" and "--verbose", which every command has.
+/// "--quiet" and "--verbose", which commands that take time have.
 std::vector<Option> verbosity_options(Verbosity& verbosity);
 
 // One function a file; `verbosity` outlives the command.

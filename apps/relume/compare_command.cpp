@@ -136,8 +136,10 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
     throw UsageError(
         "--reference takes a picture that is there, --reference-settings one that is rendered; choose one");
   resolve_reference(options.common, {}, options.reference_settings);
-  options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
-  options.cache_folder /= "references";
+  if (o.reference.empty() && o.timed_frames == 0) {
+    options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
+    options.cache_folder /= "references";
+  }
   options.program = program_stamp();
   return options;
 }
@@ -218,9 +220,9 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
     return kExitInterrupted;
   }
   const auto machine = machine_description();
-  write_file(files.json, to_json(*comparison, machine));
-  write_file(files.csv, to_csv(*comparison));
-  write_file(files.page, to_html(comparison_page(*comparison, machine)));
+  write_files({{files.json, to_json(*comparison, machine)},
+               {files.csv, to_csv(*comparison)},
+               {files.page, to_html(comparison_page(*comparison, machine))}});
   for (const std::string& note : comparison->notes) warn(note);
   std::fputs(to_csv(*comparison).c_str(), stdout);
   tell(verbosity, fmt::format("wrote {} in {}", files.page.string(), format_duration(now_s() - start_s)));

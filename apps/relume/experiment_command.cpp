@@ -136,8 +136,8 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
   const ExperimentResult result = experiment.run(context);
   const ExperimentRun run{machine_description(), o.quick, now_s() - start_s, !o.scenes.empty(), context.program};
   printer.clear();
-  write_file(folder / (name + ".html"), to_html(experiment_page(experiment, result, run)));
-  write_file(folder / (name + ".json"), to_json(experiment, result, run));
+  write_files({{folder / (name + ".html"), to_html(experiment_page(experiment, result, run))},
+               {folder / (name + ".json"), to_json(experiment, result, run)}});
   std::error_code stays;
   std::filesystem::remove_all(context.parts_folder, stays);
   write_index(folder);
@@ -164,7 +164,8 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       run_experiment(*experiment, o, context, folder, printer, verbosity);
     } catch (const ExperimentStopped&) {
       printer.clear();
-      tell(verbosity, fmt::format("interrupted {}; the same command goes on", experiment->name));
+      tell(verbosity, fmt::format("interrupted {}; the same command{} goes on", experiment->name,
+                                  list.size() > 1 && !o.goes_on ? " with --continue" : ""));
       return kExitInterrupted;
     } catch (const std::exception& error) {
       if (list.size() == 1) throw;

@@ -1,3 +1,4 @@
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -5,6 +6,7 @@
 
 int main(int argc, char** argv) {
   using namespace relume::cli;
+  std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it, and so would we: how children end would stay unknown
   Verbosity verbosity;
   std::vector<Command> commands = {
       render_command(verbosity), view_command(verbosity), scenes_command(),           export_command(verbosity),

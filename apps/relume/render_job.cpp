@@ -19,6 +19,7 @@
 #include "progress.h"
 #include "render/session.h"
 #include "reports.h"
+#include "scene/builtin.h"
 #include "scene_source.h"
 #include "stop_criteria.h"
 #include "version.h"
@@ -31,7 +32,7 @@ constexpr double kDisplayInterval_s = 0.5;
 
 /// What is known before the scene is loaded; making it finds most of the mistakes that a user can make.
 struct Plan {
-  std::vector<std::string> aovs;
+  std::vector<std::string> aovs;  ///< of a scene file: once it is loaded
   FrameRange frames;
   std::vector<std::filesystem::path> files;  ///< one a frame
   SettingSources sources;
@@ -50,6 +51,12 @@ std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& option
   return files;
 }
 
+/// Throws UsageError for a layer that there is not, and Error for techniques that do not combine.
+std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
+  settings.auxiliary = true;
+  return parse_aovs(options.aov, Session::aov_names(settings));
+}
+
 Plan make_plan(const RenderOptions& options) {
   Plan plan;
   if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
@@ -61,21 +68,30 @@ Plan make_plan(const RenderOptions& options) {
     plan.files = files_of_sequence(options, plan.frames);
   }
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  RenderSettings settings = resolve(plan.sources).render;
+  const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;
-  settings.auxiliary = true;
-  plan.aovs = parse_aovs(options.aov, Session::aov_names(settings));
+  // What a file says of techniques is known once it is loaded, and decides which layers there are.
+  if (find_builtin_scene(options.scene)) plan.aovs = wanted_aovs(options, settings);
+  const std::vector<std::string> layers = options.aov.empty() ? plan.aovs : std::vector{options.aov};
   if (is_video_file(options.output) && !options.frames.empty()) {
-    check_video_file(options.output, plan.aovs);
+    check_video_file(options.output, layers);
   } else {
-    check_picture_file(options.output, plan.aovs);
+    check_picture_file(options.output, layers);
   }
   return plan;
 }
 
-/// Waiting for an error that never becomes known would not end.
+/// Waiting for an error that never becomes known would not end, and a pilot alone is no picture.
 void check_stop_settings(const Settings& settings) {
   const StopCriteria criteria = stop_criteria(settings.stop);
+  const AdaptiveSamplingSettings& adaptive = settings.render.adaptive;
+  const bool has_pilot = settings.render.allocation == AllocationChoice::adaptive && adaptive.pilot;
+  if (has_pilot && criteria.samples > 0 && criteria.samples <= static_cast<uint32_t>(adaptive.max_samples)) {
+    throw UsageError(
+        fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
+                    "smaller --adaptive.max",
+                    adaptive.max_samples));
+  }
   if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
   throw UsageError(
       "--error alone cannot end a picture with --history none, which is one frame whose error is not known; give --spp "
@@ -182,6 +198,7 @@ void RenderJob::load() {
   plan_.sources.scene_place = options_.scene;
   settings_ = resolve(plan_.sources);
   check_stop_settings(settings_);
+  plan_.aovs = wanted_aovs(options_, settings_.render);
   apply(settings_.scene, scene);
   warn_all(verbosity_, scene.warnings);
   load_s_ = now_s() - start_s;
@@ -209,6 +226,7 @@ void RenderJob::resume() {
                    options_.frames.empty()
                        ? ""
                        : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
+  if (first_picture_ > 0) tell(verbosity_, "pictures of earlier frames stay as they are");
 }
 
 size_t RenderJob::picture_of_checkpoint() const {

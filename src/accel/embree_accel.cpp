@@ -149,10 +149,10 @@ struct EmbreeAccel::State {
     if (device) rtcReleaseDevice(device);
   }
 
-  void check() const {
-    if (!error.empty())
-      throw Error("the acceleration structure could not be built: Embree reports '" + error +
-                  "'; try a smaller scene, or free some memory");
+  void check() {
+    if (error.empty()) return;
+    throw Error("the acceleration structure could not be built: Embree reports '" + std::exchange(error, {}) +
+                "'; try a smaller scene, or free some memory");
   }
 
   RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
@@ -256,6 +256,7 @@ void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstanc
     set_filter(geometry, &s.contexts[i], needs_coverage);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
+    if (!in_world_space) break;  // the others share that geometry
   }
   update(instances);
 }

@@ -123,6 +123,9 @@ TEST_F(ReferenceTest, GoesOnAfterAnInterruption) {
   ASSERT_TRUE(resumed);
   EXPECT_GT(first_fraction, 0.7);
   EXPECT_EQ(whole->image.pixels, resumed->image.pixels);
+  EXPECT_EQ(whole->surface.depth, resumed->surface.depth);
+  EXPECT_EQ(whole->surface.normal, resumed->surface.normal);
+  EXPECT_EQ(whole->surface.motion, resumed->surface.motion);
   EXPECT_EQ(file_count(), 1u);
 }
 

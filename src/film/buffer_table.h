@@ -25,7 +25,7 @@ enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, hit, fixed_rgb, recor
 enum class BufferDisplay : uint8_t {
   hidden,  ///< of use to its passes only
   value,   ///< as it is
-  mean,    ///< divided by the number of samples of the pixel
+  mean,    ///< divided by the number of frames
 };
 
 struct BufferDescription {

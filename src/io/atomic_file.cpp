@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <random>
 #include <system_error>
 
@@ -19,12 +20,14 @@ std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reaso
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
+constexpr size_t kStemBytes = 200;  // of 255 that a name may have
+
 /// A name beside `target` that no other writer uses; hidden, so that globs like *.exr pass it by.
 fs::path temporary_name(const fs::path& target) {
   std::random_device random;
   const uint64_t tag = (static_cast<uint64_t>(random()) << 32) | random();
-  return target.parent_path() /
-         fmt::format(".{}.{:016x}.tmp{}", target.stem().string(), tag, target.extension().string());
+  return target.parent_path() / fmt::format(".{}.{:016x}.tmp{}", target.stem().string().substr(0, kStemBytes), tag,
+                                            target.extension().string());
 }
 
 /// Where the bytes finally go: the end of a chain of symbolic links, existing or not.
@@ -75,7 +78,8 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
   stream_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-void AtomicFile::commit() {
+void AtomicFile::close() {
+  if (!stream_.is_open()) return;
   const bool failed_before = !stream_;  // errno is no longer that of the write
   errno = 0;
   stream_.close();
@@ -83,6 +87,10 @@ void AtomicFile::commit() {
     throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(),
                             failed_before ? "the disk is full, or a file may not be as large" : reason()));
   }
+}
+
+void AtomicFile::commit() {
+  close();
   pending_.commit();
 }
 
@@ -90,6 +98,16 @@ void write_file(const fs::path& file, std::string_view contents) {
   AtomicFile out(file);
   out.stream().write(contents.data(), static_cast<std::streamsize>(contents.size()));
   out.commit();
+}
+
+void write_files(const std::vector<std::pair<fs::path, std::string>>& files) {
+  std::deque<AtomicFile> open;
+  for (const auto& [file, contents] : files) {
+    AtomicFile& out = open.emplace_back(file);
+    out.stream().write(contents.data(), static_cast<std::streamsize>(contents.size()));
+    out.close();
+  }
+  for (AtomicFile& out : open) out.commit();
 }
 
 std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace relume {
@@ -42,7 +44,9 @@ class AtomicFile {
   std::ostream& stream() { return stream_; }
   void write(std::span<const std::byte> bytes);
 
-  /// Gives the file its name. Throws Error if anything could not be written (disk full).
+  /// Writes what is left to write. Throws Error if anything could not be written (disk full).
+  void close();
+  /// Closes, and gives the file its name. Throws Error.
   void commit();
 
  private:
@@ -53,6 +57,9 @@ class AtomicFile {
 
 /// AtomicFile in one call.
 void write_file(const std::filesystem::path& file, std::string_view contents);
+
+/// Files that belong together: either all are replaced or, where one cannot be written, none. Throws Error.
+void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// All bytes of a file. Throws Error if it is missing, a folder, unreadable or larger than `max_bytes`.
 std::vector<std::byte> read_file(const std::filesystem::path& file, uint64_t max_bytes = uint64_t{1} << 33);

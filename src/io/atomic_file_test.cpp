@@ -49,6 +49,26 @@ TEST(AtomicFile, ReplacesAndFollowsLinks) {
   EXPECT_EQ(text_of(folder / "target.txt"), "new");
 }
 
+TEST(AtomicFile, TakesTheLongestNamesThatThereAre) {
+  const TempFolder folder;
+  const std::string name = std::string(251, 'a') + ".txt";
+  write_file(folder / name, "hello");
+  EXPECT_EQ(text_of(folder / name), "hello");
+}
+
+TEST(WriteFiles, ReplacesAllOrNone) {
+  const TempFolder folder;
+  write_files({{folder / "a.txt", "old"}, {folder / "b.txt", "old"}});
+  EXPECT_THROW(write_files({{folder / "a.txt", "new"}, {folder / "b.txt", "new"}, {folder / "no" / "c.txt", ""}}),
+               Error);
+  EXPECT_EQ(text_of(folder / "a.txt"), "old");
+  EXPECT_EQ(text_of(folder / "b.txt"), "old");
+  EXPECT_EQ(folder.file_count(), 2u);
+  write_files({{folder / "a.txt", "new"}, {folder / "b.txt", "newer"}});
+  EXPECT_EQ(text_of(folder / "a.txt"), "new");
+  EXPECT_EQ(text_of(folder / "b.txt"), "newer");
+}
+
 TEST(AtomicFile, WritesDevicesDirectly) {
   if (!fs::is_character_file("/dev/null")) GTEST_SKIP() << "no /dev/null here";
   write_file("/dev/null", "gone");

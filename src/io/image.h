@@ -53,8 +53,8 @@ inline constexpr int64_t kMaxDecodedBytes = int64_t{1} << 33;
 // All functions below throw Error (file, problem, remedy). Writers use a temporary name that is renamed only when the
 // file is complete.
 
-/// The format is recognised by content. EXR, HDR: linear values as stored. PNG, JPEG, TGA, BMP: 8 or 16 bit, decoded
-/// from sRGB. Alpha is dropped.
+/// The format is recognised by content. EXR, HDR: linear values (EXPOSURE of HDR divided out). PNG, JPEG, TGA, BMP: 8
+/// or 16 bit, decoded from sRGB. Alpha is dropped.
 Image read_image(const std::filesystem::path& file);
 
 /// The same over a file's bytes; `name` is for messages.

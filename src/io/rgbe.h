@@ -9,8 +9,8 @@
 
 namespace relume::detail {
 
-/// Flat, old and new run-length encoded pictures, stored from top to bottom or from bottom to top. EXPOSURE lines are
-/// ignored: values are as stored. Own code because the packaged stb_image loops forever on pictures that are cut off.
+/// Flat, old and new run-length encoded pictures, stored from top to bottom or from bottom to top. EXPOSURE lines
+/// are divided out. Own code because the packaged stb_image loops forever on pictures that are cut off.
 /// Throws Error.
 Image parse_rgbe(std::span<const std::byte> bytes, const std::string& name);
 

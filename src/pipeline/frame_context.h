@@ -27,11 +27,12 @@ struct FrameContext {
   BufferTable& buffers;
   Backend& backend;
   SampleIndex index;
-  uint32_t number = 0;                   ///< frames since the session began
-  uint32_t since_change = 0;             ///< frames since anything changed
-  Change changes = Change::none;         ///< since the frame before
-  std::stop_token stop;                  ///< set only if no pass remembers anything beyond its buffers
-  bool begins_picture = false;           ///< the first frame of a picture: of a sequence, or after a change
+  uint32_t number = 0;            ///< frames since the session began
+  uint32_t since_change = 0;      ///< frames since anything changed
+  Change changes = Change::none;  ///< since the frame before
+  std::stop_token stop;           ///< set only if no pass remembers anything beyond its buffers
+  bool begins_picture = false;    ///< the first frame of a picture: of a sequence, or after a change
+  bool stratified = false;  ///< a pixel's samples since the last change are one low-discrepancy sequence, and its own
   const BufferAccess* access = nullptr;  ///< of the pass that runs; nullptr: everything
 
   uint32_t width() const { return buffers.width(); }

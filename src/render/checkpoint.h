@@ -18,6 +18,7 @@ struct Counters {
   uint32_t epoch = 0;           ///< edits that came after a frame: each has random numbers of its own
   float time_s = 0;             ///< of the animation
   float previous_time_s = 0;    ///< in the frame before
+  float stretch_time_s = 0;     ///< when anything changed last
   uint32_t picture_frames = 0;  ///< `frames` when the picture that is being made began
   uint64_t paths = 0;
   uint64_t rays = 0;

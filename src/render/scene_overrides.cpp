@@ -40,7 +40,7 @@ void apply(const SceneOverrides& overrides, Scene& scene) {
     environment.kind = EnvironmentKind::constant;
     environment.color = rgb;
   } else if (env != "none") {
-    if (!std::filesystem::exists(env)) {
+    if (std::error_code unknown; !std::filesystem::exists(env, unknown)) {
       throw Error("env: '" + env + "' is neither a radiance such as 1,1,1 nor none nor a file that exists");
     }
     load_environment_map(env, environment);

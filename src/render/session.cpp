@@ -71,7 +71,7 @@ struct Session::State {
           std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height,
                                             settings.texture_filter, std::move(movable)});
     });
-    counters.time_s = counters.previous_time_s = settings.time_s;
+    counters.time_s = counters.previous_time_s = counters.stretch_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;
   }
 
@@ -97,6 +97,7 @@ struct Session::State {
   /// Takes pending changes on: what they make invalid is cleared, and a new stretch of random numbers begins.
   void apply_changes() {
     if (changes == Change::none) return;
+    counters.stretch_time_s = counters.time_s;
     buffers->reset(changes);
     if (edited && counters.since_change > 0) ++counters.epoch;
     edited = false;
@@ -108,25 +109,22 @@ struct Session::State {
     edited = edited || change != Change::none;
   }
 
-  /// Seed of this stretch of frames. Each time of the animation has numbers of its own, whichever frames came before.
+  /// Seed of this stretch of frames. Each time of the animation at which something changes has numbers of its own,
+  /// whichever frames came before; where nothing does, the sequence goes on.
   uint32_t scramble() const {
     const auto seed = static_cast<uint32_t>(settings.seed);
-    if (counters.epoch == 0 && counters.time_s == 0.0f) return seed;
-    return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.time_s));
+    if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
+    return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.stretch_time_s));
   }
 
   FrameContext frame(const std::stop_token& stop) {
     const bool adapts = pipeline.adapts();
     const SampleIndex index{scramble(), counters.frames, adapts ? 0 : counters.since_change, adapts};
-    return {scene->view(),
-            *buffers,
-            *backend,
-            index,
-            counters.frames,
-            counters.since_change,
-            changes,
+    return {scene->view(), *buffers, *backend, index, counters.frames, counters.since_change, changes,
             adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
-            counters.since_change == 0 || counters.picture_frames == counters.frames};
+            counters.since_change == 0 || counters.picture_frames == counters.frames,
+            // What light paths bring to a pixel belongs to the sequences of others.
+            !adapts && settings.estimator == EstimatorChoice::path};
   }
 
   void count_frame() {
@@ -163,7 +161,15 @@ bool Session::render_frame(std::stop_token stop) {
   const double start_s = now_s();
   s.apply_changes();
   s.buffers->swap();
-  const bool complete = s.pipeline.run(s.frame(stop));
+  bool complete = false;
+  try {
+    complete = s.pipeline.run(s.frame(stop));
+  } catch (...) {
+    // Passes before the one that failed have added to the picture: what there is of it is not the mean of its samples.
+    s.buffers->swap();
+    s.edit(Change::settings);
+    throw;
+  }
   if (complete) {
     s.count_frame();
     s.scene->end_frame();
@@ -203,8 +209,8 @@ double Session::picture_samples() const {
 double Session::picture_render_s() const { return state_->statistics.render_s - state_->picture_begun_s; }
 
 void Session::set_time(float time_s) {
+  state_->changes |= state_->scene->set_time(time_s);  // before the rest: it may refuse
   state_->settings.time_s = state_->counters.time_s = time_s;
-  state_->changes |= state_->scene->set_time(time_s);
 }
 
 void Session::set_camera(const std::optional<PlacedCamera>& camera) { state_->edit(state_->scene->set_camera(camera)); }
@@ -231,6 +237,10 @@ Image Session::image() const {
 }
 
 double Session::estimated_error() const {
+  const RenderSettings& s = state_->settings;
+  const bool has_pilot = s.allocation == AllocationChoice::adaptive && s.adaptive.pilot;
+  if (has_pilot && state_->counters.since_change <= static_cast<uint32_t>(s.adaptive.max_samples))
+    return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const View<const Rgb> mean = state_->buffers->view<const Rgb>("mean");
   const View<const float> m2 = state_->buffers->view<const float>("m2");
   const View<const uint32_t> count = state_->buffers->view<const uint32_t>("samples");
@@ -273,7 +283,7 @@ std::vector<std::string> Session::aov_names(const RenderSettings& settings) {
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
-  return aov_planes(*state_->buffers, name, frames_since_change());
+  return aov_planes(*state_->buffers, name, state_->counters.since_change);
 }
 
 bool Session::set_settings(const RenderSettings& wanted) {
@@ -287,12 +297,14 @@ bool Session::set_settings(const RenderSettings& wanted) {
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
   const bool resized = settings.width != current.width || settings.height != current.height;
+  Change change = Change::none;
   const SettingList before = describe(current);  // the result points into it
   for (const Setting* setting : differing_settings(before, describe(settings))) {
-    if (setting->traits.resets_history) s.edit(Change::settings);
+    if (setting->traits.resets_history) change = Change::settings;
   }
+  if (settings.time_s != current.time_s) set_time(settings.time_s);  // before anything changes: it may refuse
+  s.edit(change);
   if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
-  if (settings.time_s != current.time_s) set_time(settings.time_s);
   current = settings;
   if (resized) s.scene->set_resolution(settings.width, settings.height);
   if (resized || !same_slots || !same_passes) {
@@ -309,7 +321,7 @@ void Session::restart(int seed) {
   s.scene->end_frame();
   s.counters = {};
   s.picture_begun_s = s.statistics.render_s;
-  s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
+  s.counters.time_s = s.counters.previous_time_s = s.counters.stretch_time_s = s.settings.time_s;
   s.changes = Change::none;
   s.edited = false;
 }
@@ -323,10 +335,12 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
   // Into passes that have not run: others remember the scene at the time that they were run for.
   State::Fresh fresh = s.empty_pipeline();
-  s.counters = read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.pipeline);
+  const Counters counters =
+      read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.pipeline);
+  s.scene->set_time(counters.previous_time_s);  // before the rest: it may refuse
+  s.counters = counters;
   s.take(std::move(fresh));
   s.picture_begun_s = s.statistics.render_s;
-  s.scene->set_time(s.counters.previous_time_s);
   s.scene->end_frame();
   set_time(s.counters.time_s);
   if (s.counters.time_s == s.counters.previous_time_s) s.changes = Change::none;

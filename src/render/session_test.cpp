@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "scene/builtin.h"
+#include "scene/testing/plate.h"
 
 namespace relume {
 namespace {
@@ -41,6 +43,46 @@ TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
       EXPECT_NEAR(session.aov("albedo").front().values[6 * 16 + 8], 1, 0.01) << "of the sphere, in the middle";
     }
   }
+}
+
+TEST(Session, IsAsItWasWhereATimeIsRefused) {
+  Scene scene = testing::plate();
+  testing::animate_scale(scene, 1, Vec3(1), Vec3(0));  // of the camera, which looks nowhere at second 1
+  RenderSettings settings = small_settings();
+  Session session(std::move(scene), settings);
+  for (int i = 0; i < 4; ++i) session.render_frame();
+  EXPECT_THROW(session.set_time(1), Error);
+  settings.time_s = 1;
+  settings.denoise = DenoiseChoice::svgf;
+  EXPECT_THROW(session.set_settings(settings), Error);
+  EXPECT_EQ(session.settings().time_s, 0);
+  EXPECT_EQ(session.settings().denoise, DenoiseChoice::none);
+  EXPECT_EQ(session.frames_since_change(), 4u);
+  session.render_frame();
+  EXPECT_EQ(session.kept_samples(), 5);
+}
+
+TEST(Session, GoesOnWithTheSameSequenceWhereOnlyTheClockMoves) {
+  Session moving_clock = furnace(small_settings());
+  Session still = furnace(small_settings());
+  for (int i = 0; i < 8; ++i) {
+    moving_clock.set_time(static_cast<float>(i));
+    moving_clock.render_frame();
+    still.render_frame();
+  }
+  EXPECT_EQ(moving_clock.image().pixels, still.image().pixels);
+}
+
+TEST(Session, LayersStayUntilTheNextFrame) {
+  RenderSettings settings = small_settings();
+  settings.auxiliary = true;
+  Session session = furnace(settings);
+  for (int i = 0; i < 8; ++i) session.render_frame();
+  const float before = session.aov("albedo").front().values[6 * 16 + 8];
+  PlacedCamera camera = session.scene().camera();
+  camera.to_world[3].x += 1;
+  session.set_camera(camera);
+  EXPECT_EQ(session.aov("albedo").front().values[6 * 16 + 8], before);
 }
 
 TEST(Session, PicturesHaveSamplesAndSecondsOfTheirOwn) {

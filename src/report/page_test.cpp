@@ -1,5 +1,7 @@
 #include "report/page.h"
 
+#include <regex>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -25,7 +27,9 @@ TEST(Page, WhatIsWrittenCannotEndTheScript) {
 
 TEST(Page, IsOneFile) {
   const std::string html = to_html({"t", "s", {}});
-  EXPECT_EQ(html.find("@"), html.find("@media"));  // all placeholders are filled
+  EXPECT_FALSE(std::regex_search(html, std::regex("@[A-Z_]+@"))) << "a placeholder is not filled";
+  for (const char* part : {"relume.start()", "relume.Viewer", "prefers-color-scheme", "page-data"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(html.find(" src=\"http"), std::string::npos);
   EXPECT_EQ(html.find("<link"), std::string::npos);
   EXPECT_EQ(html.find("@import"), std::string::npos);

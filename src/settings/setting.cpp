@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -68,8 +69,10 @@ int parse_int(const Setting& setting, std::string_view text, std::string_view pl
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool complete = end == digits.data() + digits.size();
   if (failure == std::errc::result_out_of_range && complete) {
-    const std::string range = range_text(setting.traits);
-    fail(setting, text, place, range.empty() ? "that number is too large" : "must be " + range);
+    const bool bounded = setting.traits.max < kUnbounded;
+    fail(setting, text, place,
+         bounded ? "must be " + range_text(setting.traits)
+                 : fmt::format("must be at most {}", std::numeric_limits<int>::max()));
   }
   if (failure != std::errc{} || !complete) fail(setting, text, place, "must be an integer");
   check_range(setting, value, text, place);

@@ -91,6 +91,10 @@ TEST(Setting, TakesItsBounds) {
   const Setting setting{"value", &value, "", {.min = 0.01, .max = 0.7}};
   for (const char* bound : {"0.01", "0.7"}) EXPECT_NO_THROW(assign(setting, bound, "")) << bound;
   EXPECT_THROW(assign(setting, "0.00999", ""), Error);
+  int seed = 0;
+  const Setting unbounded{"seed", &seed, "", {.min = 0}};
+  EXPECT_EQ(message_of([&] { assign(unbounded, "3000000000", "here"); }),
+            "here: seed is '3000000000', but must be at most 2147483647");
 }
 
 TEST(Setting, TextRoundTripsEveryFloat) {

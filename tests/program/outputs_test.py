@@ -52,6 +52,19 @@ class Outputs(ProgramTest):
         self.assertNotEqual(run("compare", str(self.folder / "lost.glb"), cwd=self.folder).returncode, 0)
         self.assertFalse((self.folder / "lost-compare").exists())
 
+    def test_layers_and_combinations_are_those_of_the_settings_that_a_scene_brings(self):
+        scene = {"scene": "builtin:furnace", "settings": {"denoise": "svgf", "reproject.method": "backward"}}
+        (self.folder / "view.json").write_text(json.dumps(scene))
+        self.succeed("render", "view.json", "-o", "out.exr", *SMALL, "--spp", "1", "--aov", "denoised")
+        self.succeed("render", "view.json", "-o", "out.exr", *SMALL, "--spp", "1", "--estimator", "bdpt", "--history", "reproject")
+        self.assertEqual(run("render", "view.json", "-o", "no.exr", *SMALL, "--aov", "denoisd", cwd=self.folder).returncode, 2)
+
+    def test_a_pilot_alone_is_no_picture(self):
+        pilot = ["--allocation", "adaptive", "--adaptive.pilot", "--adaptive.max", "8", "--adaptive.min", "2"]
+        refused = run("render", "furnace", "-o", "no.png", *map(str, SMALL), *pilot, "--spp", "8", cwd=self.folder)
+        self.assertEqual((refused.returncode, "leaves the first 8 samples out" in refused.stderr), (2, True), refused.stderr)
+        self.succeed("render", "furnace", "-o", "out.png", *SMALL, *pilot, "--spp", "9")
+
     def test_a_tev_viewer_gets_the_picture(self):
         viewer = TevViewer()
         self.succeed("render", "furnace", "-o", "out.exr", *SMALL, "--spp", "2", "--display", viewer.address)

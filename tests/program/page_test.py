@@ -194,7 +194,7 @@ class ComparePage(Page):
         self.assertNotEqual(self.pixels(), zoomed)  # of the first picture, while the third was dragged
         self.click("[data-action='Fit']")
         self.wait(lambda: self.zoom() == fitted)
-        self.assertTrue(before)
+        self.wait(lambda: self.pixels() == before)
 
     def test_values_under_the_cursor(self):
         canvas = self.all(".pane canvas")[1]

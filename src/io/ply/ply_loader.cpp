@@ -206,12 +206,18 @@ Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& p
       read_vertices(reader, element, mesh);
     } else if (element.name == "face" && mesh.triangles.empty()) {
       read_faces(reader, element, mesh);
+      if (element.find({"texcoord"}) >= 0)
+        warnings.add("texture coordinates of faces are ignored; give them to vertices");
     } else {
       for (uint64_t i = 0; i < element.count; ++i) {
         for (const ply::Property& property : element.properties) skip(reader, property);
       }
+      if (element.count > 0) warnings.add(fmt::format("its element '{}' is ignored", element.name));
     }
   }
+  const auto is_strip = [](const ply::Element& element) { return element.name == "tristrips"; };
+  if (mesh.triangles.empty() && std::any_of(header.elements.begin(), header.elements.end(), is_strip))
+    throw Error(fmt::format("{}: triangle strips are not supported; save the mesh with faces", place));
   return scene_of(std::move(mesh), std::move(warnings), place);
 }
 

@@ -60,6 +60,13 @@ TEST(Ply, FansPolygonsAndSkipsOtherElements) {
       load("ply\nformat ascii 1.0\n" + kVertices + "element edge 1\nproperty int a\nproperty list uchar float b\n" +
            kFaces + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n7 2 0.5 0.5\n4 0 1 2 3\n");
   EXPECT_EQ(scene.meshes.at(0).triangles, (std::vector<UVec3>{{0, 1, 2}, {0, 2, 3}}));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("its element 'edge' is ignored"), std::string::npos);
+  const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  EXPECT_NE(error_of([&] {
+              load("ply\nformat ascii 1.0\n" + kVertices + strips + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+            }).find("triangle strips are not supported"),
+            std::string::npos);
 }
 
 TEST(Ply, LoadsBothByteOrders) {

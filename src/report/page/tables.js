@@ -6,7 +6,7 @@ relume.blocks.text = function (block) {
 };
 
 relume.cell = function (cell, isBest) {
-  const td = relume.make("td", { class: `${cell.value === undefined && cell.text !== "–" ? "text" : "value"}${isBest ? " best" : ""}`, title: cell.hint }, cell.text);
+  const td = relume.make("td", { class: `${cell.value === undefined && cell.text !== "–" ? "text" : "value"}${isBest ? " best" : ""}` }, cell.text);
   if (isBest) td.append(relume.make("span", { class: "visually-hidden", text: " (best)" }));
   if (cell.note) td.append(relume.make("span", { class: "note", text: cell.note }));
   return td;
@@ -36,8 +36,9 @@ relume.blocks.table = function (block) {
       const descending = th.getAttribute("aria-sort") === "ascending";
       heads.forEach((head) => head.removeAttribute("aria-sort"));
       th.setAttribute("aria-sort", descending ? "descending" : "ascending");
-      const key = (i) => block.rows[i].cells[index].value ?? Infinity;
-      const order = rows.map((_, i) => i).sort((a, b) => (descending ? key(b) - key(a) : key(a) - key(b)) || a - b);
+      const key = (i) => (block.rows[i].cells[index].value ?? Infinity) * (descending ? -1 : 1);
+      const known = (i) => Number.isFinite(key(i));
+      const order = rows.map((_, i) => i).sort((a, b) => known(b) - known(a) || (known(a) && key(a) - key(b)) || a - b);
       body.append(...order.map((i) => rows[i]));
     } });
     const th = relume.make("th", { scope: "col", title: column.help }, button);

@@ -51,7 +51,14 @@ relume.Viewer = class {
   }
 
   showView(index) {
+    const before = this.view;
     this.view = this.block.views[index];
+    if (before && (before.width !== this.view.width || before.height !== this.view.height)) {
+      this.zoom = 0;
+      this.center = this.pixel = null;
+      this.pinned = false;
+      this.ownCrops = [];
+    }
     this.view.decoded = this.view.decoded || this.view.pictures.map((p) => new relume.Picture(p));
     this.pictures = this.view.decoded;
     this.current = Math.min(this.current, this.pictures.length - 1);

@@ -182,7 +182,7 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   converge.m2 = frame.view<const float>("m2");
   converge.samples = frame.view<const uint32_t>("samples");
   converge.converged = frame.view<Rgb>("denoised");
-  converge.stratified = !frame.index.independent;
+  converge.stratified = frame.stratified;
   converge.still = still;
   converge.width = frame.width();
   converge.height = frame.height();

@@ -133,7 +133,7 @@ struct ConvergeKernel {
   View<const float> m2;  ///< sum of squared distances of the samples' luminance from its mean
   View<const uint32_t> samples;
   View<Rgb> converged;
-  bool stratified = false;  ///< the samples of a pixel are one low-discrepancy sequence
+  bool stratified = false;  ///< as in FrameContext
   bool still = false;       ///< nothing has changed; otherwise the mean is not trusted
   uint32_t width = 0;
   uint32_t height = 0;
