@@ -81,12 +81,16 @@ Plan make_plan(const RenderOptions& options) {
   return plan;
 }
 
+bool has_pilot(const RenderSettings& settings) {
+  return settings.allocation == AllocationChoice::adaptive && settings.adaptive.pilot;
+}
+
 /// Waiting for an error that never becomes known would not end, and a pilot alone is no picture.
 void check_stop_settings(const Settings& settings) {
   const StopCriteria criteria = stop_criteria(settings.stop);
   const AdaptiveSamplingSettings& adaptive = settings.render.adaptive;
-  const bool has_pilot = settings.render.allocation == AllocationChoice::adaptive && adaptive.pilot;
-  if (has_pilot && criteria.samples > 0 && criteria.samples <= static_cast<uint32_t>(adaptive.max_samples)) {
+  if (has_pilot(settings.render) && criteria.samples > 0 &&
+      criteria.samples <= static_cast<uint32_t>(adaptive.max_samples)) {
     throw UsageError(
         fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
                     "smaller --adaptive.max",
@@ -339,6 +343,9 @@ void RenderJob::write(size_t index, StopReason reason) {
 
 void RenderJob::report(StopReason reason) const {
   const Statistics& statistics = session_->statistics();
+  const RenderSettings& s = settings_.render;
+  if (has_pilot(s) && session_->frames_since_change() <= static_cast<uint32_t>(s.adaptive.max_samples))
+    warn("the picture ended within its pilot samples, which are biased; give it more time");
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));

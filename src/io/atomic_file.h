@@ -58,7 +58,7 @@ class AtomicFile {
 /// AtomicFile in one call.
 void write_file(const std::filesystem::path& file, std::string_view contents);
 
-/// Files that belong together: either all are replaced or, where one cannot be written, none. Throws Error.
+/// Files that belong together: where one cannot be written, as on a full disk, none is replaced. Throws Error.
 void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// All bytes of a file. Throws Error if it is missing, a folder, unreadable or larger than `max_bytes`.

@@ -18,12 +18,14 @@ struct Counters {
   uint32_t epoch = 0;           ///< edits that came after a frame: each has random numbers of its own
   float time_s = 0;             ///< of the animation
   float previous_time_s = 0;    ///< in the frame before
-  float stretch_time_s = 0;     ///< when anything changed last
+  float stretch_time_s = 0;     ///< of the first frame since anything changed
   uint32_t picture_frames = 0;  ///< `frames` when the picture that is being made began
+  uint32_t reserved = 0;        ///< in place of padding, whose bytes would be chance in files
   uint64_t paths = 0;
   uint64_t rays = 0;
   uint64_t picture_paths = 0;  ///< `paths` then
 };
+static_assert(sizeof(Counters) == 8 * sizeof(uint32_t) + 3 * sizeof(uint64_t));
 
 /// What must agree between the render that wrote a checkpoint and the one that continues it, and the counters.
 struct CheckpointHeader {

@@ -33,6 +33,7 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
          .epoch = 2,
          .time_s = 1e6f,
          .previous_time_s = 0,
+         .stretch_time_s = 3,
          .picture_frames = 6,
          .paths = 4,
          .rays = 9,
@@ -43,6 +44,7 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
   EXPECT_EQ(counters.epoch, 2u);
   EXPECT_EQ(counters.time_s, 1e6f);
   EXPECT_EQ(counters.previous_time_s, 0.0f);
+  EXPECT_EQ(counters.stretch_time_s, 3.0f);
   EXPECT_EQ(counters.picture_frames, 6u);
   EXPECT_EQ(counters.picture_paths, 1u);
   EXPECT_EQ(counters.paths, 4u);
@@ -54,6 +56,8 @@ TEST_F(CheckpointTest, RefusesTimesThatNoSessionHas) {
     write({.time_s = time_s});
     EXPECT_THROW(read(), Error) << time_s;
     write({.previous_time_s = time_s});
+    EXPECT_THROW(read(), Error) << time_s;
+    write({.stretch_time_s = time_s});
     EXPECT_THROW(read(), Error) << time_s;
   }
 }

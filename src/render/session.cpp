@@ -71,7 +71,7 @@ struct Session::State {
           std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height,
                                             settings.texture_filter, std::move(movable)});
     });
-    counters.time_s = counters.previous_time_s = counters.stretch_time_s = settings.time_s;
+    counters.time_s = counters.previous_time_s = settings.time_s;
     statistics.build_s = now_s() - start_s;
   }
 
@@ -96,12 +96,13 @@ struct Session::State {
 
   /// Takes pending changes on: what they make invalid is cleared, and a new stretch of random numbers begins.
   void apply_changes() {
-    if (changes == Change::none) return;
-    counters.stretch_time_s = counters.time_s;
-    buffers->reset(changes);
-    if (edited && counters.since_change > 0) ++counters.epoch;
-    edited = false;
-    counters.since_change = 0;
+    if (changes != Change::none) {
+      buffers->reset(changes);
+      if (edited && counters.since_change > 0) ++counters.epoch;
+      edited = false;
+      counters.since_change = 0;
+    }
+    if (counters.since_change == 0) counters.stretch_time_s = counters.time_s;
   }
 
   void edit(Change change) {
@@ -123,8 +124,8 @@ struct Session::State {
     return {scene->view(), *buffers, *backend, index, counters.frames, counters.since_change, changes,
             adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
             counters.since_change == 0 || counters.picture_frames == counters.frames,
-            // What light paths bring to a pixel belongs to the sequences of others.
-            !adapts && settings.estimator == EstimatorChoice::path};
+            // What light paths and cells bring to a pixel belongs to the sequences of others.
+            !adapts && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none};
   }
 
   void count_frame() {
@@ -321,7 +322,7 @@ void Session::restart(int seed) {
   s.scene->end_frame();
   s.counters = {};
   s.picture_begun_s = s.statistics.render_s;
-  s.counters.time_s = s.counters.previous_time_s = s.counters.stretch_time_s = s.settings.time_s;
+  s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
   s.changes = Change::none;
   s.edited = false;
 }

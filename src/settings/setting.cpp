@@ -69,10 +69,12 @@ int parse_int(const Setting& setting, std::string_view text, std::string_view pl
   const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool complete = end == digits.data() + digits.size();
   if (failure == std::errc::result_out_of_range && complete) {
-    const bool bounded = setting.traits.max < kUnbounded;
+    const bool negative = digits.starts_with('-');
+    const bool bounded = negative ? setting.traits.min > -kUnbounded : setting.traits.max < kUnbounded;
     fail(setting, text, place,
-         bounded ? "must be " + range_text(setting.traits)
-                 : fmt::format("must be at most {}", std::numeric_limits<int>::max()));
+         bounded    ? "must be " + range_text(setting.traits)
+         : negative ? fmt::format("must be at least {}", std::numeric_limits<int>::min())
+                    : fmt::format("must be at most {}", std::numeric_limits<int>::max()));
   }
   if (failure != std::errc{} || !complete) fail(setting, text, place, "must be an integer");
   check_range(setting, value, text, place);

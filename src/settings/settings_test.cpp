@@ -95,6 +95,8 @@ TEST(Setting, TakesItsBounds) {
   const Setting unbounded{"seed", &seed, "", {.min = 0}};
   EXPECT_EQ(message_of([&] { assign(unbounded, "3000000000", "here"); }),
             "here: seed is '3000000000', but must be at most 2147483647");
+  EXPECT_EQ(message_of([&] { assign(unbounded, "-3000000000", "here"); }),
+            "here: seed is '-3000000000', but must be at least 0");
 }
 
 TEST(Setting, TextRoundTripsEveryFloat) {

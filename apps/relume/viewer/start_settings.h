@@ -11,8 +11,8 @@ namespace relume::viewer {
 /// "interactive". Throws Error.
 Settings resolve_start(SettingSources sources);
 
-/// Whether the user asks for a size of picture, by flags or by a file of settings: the window does not decide it then.
-/// Throws Error.
+/// Whether the user asks for a size of picture, by flags or by a file of settings that has another than the default:
+/// the window does not decide it then. Throws Error.
 bool chooses_size(const SettingSources& sources);
 
 /// What `preset` means for a scene: `current` decides only what is rendered (the group "Picture" and the environment),

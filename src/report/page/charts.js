@@ -60,7 +60,7 @@ relume.drawAxes = function (chart, x, y, box) {
 relume.drawCurve = function (curve, chart, x, y) {
   const group = relume.draw("g", { style: `--dot: ${relume.color(curve.color)}`, "data-curve": curve.name });
   const visible = curve.points.filter((p) => p[0] !== null && p[1] !== null && (!chart.log_x || p[0] > 0) && (!chart.log_y || p[1] > 0));
-  const band = visible.filter((p) => p.length > 3 && (!chart.log_y || p[2] > 0));
+  const band = visible.filter((p) => p.length > 3 && p[2] !== null && p[3] !== null && (!chart.log_y || p[2] > 0));
   if (band.length > 1) {
     const upper = band.map((p) => `${x(p[0]).toFixed(1)},${y(p[3]).toFixed(1)}`);
     const lower = band.map((p) => `${x(p[0]).toFixed(1)},${y(p[2]).toFixed(1)}`).reverse();
