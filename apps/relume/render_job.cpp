@@ -17,6 +17,7 @@
 #include "picture.h"
 #include "platform.h"
 #include "progress.h"
+#include "render/build_pipeline.h"
 #include "render/session.h"
 #include "reports.h"
 #include "scene/builtin.h"
@@ -72,7 +73,8 @@ Plan make_plan(const RenderOptions& options) {
   plan.threads = settings.threads;
   // What a file says of techniques is known once it is loaded, and decides which layers there are.
   if (find_builtin_scene(options.scene)) plan.aovs = wanted_aovs(options, settings);
-  const std::vector<std::string> layers = options.aov.empty() ? plan.aovs : std::vector{options.aov};
+  std::vector<std::string> layers;
+  if (!options.aov.empty()) layers.push_back(options.aov);
   if (is_video_file(options.output) && !options.frames.empty()) {
     check_video_file(options.output, layers);
   } else {
@@ -81,20 +83,15 @@ Plan make_plan(const RenderOptions& options) {
   return plan;
 }
 
-bool has_pilot(const RenderSettings& settings) {
-  return settings.allocation == AllocationChoice::adaptive && settings.adaptive.pilot;
-}
-
 /// Waiting for an error that never becomes known would not end, and a pilot alone is no picture.
 void check_stop_settings(const Settings& settings) {
   const StopCriteria criteria = stop_criteria(settings.stop);
-  const AdaptiveSamplingSettings& adaptive = settings.render.adaptive;
-  if (has_pilot(settings.render) && criteria.samples > 0 &&
-      criteria.samples <= static_cast<uint32_t>(adaptive.max_samples)) {
+  const uint32_t pilot = pilot_samples(settings.render);
+  if (criteria.samples > 0 && criteria.samples <= pilot) {
     throw UsageError(
         fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
                     "smaller --adaptive.max",
-                    adaptive.max_samples));
+                    pilot));
   }
   if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
   throw UsageError(
@@ -343,8 +340,8 @@ void RenderJob::write(size_t index, StopReason reason) {
 
 void RenderJob::report(StopReason reason) const {
   const Statistics& statistics = session_->statistics();
-  const RenderSettings& s = settings_.render;
-  if (has_pilot(s) && session_->frames_since_change() <= static_cast<uint32_t>(s.adaptive.max_samples))
+  const uint32_t pilot = pilot_samples(settings_.render);
+  if (pilot > 0 && session_->frames_since_change() <= pilot)
     warn("the picture ended within its pilot samples, which are biased; give it more time");
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",

@@ -139,6 +139,11 @@ bool learns(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
 }
 
+uint32_t pilot_samples(const RenderSettings& settings) {
+  const bool has_pilot = settings.allocation == AllocationChoice::adaptive && settings.adaptive.pilot;
+  return has_pilot ? static_cast<uint32_t>(settings.adaptive.max_samples) : 0;
+}
+
 void check_combination(const RenderSettings& settings) {
   if (settings.cache == CacheChoice::apsf || settings.cache == CacheChoice::apsf_apg) check(settings.apsf);
   if (settings.allocation == AllocationChoice::adaptive) check(settings.adaptive);

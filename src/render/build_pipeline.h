@@ -1,6 +1,7 @@
 // The explicit list of techniques: which passes a frame has for each choice in each slot.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "pipeline/pipeline.h"
@@ -15,6 +16,9 @@ std::string refusal(const RenderSettings& settings);
 
 /// Whether paths leave samples from which light selection or guiding learn.
 bool learns(const RenderSettings& settings);
+
+/// Frames after a change whose samples leave the picture again (AdaptiveSamplingSettings::pilot); 0: none do.
+uint32_t pilot_samples(const RenderSettings& settings);
 
 /// The passes that `settings` ask for. They keep references to `settings`, whose values they read every frame.
 Pipeline build_pipeline(const RenderSettings& settings);

@@ -238,9 +238,8 @@ Image Session::image() const {
 }
 
 double Session::estimated_error() const {
-  const RenderSettings& s = state_->settings;
-  const bool has_pilot = s.allocation == AllocationChoice::adaptive && s.adaptive.pilot;
-  if (has_pilot && state_->counters.since_change <= static_cast<uint32_t>(s.adaptive.max_samples))
+  const uint32_t pilot = pilot_samples(state_->settings);
+  if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const View<const Rgb> mean = state_->buffers->view<const Rgb>("mean");
   const View<const float> m2 = state_->buffers->view<const float>("m2");

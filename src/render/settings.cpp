@@ -119,8 +119,7 @@ std::string settings_reference() {
   text +=
       "\n## Presets\n\n"
       "Listed is what differs from the defaults. `adaptive`, `reprojection` and `combination` change only what is "
-      "listed and "
-      "leave the rest as\n"
+      "listed and leave the rest as\n"
       "the scene file has it. All others fill every slot, with the default where nothing is listed.\n\n"
       "| `--preset` | what for | settings |\n|---|---|---|\n";
   for (const Preset& preset : presets()) {
