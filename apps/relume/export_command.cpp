@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "console.h"
+#include "io/extension.h"
 #include "io/scene_io.h"
 #include "picture.h"
 #include "scene_source.h"
@@ -20,7 +21,7 @@ struct ExportOptions {
 int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   if (options.output.empty()) throw UsageError("export needs -o FILE; see relume export --help");
   const std::filesystem::path file = options.output;
-  if (file.extension() != ".gltf" && file.extension() != ".glb") {
+  if (const std::string extension = lower_extension(file); extension != ".gltf" && extension != ".glb") {
     throw UsageError(
         fmt::format("{}: scenes are written as .gltf or .glb; choose one of these extensions", options.output));
   }

@@ -16,6 +16,7 @@
 #include "reports.h"
 #include "settings/nearest_name.h"
 #include "settings/settings_json.h"
+#include "settings/text_list.h"
 #include "version.h"
 
 namespace relume::cli {
@@ -66,15 +67,12 @@ void check_folder_of(const std::filesystem::path& file) {
 
 std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known) {
   std::vector<std::string> names;
-  while (!text.empty()) {
-    const size_t comma = std::min(text.find(','), text.size());
-    const std::string name(text.substr(0, comma));
-    text.remove_prefix(std::min(comma + 1, text.size()));
-    if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) continue;
+  for (const std::string_view name : split_at_commas(text)) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       throw UsageError(fmt::format("--aov: there is no '{}'{}", name, suggestion(name, known)));
     }
-    names.push_back(name);
+    names.emplace_back(name);
   }
   return names;
 }

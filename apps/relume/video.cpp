@@ -4,12 +4,14 @@
 
 #include "command.h"
 #include "core/srgb.h"
+#include "io/extension.h"
 #include "picture.h"
 
 namespace relume::cli {
 
 bool is_video_file(const std::filesystem::path& file) {
-  return file.extension() == ".mp4" || file.extension() == ".y4m";
+  const std::string extension = lower_extension(file);
+  return extension == ".mp4" || extension == ".y4m";
 }
 
 void check_video_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
@@ -31,7 +33,7 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, floa
   command.insert(command.end(), {"-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"});
   command.insert(command.end(), {"-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709"});
   command.insert(command.end(), {"-color_trc", "iec61966-2-1", "-color_range", "tv"});
-  if (file_.extension() == ".mp4") command.insert(command.end(), {"-crf", "17", "-movflags", "+faststart"});
+  if (lower_extension(file_) == ".mp4") command.insert(command.end(), {"-crf", "17", "-movflags", "+faststart"});
   command.push_back(std::filesystem::absolute(pending_.path()).string());
   encoder_ = std::make_unique<ChildPipe>(command);
 }

@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/extension.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
+#include "settings/text_list.h"
 
 namespace relume {
 namespace {
@@ -18,25 +20,9 @@ constexpr std::array<std::string_view, 11> kShared = {"width", "height", "camera
 
 bool is_shared(std::string_view name) { return std::find(kShared.begin(), kShared.end(), name) != kShared.end(); }
 
-bool ends_with(std::string_view text, std::string_view ending) {
-  return text.size() > ending.size() && text.ends_with(ending);
-}
-bool is_settings_file(std::string_view text) { return ends_with(text, ".json") || ends_with(text, ".exr"); }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> split_at_commas(std::string_view text) {
-  std::vector<std::string_view> parts;
-  while (!text.empty()) {
-    const size_t comma = std::min(text.find(','), text.size());
-    if (const std::string_view part = trimmed(text.substr(0, comma)); !part.empty()) parts.push_back(part);
-    text.remove_prefix(std::min(comma + 1, text.size()));
-  }
-  return parts;
+bool is_settings_file(std::string_view text) {
+  const std::string extension = lower_extension(text);
+  return extension == ".json" || extension == ".exr";
 }
 
 /// The slot that has `choice`, if only one has; empty otherwise.

@@ -38,6 +38,13 @@ TEST(Contender, PresetsFilesAndSettings) {
   EXPECT_EQ(list[4].preset, "");
 }
 
+TEST(Contender, FilesAreKnownByTheirExtensionInAnyCase) {
+  const auto list = parse_contenders("Mine.JSON,a/picture.Exr", "-t");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[0].file, "Mine.JSON");
+  EXPECT_EQ(list[1].name, "picture");
+}
+
 TEST(Contender, TechniquesAreNamedByTheirChoice) {
   const auto list = parse_contenders("psf,apsf+apg,adaptive,fast=bmfr,lights:vlc", "-t");
   ASSERT_EQ(list.size(), 4u);

@@ -1,11 +1,11 @@
 #include "render/settings.h"
 
-#include <filesystem>
 #include <initializer_list>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/extension.h"
 #include "io/image.h"
 #include "render/aov_reference.h"
 #include "render/presets.h"
@@ -142,7 +142,7 @@ Settings resolve(const SettingSources& sources) {
   if (!sources.preset.empty())
     settings_from_json(list, require_preset(sources.preset).json, "preset " + sources.preset);
   if (!sources.file.empty()) {
-    const bool picture = std::filesystem::path(sources.file).extension() == ".exr";
+    const bool picture = lower_extension(sources.file) == ".exr";
     picture ? apply_image_settings(list, sources.file) : settings_from_file(list, sources.file);
   }
   for (const auto& [name, text] : sources.flags) {

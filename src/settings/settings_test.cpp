@@ -10,6 +10,7 @@
 #include "settings/setting.h"
 #include "settings/settings_docs.h"
 #include "settings/settings_json.h"
+#include "settings/text_list.h"
 
 namespace relume {
 namespace {
@@ -229,6 +230,13 @@ TEST(NearestName, FindsTyposAndBeginnings) {
   EXPECT_EQ(suggestion("x", {"a", "b"}), "; did you mean 'a'?");
   EXPECT_EQ(suggestion("xyz", {"a", "b"}), "; there are a and b");
   EXPECT_EQ(suggestion("xyz", {"path"}), "; there is path");
+}
+
+TEST(TextList, PartsBetweenCommasWithoutBlanks) {
+  using Parts = std::vector<std::string_view>;
+  EXPECT_EQ(split_at_commas(" a,\tb c ,, d\r"), (Parts{"a", "b c", "d"}));
+  EXPECT_EQ(split_at_commas(" , ,"), Parts{});
+  EXPECT_EQ(trimmed(" \t "), "");
 }
 
 }  // namespace

@@ -141,9 +141,9 @@ class Outputs(ProgramTest):
         self.assertAlmostEqual(sum(seconds), json.loads((self.folder / "s.json").read_text())["render_s"], delta=1e-5)
 
     def test_an_image_can_be_made_again_from_itself(self):
-        self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
-        self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.exr")
-        self.assert_same_pixels("a.exr", "b.exr")
+        self.succeed("render", "cornell", "-o", "a.EXR", *SMALL, "--spp", "2", "--seed", "9", "--max-bounces", "3")
+        self.succeed("render", "cornell", "-o", "b.exr", "--settings", "a.EXR")
+        self.assert_same_pixels("a.EXR", "b.exr")
         self.assertIn('"seed": 9', self.succeed("info", "b.exr").stdout)
 
     def test_statistics(self):

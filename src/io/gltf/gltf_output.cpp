@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/extension.h"
 
 namespace relume::gltf {
 namespace {
@@ -17,7 +18,7 @@ constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 
 bool is_binary(const std::filesystem::path& file) {
-  const std::string extension = file.extension().string();
+  const std::string extension = lower_extension(file);
   if (extension == ".glb") return true;
   if (extension == ".gltf") return false;
   throw Error(fmt::format("{}: scenes are written as glTF; give the file the extension .gltf or .glb", file.string()));
