@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "core/clock.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
+#include "io/extension.h"
 #include "machine.h"
 #include "picture.h"
 #include "platform.h"
@@ -72,7 +72,7 @@ struct OutputFiles {
 
 OutputFiles output_files(const CompareOptions& o) {
   const std::string output = o.output.empty() ? std::filesystem::path(o.scene).stem().string() + "-compare" : o.output;
-  const bool names_page = std::filesystem::path(output).extension() == ".html";
+  const bool names_page = lower_extension(output) == ".html";
   OutputFiles files;
   if (!names_page) files.folder = std::make_unique<NewFolder>(output);
   files.page = names_page ? std::filesystem::path(output) : std::filesystem::path(output) / "compare.html";
@@ -136,10 +136,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
     throw UsageError(
         "--reference takes a picture that is there, --reference-settings one that is rendered; choose one");
   resolve_reference(options.common, {}, options.reference_settings);
-  if (o.reference.empty() && o.timed_frames == 0) {
-    options.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
-    options.cache_folder /= "references";
-  }
+  if (o.reference.empty() && o.timed_frames == 0) options.cache_folder = reference_folder(o.cache_folder);
   options.program = program_stamp();
   return options;
 }
@@ -170,9 +167,8 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
     contenders.push_back({contender.name, resolve_contender(contender, options.common).render});
   const InterruptGuard interrupts;
   ProgressPrinter printer(!verbosity.quiet);
-  const auto timings = time_frames(scene, contenders, o.timed_frames, interrupts.token(), [&](double fraction) {
-    printer.show({.label = "timing", .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
-  });
+  const auto timings = time_frames(scene, contenders, o.timed_frames, interrupts.token(),
+                                   [&](double fraction) { printer.show_stage("timing", fraction); });
   printer.clear();
   if (!timings) {
     tell(verbosity, "interrupted");
@@ -210,10 +206,8 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   const std::stop_token stop = interrupts.token();
   ProgressPrinter printer(!verbosity.quiet);
   const double start_s = now_s();
-  const std::optional<Comparison> comparison =
-      compare(scene, options, stop, [&](const std::string& stage, double fraction) {
-        printer.show({.label = stage, .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
-      });
+  const std::optional<Comparison> comparison = compare(
+      scene, options, stop, [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
   printer.clear();
   if (!comparison) {
     tell(verbosity, "interrupted; what there is of references is kept and goes on next time");
@@ -276,7 +270,8 @@ std::vector<Option> declare(CompareOptions& o) {
         "the ratio to the first contender, and both by 95 % intervals",
         {.min = 0, .max = 1 << 20}},
        "FRAMES"},
-      {{"cache-dir", &o.cache_folder, "Where references are kept; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+      {{"cache-dir", &o.cache_folder,
+        "Where references are kept, in references/; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
        "FOLDER",
        0,
        Completion::file},

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "picture.h"
 #include "platform.h"
 #include "progress.h"
+#include "settings/text_list.h"
 
 namespace relume::cli {
 namespace {
@@ -46,12 +46,9 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& o) {
     for (const Experiment& e : experiments()) list.push_back(&e);
     return list;
   }
-  std::string_view rest = o.names;
-  while (!rest.empty()) {
-    const size_t comma = std::min(rest.find(','), rest.size());
-    const Experiment* experiment = &require_experiment(rest.substr(0, comma));
+  for (const std::string_view name : split_at_commas(o.names)) {
+    const Experiment* experiment = &require_experiment(name);
     if (std::find(list.begin(), list.end(), experiment) == list.end()) list.push_back(experiment);
-    rest.remove_prefix(std::min(comma + 1, rest.size()));
   }
   if (list.empty()) throw UsageError("experiment run needs names or --all; `relume experiment list` shows them");
   return list;
@@ -69,14 +66,11 @@ std::filesystem::path make_output_folder(const std::string& output) {
 ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token& stop, ProgressPrinter& printer) {
   ExperimentContext context;
   context.quick = o.quick;
-  context.cache_folder = o.cache_folder.empty() ? default_cache_folder() : std::filesystem::path(o.cache_folder);
-  context.cache_folder /= "references";
+  context.cache_folder = reference_folder(o.cache_folder);
   context.scene_folder = o.scenes;
   context.program = program_stamp();
   context.stop = stop;
-  context.progress = [&printer](const std::string& stage, double fraction) {
-    printer.show({.label = stage, .fraction = fraction, .remaining_s = INFINITY, .shows_samples = false}, now_s());
-  };
+  context.progress = [&printer](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); };
   return context;
 }
 
@@ -213,7 +207,7 @@ Command experiment_command(Verbosity& verbosity) {
                    0,
                    Completion::file},
                   {{"cache-dir", &options->cache_folder,
-                    "Where references are kept; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
+                    "Where references are kept, in references/; otherwise $XDG_CACHE_HOME/relume or ~/.cache/relume"},
                    "FOLDER",
                    0,
                    Completion::file}},

@@ -32,6 +32,18 @@ extern "C" void relume_on_interrupt(int) {
   write_byte('i');
 }
 
+/// The program's folder below the one that an environment variable names or, without it, below the home folder; empty
+/// if there is no home.
+std::string folder_of_user(const char* variable, const char* below_home) {
+  const auto value_of = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (const std::string folder = value_of(variable); !folder.empty()) return folder + "/relume";
+  const std::string home = value_of("HOME");
+  return home.empty() ? "" : home + "/" + below_home + "/relume";
+}
+
 }  // namespace
 
 bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
@@ -70,14 +82,13 @@ void lower_thread_priority() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
 }
 
-std::string state_folder() {
-  const auto variable = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value ? value : "");
-  };
-  if (const std::string state = variable("XDG_STATE_HOME"); !state.empty()) return state + "/relume";
-  const std::string home = variable("HOME");
-  return home.empty() ? "" : home + "/.local/state/relume";
+std::string state_folder() { return folder_of_user("XDG_STATE_HOME", ".local/state"); }
+
+std::string reference_folder(const std::string& cache_folder) {
+  const std::string folder = cache_folder.empty() ? folder_of_user("XDG_CACHE_HOME", ".cache") : cache_folder;
+  if (folder.empty())
+    throw UsageError("neither XDG_CACHE_HOME nor HOME is set; say with --cache-dir where references are kept");
+  return folder + "/references";
 }
 
 bool folder_is_writable(const std::string& folder) {

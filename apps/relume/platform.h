@@ -1,5 +1,5 @@
-// What only the operating system knows. platform.cpp and
-// child_pipe.cpp are the program's only files that assume POSIX and Linux.
+// What only the operating system knows. Of the program, platform.cpp, child_pipe.cpp and one line of main.cpp assume
+// POSIX; of the library, core/memory.cpp, io/tev_client.cpp and io/assimp/trial_run.cpp.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +32,10 @@ void lower_thread_priority();
 /// Folder in which the program may keep what it remembers between runs ($XDG_STATE_HOME/relume, ~/.local/state/relume);
 /// empty if there is no home. It need not exist.
 std::string state_folder();
+
+/// Folder for references: below `cache_folder` or, if that is empty, below $XDG_CACHE_HOME/relume or ~/.cache/relume.
+/// It need not exist. Throws UsageError if the environment tells of neither.
+std::string reference_folder(const std::string& cache_folder);
 
 /// While it lives, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
 /// kExitInterrupted. At most one at a time.

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include "core/clock.h"
 #include "platform.h"
 
 namespace relume::cli {
@@ -45,6 +47,11 @@ std::string format_progress_bar(const Progress& progress, int columns) {
 ProgressPrinter::ProgressPrinter(bool enabled) : enabled_(enabled), terminal_(is_terminal(stderr)) {}
 
 ProgressPrinter::~ProgressPrinter() { clear(); }
+
+void ProgressPrinter::show_stage(const std::string& stage, double fraction) {
+  constexpr double kUnknown_s = std::numeric_limits<double>::infinity();
+  show({.label = stage, .fraction = fraction, .remaining_s = kUnknown_s, .shows_samples = false}, now_s());
+}
 
 void ProgressPrinter::show(const Progress& progress, double now_s) {
   if (!enabled_) return;

@@ -37,6 +37,8 @@ class ProgressPrinter {
 
   /// `now_s` is a clock that only moves forward.
   void show(const Progress& progress, double now_s);
+  /// How much of a stage is done, as of now.
+  void show_stage(const std::string& stage, double fraction);
   /// Removes the bar, so that other text can be printed.
   void clear();
 

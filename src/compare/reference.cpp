@@ -1,7 +1,6 @@
 #include "compare/reference.h"
 
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -19,7 +18,7 @@ namespace {
 
 /// Part of the name of cached files; another one whenever references would come out differently.
 constexpr uint64_t kFormat = 1;
-/// Seeds that nobody chooses by hand, so that references are independent of what they judge.
+/// Seeds that settings do not allow, so that references are independent of what they judge.
 constexpr std::array<int, 2> kSeeds{1'000'000'007, 1'000'000'021};
 constexpr double kCheckpointInterval_s = 30;
 
@@ -84,14 +83,6 @@ void save(const std::filesystem::path& file, const Image& a, const Image& b, con
 
 }  // namespace
 
-std::filesystem::path default_cache_folder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache && *cache) return std::filesystem::path(cache) / "relume";
-  const char* home = std::getenv("HOME");
-  if (home && *home) return std::filesystem::path(home) / ".cache" / "relume";
-  throw Error("neither XDG_CACHE_HOME nor HOME is set; say with --cache-dir where references are kept");
-}
-
 Reference read_reference(const std::filesystem::path& file) {
   Reference reference;
   reference.image = read_image(file);
@@ -111,8 +102,8 @@ ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& s
   std::error_code failure;
   std::filesystem::create_directories(folder_, failure);
   if (failure) {
-    throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another with --cache-dir",
-                            folder_.string(), failure.message()));
+    throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another", folder_.string(),
+                            failure.message()));
   }
 }
 

@@ -30,10 +30,6 @@ struct Reference {
 /// Told after every frame: share of the work done, in [0, 1].
 using ReferenceProgress = std::function<void(double fraction)>;
 
-/// Where references are kept unless the user says otherwise: $XDG_CACHE_HOME/relume, or ~/.cache/relume. Throws Error
-/// if the environment tells of neither.
-std::filesystem::path default_cache_folder();
-
 /// Renders references of one scene with one set of settings. The two halves of a reference have independent seeds.
 /// What is interrupted leaves checkpoints in the folder and goes on next time.
 class ReferenceRenderer {

@@ -20,7 +20,10 @@ SettingList describe_picture(RenderSettings& s) {
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
        "How textures are interpolated: after decoding and with mip levels, as glTF asks, or between the sRGB codes at "
        "full resolution, as Cycles does; the latter darkens busy textures"},
-      {"seed", &s.seed, "Another seed gives independent noise; the same seed gives the same bits", {.min = 0}},
+      {"seed",
+       &s.seed,
+       "Another seed gives independent noise; the same seed gives the same bits",
+       {.min = 0, .max = kMostSeed}},
       {"threads",
        &s.threads,
        "Worker threads; 0: one for each core; the picture does not depend on it",

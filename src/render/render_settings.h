@@ -24,6 +24,8 @@
 namespace relume {
 
 inline constexpr float kLatestTime_s = 1e6f;  ///< of an animation
+/// Larger seeds are for repetitions, which count up from the one that was set, and above 10^9 for references.
+inline constexpr int kMostSeed = 900'000'000;
 
 // The slots (docs/architecture.md): each enum lists the choices that exist; more join with their techniques.
 enum class EstimatorChoice : int { path, bdpt, light };

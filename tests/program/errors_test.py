@@ -84,6 +84,7 @@ class Errors(RefusalTest):
 
     def test_numbers_that_are_none(self):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--seed", "x"), says=["--seed", "'x'"])
+        self.refuse(USAGE, *self.render("-o", "out.exr", "--seed", "900000001"), says=["--seed", "900000000"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--exposure", "nan"), says=["--exposure"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--time", "soon"), says=["--time"])
 
@@ -139,7 +140,7 @@ class Errors(RefusalTest):
         for frames in ("5-2", "x", "-3", "1-9999999"):
             self.refuse(USAGE, *self.render("-o", "out.exr", f"--frames={frames}"), says=["--frames"])
         self.refuse(USAGE, *self.render("-o", "out.mp4", "--frames", "0-1", "--resume", "a.ckpt"), says=["--resume"])
-        self.refuse(USAGE, *self.render("-o", "out.mp4", "--frames", "0-1", "--aov", "albedo"), says=["--aov"])
+        self.refuse(USAGE, *self.render("-o", "out.MP4", "--frames", "0-1", "--aov", "albedo"), says=["--aov"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--frames", "1000001", "--fps", "1"), says=["--frames"])
 
     def test_display_that_is_not_there(self):
