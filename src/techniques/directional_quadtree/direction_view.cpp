@@ -46,13 +46,14 @@ PassDeclaration DirectionViewPass::declaration() const {
 
 bool DirectionViewPass::run(const FrameContext& frame) {
   const uint32_t edge = std::min(frame.width() / 2, frame.height());
+  const View<float> out = frame.view<float>("directions");
   if (!settings_.view || edge == 0) {
+    if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // until now it was shown
     sums_.clear();
     return true;
   }
   const uint32_t pixel = chosen_pixel(settings_, frame);
   const Hit hit = frame.view<const Hit>("primary-hits")[pixel];
-  const View<float> out = frame.view<float>("directions");
   std::fill(out.begin(), out.end(), 0.0f);
   if (!hit.valid()) return true;
   const CameraView& camera = frame.scene.camera;

@@ -87,6 +87,21 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
   EXPECT_NEAR(light, 1, 1e-4);
 }
 
+TEST(DirectionView, ShowsNothingOnceItIsOff) {
+  RenderSettings s = settings_of(32, 16);
+  s.guide = GuideChoice::cdq;
+  s.cdq.view = true;
+  Session session(floor_scene(0), s);
+  render(session, 2);
+  const View<const float> shown = session.buffers().view<const float>("directions");
+  const auto any = [&] { return std::any_of(shown.begin(), shown.end(), [](float v) { return v != 0.0f; }); };
+  EXPECT_TRUE(any());
+  s.cdq.view = false;
+  session.set_settings(s);
+  render(session, 1);
+  EXPECT_FALSE(any());
+}
+
 TEST(DirectionView, GoesOnFromACheckpoint) {
   RenderSettings s = settings_of(32, 16);
   s.light_selection.environment = false;  // left to paths
