@@ -78,7 +78,7 @@ bool needs_first_vertices(const RenderSettings& settings) {
 void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-    add<BdptPass>(pipeline, mode, settings.bdpt, settings.path, source.selector, source.directions);
+    add<BdptPass>(pipeline, mode, settings.bdpt, settings.light_selection, source);
     return;
   }
   if (settings.cache == CacheChoice::none) {

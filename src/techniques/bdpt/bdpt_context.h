@@ -10,6 +10,7 @@ namespace relume {
 struct BdptContext {
   PathContext path;
   PowerLights emission;          ///< chooses the lights that subpaths start from
+  PowerLights connection;        ///< what weights take for how connections choose lights; see weighting_pmf()
   View<const Rgb> light_medium;  ///< LightMediumKernel's; empty: no light stands in a tinted body
   View<FixedPointRgb> splats;
   uint32_t width = 0;
@@ -29,8 +30,9 @@ struct BdptContext {
 /// Probability of choosing `light` for a connection, as the weights take it. It may not depend on where the connection
 /// starts, since light subpaths cannot know how a selector would see that vertex from the camera's side; selectors that
 /// do depend on it are weighted as if they followed the power.
-RELUME_HD inline float weighting_pmf(const LightSelector& selector, LightId light) {
-  return selector.kind == LightSelectorKind::uniform ? selector.uniform.pmf(light) : selector.power.pmf(light);
+RELUME_HD inline float weighting_pmf(const BdptContext& c, LightId light) {
+  const LightSelector& selector = c.path.selector;
+  return selector.kind == LightSelectorKind::uniform ? selector.uniform.pmf(light) : c.connection.pmf(light);
 }
 
 /// Pairs of random numbers of light subpaths, far behind those of the longest camera path: position and direction on

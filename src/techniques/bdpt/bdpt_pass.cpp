@@ -7,7 +7,6 @@
 #include "core/stream_io.h"
 #include "techniques/bdpt/bdpt.h"
 #include "techniques/bdpt/light_medium.h"
-#include "techniques/path/path_pass.h"
 
 namespace relume {
 
@@ -23,27 +22,27 @@ PassDeclaration BdptPass::declaration() const {
           .reads_if_any = {"allocation"}};
 }
 
-void BdptPass::prepare_emission(const FrameContext& frame) {
-  if (prepared_ && !includes(frame.changes, Change::lights | Change::geometry | Change::materials)) return;
+void BdptPass::prepare_lights(const FrameContext& frame) {
+  if (prepared_ && !includes(frame.changes, kRebuildsLights)) return;
   prepared_ = true;
   const LightsAtInfinity infinity =
       mode_ == BdptMode::light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling;
-  frame.backend.run("lights", [&] { emission_ = build_power_lights(frame.scene.lights, infinity); });
+  frame.backend.run("lights", [&] {
+    emission_ = build_power_lights(frame.scene.lights, infinity);
+    connection_ = build_power_lights(frame.scene.lights, selection_.infinity());
+  });
   light_medium_.assign(frame.scene.absorbs ? frame.scene.lights.lights.size : 0, Rgb(0));
   const LightMediumKernel medium{frame.scene, mutable_view_of(light_medium_)};
   launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
 }
 
 bool BdptPass::run(const FrameContext& frame) {
-  prepare_emission(frame);
+  prepare_lights(frame);
   BdptKernel kernel;
   BdptContext& c = kernel.context;
-  c.path.scene = frame.scene;
-  c.path.selector = selector_;
-  c.path.directions = directions_;
-  c.path.max_bounces = static_cast<uint32_t>(path_.max_bounces);
-  c.path.russian_roulette = path_.russian_roulette;
+  c.path = make_path_context(source_, frame);
   c.emission = {{view_of(emission_)}};
+  c.connection = {{view_of(connection_)}};
   c.light_medium = view_of(light_medium_);
   c.splats = frame.view<FixedPointRgb>("splats");
   c.width = frame.width();

@@ -5,9 +5,8 @@
 
 #include "pipeline/pass.h"
 #include "techniques/bdpt/settings.h"
-#include "techniques/direction_sampling/direction_sampler.h"
-#include "techniques/light_selection/light_selector.h"
-#include "techniques/path/settings.h"
+#include "techniques/light_selection/settings.h"
+#include "techniques/path/path_pass.h"
 
 namespace relume {
 
@@ -20,29 +19,31 @@ enum class BdptMode : uint8_t {
 /// choices of the other slots stay with their owners and are read each frame.
 class BdptPass final : public Pass {
  public:
-  BdptPass(BdptMode mode, const BdptSettings& settings, const PathSettings& path, const LightSelector& selector,
-           const DirectionSampler& directions)
-      : mode_(mode), settings_(settings), path_(path), selector_(selector), directions_(directions) {}
+  BdptPass(BdptMode mode, const BdptSettings& settings, const LightSelectionSettings& selection,
+           const PathSource& source)
+      : mode_(mode), settings_(settings), selection_(selection), source_(source) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override {
-    return emission_.capacity() * sizeof(AliasEntry) + light_medium_.capacity() * sizeof(Rgb);
+    return (emission_.capacity() + connection_.capacity()) * sizeof(AliasEntry) +
+           light_medium_.capacity() * sizeof(Rgb);
   }
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
  private:
-  void prepare_emission(const FrameContext& frame);
+  void prepare_lights(const FrameContext& frame);
 
   BdptMode mode_;
   const BdptSettings& settings_;
-  const PathSettings& path_;
-  const LightSelector& selector_;
-  const DirectionSampler& directions_;
-  std::vector<AliasEntry> emission_;  ///< by power; light tracing has no other way to find a constant environment
-  std::vector<Rgb> light_medium_;     ///< of each light; empty: there are no tinted bodies
+  const LightSelectionSettings& selection_;
+  PathSource source_;
+  std::vector<AliasEntry> emission_;    ///< by power; light tracing has no other way to find a constant environment
+  std::vector<AliasEntry> connection_;  ///< by power, among the lights that connections sample
+  std::vector<Rgb> light_medium_;       ///< of each light; empty: there are no tinted bodies
   bool prepared_ = false;
   uint64_t saturated_ = 0;  ///< splats cut so far
   uint64_t nonfinite_ = 0;  ///< splats left out so far

@@ -37,7 +37,7 @@ struct LightDensities {
 };
 
 RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id, float pdf) {
-  return {weighting_pmf(c.path.selector, id) * pdf, c.emission.pmf(id) * pdf};
+  return {weighting_pmf(c, id) * pdf, c.emission.pmf(id) * pdf};
 }
 
 /// Weight of having met a light at the subpath's last vertex. `onwards`: the light's density of emitting towards the
@@ -89,7 +89,7 @@ RELUME_HD inline BsdfEval eval_camera_vertex(const CameraSubpath& e, const Surfa
 RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                                   const LightPick& pick, const BsdfEval& bsdf) {
   const LightSample& light = pick.light;
-  const float pmf = weighting_pmf(c.path.selector, pick.id);
+  const float pmf = weighting_pmf(c, pick.id);
   if (!(pmf > 0.0f)) return 0.0f;
   const float met = light.delta ? 0.0f : sqr(bsdf.pdf_forward / (pmf * light.pdf_w));
   if (e.count() + 1 > c.max_bidirectional_vertices()) return weight_from(met, 0.0f);

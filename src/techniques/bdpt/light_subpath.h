@@ -31,7 +31,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   // At infinity the direction is the vertex, and the position goes with the next one.
   const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
   const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
-  const float direct_ratio = weighting_pmf(c.path.selector, selection.light) / selection.pmf;
+  const float direct_ratio = weighting_pmf(c, selection.light) / selection.pmf;
   l.weights = SubpathWeights::start(e.infinite ? e.pdf_a : e.pdf_w, can_be_hit ? inverse_density : 0.0f, e.cos_theta,
                                     direct_ratio, e.infinite);
   return true;

@@ -113,8 +113,7 @@ class Densities {
     if (s >= 1 && s < k_ && delta(s)) return 0;      // … to xs
     double p = 1;
     for (size_t i = 0; i <= k_; ++i) p *= i < s ? light_[i] : camera_[i];
-    const double direct =
-        static_cast<double>(weighting_pmf(c_.path.selector, path_.light) / c_.emission.pmf(path_.light));
+    const double direct = static_cast<double>(weighting_pmf(c_, path_.light) / c_.emission.pmf(path_.light));
     return s == 1 ? p * direct : p;
   }
 

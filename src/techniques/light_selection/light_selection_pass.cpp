@@ -9,9 +9,12 @@ bool LightSelectionPass::run(const FrameContext& frame) {
   built_ = true;
   frame.backend.run("lights", [&] {
     const LightsView& lights = frame.scene.lights;
-    power_entries_ = build_power_lights(lights, settings_.infinity());
-    selector_.uniform = make_uniform_lights(lights, settings_.infinity());
-    selector_.power = {{view_of(power_entries_)}};
+    if (selector_.kind == LightSelectorKind::uniform) {
+      selector_.uniform = make_uniform_lights(lights, settings_.infinity());
+    } else {
+      power_ = build_power_lights(lights, settings_.infinity());
+      selector_.power = {{view_of(power_)}};
+    }
   });
   return true;
 }

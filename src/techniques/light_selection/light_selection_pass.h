@@ -1,4 +1,4 @@
-// The slot "light selection" as a pass: keeps what the chosen selector needs up to date with the lights.
+// The light selections "uniform" and "power" as a pass: keeps what they need up to date with the lights.
 #pragma once
 
 #include <vector>
@@ -17,6 +17,7 @@ class LightSelectionPass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override { return power_.capacity() * sizeof(AliasEntry); }
 
   /// What estimators sample with; valid from the first run() on.
   const LightSelector& selector() const { return selector_; }
@@ -24,7 +25,7 @@ class LightSelectionPass final : public Pass {
  private:
   const LightSelectionSettings& settings_;
   LightSelector selector_;
-  std::vector<AliasEntry> power_entries_;
+  std::vector<AliasEntry> power_;
   bool built_ = false;
 };
 

@@ -8,8 +8,6 @@ bool LightTreePass::run(const FrameContext& frame) {
   frame.backend.run("light-tree", [&] {
     data_ = build_light_tree(frame.scene.lights, settings_.infinity());
     selector_.tree = data_.view(frame.scene.lights);
-    power_ = build_power_lights(frame.scene.lights, settings_.infinity());
-    selector_.power = {{view_of(power_)}};
   });
   return true;
 }

@@ -26,7 +26,6 @@ class LightTreePass final : public Pass {
   const LightSelectionSettings& settings_;
   LightSelector selector_;
   LightTreeData data_;
-  std::vector<AliasEntry> power_;
   bool built_ = false;
 };
 

@@ -45,8 +45,6 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   all_ = build_alias_table(weights);
   infinite_ = build_infinite_lights(lights, selection_.infinity());
   columns_ = build_light_columns(lights);
-  power_ = build_power_lights(lights, selection_.infinity());
-  selector_.power = {{view_of(power_)}};
   StaticLightLists& view = selector_.lists;
   view.grid = lists_.grid;
   view.first = view_of(lists_.first);

@@ -35,7 +35,6 @@ class StaticLightListsPass final : public Pass {
   LightListOptions options_;
   uint32_t listed_ = 0;  ///< lights that there were then
   std::vector<AliasEntry> all_;
-  std::vector<AliasEntry> power_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;
   bool built_ = false;

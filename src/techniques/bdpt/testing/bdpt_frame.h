@@ -53,6 +53,7 @@ class BdptFrame {
     c.path.max_bounces = options.max_bounces;
     c.path.russian_roulette = options.russian_roulette;
     c.emission = {{view_of(emission)}};
+    c.connection = {{view_of(power)}};
     c.light_medium = view_of(light_medium);
     c.splats = mutable_view_of(splats);
     c.width = width();
