@@ -1,10 +1,9 @@
 #include <cstdio>
-#include <memory>
 #include <thread>
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include "accel/embree_accel.h"
 #include "command.h"
 #include "platform.h"
 
@@ -23,18 +22,10 @@ const char* vector_instructions() {
 #endif
 }
 
-std::string embree_version() {
-  const std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)> device(rtcNewDevice(nullptr), &rtcReleaseDevice);
-  if (!device) throw Error("Embree cannot be started; check its installation");
-  const auto property = [&](RTCDeviceProperty name) { return rtcGetDeviceProperty(device.get(), name); };
-  return fmt::format("{}.{}.{}", property(RTC_DEVICE_PROPERTY_VERSION_MAJOR),
-                     property(RTC_DEVICE_PROPERTY_VERSION_MINOR), property(RTC_DEVICE_PROPERTY_VERSION_PATCH));
-}
-
 int run_devices() {
   const std::string text = fmt::format(
       "processor     {}\nthreads       {}\nvectors       {}\nray queries   Embree {}\nCUDA          not compiled in\n",
-      processor_name(), std::thread::hardware_concurrency(), vector_instructions(), embree_version());
+      processor_name(), std::thread::hardware_concurrency(), vector_instructions(), EmbreeAccel::embree_version());
   std::fputs(text.c_str(), stdout);
   return kExitDone;
 }

@@ -371,6 +371,7 @@ void RenderJob::report(StopReason reason) const {
       .nonfinite_samples = statistics.nonfinite_samples,
       .threads = statistics.threads,
       .peak_memory_bytes = peak_memory_bytes(),
+      .scene_bytes = statistics.scene_bytes,
       .buffer_bytes = statistics.buffer_bytes,
       .technique_bytes = statistics.technique_bytes,
       .files = written_,

@@ -44,6 +44,7 @@ std::string to_json(const RunReport& report) {
       {"nonfinite_samples", report.nonfinite_samples},
       {"threads", report.threads},
       {"peak_memory_bytes", report.peak_memory_bytes},
+      {"scene_bytes", report.scene_bytes},
       {"buffer_bytes", report.buffer_bytes},
       {"technique_bytes", report.technique_bytes},
       {"files", report.files},

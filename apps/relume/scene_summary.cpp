@@ -20,14 +20,6 @@ uint64_t geometry_bytes(const Mesh& mesh) {
          bytes_of(mesh.uv1) + bytes_of(mesh.colors) + bytes_of(mesh.triangles);
 }
 
-std::vector<Box> mesh_boxes(const Scene& scene) {
-  std::vector<Box> boxes(scene.meshes.size());
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    for (const Vec3& position : scene.meshes[i].positions) boxes[i].add(position);
-  }
-  return boxes;
-}
-
 /// Counts what the nodes place, and where.
 void add_placed(const Scene& scene, SceneSummary& summary) {
   const std::vector<Box> boxes = mesh_boxes(scene);
@@ -35,14 +27,10 @@ void add_placed(const Scene& scene, SceneSummary& summary) {
   Box bounds;
   summary.instanced_triangles = placed_triangles(scene);
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Node& node = scene.nodes[i];
-    const std::vector<Mat4> once = {Mat4(1)};
-    const std::vector<Mat4>& instances = node.instances.empty() ? once : node.instances;
-    for (const Index index : node.meshes) {
-      summary.mesh_instances += instances.size();
-      for (const Mat4& instance : instances)
-        bounds.add(transformed(boxes[static_cast<size_t>(index)], world[i] * instance));
-    }
+    for_each_place(scene.nodes[i], [&](Index mesh, const Mat4& to_node) {
+      ++summary.mesh_instances;
+      bounds.add(transformed(boxes[static_cast<size_t>(mesh)], world[i] * to_node));
+    });
   }
   summary.bounds_min = bounds.low;
   summary.bounds_max = bounds.high;

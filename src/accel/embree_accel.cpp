@@ -84,6 +84,12 @@ void on_error(void* message, RTCError code, const char* text) {
   if (code != RTC_ERROR_NONE) *static_cast<std::string*>(message) = text ? text : "unknown error";
 }
 
+RTCDevice new_device() {
+  RTCDevice device = rtcNewDevice(nullptr);
+  if (!device) throw Error("Embree could not start on this processor; it needs at least SSE2");
+  return device;
+}
+
 RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
 
 /// Embree ends the process at a ray that is not finite, whatever made it; such a ray meets nothing.
@@ -201,8 +207,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.coverage = coverage;
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw Error("Embree could not start on this processor; it needs at least SSE2");
+  s.device = new_device();
   rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
   rtcSetDeviceMemoryMonitorFunction(
       s.device,
@@ -265,7 +270,12 @@ AccelView EmbreeAccel::view() const { return {state_->scene}; }
 
 size_t EmbreeAccel::memory_bytes() const { return static_cast<size_t>(state_->bytes.load()); }
 
-std::string EmbreeAccel::embree_version() { return RTC_VERSION_STRING; }
+std::string EmbreeAccel::embree_version() {
+  const std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)> device(new_device(), &rtcReleaseDevice);
+  const auto part = [&](RTCDeviceProperty name) { return std::to_string(rtcGetDeviceProperty(device.get(), name)); };
+  return part(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + part(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
+         part(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+}
 
 Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
   if (!is_traceable(ray)) return {};

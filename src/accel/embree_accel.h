@@ -54,7 +54,7 @@ class EmbreeAccel {
   /// Bytes that Embree holds.
   size_t memory_bytes() const;
 
-  /// Version of the library, "3.13.5".
+  /// Version of the library that runs, "3.13.5". Throws Error if it cannot be started.
   static std::string embree_version();
 
  private:

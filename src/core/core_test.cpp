@@ -10,6 +10,7 @@
 #include "core/fnv1a.h"
 #include "core/frame.h"
 #include "core/hash.h"
+#include "core/memory.h"
 #include "core/octahedral.h"
 #include "core/ray.h"
 
@@ -213,6 +214,11 @@ TEST(Euler, AnglesTakeTheRotationBack) {
       }
     }
   }
+}
+
+TEST(Memory, IsWhatAMachineThatRunsThisHas) {
+  EXPECT_GT(physical_memory_bytes(), uint64_t{1} << 28);
+  EXPECT_LT(physical_memory_bytes(), uint64_t{1} << 50);
 }
 
 }  // namespace

@@ -56,6 +56,10 @@ class Pass {
   /// Whether frames leave something outside of buffers, which one that is abandoned half way would spoil: then none is.
   virtual bool keeps_state() const { return false; }
 
+  /// Whether what a pixel shows comes from its own samples, as far as this pass goes: not from light paths and cells
+  /// that others sampled.
+  virtual bool keeps_to_pixels() const { return true; }
+
   /// Bytes beyond its buffers.
   virtual size_t memory_bytes() const { return 0; }
 

@@ -115,6 +115,10 @@ bool Pipeline::keeps_state() const {
   return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_state(); });
 }
 
+bool Pipeline::keeps_to_pixels() const {
+  return std::all_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_to_pixels(); });
+}
+
 size_t Pipeline::memory_bytes() const {
   size_t sum = 0;
   for (const auto& pass : passes_) sum += pass->memory_bytes();

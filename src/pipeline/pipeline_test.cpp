@@ -22,6 +22,7 @@ class Probe final : public Pass {
   }
   bool adapts() const override { return declaration_.name == "adapts"; }
   bool keeps_state() const override { return declaration_.name == "keeps"; }
+  bool keeps_to_pixels() const override { return declaration_.name != "shares"; }
   size_t memory_bytes() const override { return 10; }
   void save(std::ostream& out) const override { out << declaration_.name.size() << ' '; }
   void load(std::istream& in) override { in >> loaded; }

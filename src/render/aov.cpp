@@ -38,14 +38,20 @@ std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
 
 }  // namespace
 
-std::vector<std::string> aov_names(const Pipeline& pipeline) {
-  std::vector<std::string> names{"variance"};
-  for (const PassDeclaration& pass : pipeline.declarations()) {
+std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes) {
+  std::vector<AovLayer> layers{{"variance", "variance of the mean of the pixel's samples, luminance"}};
+  for (const PassDeclaration& pass : passes) {
     for (const BufferDescription& b : pass.owns) {
-      if (b.display != BufferDisplay::hidden) names.push_back(b.name);
+      if (b.display != BufferDisplay::hidden) layers.push_back({b.name, b.help});
     }
   }
-  std::sort(names.begin(), names.end());
+  std::sort(layers.begin(), layers.end(), [](const AovLayer& a, const AovLayer& b) { return a.name < b.name; });
+  return layers;
+}
+
+std::vector<std::string> names_of(const std::vector<AovLayer>& layers) {
+  std::vector<std::string> names;
+  for (const AovLayer& layer : layers) names.push_back(layer.name);
   return names;
 }
 

@@ -6,12 +6,18 @@
 
 #include "film/buffer_table.h"
 #include "io/image.h"
-#include "pipeline/pipeline.h"
+#include "pipeline/pass.h"
 
 namespace relume {
 
-/// "variance" and every buffer of the pipeline that is shown.
-std::vector<std::string> aov_names(const Pipeline& pipeline);
+struct AovLayer {
+  std::string name;
+  std::string help;  ///< what it shows
+};
+
+/// "variance" and every buffer of these passes that is shown, by name.
+std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes);
+std::vector<std::string> names_of(const std::vector<AovLayer>& layers);
 
 /// Planes of one of them, with the conventional names of their EXR channels ("albedo.R", "depth.Z"). `frames`: since
 /// the last change, by which sums are divided. Throws Error for a name that is not there.

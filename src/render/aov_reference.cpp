@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "render/aov.h"
 #include "render/build_pipeline.h"
 #include "settings/setting.h"
 
@@ -22,26 +23,23 @@ using Layers = std::map<std::string, Layer>;
 
 /// Adds what a frame has with `settings` that it does not have by default.
 void add_layers(const RenderSettings& settings, const std::string& choice, Layers& layers) {
-  for (const PassDeclaration& pass : build_pipeline(settings).declarations()) {
-    for (const BufferDescription& b : pass.owns) {
-      if (b.display == BufferDisplay::hidden) continue;
-      const auto [at, is_new] = layers.try_emplace(b.name, Layer{b.help, {}});
-      if (choice.empty() || (!is_new && at->second.choices.empty())) continue;
-      at->second.choices.push_back(choice);
-    }
+  for (const AovLayer& layer : aov_layers(build_pipeline(settings).declarations())) {
+    const auto [at, is_new] = layers.try_emplace(layer.name, Layer{layer.help, {}});
+    if (choice.empty() || (!is_new && at->second.choices.empty())) continue;
+    at->second.choices.push_back(choice);
   }
 }
 
 /// Every choice of every slot, all else at its default.
 Layers all_layers() {
-  Layers layers{{"variance", {"of the mean of a pixel's samples, luminance", {}}}};
+  Layers layers;
   RenderSettings plain;
   plain.auxiliary = true;
   add_layers(plain, "", layers);
   RenderSettings names;
   for (const Setting& slot : describe_slots(names)) {
     for (const std::string_view value : std::get<ChoiceRef>(slot.value).names) {
-      if (value == "oidn") continue;  // not part of every build; it shows what other denoisers do
+      if (value == "oidn") continue;  // not part of every build, which this page is of
       RenderSettings settings;
       settings.cdq.view = true;
       const SettingList slots = describe_slots(settings);

@@ -1,7 +1,6 @@
 #include "render/session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -16,7 +15,7 @@
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
 #include "scene/scene_hash.h"
-#include "techniques/accumulate/accumulate.h"
+#include "techniques/accumulate/accumulate_pass.h"
 
 namespace relume {
 namespace {
@@ -121,11 +120,16 @@ struct Session::State {
   FrameContext frame(const std::stop_token& stop) {
     const bool adapts = pipeline.adapts();
     const SampleIndex index{scramble(), counters.frames, adapts ? 0 : counters.since_change, adapts};
-    return {scene->view(), *buffers, *backend, index, counters.frames, counters.since_change, changes,
+    return {scene->view(),
+            *buffers,
+            *backend,
+            index,
+            counters.frames,
+            counters.since_change,
+            changes,
             adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
             counters.since_change == 0 || counters.picture_frames == counters.frames,
-            // What light paths and cells bring to a pixel belongs to the sequences of others.
-            !adapts && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none};
+            !adapts && pipeline.keeps_to_pixels()};
   }
 
   void count_frame() {
@@ -241,18 +245,9 @@ double Session::estimated_error() const {
   const uint32_t pilot = pilot_samples(state_->settings);
   if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
-  const View<const Rgb> mean = state_->buffers->view<const Rgb>("mean");
-  const View<const float> m2 = state_->buffers->view<const float>("m2");
-  const View<const uint32_t> count = state_->buffers->view<const uint32_t>("samples");
-  double variance = 0;
-  double luminance_sum = 0;
-  for (uint32_t i = 0; i < mean.size; ++i) {
-    if (count[i] < 2) return std::numeric_limits<double>::infinity();
-    variance += variance_of_mean(m2[i], count[i]);
-    luminance_sum += luminance(mean[i]);
-  }
-  if (luminance_sum <= 0) return 0;
-  return std::sqrt(variance / mean.size) / (luminance_sum / mean.size);
+  const BufferTable& buffers = *state_->buffers;
+  return relative_error(buffers.view<const Rgb>("mean"), buffers.view<const float>("m2"),
+                        buffers.view<const uint32_t>("samples"));
 }
 
 const Statistics& Session::statistics() const {
@@ -261,6 +256,7 @@ const Statistics& Session::statistics() const {
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
   s.statistics.nonfinite_samples = sum(s.buffers->view<const uint32_t>("nonfinite"));
+  s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes();
   s.statistics.technique_bytes = s.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
@@ -279,7 +275,7 @@ const BufferTable& Session::buffers() const { return *state_->buffers; }
 std::vector<PassDeclaration> Session::passes() const { return state_->pipeline.declarations(); }
 
 std::vector<std::string> Session::aov_names(const RenderSettings& settings) {
-  return relume::aov_names(build_pipeline(settings));
+  return names_of(aov_layers(build_pipeline(settings).declarations()));
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {

@@ -112,11 +112,9 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
 
 void CompiledScene::list_appearances() {
   for (uint32_t n = 0; n < source_.nodes.size(); ++n) {
-    const Node& node = source_.nodes[n];
-    for (const Index mesh : node.meshes) {
-      if (node.instances.empty()) appearances_.push_back({n, static_cast<uint32_t>(mesh), Mat4(1)});
-      for (const Mat4& local : node.instances) appearances_.push_back({n, static_cast<uint32_t>(mesh), local});
-    }
+    for_each_place(source_.nodes[n], [&](Index mesh, const Mat4& to_node) {
+      appearances_.push_back({n, static_cast<uint32_t>(mesh), to_node});
+    });
   }
 }
 

@@ -101,10 +101,19 @@ std::vector<Mat4> world_matrices(const Scene& scene, float time_s) {
 size_t placed_triangles(const Scene& scene) {
   size_t sum = 0;
   for (const Node& node : scene.nodes) {
-    const size_t places = std::max<size_t>(node.instances.size(), 1);
-    for (const Index mesh : node.meshes) sum += places * scene.meshes[static_cast<size_t>(mesh)].triangles.size();
+    for_each_place(node,
+                   [&](Index mesh, const Mat4&) { sum += scene.meshes[static_cast<size_t>(mesh)].triangles.size(); });
   }
   return sum;
+}
+
+std::vector<Box> mesh_boxes(const Scene& scene) {
+  std::vector<Box> boxes;
+  for (const Mesh& mesh : scene.meshes) {
+    Box& box = boxes.emplace_back();
+    for (const Vec3& position : mesh.positions) box.add(position);
+  }
+  return boxes;
 }
 
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable) {

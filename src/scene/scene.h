@@ -11,6 +11,7 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "core/box.h"
 #include "core/vec.h"
 #include "materials/microfacet.h"
 #include "materials/texture.h"
@@ -234,8 +235,20 @@ void validate(const Environment& environment, const std::string& place);
 /// the last key).
 std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
+/// Calls f(mesh, to_node) for every place of a node's meshes: once for each instance, or once with the identity.
+template <typename F>
+void for_each_place(const Node& node, const F& f) {
+  for (const Index mesh : node.meshes) {
+    if (node.instances.empty()) f(mesh, Mat4(1));
+    for (const Mat4& to_node : node.instances) f(mesh, to_node);
+  }
+}
+
 /// As many as the nodes of a valid scene place, every instance counted.
 size_t placed_triangles(const Scene& scene);
+
+/// About each mesh, in its own space.
+std::vector<Box> mesh_boxes(const Scene& scene);
 
 /// Whether each node may move: it or an ancestor has an animation channel or is one of `movable`.
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});

@@ -70,7 +70,7 @@ nlohmann::json frame_report(const ViewerFrame& frame) {
                            {"buffer", frame.buffer},           {"time_s", frame.time_s},
                            {"frame_ms", frame.seconds * 1000}, {"mean_luminance", mean_luminance(frame)}};
   for (const PassTime& pass : frame.passes) result["pass_ms"][pass.name] = pass.seconds * 1000;
-  for (const BufferInfo& buffer : frame.buffers) result["buffers"].push_back(buffer.name);
+  for (const AovLayer& buffer : frame.buffers) result["buffers"].push_back(buffer.name);
   return result;
 }
 

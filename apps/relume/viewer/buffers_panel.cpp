@@ -19,7 +19,7 @@ void draw_choice(State& state) {
   }
   tooltip("Mean radiance so far, exposed and tone-mapped");
   if (state.frame()) {
-    for (const BufferInfo& buffer : state.frame()->buffers) {
+    for (const AovLayer& buffer : state.frame()->buffers) {
       if (ImGui::Selectable(buffer.name.c_str(), state.buffer == buffer.name)) {
         state.buffer = buffer.name;
         state.inspector.automatic = true;

@@ -35,12 +35,8 @@ Document::Document(std::shared_ptr<const LoadedScene> loaded)
     : loaded_(std::move(loaded)),
       outline_(outline_of(loaded_->scene)),
       environment_(loaded_, &loaded_->scene.environment),
-      duration_s_(animation_end(loaded_->scene)) {
-  for (const Mesh& mesh : loaded_->scene.meshes) {
-    Box& box = mesh_boxes_.emplace_back();
-    for (const Vec3& p : mesh.positions) box.add(p);
-  }
-}
+      mesh_boxes_(mesh_boxes(loaded_->scene)),
+      duration_s_(animation_end(loaded_->scene)) {}
 
 void Document::set_camera(const std::optional<PlacedCamera>& camera) { edits_.camera = {camera, next_version()}; }
 
@@ -145,28 +141,20 @@ void Document::move(Index node, const Vec3& by) {
 std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const {
   std::vector<std::pair<Box, Mat4>> result;
   const std::vector<bool> wanted = below(node);
-  const auto add = [&](Index mesh, const Mat4& to_world) {
-    if (result.size() < most) result.emplace_back(mesh_boxes_[static_cast<size_t>(mesh)], to_world);
-  };
   for (size_t i = 0; i < wanted.size() && result.size() < most; ++i) {
     if (!wanted[i]) continue;
-    const Node& n = outline_.nodes[i];
-    for (const Index mesh : n.meshes) {
-      if (n.instances.empty()) add(mesh, world()[i]);
-      for (size_t k = 0; k < n.instances.size() && result.size() < most; ++k) add(mesh, world()[i] * n.instances[k]);
-    }
+    for_each_place(outline_.nodes[i], [&](Index mesh, const Mat4& to_node) {
+      if (result.size() < most) result.emplace_back(mesh_boxes_[static_cast<size_t>(mesh)], world()[i] * to_node);
+    });
   }
   return result;
 }
 
 void Document::add_bounds(Index node, Box& sum) const {
-  const Node& n = outline_.nodes[static_cast<size_t>(node)];
   const Mat4& own = world()[static_cast<size_t>(node)];
-  for (const Index mesh : n.meshes) {
-    const Box& box = mesh_boxes_[static_cast<size_t>(mesh)];
-    if (n.instances.empty()) sum.add(transformed(box, own));
-    for (const Mat4& instance : n.instances) sum.add(transformed(box, own * instance));
-  }
+  for_each_place(outline_.nodes[static_cast<size_t>(node)], [&](Index mesh, const Mat4& to_node) {
+    sum.add(transformed(mesh_boxes_[static_cast<size_t>(mesh)], own * to_node));
+  });
 }
 
 Box Document::bounds(Index node) const {

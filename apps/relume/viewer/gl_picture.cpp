@@ -11,7 +11,7 @@ namespace relume::viewer {
 namespace {
 
 // The tone curves exist once, in film/tone_map.h. The shader reads them from a table over the logarithm of radiance,
-// fine enough that an error stays below one of 255 steps (see gl_picture.h's test of the display in docs/viewer.md).
+// fine enough that an error stays below one of 255 steps.
 constexpr int kCurveSize = 48;
 constexpr float kCurveMinEv = -12;
 constexpr float kCurveMaxEv = 8;
@@ -35,7 +35,7 @@ uniform vec2 range;
 uniform vec3 curve_ev;  // minimum, maximum, size
 out vec4 color;
 
-vec3 encode(vec3 c) {
+vec3 srgb_from_linear(vec3 c) {
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
@@ -50,7 +50,7 @@ void main() {
   vec3 in_range = (v - range.x) / max(range.y - range.x, 1e-30);
   float chosen = channel < 0 ? (length(v) - range.x) / max(range.y - range.x, 1e-30) : in_range[max(channel, 0)];
   vec3 c = develop(v);
-  if (mode == 1) c = encode(clamp(in_range, 0.0, 1.0));
+  if (mode == 1) c = srgb_from_linear(clamp(in_range, 0.0, 1.0));
   if (mode == 2) c = texture(palette, vec2(clamp(chosen, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
   if (mode == 3) c = clamp(v * 0.5 + 0.5, 0.0, 1.0);
   // What is not a number must catch the eye.
@@ -96,8 +96,6 @@ GLuint make_texture(GLenum target, GLint filter) {
     glTexParameteri(target, axis, GL_CLAMP_TO_EDGE);
   return texture;
 }
-
-Rgb encode(const Rgb& c) { return {srgb_from_linear(c.r), srgb_from_linear(c.g), srgb_from_linear(c.b)}; }
 
 }  // namespace
 
@@ -145,7 +143,7 @@ void Developer::use_tone_map(ToneMap curve) {
   table.reserve(kCurveSize * kCurveSize * kCurveSize);
   for (const float b : radiance) {
     for (const float g : radiance) {
-      for (const float r : radiance) table.push_back(encode(tone_map(curve, 0, Rgb(r, g, b))));
+      for (const float r : radiance) table.push_back(srgb_from_linear(tone_map(curve, 0, Rgb(r, g, b))));
     }
   }
   glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, kCurveSize, kCurveSize, kCurveSize, 0, GL_RGB, GL_FLOAT, table.data());

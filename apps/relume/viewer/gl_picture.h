@@ -39,6 +39,8 @@ class Developer {
   Developer(const Developer&) = delete;
   Developer& operator=(const Developer&) = delete;
 
+  GLuint nearest_sampler() const { return nearest_; }
+
  private:
   friend class Picture;
   void use_tone_map(ToneMap tone_map);
@@ -49,9 +51,6 @@ class Developer {
   GLuint palette_ = 0;  ///< 2D, one row
   GLuint nearest_ = 0;  ///< sampler
   int curve_of_ = -1;
-
- public:
-  GLuint nearest_sampler() const { return nearest_; }
 };
 
 class Picture {

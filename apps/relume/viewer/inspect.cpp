@@ -14,18 +14,10 @@ std::string number(float x) { return std::isnan(x) ? "nan" : fmt::format("{:.5g}
 
 }  // namespace
 
-std::vector<BufferInfo> inspectable_buffers(const RenderSettings& settings) {
+std::vector<AovLayer> inspectable_buffers(const RenderSettings& settings) {
   RenderSettings all = settings;
   all.auxiliary = true;
-  std::vector<BufferInfo> result;
-  for (const PassDeclaration& pass : build_pipeline(all).declarations()) {
-    for (const BufferDescription& buffer : pass.owns) {
-      if (buffer.display != BufferDisplay::hidden) result.push_back({buffer.name, buffer.help});
-    }
-  }
-  result.push_back({"variance", "variance of the mean of the pixel's luminance"});
-  std::sort(result.begin(), result.end(), [](const BufferInfo& a, const BufferInfo& b) { return a.name < b.name; });
-  return result;
+  return aov_layers(build_pipeline(all).declarations());
 }
 
 bool needs_auxiliary(const RenderSettings& settings, const std::string& buffer) {
@@ -57,7 +49,8 @@ Vec2 value_range(const std::vector<Rgb>& values, size_t channels) {
 }
 
 void read_buffer(const Session& session, const std::string& name, ViewerFrame& frame) {
-  const std::vector<std::string> known = Session::aov_names(session.settings());
+  if (name.empty()) return;
+  const std::vector<std::string> known = names_of(aov_layers(session.passes()));
   if (std::find(known.begin(), known.end(), name) == known.end()) return;
   const std::vector<ExrChannel> planes = session.aov(name);
   const size_t channels = std::min<size_t>(planes.size(), 3);

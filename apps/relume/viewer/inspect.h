@@ -9,7 +9,7 @@
 namespace relume::viewer {
 
 /// Everything that can be inspected with these settings, by name.
-std::vector<BufferInfo> inspectable_buffers(const RenderSettings& settings);
+std::vector<AovLayer> inspectable_buffers(const RenderSettings& settings);
 
 /// Whether the buffer exists only if auxiliary buffers are recorded, which costs time.
 bool needs_auxiliary(const RenderSettings& settings, const std::string& buffer);

@@ -222,7 +222,6 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->width = image.width;
   frame->height = image.height;
   frame->full_width = request_.settings[0].render.width;
-  frame->full_height = request_.settings[0].render.height;
   frame->radiance = std::move(image.pixels);
   frame->statistics = session.statistics();
   frame->samples = session.kept_samples();

@@ -301,7 +301,7 @@ TEST(RenderThread, PicksWhatIsUnderAPoint) {
   const PickResult result = promise.get_future().get();
   EXPECT_TRUE(result.hit);
   EXPECT_GE(result.node, 0);
-  EXPECT_GT(result.distance, 0);
+  EXPECT_GT(length_squared(result.position), 0);
 }
 
 TEST(RenderThread, TasksGetTheSceneOfTheirSessionWhileAnotherIsAskedFor) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "render/aov.h"
 #include "render/session.h"
 #include "render/settings.h"
 #include "scene/scene.h"
@@ -65,12 +66,6 @@ struct RenderRequest {
   std::string buffer;  ///< to inspect; empty: the picture
 };
 
-/// A buffer that can be inspected.
-struct BufferInfo {
-  std::string name;
-  std::string help;
-};
-
 /// A complete frame, with all that the interface shows of it.
 struct ViewerFrame {
   uint64_t serial = 0;           ///< counts the frames of this side
@@ -79,7 +74,6 @@ struct ViewerFrame {
   int width = 0;
   int height = 0;
   int full_width = 0;  ///< without scaling
-  int full_height = 0;
   std::vector<Rgb> radiance;
   std::string buffer;         ///< name of the inspected one; empty: the picture
   std::string channels;       ///< its channels, one letter each, at most three
@@ -93,7 +87,7 @@ struct ViewerFrame {
   PlacedCamera camera;
   float time_s = 0;
   Statistics statistics;
-  std::vector<BufferInfo> buffers;
+  std::vector<AovLayer> buffers;  ///< that can be inspected
   std::vector<std::string> notes;
 };
 
@@ -102,9 +96,7 @@ struct PickResult {
   const LoadedScene* scene = nullptr;  ///< that the picture shows
   bool hit = false;
   Index node = kNone;
-  Index material = kNone;
   Vec3 position{0};
-  float distance = 0;
 };
 
 /// Something to tell the user.

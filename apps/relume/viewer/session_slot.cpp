@@ -65,10 +65,7 @@ PickResult pick(const Session& session, const Vec2& point) {
   if (!hit.valid()) return result;
   result.hit = true;
   result.node = scene.node_of(hit.instance);
-  const auto material = static_cast<size_t>(view.meshes[view.instances[hit.instance].mesh].material);
-  if (material < scene.source().materials.size()) result.material = static_cast<Index>(material);
   result.position = ray.origin + ray.direction * hit.t;
-  result.distance = hit.t;
   return result;
 }
 

@@ -112,7 +112,8 @@ void draw_numbers(const State& state, const ViewerFrame& frame) {
   row("rays", fmt::format("{:.2f} M a second", frame.rays_per_s * 1e-6));
   row("samples", cli::format_samples(frame.samples) + " a pixel");
   row("interface", fmt::format("{:.0f} Hz", state.interface_hz));
-  row("memory", cli::format_bytes(frame.statistics.buffer_bytes + frame.statistics.technique_bytes));
+  const Statistics& s = frame.statistics;
+  row("memory", cli::format_bytes(s.scene_bytes + s.buffer_bytes + s.technique_bytes));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "techniques/accumulate/accumulate_pass.h"
 
+#include <limits>
+
 #include "techniques/accumulate/accumulate.h"
 
 namespace relume {
@@ -58,6 +60,18 @@ bool AccumulatePass::run(const FrameContext& frame) {
   kernel.width = frame.width();
   // Not to be stopped: sums change only after a complete frame, so that one that is stopped leaves nothing behind.
   return launch(frame.backend, "accumulate", kernel, frame.width(), frame.height());
+}
+
+double relative_error(View<const Rgb> mean, View<const float> m2, View<const uint32_t> samples) {
+  double variance = 0;
+  double luminance_sum = 0;
+  for (uint32_t i = 0; i < mean.size; ++i) {
+    if (samples[i] < 2) return std::numeric_limits<double>::infinity();
+    variance += variance_of_mean(m2[i], samples[i]);
+    luminance_sum += luminance(mean[i]);
+  }
+  if (luminance_sum <= 0) return 0;
+  return std::sqrt(variance / mean.size) / (luminance_sum / mean.size);
 }
 
 }  // namespace relume

@@ -18,4 +18,8 @@ class AccumulatePass final : public Pass {
   bool keep_;
 };
 
+/// Root of the mean variance of the pixels' means over the picture's mean luminance, from AccumulateKernel's buffers. 0
+/// for a black picture, infinite where a pixel has fewer than two samples.
+double relative_error(View<const Rgb> mean, View<const float> m2, View<const uint32_t> samples);
+
 }  // namespace relume

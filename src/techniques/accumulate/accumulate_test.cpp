@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "techniques/accumulate/accumulate_pass.h"
 #include "testing/random.h"
 
 namespace relume {
@@ -119,6 +120,21 @@ TEST(Accumulate, ManySamplesLoseNothing) {
 TEST(Accumulate, VarianceNeedsTwoSamples) {
   EXPECT_EQ(variance_of_mean(1.0f, 1), 0.0f);
   EXPECT_EQ(variance_of_mean(0.0f, 0), 0.0f);
+}
+
+TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
+  Pixels p(2);
+  const auto error = [&] { return relative_error(view_of(p.mean), view_of(p.m2), view_of(p.count)); };
+  for (const float value : {1.0f, 3.0f}) {
+    EXPECT_TRUE(std::isinf(error()));
+    p.add(0, Rgb(value));
+    p.add(1, Rgb(2));
+  }
+  // Means 2 and 2; variances of the means ((1² + 1²) / 1) / 2 = 1 and 0.
+  EXPECT_NEAR(error(), std::sqrt(0.5) / 2, 1e-6);
+  Pixels black(1);
+  for (int i = 0; i < 2; ++i) black.add(0, Rgb(0));
+  EXPECT_EQ(relative_error(view_of(black.mean), view_of(black.m2), view_of(black.count)), 0);
 }
 
 }  // namespace

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include <unistd.h>
-
 namespace relume {
 namespace {
 
-/// Slots a cell: the table is at most half full, so that probing stays short.
+/// Slots for each cell that is expected. adjust_size() keeps the table at most half full, so that probing stays short.
 constexpr uint64_t kSlotsPerCell = 4;
 constexpr uint32_t kMinSlots = 1024;
 
@@ -39,10 +37,6 @@ constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(
 uint64_t open_slot_limit(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
   const uint64_t wanted = std::max(pixels * depths * kSlotsPerCell, uint64_t{1} << 20);
   return std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, std::min(wanted, uint64_t{kMostSlots}));
-}
-
-uint64_t physical_memory_bytes() {
-  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
 HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, uint64_t open_limit)

@@ -35,9 +35,6 @@ struct HashGridStatistics {
 /// half-full tables are quick.
 uint64_t open_slot_limit(uint64_t pixels, uint64_t depths, uint64_t memory_bytes);
 
-/// Of this machine.
-uint64_t physical_memory_bytes();
-
 class HashGrid {
  public:
   /// `expected_cells`: a guess at how many there will be; the size follows what is found. `open_limit`: slots at most

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/memory.h"
 #include "core/stream_io.h"
 
 namespace relume {

@@ -24,6 +24,7 @@ class CellsPass final : public Pass {
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
+  bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override;
   std::vector<PassFigure> figures() const override;
   std::vector<std::string> warnings() const override;

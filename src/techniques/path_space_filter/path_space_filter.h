@@ -2,9 +2,9 @@
 // nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
 #pragma once
 
+#include "techniques/path_space_filter/cell_edges.h"
 #include "techniques/path_space_filter/cell_paths.h"
 #include "techniques/path_space_filter/demodulate.h"
-#include "techniques/path_space_filter/edge_rays.h"
 
 namespace relume {
 
@@ -116,7 +116,7 @@ struct ResolveCellsKernel {
   View<Rgb> radiance;
   CellLayers layers;
   uint32_t width = 0;
-  EmissionEdges edges;
+  CellEdges edges;
   View<uint32_t> rays;  ///< of this sample; those of the edges are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {

@@ -7,7 +7,7 @@
 namespace relume {
 
 /// Finds pixels at the edges of something bright and measures how much of it they see.
-struct EmissionEdges {
+struct CellEdges {
   PathContext context;
   SampleIndex index;
   View<const FilteredPixel> pixels;

@@ -1,0 +1,11 @@
+// What the machine has.
+#pragma once
+
+#include <cstdint>
+
+namespace relume {
+
+/// Bytes of main memory.
+uint64_t physical_memory_bytes();
+
+}  // namespace relume
