@@ -212,14 +212,14 @@ double frame_ms(const Repetition& repetition) {
   return repetition.frames > 0 ? 1000 * repetition.time_s / repetition.frames : 0;
 }
 
-std::vector<double> values_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
+std::vector<double> values_of(const ContenderResult& contender, const Figure& figure) {
   std::vector<double> values;
-  for (const Repetition& repetition : contender.repetitions) values.push_back(value(repetition));
+  for (const Repetition& repetition : contender.repetitions) values.push_back(figure(repetition));
   return values;
 }
 
-double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value) {
-  return median(values_of(contender, value));
+double median_of(const ContenderResult& contender, const Figure& figure) {
+  return median(values_of(contender, figure));
 }
 
 uint64_t most_nonfinite(const ContenderResult& contender) {

@@ -66,6 +66,9 @@ struct Repetition {
   std::vector<PassTime> passes = {};
 };
 
+/// A number that each repetition has.
+using Figure = std::function<double(const Repetition&)>;
+
 struct ContenderResult {
   std::string name;
   bool is_picture = false;  ///< made elsewhere: has neither times nor repetitions beyond the one
@@ -113,9 +116,9 @@ std::vector<std::string> limits_of(const Comparison& comparison);
 /// Milliseconds a frame.
 double frame_ms(const Repetition& repetition);
 
-/// What `value` takes from each repetition, and the median of that.
-std::vector<double> values_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
-double median_of(const ContenderResult& contender, const std::function<double(const Repetition&)>& value);
+/// The figure of each repetition, and the median of that.
+std::vector<double> values_of(const ContenderResult& contender, const Figure& figure);
+double median_of(const ContenderResult& contender, const Figure& figure);
 
 /// Pixels that are not finite, in the repetition that has most of them.
 uint64_t most_nonfinite(const ContenderResult& contender);

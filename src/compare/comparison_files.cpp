@@ -15,25 +15,21 @@ using Json = nlohmann::ordered_json;
 
 struct Quantity {
   const char* name;
-  double (*value)(const Repetition&);
+  Figure value;
 };
 
-double frames_of(const Repetition& r) { return r.frames; }
-
-constexpr Quantity kErrors[] = {
-    {"mse", [](const Repetition& r) { return r.mse; }},
-    {"rel_mse", [](const Repetition& r) { return r.rel_mse; }},
-    {"mape", [](const Repetition& r) { return r.mape; }},
-    {"flip", [](const Repetition& r) { return r.flip; }},
+const Quantity kErrors[] = {
+    {"mse", &Repetition::mse},
+    {"rel_mse", &Repetition::rel_mse},
+    {"mape", &Repetition::mape},
+    {"flip", &Repetition::flip},
 };
-constexpr Quantity kCosts[] = {
-    {"frames", frames_of},
-    {"samples_per_pixel", [](const Repetition& r) { return r.samples; }},
-    {"time_s", [](const Repetition& r) { return r.time_s; }},
-    {"ms_per_frame", frame_ms},
-    {"rays", [](const Repetition& r) { return static_cast<double>(r.rays); }},
+const Quantity kCosts[] = {
+    {"frames", &Repetition::frames}, {"samples_per_pixel", &Repetition::samples},
+    {"time_s", &Repetition::time_s}, {"ms_per_frame", frame_ms},
+    {"rays", &Repetition::rays},
 };
-constexpr Quantity kTemporal{"temporal_error", [](const Repetition& r) { return r.temporal_error; }};
+const Quantity kTemporal{"temporal_error", &Repetition::temporal_error};
 
 /// Median over the repetitions with its interval.
 Json quantity(const ContenderResult& contender, const Quantity& q) {

@@ -84,13 +84,11 @@ std::string budget_text(const Comparison& c) {
   return fmt::format("equal samples, {} a pixel{}", c.options.spp, animation ? " and frame" : "");
 }
 
-double rel_mse_of(const Repetition& repetition) { return repetition.rel_mse; }
-
 /// Who is closest to the reference, as far as the repetitions tell. `first`: leaders() by relMSE.
 std::string closest_text(const Comparison& c, const std::vector<size_t>& first) {
   if (first.empty()) return "Every contender has pixels that are not finite; none is called the closest.";
   const auto name_of = [&](size_t i) { return c.contenders[i].name; };
-  const auto value_of = [&](size_t i) { return short_number(median_of(c.contenders[i], rel_mse_of)); };
+  const auto value_of = [&](size_t i) { return short_number(median_of(c.contenders[i], &Repetition::rel_mse)); };
   if (std::count_if(c.contenders.begin(), c.contenders.end(), is_ranked) == 1)
     return fmt::format("{} has a relMSE of {}.", name_of(first[0]), value_of(first[0]));
   if (first.size() == 1)
@@ -105,15 +103,15 @@ std::string closest_text(const Comparison& c, const std::vector<size_t>& first) 
 }
 
 TextBlock summary(const Comparison& c) {
-  const std::vector<size_t> first = leaders(c, rel_mse_of, true);
+  const std::vector<size_t> first = leaders(c, &Repetition::rel_mse, true);
   TextBlock block{.title = "In short", .text = closest_text(c, first), .points = c.notes};
-  const double least = first.empty() ? 0 : median_of(c.contenders[first[0]], rel_mse_of);
+  const double least = first.empty() ? 0 : median_of(c.contenders[first[0]], &Repetition::rel_mse);
   if (!(least > 0)) return block;
   std::vector<std::pair<double, std::string>> others;
   for (size_t i = 0; i < c.contenders.size(); ++i) {
     const bool is_leader = std::find(first.begin(), first.end(), i) != first.end();
     if (is_leader || !is_ranked(c.contenders[i])) continue;
-    others.emplace_back(median_of(c.contenders[i], rel_mse_of) / least, c.contenders[i].name);
+    others.emplace_back(median_of(c.contenders[i], &Repetition::rel_mse) / least, c.contenders[i].name);
   }
   std::stable_sort(others.begin(), others.end());
   const std::string unit = first.size() == 1 ? "" : " as " + c.contenders[first[0]].name;

@@ -13,22 +13,20 @@ namespace {
 /// Of medians over the repetitions.
 struct MedianColumn {
   TableColumn column;
-  Figure figure = nullptr;
+  Figure figure;
 };
 
 std::vector<MedianColumn> error_columns(const Comparison& c) {
   const std::string of_frame = is_animation(c.options) ? " Of the last frame." : "";
   return {
-      {{"MSE", "Mean squared error of linear radiance against the reference.", Better::lower},
-       [](const Repetition& r) { return r.mse; }},
+      {{"MSE", "Mean squared error of linear radiance against the reference.", Better::lower}, &Repetition::mse},
       {{"relMSE", "Squared error over the squared reference + 0.01, so that dark places count as much as bright ones.",
         Better::lower},
-       [](const Repetition& r) { return r.rel_mse; }},
-      {{"MAPE", "Mean of the error's size over the reference + 0.01.", Better::lower},
-       [](const Repetition& r) { return r.mape; }},
+       &Repetition::rel_mse},
+      {{"MAPE", "Mean of the error's size over the reference + 0.01.", Better::lower}, &Repetition::mape},
       {{"FLIP", "What a viewer sees who flips between picture and reference, from 0 to 1 (Andersson 2020)." + of_frame,
         Better::lower},
-       [](const Repetition& r) { return r.flip; }},
+       &Repetition::flip},
   };
 }
 
@@ -52,14 +50,13 @@ std::vector<MedianColumn> cost_columns(const Comparison& c) {
                         "Flicker: how much the relative error changes from frame to frame on each surface, squared. "
                         "Motion and changes of the light do not count; noise of the references does.",
                         Better::lower},
-                       [](const Repetition& r) { return r.temporal_error; }});
+                       &Repetition::temporal_error});
   }
   columns.push_back({{"samples", fmt::format("Paths a pixel, on average{}. The camera rays that caches and denoisers "
                                              "trace at the edges of lamps are not among them, but in rays and time.",
                                              is_animation(c.options) ? ", all frames together" : "")},
-                     [](const Repetition& r) { return r.samples; }});
-  columns.push_back({{"time, s", "Inside frames; loading, building and measuring do not count."},
-                     [](const Repetition& r) { return r.time_s; }});
+                     &Repetition::samples});
+  columns.push_back({{"time, s", "Inside frames; loading, building and measuring do not count."}, &Repetition::time_s});
   columns.push_back({{"ms a frame", "Time over frames.", Better::lower}, frame_ms});
   return columns;
 }
@@ -80,7 +77,7 @@ std::vector<TableColumn> table_columns(const Comparison& c) {
 }
 
 /// Median with its interval below it.
-TableCell median_cell(const ContenderResult& contender, Figure figure) {
+TableCell median_cell(const ContenderResult& contender, const Figure& figure) {
   const std::vector<double> values = values_of(contender, figure);
   const Interval interval = median_interval(values);
   TableCell cell{.text = short_number(median(values)), .value = median(values)};
@@ -102,7 +99,7 @@ TableCell bias_cell(const ErrorSplit& split) {
 
 double rays_per_pixel(const Comparison& c, const ContenderResult& contender) {
   const double pixels = double(c.reference.image.width) * c.reference.image.height;
-  return median_of(contender, [](const Repetition& r) { return static_cast<double>(r.rays); }) / pixels;
+  return median_of(contender, &Repetition::rays) / pixels;
 }
 
 TableRow contender_row(const Comparison& c, size_t index, size_t columns) {

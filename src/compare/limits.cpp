@@ -15,7 +15,7 @@ constexpr double kLargestRatio = 1.05;  // of times that are meant to be equal
 void note_times(const Comparison& c, std::vector<std::string>& notes) {
   std::vector<double> times;
   for (const ContenderResult& contender : c.contenders) {
-    if (!contender.is_picture) times.push_back(median_of(contender, [](const Repetition& r) { return r.time_s; }));
+    if (!contender.is_picture) times.push_back(median_of(contender, &Repetition::time_s));
   }
   if (times.size() < 2) return;
   const auto [low, high] = std::minmax_element(times.begin(), times.end());
@@ -53,10 +53,9 @@ std::vector<std::string> large_shares(const Comparison& c, const ContenderResult
     double measured;
   };
   const Part parts[] = {
-      {"MSE", noise.mse, median_of(contender, [](const Repetition& r) { return r.mse; })},
-      {"relMSE", noise.rel_mse, median_of(contender, [](const Repetition& r) { return r.rel_mse; })},
-      {"temporal error", noise.temporal_error,
-       median_of(contender, [](const Repetition& r) { return r.temporal_error; })},
+      {"MSE", noise.mse, median_of(contender, &Repetition::mse)},
+      {"relMSE", noise.rel_mse, median_of(contender, &Repetition::rel_mse)},
+      {"temporal error", noise.temporal_error, median_of(contender, &Repetition::temporal_error)},
   };
   std::vector<std::string> shares;
   for (const Part& part : parts) {

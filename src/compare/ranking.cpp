@@ -31,7 +31,7 @@ bool lies_above(const Candidate& a, const Candidate& b) {
 
 bool is_ranked(const ContenderResult& contender) { return most_nonfinite(contender) == 0; }
 
-std::vector<size_t> leaders(const Comparison& comparison, Figure figure, bool with_pictures) {
+std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_pictures) {
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < comparison.contenders.size(); ++i) {
     const ContenderResult& contender = comparison.contenders[i];

@@ -8,8 +8,6 @@
 
 namespace relume {
 
-using Figure = double (*)(const Repetition&);
-
 /// Whether the contender's errors say all: those of one with pixels that are not finite leave out what may be worst.
 bool is_ranked(const ContenderResult& contender);
 
@@ -17,6 +15,6 @@ bool is_ranked(const ContenderResult& contender);
 /// those whose intervals begin before its own ends. Below three repetitions nobody can be told apart: two values each
 /// of two that are alike lie apart in one of three cases. A picture made elsewhere is exactly what it is, and is left
 /// out unless `with_pictures`. So are those that are not ranked.
-std::vector<size_t> leaders(const Comparison& comparison, Figure figure, bool with_pictures);
+std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_pictures);
 
 }  // namespace relume

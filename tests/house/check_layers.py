@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Layers: which folder of src/ may include which, and which folders may use which library (docs/architecture.md).
 
-Tests and benchmarks beside the code, and everything outside src/, may include anything.
+Tests and benchmarks beside the code, and everything outside src/, may include anything; only libraries that belong to one folder
+are kept from apps/, too. What the tables allow and nobody does is reported, for it would let the next violation through.
 """
 
 import re
@@ -19,15 +20,15 @@ MAY_INCLUDE = {
     "scene": "core sampling materials lights accel",
     "backend": "core",
     "accel": "core",
-    "io": "core settings materials scene",
-    "film": "core settings backend io",
+    "io": "core scene",
+    "film": "core io",
     "metrics": "core film io",
     "report": "core film io metrics",
     "pipeline": "core sampling scene backend film",
-    "techniques": "core settings sampling materials lights scene backend accel film pipeline",
-    "render": "core settings sampling materials lights scene backend accel io film pipeline techniques",
-    "compare": "core settings scene film io metrics report pipeline render",
-    "experiments": "core settings sampling materials lights scene backend accel io film metrics report techniques render compare",
+    "techniques": "core settings sampling lights scene backend pipeline",
+    "render": "core settings materials scene backend io film pipeline techniques",
+    "compare": "core settings scene io metrics report render",
+    "experiments": "core settings scene io metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
@@ -37,12 +38,11 @@ TECHNIQUE_MAY_INCLUDE = {
     "directional_quadtree": "octree path",
     "visibility_light_cache": "octree",
     "features": "primary_hits reprojection",
-    "bmfr": "features reprojection",
-    "svgf": "features reprojection",
-    "oidn": "features",
+    "bmfr": "features",
+    "svgf": "features",
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
-    "adaptive_psf": "hash_grid path path_space_filter",
+    "adaptive_psf": "path path_space_filter",
     "path_graphs": "adaptive_psf hash_grid path path_space_filter",
 }
 
@@ -95,6 +95,12 @@ def check_include(folder, technique, target):
     return None
 
 
+def includes(path):
+    """Matches of INCLUDE in a file, with their lines."""
+    text = house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
+    return [(match, text.count(chr(10), 0, match.start()) + 1) for match in INCLUDE.finditer(text)]
+
+
 def check_file(root, path):
     parts = path.relative_to(root).parts
     in_src = parts[0] == "src" and len(parts) > 2
@@ -102,21 +108,41 @@ def check_file(root, path):
         return [f"{path}:1: src/{parts[1]} is not in the table of layers"]
     folder = parts[1] if in_src else parts[0]
     technique = parts[2] if folder == "techniques" and len(parts) > 3 else None
-    text = house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
     problems = []
-    for match in INCLUDE.finditer(text):
-        place = f"{path}:{text.count(chr(10), 0, match.start()) + 1}: #include of {match[2]}"
+    for match, line in includes(path):
+        place = f"{path}:{line}: #include of {match[2]}"
         if path.suffix == ".h" and in_src and len(parts) == 3 and match[2].startswith(HEAVY):
             problems.append(f"{place}: slow to compile; only .cpp files and headers of subfolders include it")
-        if not in_src or house.is_test_or_benchmark(path):
+        if (not in_src and folder != "apps") or house.is_test_or_benchmark(path):
             continue
-        problem = check_include(folder, technique, match[2]) if match[1] == '"' else None
+        problem = check_include(folder, technique, match[2]) if in_src and match[1] == '"' else None
         if problem:
             problems.append(f"{place}: {problem}")
         for library, users in LIBRARY_USERS.items():
             if match[1] == "<" and match[2].startswith(library) and folder not in users.split():
                 problems.append(f"{place}: only {users} may use this library")
     return problems
+
+
+def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLUDE):
+    """What the tables of layers allow although no code does it."""
+    used = set()
+    for path in house.code_files(root):
+        parts = path.relative_to(root).parts
+        if parts[0] != "src" or house.is_test_or_benchmark(path):
+            continue
+        for match, _ in includes(path):
+            target = match[2].split("/")
+            used.add((parts[1], target[0]))
+            if parts[1] == target[0] == "techniques":
+                used.add((parts[2], target[1]))
+    return [
+        f"the table lets {a} include {b}, which it does not"
+        for table in (folders, techniques)
+        for a in table
+        for b in table[a].split()
+        if b != "core" and (a, b) not in used  # core is for everybody
+    ]
 
 
 def check(root):
@@ -127,4 +153,4 @@ def check(root):
 
 
 if __name__ == "__main__":
-    house.report(check(house.ROOT))
+    house.report(check(house.ROOT) + unused_permissions(house.ROOT))

@@ -63,14 +63,22 @@ class Repository(unittest.TestCase):
         self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/light_selection/a.h"\n')
         self.write("src/techniques/light_selection/a.h", '#include "techniques/bdpt/b.h"\n')
         self.write("src/other/a.h", "\n")
+        self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
-            check_layers.check, "breaks the layers", "not a path from src/", "slow to compile", "not in the table",
+            check_layers.check, "only accel may use", "breaks the layers", "not a path from src/", "slow to compile", "not in the table",
             "only io may use", "know another technique")
 
     def test_table_of_layers(self):
         self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])
         self.assertIn("cycle", check_layers.check_table({"a": "b", "b": "a"})[0])
         self.assertIn("does not know", check_layers.check_table({"a": "b"})[0])
+
+    def test_permissions_that_nobody_needs(self):
+        self.write("src/io/a.h", '#include "core/a.h"\n')
+        self.write("src/io/a_test.cpp", '#include "scene/a.h"\n')
+        self.write("src/techniques/bdpt/a.h", '#include "techniques/path/a.h"\n')
+        unused = check_layers.unused_permissions(self.root, {"io": "core scene", "techniques": ""}, {"bdpt": "path octree"})
+        self.assertEqual([problem.split(",")[0] for problem in unused], ["the table lets io include scene", "the table lets bdpt include octree"])
 
     def test_functions_are_measured(self):
         found = check_sources.functions(FUNCTIONS)

@@ -233,17 +233,9 @@ struct History {
     count.swap(count_before);
     square.swap(square_before);
     BmfrAccumulateKernel kernel;
-    kernel.history.reprojection = {view_of(motion),
-                                   view_of(came_from),
-                                   view_of(normal),
-                                   view_of(depth),
-                                   view_of(surface),
-                                   view_of(position),
-                                   view_of(normal),
-                                   view_of(surface_before),
-                                   {},
-                                   kWidth,
-                                   kHeight};
+    kernel.history.reprojection = {
+        view_of(motion),   view_of(came_from), view_of(normal),         view_of(depth), view_of(surface),
+        view_of(position), view_of(normal),    view_of(surface_before), kWidth,         kHeight};
     for (uint32_t i = 0; i < kPixels; ++i) scattered[i] = radiance[i] - emission[i];
     kernel.history.samples = samples();
     kernel.history.light_before = view_of(light_before);

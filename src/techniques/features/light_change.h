@@ -4,6 +4,7 @@
 #pragma once
 
 #include "backend/launch.h"
+#include "sampling/chi2_bound.h"
 #include "techniques/features/light_history.h"
 
 namespace relume {
@@ -66,16 +67,9 @@ struct DiscountBlocksKernel {
       }
     }
     const float excess = count > 0.0f ? sum / count - 1.0f : 0.0f;
-    discounts[y * columns + x] = excess > chance(count) ? excess : 0.0f;
-  }
-
- private:
-  /// By how much the mean of so many departures exceeds 1 by chance, rarely: the bound of [Laurent00], lemma 1, on χ²
-  /// with one degree of freedom each.
-  RELUME_HD static float chance(float count) {
     constexpr float kStandardErrors = 1.5f;
-    const float x = 0.5f * sqr(kStandardErrors) / relume::max(count, 1.0f);
-    return 2.0f * (std::sqrt(x) + x);
+    const float chance = chi2_mean_bound(relume::max(count, 1.0f), kStandardErrors);
+    discounts[y * columns + x] = excess > chance ? excess : 0.0f;
   }
 };
 

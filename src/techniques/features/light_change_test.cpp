@@ -29,24 +29,16 @@ struct Wall {
   static float sample(testing::Random& random) { return random.next() < 0.125f ? 8.0f : 0.0f; }
 
   std::vector<float> departures() const {
-    LightHistory history{.reprojection = {view_of(motion),
-                                          view_of(position),
-                                          view_of(normal),
-                                          view_of(depth),
-                                          view_of(surface),
-                                          view_of(position),
-                                          view_of(normal),
-                                          view_of(surface),
-                                          {},
-                                          kSize,
-                                          kSize},
-                         .samples = {view_of(scattered), view_of(scattered), {}, view_of(albedo), {}},
-                         .light_before = view_of(light_before),
-                         .count_before = view_of(count),
-                         .light = {},
-                         .count = {},
-                         .max_samples = kAge,
-                         .discounts = {}};
+    LightHistory history{
+        .reprojection = {view_of(motion), view_of(position), view_of(normal), view_of(depth), view_of(surface),
+                         view_of(position), view_of(normal), view_of(surface), kSize, kSize},
+        .samples = {view_of(scattered), view_of(scattered), {}, view_of(albedo), {}},
+        .light_before = view_of(light_before),
+        .count_before = view_of(count),
+        .light = {},
+        .count = {},
+        .max_samples = kAge,
+        .discounts = {}};
     std::vector<float> result(kColumns * kColumns);
     const CompareBlocksKernel compare{history, mutable_view_of(result), kSize, kSize};
     for (uint32_t i = 0; i < result.size(); ++i) compare(i % kColumns, i / kColumns);

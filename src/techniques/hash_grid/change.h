@@ -3,6 +3,7 @@
 // by more than their noise, if not to the same side.
 #pragma once
 
+#include "sampling/chi2_bound.h"
 #include "techniques/hash_grid/cell.h"
 
 namespace relume {
@@ -36,14 +37,12 @@ struct RegionChange {
     atomic_add(&cells, uint64_t{1});
   }
 
-  /// By how much the mean square exceeds 1, if chance does not explain it; else 0. The bound is that of [Laurent00],
-  /// lemma 1, on χ² with one degree of freedom a cell. `threshold`: standard errors.
+  /// By how much the mean square exceeds 1, if chance does not explain it; else 0. `threshold`: standard errors.
   RELUME_HD float excess(float threshold) const {
     if (cells == 0) return 0.0f;
     const auto count = static_cast<float>(cells);
     const float mean = static_cast<float>(squares) * kUnit / count - 1.0f;
-    const float x = 0.5f * sqr(threshold) / count;
-    return mean > 2.0f * (std::sqrt(x) + x) ? mean : 0.0f;
+    return mean > chi2_mean_bound(count, threshold) ? mean : 0.0f;
   }
 };
 

@@ -73,11 +73,10 @@ struct BackwardTaps {
   }
 };
 
-/// What a pixel must share with the one it was.
-struct BackwardTolerance {
-  float normal_cosine = 0.9f;
-  float plane_distance = 0.01f;  ///< of the old surface from the plane of the new one, as a share of the depth
-};
+/// What a pixel must share with the one it was: the cosine between their normals, and how far the old surface may lie
+/// from the plane of the new one, as a share of the depth.
+inline constexpr float kBackwardNormalCosine = 0.9f;
+inline constexpr float kBackwardPlaneDistance = 0.01f;
 
 /// Views on what pixels show, in this frame and in the one before: buffers of SurfacePass (primary_hits_pass.h) or of
 /// FeaturesPass (features_pass.h).
@@ -90,7 +89,6 @@ struct BackwardReprojection {
   View<const Vec3> previous_position;
   View<const Vec3> previous_normal;
   View<const uint32_t> previous_surface;
-  BackwardTolerance tolerance;
   uint32_t width = 0;
   uint32_t height = 0;
 
@@ -169,9 +167,9 @@ struct BackwardReprojection {
   RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
     if (surface[pixel] != previous_surface[other]) return false;
     if (surface[pixel] == kNoSurface) return true;
-    if (glm::dot(normal[pixel], previous_normal[other]) < tolerance.normal_cosine) return false;
+    if (glm::dot(normal[pixel], previous_normal[other]) < kBackwardNormalCosine) return false;
     const float distance = std::fabs(glm::dot(previous_position[other] - came_from[pixel], normal[pixel]));
-    return distance <= tolerance.plane_distance * depth[pixel];
+    return distance <= kBackwardPlaneDistance * depth[pixel];
   }
 };
 

@@ -27,7 +27,6 @@ inline BackwardReprojection backward_reprojection(const FrameContext& frame, con
           .previous_position = frame.previous<const Vec3>(buffers.position),
           .previous_normal = frame.previous<const Vec3>(buffers.normal),
           .previous_surface = frame.previous<const uint32_t>(buffers.surface),
-          .tolerance = {},
           .width = frame.width(),
           .height = frame.height()};
 }

@@ -12,17 +12,8 @@ constexpr uint32_t kWidth = 4;
 /// A plane that moves to the right by half a pixel; where pixel 5 was, another surface was seen.
 struct Plane {
   BackwardReprojection reprojection() const {
-    return {view_of(motion),
-            view_of(position),
-            view_of(normal),
-            view_of(depth),
-            view_of(instance),
-            view_of(position),
-            view_of(normal),
-            view_of(before),
-            {},
-            kWidth,
-            4};
+    return {view_of(motion),   view_of(position), view_of(normal), view_of(depth), view_of(instance),
+            view_of(position), view_of(normal),   view_of(before), kWidth,         4};
   }
 
   std::vector<Vec2> motion = std::vector<Vec2>(16, Vec2(0.5f, 0));
