@@ -1,9 +1,23 @@
-# relume_add_image_tests(NAME source...): tests that render, one ctest each. Those with "Slow" in their name carry the label "slow".
+# relume_add_image_tests(NAME source...): tests that render, one ctest each but for those with "Shared" in their name. Those with "Slow" in
+# their name carry the label "slow".
 function(relume_add_image_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE test_support relume_flags GTest::gtest_main)
   target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -*Slow* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER *Slow* TEST_LIST ${name}_slow
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -*Slow*:*Shared* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER *Slow*-*Shared* TEST_LIST ${name}_slow
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
+endfunction()
+
+# relume_share_processes(NAME SUITE COUNT property...): the tests Shared/SUITE of NAME_tests in COUNT processes, each a ctest: what they measure
+# against is rendered once a process.
+function(relume_share_processes name suite shards)
+  math(EXPR last "${shards} - 1")
+  foreach(shard RANGE ${last})
+    set(test ${name}.${suite}_${shard})
+    add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=Shared/${suite}.*)
+    # A program that finds no test passes.
+    set_tests_properties(${test} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}"
+      FAIL_REGULAR_EXPRESSION "Running 0 tests" ${ARGN})
+  endforeach()
 endfunction()

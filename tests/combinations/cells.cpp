@@ -8,6 +8,7 @@
 
 #include "render/build_pipeline.h"
 #include "settings/setting.h"
+#include "settings/settings_json.h"
 
 namespace relume::support {
 namespace {
@@ -95,6 +96,28 @@ RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b
   return settings;
 }
 
+std::string name_of(const std::pair<Choice, Choice>& pair) {
+  return fmt::format("{}={} with {}={}", pair.first.slot, pair.first.value, pair.second.slot, pair.second.value);
+}
+
+std::vector<Cell> distinct_cells(const RenderSettings& base) {
+  const std::vector<Choice>& choices = all_choices();
+  std::vector<Cell> cells;
+  std::map<std::string, size_t> known;
+  for (size_t i = 0; i < choices.size(); ++i) {
+    for (size_t k = i + 1; k < choices.size(); ++k) {
+      if (choices[k].slot == choices[i].slot) continue;
+      Cell cell{combine(base, choices[i], choices[k]), {}, bias_of(choices[i], choices[k])};
+      if (!refusal(cell.settings).empty()) continue;
+      const auto [found, is_new] = known.try_emplace(settings_to_json(describe(cell.settings)), cells.size());
+      if (is_new) cells.push_back(cell);
+      cells[found->second].pairs.emplace_back(choices[i], choices[k]);
+      cells[found->second].bias = std::min(cells[found->second].bias, cell.bias);
+    }
+  }
+  return cells;
+}
+
 std::string combination_table(const std::function<bool(const Choice& a, const Choice& b)>& holds) {
   const std::vector<Choice>& choices = all_choices();
   std::vector<std::string> reasons;
@@ -119,8 +142,8 @@ std::string combination_table(const std::function<bool(const Choice& a, const Ch
       "How far the mean may be off with a bias (two biased choices: the sum): " +
       bias_list() +
       ". A cell passes if\nits luminance, red, green and blue are each off by no more than that and 4.5 of their "
-      "standard errors, which are 1 % "
-      "of the luminance at most,\n0.4 % in the slow test: what was measured, and how surely, stands "
+      "standard errors, which are 0.5 % "
+      "of the luminance at most,\n0.25 % in the slow test: what was measured, and how surely, stands "
       "[below](#measured).\n\n";
   std::vector<std::string> symbols(choices.size() * choices.size());  // the table is symmetric
   text += matrix([&](size_t row, size_t column) {

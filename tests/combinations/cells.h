@@ -4,6 +4,7 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/render_settings.h"
@@ -32,6 +33,17 @@ double bias_of(RenderSettings settings);
 
 /// Defaults with two choices. Throws Error for a choice that does not exist.
 RenderSettings combine(RenderSettings settings, const Choice& a, const Choice& b);
+
+/// Settings of one or more cells of the table, which differ in choices that are the defaults anyway.
+struct Cell {
+  RenderSettings settings;
+  std::vector<std::pair<Choice, Choice>> pairs;  ///< all that make these settings
+  double bias = 0;                               ///< the least that is stated for one of them
+};
+std::string name_of(const std::pair<Choice, Choice>& pair);
+
+/// All that is to be compared: of cells that `base` lets run.
+std::vector<Cell> distinct_cells(const RenderSettings& base);
 
 /// How far the mean of a cell's pictures is from path tracing's, and the standard error of that, as shares of it.
 struct Deviation {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/builtin.h"
+
 namespace relume::support {
 
 void add_camera(Scene& scene, const Camera& camera, const Vec3& eye, const Vec3& direction) {
@@ -55,6 +57,17 @@ Scene irradiance_meter() {
   scene.name = "irradiance meter";
   add(scene, quad({-0.01f, -0.01f, 0}, {0.02f, 0, 0}, {0, 0.02f, 0}), lambert("white", Rgb(1)));
   add_spot_meter(scene, Vec3(0), {0, 0, -1}, 0.5f);
+  return scene;
+}
+
+Scene open_box() {
+  Scene scene = find_builtin_scene("cornell")->build();
+  set_constant_environment(scene, {0.3f, 0.4f, 0.5f});
+  for (const float x : {-0.6f, 0.6f}) {
+    PunctualLight lamp;
+    lamp.intensity = Rgb(0.3f, 0.25f, 0.2f);
+    add_light(scene, lamp, {.translation = {x, 1.5f, 0.3f}});
+  }
   return scene;
 }
 

@@ -26,6 +26,10 @@ void add_spot_meter(Scene& scene, const Vec3& target, const Vec3& direction, flo
 /// A white Lambert patch about the origin that faces +Z, and a spot meter on it: the picture is irradiance / π.
 Scene irradiance_meter();
 
+/// The Cornell box, open at the front to a sky, with two lamps besides its own: some light of every kind to choose
+/// from.
+Scene open_box();
+
 /// 8 bit linear, nearest: texel (x, y) from `value`.
 Texture make_texture(int width, int height, PixelFormat format, std::array<int, 4> (*value)(int x, int y));
 
