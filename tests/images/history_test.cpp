@@ -5,6 +5,7 @@
 #include "render/session.h"
 #include "scene/builtin.h"
 #include "support/image_test.h"
+#include "support/scenes.h"
 
 namespace relume::support {
 namespace {
@@ -54,8 +55,11 @@ Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames
   return moments_of(std::move(images));
 }
 
-Moments reference() {
-  return measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 256, kSeeds, 1001);
+/// Rendered once for a test.
+const Moments& reference() {
+  static const Moments pictures =
+      measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 256, kSeeds, 1001);
+  return pictures;
 }
 
 double mean_of(const Moments& m) { return mean_luminance(m.mean_image()); }
@@ -79,10 +83,21 @@ TEST(History, ReprojectionWithoutMovesIsAccumulation) {
       measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::reproject), 64, kSeeds, 1));
 }
 
+/// In the scene where deciding by what is averaged shows most.
 TEST(History, AdaptiveSamplingWithPilotSamplesHasNoBias) {
-  RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
-  s.adaptive.pilot = true;
-  expect_same_picture("adaptive-pilot", reference(), measure(cornell(), s, 128, kSeeds, 1));
+  constexpr int kFrames = 48;  // half of them decide
+  constexpr int kImages = 96;
+  const auto pictures = [](AllocationChoice allocation, bool pilot, int frames, int first_seed) {
+    RenderSettings s = settings_of(allocation, HistoryChoice::accumulate, 24);
+    s.adaptive.pilot = pilot;
+    return measure(open_box(), s, frames, kImages, first_seed);
+  };
+  const ImageTestOptions options{.detectable = 0.02, .detectable_mean = 0.015};
+  const Moments truth = pictures(AllocationChoice::uniform, false, 2 * kFrames, 1001);
+  expect_same_picture("adaptive-pilot", pictures(AllocationChoice::adaptive, true, kFrames, 1), truth, options);
+  // The same comparison tells what a pilot that does nothing would leave.
+  const ImageTest without = compare(pictures(AllocationChoice::adaptive, false, kFrames, 1), truth, options);
+  EXPECT_GT(without.rejected_means, 0) << without.report();
 }
 
 TEST(History, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {
