@@ -1,9 +1,7 @@
 // The same bits, however many threads there are and however often the work is interrupted.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stop_token>
@@ -12,8 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "render/session.h"
-#include "scene/builtin.h"
+#include "determinism/same_bits.h"
 #include "support/measure.h"
 
 namespace relume::support {
@@ -30,26 +27,6 @@ struct Case {
 const Case kCases[] = {
     {"cornell", 45, 37}, {"cornell-glass", 37, 45}, {"warehouse", 67, 35},       {"mine", 61, 33},
     {"slit", 45, 27},    {"door", 45, 34},          {"warehouse", 67, 35, true}, {"slit", 45, 27, true}};
-
-Scene build(const char* name) { return find_builtin_scene(name)->build(); }
-
-/// Every float that a render leaves behind, as bits.
-std::vector<uint32_t> bits_of(const Session& session) {
-  std::vector<uint32_t> bits;
-  const auto add = [&](const void* data, size_t floats) {
-    const size_t old = bits.size();
-    bits.resize(old + floats);
-    std::memcpy(bits.data() + old, data, floats * sizeof(float));
-  };
-  const Image image = session.image();
-  add(image.pixels.data(), image.pixels.size() * 3);
-  for (const std::string& name : Session::aov_names(session.settings())) {
-    const Buffer* buffer = session.buffers().find(name);
-    if (buffer && !buffer->description().persistent) continue;  // of this frame only, which may have been abandoned
-    for (const ExrChannel& channel : session.aov(name)) add(channel.values.data(), channel.values.size());
-  }
-  return bits;
-}
 
 RenderSettings settings_of(const Case& c, int threads) {
   RenderSettings s = small_settings(c.width, c.height);
@@ -128,11 +105,6 @@ TEST_P(Determinism, SeedsDiffer) {
   EXPECT_NE(rendered(GetParam(), settings, 1), zero);
 }
 
-std::filesystem::path checkpoint_file(const char* name) {
-  return std::filesystem::path(::testing::TempDir()) /
-         (std::string("relume_") + name + "_" + std::to_string(::getpid()) + ".ckpt");
-}
-
 TEST_P(Determinism, ResumedEqualsUninterrupted) {
   const std::filesystem::path file = checkpoint_file("resume");
   const RenderSettings settings = settings_of(GetParam(), 2);
@@ -151,132 +123,6 @@ TEST_P(Determinism, ResumedEqualsUninterrupted) {
   EXPECT_EQ(bits_of(second), rendered(GetParam(), settings, 5));
   std::filesystem::remove(file);
 }
-
-/// Techniques that carry state from frame to frame, on a scene in which everything moves.
-struct Technique {
-  const char* name;
-  void (*choose)(RenderSettings& settings);
-};
-
-/// Small regions, of which small pictures fill many.
-void learn(RenderSettings& s) {
-  s.lights = LightSelectionChoice::vlc;
-  s.guide = GuideChoice::cdq;
-  s.octree.scale = false;
-  s.octree.split = 64;
-  s.octree.collapse = 32;
-}
-
-/// Cells are believed early, so that few frames cull some paths.
-void filter_adaptively(RenderSettings& s, CacheChoice cache) {
-  s.cache = cache;
-  s.apsf.min_samples = 16;
-}
-
-const Technique kTechniques[] = {
-    {"light_tree", [](RenderSettings& s) { s.lights = LightSelectionChoice::light_tree; }},
-    {"static_lists",
-     [](RenderSettings& s) {
-       s.lights = LightSelectionChoice::static_lists;
-       s.static_lists.rays = 64;
-     }},
-    {"vlc_cdq", learn},
-    {"vlc_cdq_memory",
-     [](RenderSettings& s) {
-       learn(s);
-       s.vlc.memory = 0;
-       s.cdq.memory = 8;
-       s.cdq.spread = 1;
-       s.cdq.migrations = 4;
-       s.octree.jitter = 1;
-     }},
-    {"vlc_cdq_combination",
-     [](RenderSettings& s) {
-       learn(s);
-       s.allocation = AllocationChoice::adaptive;
-       s.adaptive.max_samples = 6;
-       s.history = HistoryChoice::reproject;
-     }},
-    {"reproject", [](RenderSettings& s) { s.history = HistoryChoice::reproject; }},
-    {"reproject_one",
-     [](RenderSettings& s) {
-       s.history = HistoryChoice::reproject;
-       s.reproject.stored = StoredSampleChoice::one;
-     }},
-    {"backward",
-     [](RenderSettings& s) {
-       s.history = HistoryChoice::reproject;
-       s.reproject.method = ReprojectionMethod::backward;
-     }},
-    {"adaptive",
-     [](RenderSettings& s) {
-       s.allocation = AllocationChoice::adaptive;
-       s.adaptive.max_samples = 6;
-     }},
-    {"combination",
-     [](RenderSettings& s) {
-       s.allocation = AllocationChoice::adaptive;
-       s.adaptive.max_samples = 6;
-       s.history = HistoryChoice::reproject;
-     }},
-    {"psf", [](RenderSettings& s) { s.cache = CacheChoice::psf; }},
-    {"apsf", [](RenderSettings& s) { filter_adaptively(s, CacheChoice::apsf); }},
-    {"apg", [](RenderSettings& s) { s.cache = CacheChoice::apg; }},
-    {"apsf_apg", [](RenderSettings& s) { filter_adaptively(s, CacheChoice::apsf_apg); }},
-    {"bmfr", [](RenderSettings& s) { s.denoise = DenoiseChoice::bmfr; }},
-    {"svgf", [](RenderSettings& s) { s.denoise = DenoiseChoice::svgf; }},
-    {"bdpt", [](RenderSettings& s) { s.estimator = EstimatorChoice::bdpt; }},
-    {"light", [](RenderSettings& s) { s.estimator = EstimatorChoice::light; }},
-};
-
-class TechniqueDeterminism : public ::testing::TestWithParam<Technique> {
- protected:
-  static constexpr Case kScene{"turntable", 61, 33};
-  static constexpr int kFrames = 24;  // three a picture, eight pictures
-
-  static RenderSettings settings(int threads) {
-    RenderSettings s = settings_of(kScene, threads);
-    GetParam().choose(s);
-    return s;
-  }
-  /// Frames `first` to `last` of the sequence.
-  static void render(Session& session, int first, int last) {
-    for (int frame = first; frame < last; ++frame) {
-      if (frame % 3 == 0) session.set_time(0.05f * static_cast<float>(frame / 3));
-      session.render_frame();
-    }
-  }
-};
-
-TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
-  const auto frames = [&](int threads) {
-    Session session(build(kScene.scene), settings(threads));
-    render(session, 0, kFrames);
-    return bits_of(session);
-  };
-  const std::vector<uint32_t> one = frames(1);
-  EXPECT_EQ(frames(2), one);
-  EXPECT_EQ(frames(5), one);
-}
-
-TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {
-  const std::filesystem::path file = checkpoint_file(GetParam().name);
-  Session whole(build(kScene.scene), settings(2));
-  render(whole, 0, kFrames);
-  {
-    Session first(build(kScene.scene), settings(1));
-    render(first, 0, 14);
-    first.save_checkpoint(file);
-  }
-  Session second(build(kScene.scene), settings(2));
-  second.load_checkpoint(file);
-  render(second, 14, kFrames);
-  EXPECT_EQ(bits_of(second), bits_of(whole));
-  std::filesystem::remove(file);
-}
-
-INSTANTIATE_TEST_SUITE_P(All, TechniqueDeterminism, ::testing::ValuesIn(kTechniques),
-                         [](const auto& instance) { return std::string(instance.param.name); });
 
 std::string case_name(const ::testing::TestParamInfo<Case>& info) {
   std::string name = info.param.scene;
