@@ -18,17 +18,27 @@ struct Way {
   EstimatorChoice estimator = EstimatorChoice::path;
   LightSelectionChoice lights = LightSelectionChoice::power;
   GuideChoice guide = GuideChoice::bsdf;
-  double noise = 1;  ///< by which tolerances are wider: what adapts or explores has no low-discrepancy sequence
+  double noise = 1;      ///< by which tolerances are wider: what adapts or explores has no low-discrepancy sequence
+  bool departs = false;  ///< in everything from the defaults of what learns
 };
 
-inline const auto kWays =
-    ::testing::Values(Way{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform}, Way{"power"},
-                      Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
-                      Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
-                      Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
-                      Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
-                      Way{"vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8},
-                      Way{"bdpt", EstimatorChoice::bdpt});
+inline const Way kPower{"power"};
+inline const Way kVlcCdq{"vlc_cdq", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 8};
+inline const Way kBdpt{"bdpt", EstimatorChoice::bdpt};
+
+inline const auto kWays = ::testing::Values(
+    Way{"uniform", EstimatorChoice::path, LightSelectionChoice::uniform}, kPower,
+    Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
+    Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
+    Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
+    Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
+    Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8}, kVlcCdq,
+    Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt,
+    Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
+    Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2});
+
+/// Where no light is there to be selected.
+inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);
 
 inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 inline std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
@@ -40,6 +50,16 @@ inline void take(const Way& way, RenderSettings& settings) {
   settings.guide = way.guide;
   settings.octree = {.collapse = 32, .split = 64, .scale = false};
   settings.static_lists.rays = 64;
+  if (!way.departs) return;
+  settings.octree.vertices = 4;
+  settings.octree.jitter = 1;
+  settings.vlc.memory = 0;
+  settings.vlc.bucket_size = 4;  // several buckets a region
+  settings.cdq.bits = QuadtreeBits::b64;
+  settings.cdq.migrations = 4;
+  settings.cdq.memory = 8;
+  settings.cdq.spread = 1;
+  settings.cdq.sampling = QuadtreeSampling::stratified;
 }
 
 class WayTest : public ::testing::TestWithParam<Way> {

@@ -21,6 +21,10 @@ class Transport : public WayTest {
 };
 INSTANTIATE_TEST_SUITE_P(Lights, Transport, kWays, way_name);
 
+/// What no light is sampled for.
+class Scattering : public Transport {};
+INSTANTIATE_TEST_SUITE_P(Lights, Scattering, kWaysWithoutLights, way_name);
+
 TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing twice
   for (const float albedo : {0.3f, 1.0f}) {
     Scene scene;
@@ -38,14 +42,19 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing tw
   }
 }
 
-TEST_P(Transport, ClosedFurnace) {  // L = e · Σ ρ^k, k = 0 … max_bounces
-  constexpr float kAlbedo = 0.6f;
-  Material wall = lambert("wall", Rgb(kAlbedo));
+/// The inside of a sphere that shines: L = e · Σ ρ^k, k = 0 … max_bounces.
+Scene closed_sphere(float albedo) {
+  Material wall = lambert("wall", Rgb(albedo));
   wall.emission = {1, 0.5f, 2};
   Scene scene;
   add(scene, flipped(icosphere(1, 2)), wall);
   scene.meshes[0] = flat_shaded(scene.meshes[0]);
   add_camera(scene, {.name = "", .fov_y_rad = 1.0f}, {0.2f, 0.1f, 0.3f}, {0, 0, -1});
+  return scene;
+}
+
+TEST_P(Transport, ClosedFurnace) {
+  constexpr float kAlbedo = 0.6f;
   double expected = 0;
   for (int n = 0; n <= 12; ++n) {
     expected += std::pow(static_cast<double>(kAlbedo), n);
@@ -53,10 +62,48 @@ TEST_P(Transport, ClosedFurnace) {  // L = e · Σ ρ^k, k = 0 … max_bounces
     for (const bool roulette : {false, true}) {
       RenderSettings s = settings(n, 12);
       s.path.russian_roulette = roulette;
-      expect_near(estimate_of(render(scene, s, n == 0 ? 1 : 512)), Vec3(1, 0.5f, 2) * static_cast<float>(expected),
-                  roulette ? 0.004 : 0.002);
+      s.static_lists.cell_size = 0.5f;  // lists of a few lights each, soon made
+      expect_near(estimate_of(render(closed_sphere(kAlbedo), s, n == 0 ? 1 : 512)),
+                  Vec3(1, 0.5f, 2) * static_cast<float>(expected), roulette ? 0.004 : 0.002);
     }
   }
+}
+
+/// Light tracing is no way to light a spot of a square millimetre: few light paths end there. Its cameras see much.
+TEST(LightTracing, ClosedFurnace) {
+  constexpr float kAlbedo = 0.6f;
+  RenderSettings s = small_settings(24, 24);
+  s.estimator = EstimatorChoice::light;
+  for (const int n : {0, 1, 2, 12}) {
+    s.path.max_bounces = n;
+    double expected = 0;
+    for (int k = 0; k <= n; ++k) expected += std::pow(static_cast<double>(kAlbedo), k);
+    support::expect_near(estimate_of(render(closed_sphere(kAlbedo), s, 1024)),
+                         Vec3(1, 0.5f, 2) * static_cast<float>(expected), 0.01);
+  }
+}
+
+TEST(LightTracing, FloorUnderALargePlate) {
+  const float height = 1;
+  const Mesh plate = quad({-2, 2, height}, {4, 0, 0}, {0, -4, 0});
+  Scene scene;
+  add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), lambert("floor", Rgb(0.8f, 0.4f, 0.2f)));
+  add(scene, plate, emitter("plate", Rgb(1, 2, 3)));
+  add_camera(scene, {.name = "", .projection = Projection::orthographic, .half_height = 1}, {0, 0, 0.9f}, {0, 0, -1});
+  constexpr int kPlaces = 32;
+  double irradiance = 0;
+  for (int y = 0; y < kPlaces; ++y) {
+    for (int x = 0; x < kPlaces; ++x) {
+      const Vec3 p((static_cast<float>(x) + 0.5f) / (kPlaces / 2) - 1,
+                   (static_cast<float>(y) + 0.5f) / (kPlaces / 2) - 1, 0);
+      irradiance += mesh_irradiance(plate, p, {0, 0, 1}) / (kPlaces * kPlaces);
+    }
+  }
+  RenderSettings s = small_settings(24, 24);
+  s.estimator = EstimatorChoice::light;
+  s.path.max_bounces = 1;
+  support::expect_near(estimate_of(render(scene, s, 1024)),
+                       Rgb(0.8f, 0.8f, 0.6f) * static_cast<float>(irradiance / M_PI), 0.01);
 }
 
 TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
@@ -76,7 +123,7 @@ TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
   EXPECT_EQ(estimate_of(render(lamp, settings(0), 4)).mean, Rgb(1));
 }
 
-TEST_P(Transport, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5 of it
+TEST_P(Scattering, MirrorShowsWhatItReflects) {  // F0 + (1 - F0)(1 - cos 45°)^5 of it
   const Rgb f0(0.9f, 0.5f, 0.1f);
   Scene scene;
   add(scene, quad({0, -1, -1}, {0, 2, 0}, {1.4142f, 0, 1.4142f}), metal("mirror", f0, 0));
@@ -118,7 +165,7 @@ Scene glass_slab(const Material& glass, float thickness, float angle) {
   return scene;
 }
 
-TEST_P(Transport, ClearGlassLosesNothing) {
+TEST_P(Scattering, ClearGlassLosesNothing) {
   for (const float angle : {0.0f, 0.8f, 1.4f}) {
     expect_near(estimate_of(render(glass_slab(glass("glass", 1.5f), 0.1f, angle), settings(200), 64)), Rgb(1), 0.001);
   }
@@ -137,7 +184,7 @@ double fresnel(double cos_i, double eta) {
   return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
-TEST_P(Transport, GlassAbsorbsByBeersLaw) {
+TEST_P(Scattering, GlassAbsorbsByBeersLaw) {
   const Rgb color(0.9f, 0.5f, 0.2f);
   constexpr float kDistance = 0.3f;
   constexpr float kThickness = 0.45f;
@@ -159,7 +206,7 @@ TEST_P(Transport, GlassAbsorbsByBeersLaw) {
   }
 }
 
-TEST_P(Transport, ThinGlassTints) {
+TEST_P(Scattering, ThinGlassTints) {
   const Rgb tint(0.9f, 0.5f, 0.2f);
   Material pane = lambert("pane", tint);
   pane.transmission = 1;
@@ -176,7 +223,7 @@ TEST_P(Transport, ThinGlassTints) {
   }
 }
 
-TEST_P(Transport, AlphaBlendMixes) {
+TEST_P(Scattering, AlphaBlendMixes) {
   Material veil = unlit({4, 0.5f, 0});
   veil.alpha_mode = AlphaMode::blend;
   veil.alpha = 0.25f;
@@ -187,7 +234,7 @@ TEST_P(Transport, AlphaBlendMixes) {
   expect_near(estimate_of(render(scene, settings(4, 32), 1536)), 0.25f * Rgb(4, 0.5f, 0) + 0.75f * Rgb(1, 2, 3), 0.002);
 }
 
-TEST_P(Transport, AlphaMaskCutsOut) {
+TEST_P(Scattering, AlphaMaskCutsOut) {
   Material grid = unlit(Rgb(0.5f));
   grid.alpha_mode = AlphaMode::mask;
   grid.alpha_cutoff = 0.5f;
@@ -203,7 +250,7 @@ TEST_P(Transport, AlphaMaskCutsOut) {
   for (int x = 0; x < 8; ++x) EXPECT_EQ(image.at(x, 3), Rgb(x / 2 == 0 || x / 2 == 2 ? 0.5f : 1.0f)) << "column " << x;
 }
 
-TEST_P(Transport, ClearcoatReflectsOverBlack) {
+TEST_P(Scattering, ClearcoatReflectsOverBlack) {
   Material coated = lambert("coated", Rgb(0));
   coated.clearcoat = 0.7f;
   for (const float angle : {0.0f, 1.1f}) {
@@ -216,7 +263,7 @@ TEST_P(Transport, ClearcoatReflectsOverBlack) {
   }
 }
 
-TEST_P(Transport, UnlitIsItsColorFromEverywhere) {
+TEST_P(Scattering, UnlitIsItsColorFromEverywhere) {
   Scene scene;
   add(scene, flat_shaded(icosphere(1, 2)), unlit({0.25f, 0.5f, 1}));
   add_light(scene, {.name = "", .type = PunctualType::point, .intensity = Rgb(100)}, {.translation = {0, 0, 3}});
