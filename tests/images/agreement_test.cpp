@@ -25,15 +25,11 @@ struct Case {
 
 constexpr int kSeeds = 16;
 
-// Some seconds a test. Where few paths find light, only gross errors show.
+// Some seconds a test. Not cornell-glass, corridor and warehouse, where so few paths find light that not even a black
+// block would show; the slow tests have them.
 const Case kQuick[] = {
-    {"cornell", 32, 32, 64, 0},
-    {"cornell-spheres", 32, 32, 32, 0},
-    {"cornell-glass", 32, 32, 32, 0, 0.7, 0.3},
-    {"corridor", 32, 32, 64, 0, 0.9, 0.5},
-    {"warehouse", 32, 18, 16, 0, 0.9, 0.3},
-    {"door", 24, 18, 32, 0, 0.4, 0.15},
-    {"slit", 32, 18, 24, 0.7f, 0.25, 0.2},
+    {"cornell", 32, 32, 64, 0},         {"cornell-spheres", 32, 32, 32, 0},
+    {"door", 24, 18, 32, 0, 0.4, 0.15}, {"slit", 32, 18, 24, 0.7f, 0.25, 0.2},
     {"turntable", 32, 18, 32, 1.3f},
 };
 

@@ -27,13 +27,25 @@ struct ZooCase {
   ZooCamera camera;
 };
 
-/// Every light with a pinhole, every camera with a triangle and an environment.
-std::vector<ZooCase> zoo_cases() {
+/// Every light with a pinhole, every other camera with each of `others`.
+std::vector<ZooCase> zoo_cases(const std::vector<ZooLight>& others) {
   std::vector<ZooCase> cases;
   for (const ZooLight light : testing::kZooLights) cases.push_back({light, ZooCamera::pinhole});
   for (const ZooCamera camera : {ZooCamera::thin_lens, ZooCamera::orthographic, ZooCamera::panoramic}) {
-    for (const ZooLight light : {ZooLight::two_sided, ZooLight::environment_map, ZooLight::directional})
-      cases.push_back({light, camera});
+    for (const ZooLight light : others) cases.push_back({light, camera});
+  }
+  return cases;
+}
+const std::vector<ZooLight> kOneOfAKind{ZooLight::two_sided, ZooLight::environment_map, ZooLight::directional};
+
+/// Every light with every camera.
+std::vector<ZooCase> zoo_grid() {
+  std::vector<ZooCase> cases;
+  for (const ZooCamera camera : testing::kZooCameras) {
+    for (const ZooLight light : testing::kZooLights) {
+      // The sun itself, a part of a pixel, outshines the rest of a panorama.
+      if (light != ZooLight::sun_sky || camera != ZooCamera::panoramic) cases.push_back({light, camera});
+    }
   }
   return cases;
 }
@@ -44,6 +56,7 @@ std::string zoo_name(const ::testing::TestParamInfo<ZooCase>& info) {
 }
 
 class BdptZoo : public ::testing::TestWithParam<ZooCase> {};
+class BdptLightZoo : public BdptZoo {};
 
 TEST_P(BdptZoo, AgreesWithPathTracing) {
   const Scene scene = testing::make_zoo(GetParam().light, GetParam().camera, !delta_light(GetParam().light));
@@ -57,7 +70,7 @@ TEST_P(BdptZoo, AgreesWithPathTracing) {
                       {.detectable = lamp_in_view ? 0.3 : 0.1, .detectable_mean = lamp_in_view ? 0.25 : 0.05});
 }
 
-TEST_P(BdptZoo, LightTracingAgreesWithPathTracing) {
+TEST_P(BdptLightZoo, LightTracingAgreesWithPathTracing) {
   // Nothing that is smooth is seen, and no normal bent: light tracing can show all of it.
   const Scene scene = testing::make_zoo(GetParam().light, GetParam().camera, false, false);
   RenderSettings path = small_settings(24, 24);
@@ -65,12 +78,18 @@ TEST_P(BdptZoo, LightTracingAgreesWithPathTracing) {
   light.estimator = EstimatorChoice::light;
   // Shadows with sharp edges under parallel light and parallel rays: with fewer samples the spread of the pixels along
   // them cannot be told from 16 images.
-  const bool sharp = GetParam().light == ZooLight::directional && GetParam().camera == ZooCamera::orthographic;
+  const bool parallel_rays = GetParam().camera == ZooCamera::orthographic;
+  const bool sharp = GetParam().light == ZooLight::directional && parallel_rays;
+  // A pixel in the lamp's shadow is lit by light paths that are few and bright: its spread over 64 images is still most
+  // of its mean.
+  const bool rare = GetParam().light == ZooLight::point && parallel_rays;
   expect_same_picture("light-" + zoo_name({GetParam(), 0}),
                       measure(scene, path, sharp ? 384 : 192, kSeeds, sharp ? 501 : 1),
-                      measure(scene, light, sharp ? 512 : 256, kSeeds, sharp ? 2001 : 1001));
+                      measure(scene, light, sharp ? 512 : 256, kSeeds, sharp ? 2001 : 1001), {.pixels = !rare});
 }
-INSTANTIATE_TEST_SUITE_P(Zoo, BdptZoo, ::testing::ValuesIn(zoo_cases()), zoo_name);
+INSTANTIATE_TEST_SUITE_P(Zoo, BdptZoo, ::testing::ValuesIn(zoo_cases(kOneOfAKind)), zoo_name);
+INSTANTIATE_TEST_SUITE_P(Zoo, BdptLightZoo, ::testing::ValuesIn(zoo_cases({ZooLight::two_sided})), zoo_name);
+INSTANTIATE_TEST_SUITE_P(SlowZoo, BdptLightZoo, ::testing::ValuesIn(zoo_grid()), zoo_name);
 
 /// A built-in scene, how large, when, and how many samples each estimator takes; light 0: something smooth is seen,
 /// which it cannot show, or (mine) hardly any light path arrives where the camera looks.
@@ -87,10 +106,10 @@ struct BuiltinCase {
   double mean = 0.05;   ///< and detectable_mean
 };
 
+// Not corridor and warehouse, where samples for seconds tell nothing of a block. In the slow test they do, and
+// BidirectionalLights compares quiet ways to light the warehouse.
 const BuiltinCase kQuick[] = {{"cornell", 32, 32, 0, 64, 32, 64},
                               {"cornell-closed", 32, 32, 0, 48, 24, 48},
-                              {"corridor", 24, 24, 0, 64, 32, 32, false, 1.1, 0.5},
-                              {"warehouse", 32, 18, 0, 32, 16, 128, false, 1.0, 0.35},
                               {"turntable", 32, 18, 1.3f, 32, 16, 32},
                               {"slit", 32, 18, 0.7f, 48, 24, 48, false, 0.2, 0.15},
                               {"furnace", 24, 24, 0, 4, 4, 32}};

@@ -1,4 +1,5 @@
 // Can the statistical image test fail, and does it reject as often as it says?
+#include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,6 +76,12 @@ TEST(ImageTest, RejectsWhatItSaysIsDetectable) {
 TEST(ImageTest, CannotTellAnythingInTheDark) {
   const Moments black = moments_of(std::vector<Image>(kSeeds, Image(32, 32)));
   EXPECT_EQ(compare(black, black).detectable, INFINITY);
+}
+
+TEST(ImageTest, RefusesToTellAlmostNothing) {
+  const Moments reference = pictures(cornell(), 1);
+  EXPECT_NONFATAL_FAILURE(expect_same_picture("refused", reference, reference, {.detectable = kMostDetectable}),
+                          "black block");
 }
 
 TEST(ImageTest, RejectsOneWrongPixel) {

@@ -109,10 +109,7 @@ std::string scene_name(const ::testing::TestParamInfo<std::string_view>& info) {
 }
 
 /// The suite makes some four hundred comparisons. Which errors they notice is a matter of how many paths find light.
-ImageTestOptions options_of(std::string_view scene) {
-  const bool few = scene == "slit" || scene == "cover";
-  return {.significance = 2.5e-5, .detectable = few ? 1.0 : 0.25, .detectable_mean = few ? 0.65 : 0.2};
-}
+const ImageTestOptions kOptions{.significance = 2.5e-5, .detectable = 0.25, .detectable_mean = 0.2};
 
 void check_all_ways(std::string_view scene, const Effort& effort, const ImageTestOptions& options) {
   const RenderSettings plain = plain_settings(scene, effort);
@@ -127,11 +124,10 @@ void check_all_ways(std::string_view scene, const Effort& effort, const ImageTes
 }
 
 class Learning : public ::testing::TestWithParam<std::string_view> {};
-TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick, options_of(GetParam())); }
-// Not lamp-room, corridor and cornell-glass, nor the warehouse by the power of its lamps: light is found too rarely
-// there for the few samples here to be told from chance.
-INSTANTIATE_TEST_SUITE_P(Builtin, Learning,
-                         ::testing::Values("cornell", "turntable", "cover", "slit", "mine", "furnace"), scene_name);
+TEST_P(Learning, EveryWayShowsTheSame) { check_all_ways(GetParam(), kQuick, kOptions); }
+// Not lamp-room, corridor, cornell-glass, cover and slit, nor the warehouse by the power of its lamps: light is found
+// too rarely there for the few samples here to be told from chance. The slow test has them all.
+INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::Values("cornell", "turntable", "mine", "furnace"), scene_name);
 
 TEST(LearningAmongHiddenLamps, ShowsTheSame) {
   const RenderSettings plain = plain_settings("warehouse", kQuick);
@@ -145,8 +141,7 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
     // Small buckets and one table to explore by leave rare bright samples; in motion these take part.
     if (way.name == "departures" || way.name == "paper") continue;
     expect_same_picture("learning-" + way.name + "-warehouse",
-                        pictures(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected,
-                        options_of("warehouse"));
+                        pictures(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
     ++compared;
   }
   EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with it
@@ -158,11 +153,12 @@ TEST_P(SlowLearning, EveryWayShowsTheSame) {
   // to 15 of 1536 pixels, with every way to choose lights. Means of blocks are judged.
   const bool rare = GetParam() == "warehouse" || GetParam() == "corridor" || GetParam() == "cornell-water" ||
                     GetParam() == "cornell-glass";
-  // Guided paths that find the lamp behind three bends are few and bright.
+  // Guided paths that find the lamp behind three bends are few and bright: only the picture as a whole tells there.
   const bool bends = GetParam() == "corridor";
   const ImageTestOptions options{.significance = 2.5e-5,
                                  .pixels = !rare,
-                                 .detectable = bends  ? 0.9
+                                 .block_size = bends ? kRare.width : 16,
+                                 .detectable = bends  ? 0.55
                                                : rare ? 0.35
                                                       : 0.3,
                                  .detectable_mean = bends ? 0.55 : 0.2};
@@ -210,7 +206,7 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
       RenderSettings settings = plain;
       settings.lights = lights;
       const std::string name = lights == LightSelectionChoice::light_tree ? "light-tree-" : "static-lists-";
-      ImageTestOptions options = options_of(scene);
+      ImageTestOptions options = kOptions;
       if (many_lamps) {
         options.detectable = 0.3;
         options.detectable_mean = 0.2;
@@ -233,8 +229,7 @@ TEST(EnvironmentLeftToPaths, ShowsTheSame) {
   for (const Way& way : ways(effort)) {
     RenderSettings settings = way.settings;
     settings.light_selection.environment = false;
-    expect_same_picture("sky-" + way.name, pictures(session, settings, effort.frames, 1), expected,
-                        options_of("cornell"));
+    expect_same_picture("sky-" + way.name, pictures(session, settings, effort.frames, 1), expected, kOptions);
   }
 }
 
@@ -244,11 +239,16 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
   const RenderSettings plain = plain_settings(GetParam(), effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);
   constexpr int kRepeats = 16;  // single frames have long tails
+  ImageTestOptions options = kOptions;
+  if (GetParam() == "slit") {  // where the paper's settings leave rare bright samples
+    options.detectable = 0.59;
+    options.detectable_mean = 0.4;
+  }
   const Moments expected = last_pictures(session, plain, kRepeats, 1001);
   for (const Way& way : ways(effort)) {
     if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "paper") continue;
     expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
-                        last_pictures(session, way.settings, kRepeats, 1), expected, options_of(GetParam()));
+                        last_pictures(session, way.settings, kRepeats, 1), expected, options);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), scene_name);

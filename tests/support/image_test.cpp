@@ -171,6 +171,7 @@ ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& op
 void expect_same_picture(const std::string& name, const Moments& a, const Moments& b, const ImageTestOptions& options) {
   const ImageTest test = compare(a, b, options);
   ::testing::Test::RecordProperty("agreement", test.report());
+  EXPECT_LT(options.detectable, kMostDetectable) << name << ": a black block would hardly show";
   EXPECT_LE(test.detectable, options.detectable) << name << ": blocks are too noisy to tell";
   EXPECT_LE(test.detectable_mean, options.detectable_mean) << name << ": the picture is too noisy to tell";
   if (test.agree()) return;

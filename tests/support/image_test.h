@@ -8,6 +8,9 @@
 
 namespace relume::support {
 
+/// A comparison that notices errors of a block from here on only is not worth making.
+inline constexpr double kMostDetectable = 0.6;
+
 struct ImageTestOptions {
   /// Probability of rejecting equal pictures, for each of the three tests: 1 % over the hundred or so comparisons of
   /// the whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
@@ -17,7 +20,8 @@ struct ImageTestOptions {
   bool pixels = true;
   int block_size = 16;
   double tolerance = 0.005;  ///< of the mean of a block or the picture
-  /// What the test must be able to tell: the most that `detectable` and `detectable_mean` of ImageTest may be.
+  /// What the test must be able to tell: the most that `detectable` (below kMostDetectable) and `detectable_mean` of
+  /// ImageTest may be.
   double detectable = 0.1;
   double detectable_mean = 0.05;
 };
