@@ -9,13 +9,13 @@ function(relume_add_image_tests name)
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
 
-# relume_share_processes(NAME SUITE COUNT property...): the tests Shared/SUITE of NAME_tests in COUNT processes, each a ctest: what they measure
-# against is rendered once a process.
+# relume_share_processes(NAME SUITE COUNT property...): the tests Shared/SUITE or SharedSUITE of NAME_tests in COUNT processes, each a ctest: what they
+# measure against is rendered once a process.
 function(relume_share_processes name suite shards)
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
     set(test ${name}.${suite}_${shard})
-    add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=Shared/${suite}.*)
+    add_test(NAME ${test} COMMAND ${name}_tests --gtest_filter=Shared/${suite}.*:Shared${suite}.*)
     # A program that finds no test passes.
     set_tests_properties(${test} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${shard}"
       FAIL_REGULAR_EXPRESSION "Running 0 tests" ${ARGN})

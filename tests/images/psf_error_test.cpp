@@ -27,6 +27,7 @@ struct Truth {
   std::vector<bool> counts;
 };
 
+/// Rendered once a process: CMakeLists.txt has one run all tests of SharedCacheErrors.
 const Truth& truth() {
   static const Truth result = [] {
     RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate);
@@ -69,19 +70,19 @@ Course course(CacheChoice cache, HistoryChoice history, int frames) {
   return result;
 }
 
-TEST(CacheErrors, PsfHalvesThatOfAFirstFrame) {
+TEST(SharedCacheErrors, PsfHalvesThatOfAFirstFrame) {
   EXPECT_LT(course(CacheChoice::psf, HistoryChoice::none, 1).error[0],
             0.5 * course(CacheChoice::none, HistoryChoice::none, 1).error[0]);
 }
 
-TEST(CacheErrors, PsfHalvesThatOfPicturesWithLamps) {
+TEST(SharedCacheErrors, PsfHalvesThatOfPicturesWithLamps) {
   RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::none);
   const double path = compute_metrics(render(cornell(), s, 1), truth().image, {.flip = false}).mse;
   s.cache = CacheChoice::psf;
   EXPECT_LT(compute_metrics(render(cornell(), s, 1), truth().image, {.flip = false}).mse, 0.5 * path);
 }
 
-TEST(CacheErrors, PsfStaysBelowAccumulationForEightFrames) {
+TEST(SharedCacheErrors, PsfStaysBelowAccumulationForEightFrames) {
   const Course plain = course(CacheChoice::none, HistoryChoice::accumulate, 8);
   for (const HistoryChoice history : {HistoryChoice::none, HistoryChoice::accumulate}) {
     const Course psf = course(CacheChoice::psf, history, 8);
@@ -89,7 +90,7 @@ TEST(CacheErrors, PsfStaysBelowAccumulationForEightFrames) {
   }
 }
 
-TEST(CacheErrors, ApsfHasThatOfPsfWithFewerRays) {
+TEST(SharedCacheErrors, ApsfHasThatOfPsfWithFewerRays) {
   const Course psf = course(CacheChoice::psf, HistoryChoice::none, 24);
   const Course apsf = course(CacheChoice::apsf, HistoryChoice::none, 24);
   EXPECT_LT(apsf.rays, 0.8 * psf.rays);
