@@ -8,6 +8,7 @@
 
 #include "command.h"
 #include "console.h"
+#include "core/clock.h"
 #include "io/extension.h"
 #include "io/image.h"
 #include "reports.h"
@@ -57,7 +58,7 @@ struct InfoOptions {
   bool json = false;
 };
 
-int run_info(const InfoOptions& options) {
+int run_info(const InfoOptions& options, const Verbosity& verbosity) {
   const std::string extension = lower_extension(options.file);
   const auto print = [&](const auto& what) {
     std::fputs((options.json ? to_json(what) : to_text(what)).c_str(), stdout);
@@ -65,7 +66,10 @@ int run_info(const InfoOptions& options) {
   if (is_picture(extension)) {
     print(report_picture(options.file, extension));
   } else {
-    print(summarize(open_scene(options.file)));
+    const double start_s = now_s();
+    const Scene scene = open_scene(options.file);
+    tell_more(verbosity, fmt::format("loaded {} in {:.2f} s", options.file, now_s() - start_s));
+    print(summarize(scene));
   }
   return kExitDone;
 }
@@ -84,7 +88,7 @@ Command info_command(Verbosity& verbosity) {
       .options = {{{"json", &options->json, "Print a JSON object"}}},
       .setting_groups = {},
       .setting_flags = nullptr,
-      .run = [options] { return run_info(*options); },
+      .run = [options, &verbosity] { return run_info(*options, verbosity); },
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

@@ -263,6 +263,8 @@ class Outputs(ProgramTest):
     def test_quiet_is_silent(self):
         done = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "2", "--quiet")
         self.assertEqual((done.stdout, done.stderr), ("", ""))
+        self.assertEqual(self.succeed("info", "cornell", "-v", "-q").stderr, "")
+        self.assertIn("loaded cornell in", self.succeed("info", "cornell", "-v").stderr)
 
     def test_progress_goes_to_standard_error_without_control_codes(self):
         done = self.succeed("render", "cornell", "-o", "out.png", *SMALL, "--spp", "2", "--verbose")
