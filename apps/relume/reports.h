@@ -36,7 +36,7 @@ struct RunReport {
   uint64_t nonfinite_samples = 0;
   int threads = 0;
   uint64_t peak_memory_bytes = 0;
-  uint64_t scene_bytes = 0;                             ///< of geometry, textures and the acceleration structure
+  uint64_t scene_bytes = 0;                             ///< of geometry, lights, textures, acceleration structure
   uint64_t buffer_bytes = 0;                            ///< of the per-pixel buffers
   uint64_t technique_bytes = 0;                         ///< of what techniques hold besides
   std::vector<std::string> files;                       ///< pictures written

@@ -174,6 +174,9 @@ TEST_F(PipelineTest, AdaptsIfOnePassDoes) {
   EXPECT_FALSE(pipeline_.keeps_state());
   add({.name = "keeps"});
   EXPECT_TRUE(pipeline_.keeps_state());
+  EXPECT_TRUE(pipeline_.keeps_to_pixels());
+  add({.name = "shares"});
+  EXPECT_FALSE(pipeline_.keeps_to_pixels());
 }
 
 TEST_F(PipelineTest, SavesAndLoadsPassByPass) {

@@ -38,7 +38,7 @@ struct Statistics {
   uint64_t paths = 0;
   uint64_t rays = 0;  ///< path and shadow rays
   uint64_t nonfinite_samples = 0;
-  uint64_t scene_bytes = 0;      ///< of geometry, textures and the acceleration structure
+  uint64_t scene_bytes = 0;      ///< of CompiledScene
   uint64_t buffer_bytes = 0;     ///< of the table of buffers
   uint64_t technique_bytes = 0;  ///< of what the passes hold besides
   int threads = 0;

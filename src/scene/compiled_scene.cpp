@@ -314,7 +314,7 @@ void CompiledScene::build_accel() {
 size_t CompiledScene::memory_bytes() const {
   return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) +
          colors_.size() * sizeof(Vec4) + instances_.size() * sizeof(Instance) + textures_.memory_bytes() +
-         accel_->memory_bytes();
+         lights_.memory_bytes() + accel_->memory_bytes();
 }
 
 }  // namespace relume

@@ -70,7 +70,7 @@ class CompiledScene {
   const Scene& source() const { return source_; }
   /// What stands in for things the file lacks, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Bytes of geometry, textures and the acceleration structure.
+  /// Bytes of geometry, lights, textures, environment and acceleration structure.
   size_t memory_bytes() const;
   SceneBounds bounds() const { return view_.lights.bounds; }
 

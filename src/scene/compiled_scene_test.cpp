@@ -313,6 +313,21 @@ TEST(CompiledScene, RefusesASunBeyondAllRadiance) {
   EXPECT_NE(problem_of([&] { validate(scene, "a"); }).find("the sun or the sky"), std::string::npos);
 }
 
+TEST(CompiledScene, CountsWhatItHolds) {
+  const auto bytes_of = [](Scene scene) {
+    return CompiledScene(std::move(scene), {.width = kSize, .height = kSize}).memory_bytes();
+  };
+  const size_t plain = bytes_of(cornell());
+  EXPECT_GT(plain, placed_triangles(cornell()) * sizeof(UVec3));
+  Scene with_map = cornell();
+  Environment& environment = with_map.environment;
+  environment.kind = EnvironmentKind::map;
+  environment.width = 64;
+  environment.height = 32;
+  environment.map.assign(64 * 32, Rgb(1));
+  EXPECT_GT(bytes_of(with_map), plain + 64 * 32 * sizeof(Rgb));
+}
+
 TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {
   CompiledScene scene(plate(), {.width = kSize, .height = kSize, .movable = {0}});
   EXPECT_EQ(world_box(scene.view()).low, Vec3(-1, -1, 0));

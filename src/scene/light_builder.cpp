@@ -368,4 +368,10 @@ LightsView LightBuilder::view() const {
   return v;
 }
 
+size_t LightBuilder::memory_bytes() const {
+  return (lights_.size() + previous_.size()) * sizeof(Light) + textured_.size() * sizeof(TexturedTriangle) +
+         entries_.size() * sizeof(AliasEntry) + environment_map_.size() * sizeof(Rgb) +
+         (environment_distribution_.marginal.size() + environment_distribution_.conditional.size()) * sizeof(float);
+}
+
 }  // namespace relume

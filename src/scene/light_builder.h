@@ -27,6 +27,8 @@ class LightBuilder {
   void mark_unchanged();
 
   LightsView view() const;
+  /// Of lights, what samples them, and the environment's map.
+  size_t memory_bytes() const;
 
  private:
   /// The sampling table of the environment's map, and the map's mean.
