@@ -213,7 +213,7 @@ void override_node(const JsonObject& object, Index index, Scene& scene) {
   for (const auto& [name, property] : properties) {
     if (!object.has(name)) continue;
     std::erase_if(scene.animation,
-                  [&](const AnimationChannel& c) { return c.node == index && c.property == property; });
+                  [&, named = property](const AnimationChannel& c) { return c.node == index && c.property == named; });
   }
   const auto keys = object.objects("keys", {"time", "translation", "rotation_deg", "scale"});
   add_channel(keys, "translation", AnimatedProperty::translation, index, scene);
