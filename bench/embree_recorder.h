@@ -6,15 +6,15 @@
 #include <cstdint>
 #include <vector>
 
-#include <embree3/rtcore.h>
+#include "accel/embree/embree.h"
 
 namespace relume {
 
 /// Ray queries in the order in which they were made.
 class QueryLog {
  public:
-  void add(const RTCRay& ray, const RTCIntersectContext& context, bool occlusion);
-  void add(const RTCRay8& rays, const int* valid, const RTCIntersectContext& context, bool occlusion);
+  void add(const RTCRay& ray, bool occlusion);
+  void add(const RTCRay8& rays, const int* valid, bool occlusion, bool coherent);
 
   /// Queries; a packet is one.
   size_t size() const { return queries_.size(); }
@@ -33,7 +33,7 @@ class QueryLog {
     uint32_t index = 0;  ///< into singles_ or packets_
     bool packet = false;
     bool occlusion = false;
-    RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_NONE;
+    bool coherent = false;
   };
   struct Packet {
     RTCRay8 rays;

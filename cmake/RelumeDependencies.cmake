@@ -1,6 +1,10 @@
-# Libraries, all from Debian 12's packages (scripts/install_packages names them).
+# Libraries, all from the packages of Debian 12 and 13 (scripts/install_packages names them).
 find_package(Threads REQUIRED)
-find_package(embree 3.13 REQUIRED)
+# src/accel/embree/embree.h takes version 4 where both are installed.
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3.13 REQUIRED)
+endif()
 find_package(TBB REQUIRED)
 # Debian's CMake package of Imath asks for its Python modules; pkg-config does not.
 find_package(PkgConfig REQUIRED)

@@ -7,13 +7,18 @@
 
 namespace relume {
 
+struct AccelMesh;
+struct AccelInstance;
+
 /// Handle to the acceleration structure of a compiled scene.
 struct AccelView {
   void* scene = nullptr;
+  const AccelMesh* meshes = nullptr;
+  const AccelInstance* instances = nullptr;
 };
 
 /// Nearest hit along the ray; none if the ray is not finite. `ray_id` decides stochastic alpha: the same (ray id,
-/// instance, primitive) decides the same.
+/// instance, primitive) decides the same. Barycentrics and distance come from intersect_triangle().
 RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
 /// Whether anything lies on the ray before ray.t_max.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <utility>
 #include <vector>
 
-#include <embree3/rtcore.h>
-
+#include "accel/embree/embree.h"
+#include "accel/triangle.h"
 #include "core/error.h"
 #include "core/hash.h"
 
@@ -28,8 +30,45 @@ uint32_t instance_of(uint32_t geometry, uint32_t node) {
 /// What a filter callback knows about its geometry.
 struct GeometryContext {
   const CoverageFunction* coverage = nullptr;
+  const AccelMesh* mesh = nullptr;
   uint32_t id = 0;  ///< used where the geometry is not below an instance node
 };
+
+struct Corners {
+  Vec3 p0, p1, p2;
+};
+
+/// Corners of a triangle in the space of its mesh.
+Corners corners_of(const AccelMesh& mesh, uint32_t primitive) {
+  const uint32_t* index = mesh.indices + size_t{3} * primitive;
+  const auto position = [&](uint32_t i) {
+    Vec3 p;
+    std::memcpy(&p, reinterpret_cast<const std::byte*>(mesh.positions) + i * mesh.position_stride, sizeof p);
+    return p;
+  };
+  return {position(index[0]), position(index[1]), position(index[2])};
+}
+
+/// The hit on a triangle that the traversal has found.
+Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
+  const AccelInstance& instance = accel.instances[instance_index];
+  Corners c = corners_of(accel.meshes[instance.mesh], primitive);
+  if (!instance.in_world_space) {
+    c = {transform_point(instance.to_world, c.p0), transform_point(instance.to_world, c.p1),
+         transform_point(instance.to_world, c.p2)};
+  }
+  const TriangleHit hit = intersect_triangle(ray.origin, ray.direction, c.p0, c.p1, c.p2);
+  return {instance_index, primitive, hit.u, hit.v, hit.t};
+}
+
+/// A filter sees its ray in the space of the mesh.
+Vec3 origin_of(const RTCFilterFunctionNArguments& args, unsigned i) {
+  return {RTCRayN_org_x(args.ray, args.N, i), RTCRayN_org_y(args.ray, args.N, i), RTCRayN_org_z(args.ray, args.N, i)};
+}
+
+Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
+  return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
+}
 
 /// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive
 /// does no harm.
@@ -39,9 +78,9 @@ void coverage_filter(const RTCFilterFunctionNArguments* args) {
     if (args->valid[i] != -1) continue;
     const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
-    const float u = RTCHitN_u(args->hit, args->N, i);
-    const float v = RTCHitN_v(args->hit, args->N, i);
-    const float coverage = geometry.coverage->function(geometry.coverage->context, instance, primitive, u, v);
+    const Corners c = corners_of(*geometry.mesh, primitive);
+    const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
+    const float coverage = geometry.coverage->function(geometry.coverage->context, instance, primitive, hit.u, hit.v);
     const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
     const bool accepted =
         coverage >= 1.0f || (coverage > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < coverage);
@@ -143,7 +182,9 @@ struct EmbreeAccel::State {
   RTCScene still = nullptr;
   std::vector<RTCScene> mesh_scenes;                             ///< by mesh; null unless some instance needs it
   std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
-  std::vector<GeometryContext> contexts;                         ///< one an instance, then one a mesh
+  std::vector<GeometryContext> contexts;                         ///< one an instance
+  std::vector<AccelMesh> meshes;
+  std::vector<AccelInstance> instances;
   CoverageFunction coverage;
 
   ~State() {
@@ -207,6 +248,8 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.coverage = coverage;
+  s.meshes.assign(meshes.begin(), meshes.end());
+  s.instances.assign(instances.begin(), instances.end());
   s.device = new_device();
   rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
   rtcSetDeviceMemoryMonitorFunction(
@@ -226,7 +269,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     const AccelInstance& instance = instances[i];
     const AccelMesh& mesh = meshes[instance.mesh];
     if (mesh.triangle_count == 0) continue;
-    s.contexts[i] = {&s.coverage, id_of(i)};
+    s.contexts[i] = {&s.coverage, &s.meshes[instance.mesh], id_of(i)};
     if (instance.in_world_space) {
       RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
       rtcAttachGeometryByID(s.still, geometry, id_of(i));
@@ -246,6 +289,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
 EmbreeAccel::~EmbreeAccel() = default;
 
 void EmbreeAccel::update(std::span<const AccelInstance> instances) {
+  state_->instances.assign(instances.begin(), instances.end());
   for (const auto& [index, node] : state_->instance_nodes) place(node, instances[index].to_world);
   rtcCommitScene(state_->scene);
   state_->check();
@@ -266,7 +310,7 @@ void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstanc
   update(instances);
 }
 
-AccelView EmbreeAccel::view() const { return {state_->scene}; }
+AccelView EmbreeAccel::view() const { return {state_->scene, state_->meshes.data(), state_->instances.data()}; }
 
 size_t EmbreeAccel::memory_bytes() const { return static_cast<size_t>(state_->bytes.load()); }
 
@@ -279,32 +323,24 @@ std::string EmbreeAccel::embree_version() {
 
 Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
   if (!is_traceable(ray)) return {};
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit query;
   query.ray = to_embree(ray, ray_id);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(as_scene(accel), &context, &query);
+  embree::intersect1(as_scene(accel), query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID, query.hit.u, query.hit.v,
-          query.ray.tfar};
+  return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
 }
 
 bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
   if (!is_traceable(ray)) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay query = to_embree(ray, ray_id);
-  rtcOccluded1(as_scene(accel), &context, &query);
+  embree::occluded1(as_scene(accel), query);
   return query.tfar < 0.0f;
 }
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       bool coherent) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   RTCRayHit8 query;
   alignas(32) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
@@ -314,18 +350,16 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  rtcIntersect8(valid, as_scene(accel), &context, &query);
+  embree::intersect8(valid, as_scene(accel), query, coherent);
   for (int i = 0; i < count; ++i) {
-    hits[i] = query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
-                  ? Hit{}
-                  : Hit{instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i], query.hit.u[i],
-                        query.hit.v[i], query.ray.tfar[i]};
+    hits[i] =
+        query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
+            ? Hit{}
+            : hit_on(accel, rays[i], instance_of(query.hit.geomID[i], query.hit.instID[0][i]), query.hit.primID[i]);
   }
 }
 
 void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, bool* result, int count) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRay8 query;
   alignas(32) int valid[kPacketSize];
   for (int i = 0; i < kPacketSize; ++i) {
@@ -333,7 +367,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
     const int k = i < count ? i : 0;
     fill_packet(query, i, rays[k], ray_ids[k]);
   }
-  rtcOccluded8(valid, as_scene(accel), &context, &query);
+  embree::occluded8(valid, as_scene(accel), query);
   for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
 }
 
