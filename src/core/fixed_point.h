@@ -23,12 +23,17 @@ RELUME_HD inline void atomic_add(Integer* target, Integer value) {
 #endif
 }
 
-/// Adds to a word that several threads share and returns what was there before.
-RELUME_HD inline uint64_t atomic_fetch_add(uint64_t* target, uint64_t value) {
+/// Adds to a word that several threads share and returns its value before.
+template <typename Integer>
+RELUME_HD inline Integer atomic_fetch_add(Integer* target, Integer value) {
 #if RELUME_DEVICE_CODE
-  return atomicAdd(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+  if constexpr (sizeof(Integer) == 8) {
+    return atomicAdd(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+  } else {
+    return atomicAdd(reinterpret_cast<unsigned int*>(target), static_cast<unsigned int>(value));
+  }
 #else
-  return std::atomic_ref<uint64_t>(*target).fetch_add(value, std::memory_order_relaxed);
+  return std::atomic_ref<Integer>(*target).fetch_add(value, std::memory_order_relaxed);
 #endif
 }
 
@@ -67,6 +72,18 @@ RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
   std::atomic_ref<uint64_t> shared(*target);
   uint64_t seen = shared.load(std::memory_order_relaxed);
   while (value < seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+/// Replaces a word that several threads share by `value` if that is larger.
+RELUME_HD inline void atomic_max(uint32_t* target, uint32_t value) {
+#if RELUME_DEVICE_CODE
+  atomicMax(target, value);
+#else
+  std::atomic_ref<uint32_t> shared(*target);
+  uint32_t seen = shared.load(std::memory_order_relaxed);
+  while (value > seen && !shared.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
 #endif
 }

@@ -32,6 +32,26 @@ TEST_P(CacheSession, SameBitsWithAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(rendered(5), one));
 }
 
+/// Scenes and a size at which the cells of a voxel, or of the first frame, are more than the table has room for.
+TEST_P(CacheSession, SameBitsInScenesOfManyCells) {
+  for (const char* scene : {"mine", "warehouse", "corridor"}) {
+    const auto rendered = [&](int threads) {
+      RenderSettings settings;
+      settings.width = 320;
+      settings.height = 180;
+      settings.threads = threads;
+      settings.cache = GetParam();
+      Session session(build(scene), settings);
+      for (int i = 0; i < 2; ++i) session.render_frame();
+      EXPECT_TRUE(session.warnings().empty()) << scene;
+      return session.image();
+    };
+    const Image one = rendered(1);
+    EXPECT_TRUE(same_bits(rendered(2), one)) << scene;
+    EXPECT_TRUE(same_bits(rendered(5), one)) << scene;
+  }
+}
+
 /// A lamp so dim that whether it ends in a sharp edge depends on how bright the cells around it are, new ones too.
 TEST_P(CacheSession, SameEdgesOfADimLampWithAnyNumberOfThreads) {
   const auto rendered = [](int threads) {

@@ -116,32 +116,11 @@ def check_code(name, text, bibliography):
     return problems
 
 
-PASS_KERNEL = re.compile(r"^struct (\w+Kernel) \{(?:(?!^\};).)*?RELUME_HD (?:inline )?void operator\(\)\(uint32_t", re.MULTILINE | re.DOTALL)
-
-
-def check_kernels(root):
-    """Every pass kernel that a header of src defines is compiled for the device (templates: those that somebody names)."""
-    device = root / "tests" / "device_compile" / "kernels.cu"
-    known = device.read_text(encoding="utf-8") if device.exists() else ""
-    problems = []
-    for path in house.code_files(root):
-        name = path.relative_to(root).as_posix()
-        if path.suffix != ".h" or not name.startswith("src/") or "/testing/" in name:
-            continue
-        text = path.read_text(encoding="utf-8")
-        for match in PASS_KERNEL.finditer(text):
-            is_template = text[: match.start()].rstrip().endswith(">")
-            if not is_template and not re.search(rf"\brun\({match[1]}\b", known):
-                line = text.count("\n", 0, match.start()) + 1
-                problems.append(f"{name}:{line}: {match[1]} is not in tests/device_compile/kernels.cu")
-    return problems
-
-
 def check(root):
     bibliography_file = root / "docs" / "bibliography.md"
     bibliography = bibliography_file.read_text(encoding="utf-8") if bibliography_file.exists() else ""
     code = set(house.code_files(root))
-    problems = check_kernels(root)
+    problems = []
     for path in house.files(root):
         if path.suffix not in UNDONE_SUFFIXES and path.parent.name != "scripts":
             continue

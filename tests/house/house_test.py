@@ -96,12 +96,6 @@ class Repository(unittest.TestCase):
         self.write("scripts/run", "# TO" "DO: more\n")
         self.assert_finds(check_sources.check, "undone", "a.h:3: __CUDACC__", "[Lost02]", "[Lost03]")
 
-    def test_kernels(self):
-        kernel = "struct {0}Kernel {{\n  RELUME_HD void operator()(uint32_t x, uint32_t) const {{}}\n}};\n"
-        self.write("src/film/a.h", kernel.format("Known") + kernel.format("Lost") + "template <typename T>\n" + kernel.format("Any"))
-        self.write("tests/device_compile/kernels.cu", "template __global__ void run(KnownKernel, uint32_t, uint32_t);\n")
-        self.assert_finds(check_sources.check, "a.h:4: LostKernel")
-
     def test_files(self):
         self.write("src/techniques/path/README.md", "# Path\n| When to use it | always |\n")
         self.write("src/techniques/mute/README.md", "# Mute\n")

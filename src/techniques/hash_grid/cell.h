@@ -65,8 +65,9 @@ struct alignas(64) CellSums {
 
   RELUME_HD bool empty() const { return count == 0; }
 
-  /// Thread-safe. `value`: finite components in [0, kCellSampleMax]; `weight` in (0, kCellWeightMax].
-  RELUME_HD void add(const Rgb& value, float sample_weight) {
+  /// Thread-safe. `value`: finite components in [0, kCellSampleMax]; `weight` in (0, kCellWeightMax]. Returns whether
+  /// this is the first sample of the frame.
+  RELUME_HD bool add(const Rgb& value, float sample_weight) {
     const auto units = static_cast<uint64_t>(sample_weight / kCellWeightUnit + 0.5f);
     const double w = static_cast<double>(units) * static_cast<double>(kCellWeightUnit);
     for (int c = 0; c < 3; ++c) {
@@ -79,7 +80,7 @@ struct alignas(64) CellSums {
     const uint64_t carry = add_low(&square_low, square.low);
     if (square.high + carry != 0) atomic_add(&square_high, square.high + carry);
     atomic_add(&weight, units);
-    atomic_add(&count, 1u);
+    return atomic_fetch_add(&count, 1u) == 0;
   }
 
   RELUME_HD CellMoments moments() const {

@@ -6,13 +6,14 @@
 #include "core/view.h"
 #include "techniques/hash_grid/cell.h"
 #include "techniques/hash_grid/cell_key.h"
+#include "techniques/hash_grid/overflow.h"
 
 namespace relume {
 
-/// No slot: the cell is not in the table, or the table was full.
+/// No slot: the cell is not in the table.
 inline constexpr uint32_t kNoCell = 0xffffffffu;
 
-/// Slots that are looked at before a key counts as absent or is dropped.
+/// Slots that are probed for a new key. Samples of a key that finds none of them free wait until the table has grown.
 inline constexpr uint32_t kMaxProbes = 256;
 
 /// Slots over which the cells of one voxel spread; a power of two.
@@ -20,7 +21,7 @@ inline constexpr uint32_t kHomeSlots = 64;
 
 /// Events that the program reports.
 struct HashGridCounters {
-  uint64_t dropped = 0;    ///< samples without a place in the table
+  uint64_t dropped = 0;    ///< samples for which there was no memory
   uint64_t saturated = 0;  ///< samples clamped to kCellSampleMax
   uint64_t nonfinite = 0;  ///< samples that were not finite, and were left out
   uint64_t heirs = 0;      ///< cells of this frame that begin with what another level knows
@@ -38,6 +39,9 @@ struct HashGridView {
   View<CellSums> sums;          ///< this frame
   View<const CellHistory> histories;
   HashGridCounters* counters = nullptr;
+  OverflowView overflow;
+  uint32_t probe_limit = kMaxProbes;  ///< slots between a key and its first slot, at most
+  bool renumbered = false;            ///< the table has been rebuilt since the paths of this frame
   CellKeys keys;
   AveragingRule rule;
   ThinCells thin_cells = ThinCells::coarser;
@@ -55,6 +59,12 @@ struct HashGridView {
     return slot < fingerprints.size ? slot : slot % fingerprints.size;
   }
 
+  /// Slots between a key in `slot` and where probing for it begins.
+  RELUME_HD uint32_t displacement(const CellAddress& address, uint32_t slot) const {
+    const uint32_t first = first_slot(address);
+    return slot >= first ? slot - first : slot + fingerprints.size - first;
+  }
+
   /// Send for what will be read of a cell soon, or added to: it is rarely near, and who adds cannot go on meanwhile.
   RELUME_HD void send_for_moments(const CellAddress& address) const {
     const uint32_t slot = first_slot(address);
@@ -70,7 +80,7 @@ struct HashGridView {
   /// Slot of a cell that is in the table, else kNoCell.
   RELUME_HD uint32_t find(const CellAddress& address) const {
     uint32_t slot = first_slot(address);
-    for (uint32_t i = 0; i < probe_limit(); ++i) {
+    for (uint32_t i = 0; i < probe_limit; ++i) {
       const uint64_t found = atomic_load(&fingerprints[slot]);
       if (found == address.fingerprint) return slot;
       if (found == 0) return kNoCell;
@@ -79,16 +89,20 @@ struct HashGridView {
     return kNoCell;
   }
 
-  /// Slot of a cell, made if necessary; kNoCell if there is no room. `made` becomes true for whoever made it.
-  RELUME_HD uint32_t find_or_insert(const CellAddress& address, bool& made) const {
+  /// The same for a cell whose slot may have been noted while the paths of this frame were traced.
+  RELUME_HD uint32_t find(const CellPoint& p, uint32_t noted) const {
+    return noted != kNoCell && !renumbered ? noted : find(keys.address(p));
+  }
+
+  /// Slot of a cell, made if necessary; kNoCell if there is no room.
+  RELUME_HD uint32_t find_or_insert(const CellAddress& address) const {
     uint32_t slot = first_slot(address);
-    for (uint32_t i = 0; i < probe_limit(); ++i) {
+    for (uint32_t i = 0; i < probe_limit; ++i) {
       uint64_t found = atomic_load(&fingerprints[slot]);
       if (found == 0) {
         found = atomic_compare_exchange(&fingerprints[slot], 0, address.fingerprint);
         if (found == 0) {
           homes[slot] = address.home;
-          made = true;
           return slot;
         }
       }
@@ -98,36 +112,35 @@ struct HashGridView {
     return kNoCell;
   }
 
-  /// Adds a sample to the cell of `p` and, at random, to the coarser ones that stand in for it. Samples of one cell
-  /// must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1). `slot`: of
-  /// the cell of `p`, if it is known to have one. `alone`: no other cell ever stands in for this one. Returns the slot,
-  /// or kNoCell if the sample was left out.
+  /// Adds a sample to the cell of `p` and, at random, to the coarser ones that replace it while it is thin. Samples of
+  /// one cell must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1).
+  /// `slot`: of the cell of `p`, if it is known to have one. `alone`: no other cell ever replaces this one. Returns the
+  /// slot; kNoCell if the sample was left out or waits for the table to grow.
   RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell,
                             bool alone = false) const {
     if (!is_finite(value)) {
       atomic_add(&counters->nonfinite, uint64_t{1});
       return kNoCell;
     }
-    bool made = false;
-    if (slot == kNoCell) slot = find_or_insert(keys.address(p), made);
-    if (slot == kNoCell) {
-      atomic_add(&counters->dropped, uint64_t{1});
-      return kNoCell;
-    }
-    if (made && !alone && inherited_count > 0.0f) choose_parent(p, slot);
-    value = bounded(value, histories[slot].moments);
-    sums[slot].add(value, weight);
+    if (slot == kNoCell) slot = find_or_insert(keys.address(p));
+    value = bounded(value, own_moments(slot));
+    add({p, value, weight, 0, alone}, slot);
     if (alone || thin_cells != ThinCells::coarser) return slot;
     float probability = kCoarserProbability;
-    for (int k = 1; k <= kCoarserLevels && u < probability; ++k, probability *= kCoarserProbability) {
-      const uint32_t coarse = find_or_insert(keys.address(p, k), made);
-      if (coarse == kNoCell) {
-        atomic_add(&counters->dropped, uint64_t{1});
-        break;
-      }
-      sums[coarse].add(value, weight);
-    }
+    for (int k = 1; k <= kCoarserLevels && u < probability; ++k, probability *= kCoarserProbability)
+      add({p, value, weight, k, alone}, find_or_insert(keys.address(p, k)));
     return slot;
+  }
+
+  /// Adds to the cell in `slot`; kNoCell: the sample waits.
+  RELUME_HD void add(const WaitingSample& sample, uint32_t slot) const {
+    if (slot == kNoCell) {
+      if (!overflow.add(sample)) atomic_add(&counters->dropped, uint64_t{1});
+      return;
+    }
+    const bool is_first = sums[slot].add(sample.value, sample.weight);
+    const bool inherits = sample.coarser == 0 && !sample.alone && inherited_count > 0.0f;
+    if (is_first && inherits && histories[slot].empty()) choose_parent(sample.point, slot);
   }
 
   /// Moments at `p`; too thin cells are replaced as `thin_cells` says. Count 0: nothing is known.
@@ -170,8 +183,6 @@ struct HashGridView {
   }
 
  private:
-  RELUME_HD uint32_t probe_limit() const { return fingerprints.size < kMaxProbes ? fingerprints.size : kMaxProbes; }
-
   RELUME_HD Rgb bounded(const Rgb& value, const CellMoments& known) const {
     Rgb v = glm::max(value, Rgb(0));
     if (clamp_factor > 0.0f && !thin(known)) {

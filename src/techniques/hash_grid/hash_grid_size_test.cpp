@@ -31,7 +31,6 @@ void fill(HashGrid& grid, int first, int count) {
   }
 }
 
-// A table of as many slots as are probed, so that it can be filled to the last.
 TEST(HashGridSize, CleansAFullTableOfItsLargestSize) {
   HashGridSettings settings = with_limit(kMaxProbes);
   settings.max_age = 1;
@@ -46,27 +45,55 @@ TEST(HashGridSize, CleansAFullTableOfItsLargestSize) {
   EXPECT_EQ(grid.statistics().cells, 105u);
   fill(grid, 180, 100);  // 280 keys, but 205 cells
   grid.end_frame(backend);
-  EXPECT_EQ(grid.statistics().dropped, 0u);
+  EXPECT_EQ(grid.statistics().cells, 205u);
+  EXPECT_EQ(grid.statistics().discarded, 0u);
   EXPECT_EQ(grid.statistics().slots, kMaxProbes);
 }
 
-TEST(HashGridSize, CleansAfterDropsEvenForFewDeadCells) {
-  HashGridSettings settings = with_limit(kMaxProbes);
-  settings.max_age = 1;
-  HashGrid grid(settings, 1);
+TEST(HashGridSize, AFrameMayHaveMoreCellsThanTheTableKeeps) {
+  HashGrid grid(with_limit(256), 1);
   Backend backend(1);
-  fill(grid, 0, 20);
+  fill(grid, 0, 1000);
+  grid.advance(backend);
+  EXPECT_EQ(grid.statistics().cells, 1000u);
+  EXPECT_EQ(grid.statistics().samples, 1000u);
+  EXPECT_GT(grid.statistics().slots, 1000u);
+  grid.adjust_size(backend);
+  EXPECT_EQ(grid.statistics().cells, 224u);  // seven eighths
+  EXPECT_EQ(grid.statistics().discarded, 776u);
+  EXPECT_EQ(grid.statistics().slots, 256u);
+  EXPECT_EQ(grid.statistics().dropped, 0u);
+}
+
+TEST(HashGridSize, DiscardsTheOldestCells) {
+  HashGrid grid(with_limit(256), 1);
+  Backend backend(1);
+  fill(grid, 0, 200);
   grid.end_frame(backend);
-  for (int frame = 0; frame < 4; ++frame) {
-    fill(grid, 20, 250);  // with the 20, too many
-    grid.end_frame(backend);
-  }
-  const uint64_t dropped = grid.statistics().dropped;
-  EXPECT_GT(dropped, 0u);
-  fill(grid, 20, 250);
+  fill(grid, 100, 200);  // 0 to 99 were not seen in this frame
   grid.end_frame(backend);
-  EXPECT_EQ(grid.statistics().dropped, dropped);
-  EXPECT_EQ(grid.statistics().cells, 250u);
+  EXPECT_EQ(grid.statistics().cells, 224u);
+  EXPECT_EQ(grid.statistics().discarded, 76u);
+  fill(grid, 100, 200);
+  grid.end_frame(backend);
+  const HashGridView v = grid.view(grid_camera());
+  uint32_t twice = 0;
+  for (uint32_t i = 0; i < v.histories.size; ++i) twice += v.histories[i].frames >= 2 ? 1u : 0u;
+  EXPECT_EQ(twice, 200u);
+}
+
+TEST(HashGridSize, SamplesWithoutMemoryAreDroppedAndCounted) {
+  HashGrid grid(with_limit(64), 1, HashGridBounds{.slots = 64, .memory_slots = 128});
+  Backend backend(1);
+  fill(grid, 0, 1000);
+  grid.end_frame(backend);
+  EXPECT_EQ(grid.statistics().samples, 128u);
+  EXPECT_EQ(grid.statistics().dropped, 872u);
+  HashGrid hasty(with_limit(64), 1, HashGridBounds{.samples_a_frame = 100});
+  hasty = HashGrid(with_limit(64), 1, HashGridBounds{.samples_a_frame = 100});
+  fill(hasty, 0, 1000);
+  hasty.end_frame(backend);
+  EXPECT_EQ(hasty.statistics().samples + hasty.statistics().dropped, 1000u);
 }
 
 TEST(HashGridSize, KeepsToALimitThatWasLowered) {
@@ -90,17 +117,18 @@ TEST(HashGridSize, KeepsToALimitThatWasLowered) {
   EXPECT_GT(grid.statistics().slots, 4096u);
 }
 
-TEST(HashGridSize, CountsTheCellsThatFindNoRoomWhenLoaded) {
+TEST(HashGridSize, LoadsMoreCellsThanItKeeps) {
   HashGrid grid(with_limit(1 << 16), 4000);
   Backend backend(1);
   fill(grid, 0, 3000);
   grid.end_frame(backend);
   HashGrid small(with_limit(1024), 64);
   ASSERT_TRUE(small.load(grid.save()));
-  const HashGridStatistics s = small.statistics();
-  EXPECT_EQ(s.slots, 1024u);
-  EXPECT_EQ(s.cells + s.dropped, 3000u);
-  EXPECT_GT(s.cells, 512u);
+  EXPECT_EQ(small.statistics().cells, 3000u);
+  small.adjust_size(backend);
+  EXPECT_EQ(small.statistics().slots, 1024u);
+  EXPECT_EQ(small.statistics().cells, 896u);
+  EXPECT_EQ(small.statistics().discarded, 2104u);
 }
 
 TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
@@ -138,15 +166,18 @@ TEST(HashGridSize, LoadsWhatItSavesHoweverManyCellsAreExpected) {
 TEST(HashGridSize, AnOpenLimitFollowsThePictureWithinTheMemory) {
   constexpr uint64_t kPixels4K = 3840 * 2160;
   constexpr uint64_t kRoomy = uint64_t{1} << 40;
+  const auto slots = [](uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
+    return bounds_for(pixels, depths, memory_bytes).slots;
+  };
   // 1.5 cells a pixel, as path graphs have in Sponza, leave a table for 4K half empty.
-  EXPECT_GE(open_slot_limit(kPixels4K, 7, kRoomy), 3 * kPixels4K);
-  EXPECT_EQ(open_slot_limit(kPixels4K, 2, kRoomy), 2 * open_slot_limit(kPixels4K, 1, kRoomy));
-  EXPECT_LE(open_slot_limit(kPixels4K, 64, kRoomy), uint64_t{kMostSlots});
-  EXPECT_LE(132 * open_slot_limit(kPixels4K, 7, uint64_t{16} << 30), uint64_t{2} << 30);
-  EXPECT_GE(open_slot_limit(1, 1, 0), 1u);
-  HashGrid grid(with_limit(0), 64, 5000);
+  EXPECT_GE(slots(kPixels4K, 7, kRoomy), 3 * kPixels4K);
+  EXPECT_EQ(slots(kPixels4K, 2, kRoomy), 2 * slots(kPixels4K, 1, kRoomy));
+  EXPECT_LE(slots(kPixels4K, 64, kRoomy), uint64_t{kMostSlots});
+  EXPECT_LE(132 * bounds_for(kPixels4K, 7, uint64_t{16} << 30).memory_slots, uint64_t{2} << 30);
+  EXPECT_GE(slots(1, 1, 0), 1u);
+  HashGrid grid(with_limit(0), 64, {.slots = 5000});
   EXPECT_EQ(grid.limit(), 5000u);
-  grid.configure(with_limit(300), 5000);  // a limit that is set wins
+  grid.configure(with_limit(300), {.slots = 5000});  // a limit that is set wins
   EXPECT_EQ(grid.limit(), 300u);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <tuple>
+#include <utility>
 
 namespace relume {
 namespace {
@@ -28,28 +30,37 @@ T take(std::span<const std::byte>& bytes) {
   return value;
 }
 
+/// Cells that a table of its largest size keeps: seven eighths, so that probing ends.
+uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slots} * 7 / 8); }
+
 /// What goes into a checkpoint: the number of slots, counters, and each cell.
-constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 3 * sizeof(uint64_t);
+constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 4 * sizeof(uint64_t);
 constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
 
 }  // namespace
 
-uint64_t open_slot_limit(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
+HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
+  const uint64_t in_memory = std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, uint64_t{kMostSlots});
   const uint64_t wanted = std::max(pixels * depths * kSlotsPerCell, uint64_t{1} << 20);
-  return std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, std::min(wanted, uint64_t{kMostSlots}));
+  // One sample in eight goes to a coarser cell, too.
+  return {std::min(wanted, in_memory), in_memory, pixels * depths * 5 / 4 + kMinSlots};
 }
 
-HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, uint64_t open_limit)
+HashGrid::HashGrid(const HashGridSettings& settings, uint64_t expected_cells, const HashGridBounds& bounds)
     : expected_cells_(std::min(expected_cells, uint64_t{kMostSlots})) {
-  configure(settings, open_limit);
+  configure(settings, bounds);
   allocate(first_slots_);
 }
 
-void HashGrid::configure(const HashGridSettings& settings, uint64_t open_limit) {
+void HashGrid::configure(const HashGridSettings& settings, const HashGridBounds& bounds) {
   settings_ = settings;
-  const uint64_t limit = settings.max_cells > 0 ? static_cast<uint64_t>(settings.max_cells) : open_limit;
+  const uint64_t limit = settings.max_cells > 0 ? static_cast<uint64_t>(settings.max_cells) : bounds.slots;
   limit_ = static_cast<uint32_t>(std::clamp(limit, uint64_t{1}, uint64_t{kMostSlots}));
+  memory_limit_ = std::max(limit_, static_cast<uint32_t>(std::min(bounds.memory_slots, uint64_t{kMostSlots})));
   first_slots_ = wanted_slots(expected_cells_);
+  if (overflow_capacity_ >= bounds.samples_a_frame) return;
+  overflow_capacity_ = std::min(bounds.samples_a_frame, uint64_t{kNoCell});
+  overflow_.reset(new std::byte[overflow_capacity_ * sizeof(WaitingSample)]);
 }
 
 uint32_t HashGrid::wanted_slots(uint64_t live) const {
@@ -62,9 +73,16 @@ void HashGrid::allocate(uint32_t slots) {
   parents_.assign(slots, kNoCell);
   sums_.assign(slots, {});
   histories_.assign(slots, {});
+  longest_ = 0;
 }
 
 HashGridView HashGrid::view(const CameraView& camera) {
+  keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
+           settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  return view();
+}
+
+HashGridView HashGrid::view() {
   HashGridView v;
   v.fingerprints = mutable_view_of(fingerprints_);
   v.homes = mutable_view_of(homes_);
@@ -72,8 +90,11 @@ HashGridView HashGrid::view(const CameraView& camera) {
   v.sums = mutable_view_of(sums_);
   v.histories = view_of(histories_);
   v.counters = &counters_;
-  v.keys = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
-            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  v.overflow = {{reinterpret_cast<WaitingSample*>(overflow_.get()), static_cast<uint32_t>(overflow_capacity_)},
+                &overflow_count_};
+  v.probe_limit = std::min(std::max(kMaxProbes, longest_ + 1), static_cast<uint32_t>(fingerprints_.size()));
+  v.renumbered = renumbered_;
+  v.keys = keys_;
   v.rule = {static_cast<float>(settings_.max_count), settings_.change_detection,
             static_cast<float>(settings_.min_count)};
   v.thin_cells = settings_.thin_cells;
@@ -82,37 +103,75 @@ HashGridView HashGrid::view(const CameraView& camera) {
   return v;
 }
 
+HashGridView HashGrid::placing_view() {
+  HashGridView v = view();
+  v.probe_limit = static_cast<uint32_t>(fingerprints_.size());
+  v.overflow.samples.size = 0;  // no room here is no room at all
+  return v;
+}
+
+/// Gives the samples that wait their cells.
+void HashGrid::settle(Backend& backend) {
+  const auto waiting = static_cast<uint32_t>(std::min(uint64_t{overflow_count_}, overflow_capacity_));
+  overflow_count_ = 0;
+  if (waiting == 0) return;
+  const auto free_slots = static_cast<uint64_t>(std::count(fingerprints_.begin(), fingerprints_.end(), 0u));
+  const uint64_t needed = 2 * (fingerprints_.size() - free_slots + waiting);
+  const auto slots = static_cast<uint32_t>(std::min(needed, uint64_t{memory_limit_}));
+  if (slots > fingerprints_.size()) rebuild(backend, slots);
+  const View<const WaitingSample> samples{reinterpret_cast<const WaitingSample*>(overflow_.get()), waiting};
+  launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(), &longest_}, kMaintenanceRow,
+         rows_of(waiting));
+  overflow_count_ = 0;  // has counted what was dropped
+}
+
 void HashGrid::advance(Backend& backend, bool watched) {
+  settle(backend);
   if (counters_.heirs > 0) {
-    const InheritCellsKernel inherit{view({}), mutable_view_of(histories_)};
+    const InheritCellsKernel inherit{view(), mutable_view_of(histories_)};
     launch(backend, "cells", inherit, kMaintenanceRow, rows_of(fingerprints_.size()));
     inherited_ += counters_.heirs;
     counters_.heirs = 0;
   }
   regions_.assign(watched && settings_.change_detection > 0 ? kRegions : 0, {});
   if (!regions_.empty()) {
-    const MeasureChangesKernel measure{view({}), mutable_view_of(regions_)};
+    const MeasureChangesKernel measure{view(), mutable_view_of(regions_)};
     launch(backend, "cells", measure, kMaintenanceRow, rows_of(fingerprints_.size()));
   }
   census_ = {};
-  const MaintainCellsKernel kernel{view({}), mutable_view_of(histories_), view_of(regions_), &census_,
+  const MaintainCellsKernel kernel{view(), mutable_view_of(histories_), view_of(regions_), &census_,
                                    static_cast<uint32_t>(settings_.max_age)};
   launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints_.size()));
   evicted_ += census_.evicted;
 }
 
 void HashGrid::adjust_size(Backend& backend) {
-  // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
   const uint64_t slots = fingerprints_.size();
+  if (census_.live > capacity_of(limit_)) discard_oldest(census_.live - capacity_of(limit_));
+  // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
   const uint32_t wanted = wanted_slots(census_.live);
-  // Cleaning takes a pass over the table: it has to free some of it, and less if new cells find no room.
-  const uint64_t dead = census_.taken - census_.live;
-  const bool lost = counters_.dropped > dropped_before_;
-  const bool worthwhile = dead * (lost ? 64 : 8) >= slots;
+  // Cleaning takes a pass over the table: it has to free some of it.
+  const bool worthwhile = (census_.taken - census_.live) * 8 >= slots;
   const bool crowded = census_.taken * 2 > slots && (wanted > slots || worthwhile);
   const bool spacious = uint64_t{wanted} * 8 < slots && wanted >= first_slots_;
   if (crowded || spacious || slots > limit_) rebuild(backend, wanted);
-  dropped_before_ = counters_.dropped;
+  renumbered_ = false;
+}
+
+void HashGrid::discard_oldest(uint64_t count) {
+  std::vector<uint32_t> cells;
+  for (uint32_t i = 0; i < histories_.size(); ++i) {
+    if (!histories_[i].empty()) cells.push_back(i);
+  }
+  // A total order, or the choice would depend on the slots.
+  const auto rank = [&](uint32_t i) {
+    return std::tuple(histories_[i].age, -histories_[i].moments.count, fingerprints_[i], homes_[i]);
+  };
+  const auto first = cells.end() - static_cast<std::ptrdiff_t>(count);
+  std::nth_element(cells.begin(), first, cells.end(), [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
+  for (auto i = first; i != cells.end(); ++i) histories_[*i] = {};
+  census_.live -= count;
+  discarded_ += count;
 }
 
 void HashGrid::clear() {
@@ -121,18 +180,20 @@ void HashGrid::clear() {
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
-  std::vector<uint64_t> fingerprints(slots, 0);
-  std::vector<uint32_t> homes(slots, 0);
-  std::vector<CellHistory> histories(slots);
-  fingerprints.swap(fingerprints_);
-  homes.swap(homes_);
-  histories.swap(histories_);
-  sums_.assign(slots, {});
-  parents_.assign(slots, kNoCell);
-  const MoveCellsKernel kernel{view_of(fingerprints), view_of(homes), view_of(histories), view({}),
-                               mutable_view_of(histories_)};
-  launch(backend, "cells", kernel, kMaintenanceRow, rows_of(fingerprints.size()));
+  const std::vector<uint64_t> fingerprints = std::exchange(fingerprints_, {});
+  const std::vector<uint32_t> homes = std::exchange(homes_, {});
+  const std::vector<uint32_t> parents = std::exchange(parents_, {});
+  const std::vector<CellSums> sums = std::exchange(sums_, {});
+  const std::vector<CellHistory> histories = std::exchange(histories_, {});
+  allocate(slots);
+  const MoveCellsKernel cells{
+      view_of(fingerprints),       view_of(homes), view_of(sums), view_of(histories), placing_view(),
+      mutable_view_of(histories_), &longest_};
+  launch(backend, "cells", cells, kMaintenanceRow, rows_of(fingerprints.size()));
+  const MoveParentsKernel links{view_of(fingerprints), view_of(homes), view_of(parents), placing_view()};
+  if (counters_.heirs > 0) launch(backend, "cells", links, kMaintenanceRow, rows_of(fingerprints.size()));
   census_.taken = census_.live;
+  renumbered_ = true;
   ++rebuilds_;
 }
 
@@ -145,6 +206,7 @@ HashGridStatistics HashGrid::statistics() const {
       census_.taken > 0 ? 1.0f + static_cast<float>(census_.displacements) / static_cast<float>(census_.taken) : 0.0f;
   s.samples = census_.samples;
   s.evicted = evicted_;
+  s.discarded = discarded_;
   s.inherited = inherited_;
   s.dropped = counters_.dropped;
   s.saturated = counters_.saturated;
@@ -165,6 +227,7 @@ std::vector<std::byte> HashGrid::save() const {
   put(rest, expected_cells_);
   put(rest, counters_);
   put(rest, evicted_);
+  put(rest, discarded_);
   put(rest, inherited_);
   for (size_t i = 0; i < fingerprints_.size(); ++i) {
     if (fingerprints_[i] == 0) continue;
@@ -184,27 +247,24 @@ bool HashGrid::load(std::span<const std::byte> bytes) {
     return false;
   expected_cells_ = expected_cells;
   first_slots_ = wanted_slots(expected_cells_);
-  allocate(std::min(slots, limit_));
+  allocate(std::max(std::min(slots, limit_), static_cast<uint32_t>(std::min(2 * cells, size_t{kMostSlots}))));
   counters_ = take<HashGridCounters>(bytes);
   evicted_ = take<uint64_t>(bytes);
+  discarded_ = take<uint64_t>(bytes);
   inherited_ = take<uint64_t>(bytes);
   census_ = {};
-  const HashGridView v = view({});
+  const HashGridView v = placing_view();
   for (size_t i = 0; i < cells; ++i) {
-    const auto fingerprint = take<uint64_t>(bytes);
-    const auto home = take<uint32_t>(bytes);
+    CellAddress address;
+    address.fingerprint = take<uint64_t>(bytes);
+    address.home = take<uint32_t>(bytes);
     const auto history = take<CellHistory>(bytes);
-    bool made = false;
-    const uint32_t slot = v.find_or_insert({fingerprint, home}, made);
-    if (slot == kNoCell) {
-      ++counters_.dropped;
-      continue;
-    }
+    const uint32_t slot = v.find_or_insert(address);
     histories_[slot] = history;
+    longest_ = std::max(longest_, v.displacement(address, slot));
     ++census_.taken;
     census_.live += history.empty() ? 0u : 1u;
   }
-  dropped_before_ = counters_.dropped;
   return true;
 }
 

@@ -84,51 +84,54 @@ std::vector<CellMoments> everything(HashGrid& grid, uint32_t count) {
   return all;
 }
 
-TEST(HashGrid, SameBitsWithAnyNumberOfThreads) {
+/// Moments of all cells after four frames, each with twice as many samples as the one before.
+std::vector<CellMoments> four_frames(const HashGridSettings& settings, int threads, HashGridStatistics& statistics) {
+  HashGrid grid(settings, 2048);
+  Backend backend(threads);
+  for (uint32_t frame = 0; frame < 4; ++frame) {
+    fill(grid, backend, 64 << frame, frame * 500);
+    grid.end_frame(backend);
+  }
+  statistics = grid.statistics();
+  return everything(grid, 36000);
+}
+
+void expect_same_bits_with_any_number_of_threads(const HashGridSettings& settings, HashGridStatistics& first) {
+  const std::vector<CellMoments> one = four_frames(settings, 1, first);
+  for (const int threads : {2, 3, 8}) {
+    HashGridStatistics statistics;
+    const std::vector<CellMoments> many = four_frames(settings, threads, statistics);
+    EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(CellMoments)), 0) << threads;
+    EXPECT_EQ(statistics.cells, first.cells);
+    EXPECT_EQ(statistics.discarded, first.discarded);
+    EXPECT_EQ(statistics.dropped, 0u);
+  }
+  EXPECT_EQ(first.dropped, 0u);
+}
+
+HashGridSettings with_coarser_cells() {
   HashGridSettings settings = plain();
   settings.thin_cells = ThinCells::coarser;
   settings.change_detection = 3;
-  const auto run = [&](int threads) {
-    HashGrid grid(settings, 2048);  // grows on the way
-    Backend backend(threads);
-    for (uint32_t frame = 0; frame < 4; ++frame) {
-      fill(grid, backend, 16 << frame, frame * 500);
-      grid.end_frame(backend);
-    }
-    EXPECT_EQ(grid.statistics().dropped, 0u);
-    EXPECT_GT(grid.statistics().rebuilds, 0u);
-    return everything(grid, 9000);
-  };
-  const std::vector<CellMoments> one = run(1);
-  for (const int threads : {2, 3, 8}) {
-    const std::vector<CellMoments> many = run(threads);
-    EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(CellMoments)), 0) << threads;
-  }
+  return settings;
 }
 
-TEST(HashGrid, AFullTableDropsAndReports) {
-  HashGridSettings settings = plain();
-  settings.max_cells = 256;
-  HashGrid grid(settings, 1 << 14);
-  Backend backend(2);
-  for (int frame = 0; frame < 3; ++frame) {
-    fill(grid, backend, 256);
-    grid.end_frame(backend);
+TEST(HashGrid, SameBitsWithAnyNumberOfThreads) {
+  HashGridStatistics statistics;
+  expect_same_bits_with_any_number_of_threads(with_coarser_cells(), statistics);
+  EXPECT_GT(statistics.rebuilds, 0u);
+  EXPECT_EQ(statistics.discarded, 0u);
+}
+
+TEST(HashGrid, SameBitsWhereTheTableIsTooSmall) {
+  for (const int max_cells : {1, 256, 4096}) {
+    HashGridSettings settings = with_coarser_cells();
+    settings.max_cells = max_cells;
+    HashGridStatistics statistics;
+    expect_same_bits_with_any_number_of_threads(settings, statistics);
+    EXPECT_EQ(statistics.slots, static_cast<uint64_t>(max_cells));
+    EXPECT_GT(statistics.discarded, 0u) << max_cells;
   }
-  const HashGridStatistics s = grid.statistics();
-  EXPECT_EQ(s.slots, 256u);
-  EXPECT_EQ(s.cells, 256u);
-  EXPECT_GT(s.dropped, 0u);
-  // What is in is right.
-  const HashGridView v = grid.view(grid_camera());
-  uint32_t found = 0;
-  for (uint32_t i = 0; i < 64 * 256; ++i) {
-    const CellMoments m = v.moments(point(i));
-    if (!(m.count > 0.0f)) continue;
-    ++found;
-    EXPECT_EQ(m.mean.b, 1.0f);
-  }
-  EXPECT_GT(found, 255u);
 }
 
 TEST(HashGrid, EvictsByAgeAndUsesTheRoomAgain) {

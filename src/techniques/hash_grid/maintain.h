@@ -74,8 +74,7 @@ struct MaintainCellsKernel {
  private:
   RELUME_HD void treat(uint32_t slot, HashGridCensus& part) const {
     if (slot >= grid.fingerprints.size || grid.fingerprints[slot] == 0) return;
-    const uint32_t home = grid.first_slot({grid.fingerprints[slot], grid.homes[slot]});
-    part.displacements += slot >= home ? slot - home : slot + grid.fingerprints.size - home;
+    part.displacements += grid.displacement({grid.fingerprints[slot], grid.homes[slot]}, slot);
     ++part.taken;
     CellSums& sums = grid.sums[slot];
     CellHistory& history = histories[slot];
@@ -105,24 +104,56 @@ struct MaintainCellsKernel {
   }
 };
 
-/// Copies the live cells of one table into another, empty one; one call a slot of the source.
+/// Copies the cells of one table that hold anything into another, empty one; one call a slot of the source.
 struct MoveCellsKernel {
   View<const uint64_t> fingerprints;
   View<const uint32_t> homes;
+  View<const CellSums> sums;
   View<const CellHistory> source;
   HashGridView target;
   View<CellHistory> histories;  ///< of the target
+  uint32_t* longest = nullptr;  ///< largest number of slots between a cell and its first slot
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t from = y * kMaintenanceRow + x;
-    if (from >= fingerprints.size || source[from].empty()) return;
-    bool made = false;
-    const uint32_t to = target.find_or_insert({fingerprints[from], homes[from]}, made);
-    if (to == kNoCell) {
-      atomic_add(&target.counters->dropped, uint64_t{1});
-      return;
-    }
+    if (from >= fingerprints.size || (source[from].empty() && sums[from].empty())) return;
+    const CellAddress address{fingerprints[from], homes[from]};
+    const uint32_t to = target.find_or_insert(address);
     histories[to] = source[from];
+    target.sums[to] = sums[from];
+    atomic_max(longest, target.displacement(address, to));
+  }
+};
+
+/// Takes the links to parents along, when MoveCellsKernel is through; one call a slot of the source.
+struct MoveParentsKernel {
+  View<const uint64_t> fingerprints;
+  View<const uint32_t> homes;
+  View<const uint32_t> parents;
+  HashGridView target;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t from = y * kMaintenanceRow + x;
+    if (from >= parents.size || parents[from] == kNoCell) return;
+    const uint32_t parent = parents[from];
+    const uint32_t to = target.find({fingerprints[from], homes[from]});
+    target.parents[to] = target.find({fingerprints[parent], homes[parent]});
+  }
+};
+
+/// Adds the samples that wait to their cells; one call a sample.
+struct AddWaitingSamplesKernel {
+  View<const WaitingSample> samples;
+  HashGridView grid;
+  uint32_t* longest = nullptr;  ///< as for MoveCellsKernel
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = y * kMaintenanceRow + x;
+    if (i >= samples.size) return;
+    const CellAddress address = grid.keys.address(samples[i].point, samples[i].coarser);
+    const uint32_t slot = grid.find_or_insert(address);
+    if (slot != kNoCell) atomic_max(longest, grid.displacement(address, slot));
+    grid.add(samples[i], slot);
   }
 };
 

@@ -49,9 +49,8 @@ SettingList describe(HashGridSettings& s) {
        {.min = 0, .max = 100, .biases = true}},
       {"max-cells",
        &s.max_cells,
-       "Largest size of the table; what has no room is dropped and reported. 0: four slots for each pixel and each "
-       "vertex "
-       "of its path that has cells, within an eighth of the machine's memory",
+       "Largest size of the table between frames; the oldest cells beyond it are discarded. 0: four slots for each "
+       "pixel and each vertex of its path that has cells, within an eighth of the machine's memory",
        {.min = 0, .max = kMostSlots, .biases = true}},
   };
 }

@@ -42,7 +42,7 @@ struct CellEdges {
   RELUME_HD static Rgb shown(const HashGridView& grid, const FilteredPixel& p) {
     if (!p.filtered) return p.seen;
     // Whether a path knew its cell depends on whether another one had just made it.
-    const uint32_t slot = p.slot != kNoCell ? p.slot : grid.find(grid.keys.address(p.point));
+    const uint32_t slot = grid.find(p.point, p.slot);
     return p.seen + p.factor * grid.own_moments(slot).mean;
   }
 };

@@ -22,16 +22,21 @@ uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels
 }  // namespace
 
 bool CellsPass::run(const FrameContext& frame) {
-  const uint64_t limit = open_slot_limit(frame.pixels(), depths_, physical_memory_bytes());
-  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), limit);
+  const HashGridBounds bounds = bounds_for(frame.pixels(), depths_, physical_memory_bytes());
+  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
   ready_ = true;
-  grid_.configure(settings_.grid, limit);
+  grid_.configure(settings_.grid, bounds);
   if (includes(frame.changes, Change::settings)) grid_.clear();
   grid_.adjust_size(frame.backend);  // the limit may be another one now
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
   filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
   return true;
+}
+
+void CellsPass::advance(const FrameContext& frame) {
+  grid_.advance(frame.backend, watched_frames_ > 0);
+  filter_.grid = grid_.view(frame.scene.camera);
 }
 
 size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes; }
@@ -41,10 +46,11 @@ std::vector<PassFigure> CellsPass::figures() const {
   return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
           {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
           {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
-          {"evicted", static_cast<double>(s.evicted)},     {"changed", static_cast<double>(s.changed)},
-          {"dropped", static_cast<double>(s.dropped)},     {"saturated", static_cast<double>(s.saturated)},
-          {"nonfinite", static_cast<double>(s.nonfinite)}, {"unfed", static_cast<double>(s.unfed)},
-          {"rebuilds", static_cast<double>(s.rebuilds)},   {"bytes", static_cast<double>(s.memory_bytes)}};
+          {"evicted", static_cast<double>(s.evicted)},     {"discarded", static_cast<double>(s.discarded)},
+          {"changed", static_cast<double>(s.changed)},     {"dropped", static_cast<double>(s.dropped)},
+          {"saturated", static_cast<double>(s.saturated)}, {"nonfinite", static_cast<double>(s.nonfinite)},
+          {"unfed", static_cast<double>(s.unfed)},         {"rebuilds", static_cast<double>(s.rebuilds)},
+          {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 
 std::vector<std::string> CellsPass::warnings() const {
@@ -52,9 +58,15 @@ std::vector<std::string> CellsPass::warnings() const {
   std::vector<std::string> list;
   if (s.dropped > 0) {
     list.push_back(fmt::format(
-        "{} samples found no room among the cells and were dropped, so another run may differ in its bits; if it was "
-        "not only in the first frames, raise psf.max-cells (now {})",
-        s.dropped, grid_.limit()));
+        "the cells of {} samples did not fit into an eighth of the machine's memory; these samples were dropped, and "
+        "another run may differ in its bits; raise psf.cell-size, or render a smaller image",
+        s.dropped));
+  }
+  if (s.discarded > 0) {
+    list.push_back(
+        fmt::format("{} cells were discarded because the table may not have more than {} slots between "
+                    "frames; raise psf.max-cells, or leave it at 0",
+                    s.discarded, grid_.limit()));
   }
   if (s.nonfinite > 0)
     list.push_back(fmt::format("{} samples for cells were not finite and were left out", s.nonfinite));
@@ -71,7 +83,7 @@ void CellsPass::load(std::istream& in) {
   std::vector<std::byte> bytes;
   read_value(in, watched_frames);
   read_vector(in, bytes);
-  grid_.configure(settings_.grid, open_slot_limit(kMostSlots, 1, physical_memory_bytes()));
+  grid_.configure(settings_.grid, bounds_for(kMostSlots, 1, physical_memory_bytes()));
   if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
   watched_frames_ = watched_frames;
   ready_ = true;
@@ -120,7 +132,7 @@ PassDeclaration cell_paths_declaration() {
 }
 
 bool ResolveCellsPass::run(const FrameContext& frame) {
-  cells_.advance(frame.backend);
+  cells_.advance(frame);
   ResolveCellsKernel kernel;
   kernel.grid = cells_.filter().grid;
   kernel.pixels = pixels_ = frame.view<const FilteredPixel>("filtered-pixels");

@@ -34,8 +34,8 @@ class CellsPass final : public Pass {
   /// Valid from the first run() on.
   const FilterContext& filter() const { return filter_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
-  /// When all samples are in: what is read from then on includes them.
-  void advance(Backend& backend) { grid_.advance(backend, watched_frames_ > 0); }
+  /// When all samples are in: what is read through filter() from then on includes them.
+  void advance(const FrameContext& frame);
   /// When nobody knows slots any more.
   void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
 

@@ -126,7 +126,7 @@ struct ResolveCellsKernel {
     Rgb value = p.unfiltered;
     if (p.filtered) {
       const CellAddress address = grid.keys.address(p.point);
-      const uint32_t slot = p.slot != kNoCell ? p.slot : grid.find(address);
+      const uint32_t slot = grid.find(p.point, p.slot);
       if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
       const Rgb shown = cell.count > 0.0f ? p.factor * cell.mean : p.traced;
       value += p.blend * shown;

@@ -1,6 +1,8 @@
 // Settings of the history "reproject".
 #pragma once
 
+#include <cstdint>
+
 #include "settings/setting.h"
 
 namespace relume {
