@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -15,9 +16,9 @@ namespace relume {
 namespace {
 
 /// Every scene is built once for all tests.
-const Scene& scene_named(const std::string& name) {
-  static std::map<std::string, Scene> built;
-  const auto [entry, is_new] = built.try_emplace(name);
+const Scene& scene_named(std::string_view name) {
+  static std::map<std::string, Scene, std::less<>> built;
+  const auto [entry, is_new] = built.try_emplace(std::string(name));
   if (is_new) entry->second = find_builtin_scene(name)->build();
   return entry->second;
 }
@@ -105,7 +106,7 @@ TEST(BuiltinScenes, NamesAreUniqueAndFound) {
     EXPECT_TRUE(names.insert(scene.name).second) << scene.name;
     EXPECT_FALSE(scene.summary.empty()) << scene.name;
     EXPECT_EQ(find_builtin_scene(scene.name), &scene);
-    EXPECT_EQ(scene_named(std::string(scene.name)).name, scene.name);
+    EXPECT_EQ(scene_named(scene.name).name, scene.name);
   }
   EXPECT_EQ(find_builtin_scene("no such scene"), nullptr);
 }

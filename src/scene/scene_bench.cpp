@@ -35,7 +35,8 @@ void bm_compile_scene(benchmark::State& state) {
   const Scene scene = find_builtin_scene("cornell")->build();
   for (auto _ : state) {
     const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
-    benchmark::DoNotOptimize(compiled.view());
+    SceneView view = compiled.view();
+    benchmark::DoNotOptimize(view);
   }
 }
 BENCHMARK(bm_compile_scene)->Unit(benchmark::kMicrosecond);

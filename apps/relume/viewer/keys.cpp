@@ -1,17 +1,12 @@
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include "viewer/actions.h"
+#include "viewer/imgui_keys.h"
 #include "viewer/viewport.h"
 
 namespace relume::viewer {
 namespace {
 
-bool down(int key) { return ImGui::IsKeyDown(key); }
-bool pressed(int key) { return ImGui::IsKeyPressed(key, false); }
-
 float axis(int positive, int negative) {
-  return static_cast<float>(down(positive)) - static_cast<float>(down(negative));
+  return static_cast<float>(is_down(positive)) - static_cast<float>(is_down(negative));
 }
 
 void fly(State& state, float seconds, float picture_height_px) {
@@ -38,31 +33,31 @@ void expose(State& state, float stops) {
 }
 
 void handle_control_keys(State& state) {
-  if (pressed(GLFW_KEY_S)) save_numbered_view_file(state);
+  if (is_pressed(GLFW_KEY_S)) save_numbered_view_file(state);
   for (int digit = 0; digit < 9; ++digit) {
-    if (pressed(GLFW_KEY_1 + digit)) store_bookmark(state, static_cast<size_t>(digit));
+    if (is_pressed(GLFW_KEY_1 + digit)) store_bookmark(state, static_cast<size_t>(digit));
   }
 }
 
 void handle_plain_keys(State& state) {
-  if (pressed(GLFW_KEY_HOME)) release_camera(state);
-  if (pressed(GLFW_KEY_F1)) state.show_help = !state.show_help;
-  if (pressed(GLFW_KEY_TAB)) state.show_panels = !state.show_panels;
-  if (pressed(GLFW_KEY_L)) state.inspector.loupe = !state.inspector.loupe;
-  if (pressed(GLFW_KEY_R)) toggle_recording(state);
-  if (pressed(GLFW_KEY_K)) add_path_key(state);
-  if (pressed(GLFW_KEY_P)) state.animating = !state.animating;
-  if (pressed(GLFW_KEY_ESCAPE)) state.selection = {};
-  if (pressed(GLFW_KEY_LEFT_BRACKET)) expose(state, -0.5f);
-  if (pressed(GLFW_KEY_RIGHT_BRACKET)) expose(state, 0.5f);
-  if (pressed(GLFW_KEY_F12)) save_numbered_picture(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
-  if (pressed(GLFW_KEY_SPACE)) {
+  if (is_pressed(GLFW_KEY_HOME)) release_camera(state);
+  if (is_pressed(GLFW_KEY_F1)) state.show_help = !state.show_help;
+  if (is_pressed(GLFW_KEY_TAB)) state.show_panels = !state.show_panels;
+  if (is_pressed(GLFW_KEY_L)) state.inspector.loupe = !state.inspector.loupe;
+  if (is_pressed(GLFW_KEY_R)) toggle_recording(state);
+  if (is_pressed(GLFW_KEY_K)) add_path_key(state);
+  if (is_pressed(GLFW_KEY_P)) state.animating = !state.animating;
+  if (is_pressed(GLFW_KEY_ESCAPE)) state.selection = {};
+  if (is_pressed(GLFW_KEY_LEFT_BRACKET)) expose(state, -0.5f);
+  if (is_pressed(GLFW_KEY_RIGHT_BRACKET)) expose(state, 0.5f);
+  if (is_pressed(GLFW_KEY_F12)) save_numbered_picture(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
+  if (is_pressed(GLFW_KEY_SPACE)) {
     state.paused = !state.paused;
     state.request_changed = true;
   }
-  if (pressed(GLFW_KEY_B)) set_split(state, !state.split);
+  if (is_pressed(GLFW_KEY_B)) set_split(state, !state.split);
   for (int digit = 0; digit < 9; ++digit) {
-    if (pressed(GLFW_KEY_1 + digit)) go_to_bookmark(state, static_cast<size_t>(digit));
+    if (is_pressed(GLFW_KEY_1 + digit)) go_to_bookmark(state, static_cast<size_t>(digit));
   }
 }
 

@@ -118,7 +118,9 @@ struct SparsePart {
 
 SparsePart read_sparse(const Document& document, int index, const ElementSource& base) {
   const auto& sparse = accessor_at(document, index).sparse;
-  if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0)
+  // Versions of tinygltf differ in whether these are signed.
+  const auto negative = [](auto number) { return static_cast<int64_t>(number) < 0; };
+  if (negative(sparse.count) || negative(sparse.indices.byteOffset) || negative(sparse.values.byteOffset))
     document.damaged(fmt::format("accessor {} has a negative number in 'sparse'", index));
   const auto count = static_cast<size_t>(sparse.count);
   ElementSource indices;

@@ -53,7 +53,11 @@ TEST(GltfMeshopt, AppliesFilters) {
   uint32_t exp[8];
   meshopt_encodeFilterOct(oct, 3, 4, 8, normals);
   meshopt_encodeFilterQuat(quat, 2, 8, 12, rotations);
+#if MESHOPTIMIZER_VERSION >= 190
+  meshopt_encodeFilterExp(exp, 2, 16, 15, offsets, meshopt_EncodeExpSharedVector);
+#else
   meshopt_encodeFilterExp(exp, 2, 16, 15, offsets);
+#endif
   GltfBuilder file;
   const int normal_view = compress(file, encode_vertices(oct, 3, 4), 3, 4, "ATTRIBUTES", "OCTAHEDRAL");
   const int rotation_view = compress(file, encode_vertices(quat, 2, 8), 2, 8, "ATTRIBUTES", "QUATERNION");
