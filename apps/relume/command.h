@@ -25,7 +25,7 @@ class UsageError : public Error {
 };
 
 /// What the shell offers for a value; choices and booleans need none of it.
-enum class Completion { none, file, scene, preset, experiment };
+enum class Completion { none, file, scene, preset, experiment, command, shell };
 
 struct Argument {
   std::string_view name;  ///< as help shows it: "SCENE"
@@ -49,6 +49,20 @@ struct Example {
   std::string_view meaning;
 };
 
+/// A folder below the home folder in which a command keeps files.
+struct UserFolder {
+  std::string_view variable;    ///< environment variable whose value replaces `below_home`
+  std::string_view below_home;  ///< ".cache"
+  std::string_view path;        ///< below both
+  std::string_view contents;
+};
+
+inline constexpr UserFolder kReferenceFolder{
+    "XDG_CACHE_HOME", ".cache", "relume/references/",
+    "Rendered references, which later comparisons of the same scene use again."};
+inline constexpr UserFolder kBookmarkFolder{"XDG_STATE_HOME", ".local/state", "relume/bookmarks/",
+                                            "Bookmarks of the viewer, one file a scene."};
+
 struct Command {
   std::string_view name;
   std::string_view summary;
@@ -59,6 +73,7 @@ struct Command {
   std::vector<SettingGroup> setting_groups;
   std::vector<std::pair<std::string, std::string>>* setting_flags = nullptr;
   std::function<int()> run;  ///< returns the exit code; may throw Error
+  std::vector<UserFolder> folders = {};
 };
 
 /// How much goes to standard error.
@@ -81,7 +96,8 @@ Command compare_command(Verbosity& verbosity);
 Command experiment_command(Verbosity& verbosity);
 Command settings_command();
 Command devices_command();
-/// `commands`: all of the program, itself included once it is complete.
+// `commands`: all of the program, themselves included once it is complete.
+Command man_command(const std::vector<Command>& commands);
 Command completion_command(const std::vector<Command>& commands);
 
 }  // namespace relume::cli

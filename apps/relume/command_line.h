@@ -17,6 +17,17 @@ int run_program(const std::vector<Command>& commands, const std::vector<std::str
 /// Throws UsageError.
 bool parse_arguments(const Command& command, const std::vector<std::string>& arguments);
 
+inline constexpr std::string_view kProgramSummary = "Render scenes by path tracing.";
+inline constexpr std::string_view kProgramDescription =
+    "relume is an unbiased, deterministic path tracer for the processor. It renders glTF scenes to images and "
+    "animations, "
+    "or in a window while they change, and reuses samples across pixels, frames and paths. The same command gives the "
+    "same bits with any number of threads.";
+const std::vector<Example>& overview_examples();
+
+/// The value in help and manual pages: "N", "X", "a|b", "TEXT"; empty for booleans. `given` comes first.
+std::string value_name(const Setting& setting, std::string_view given);
+
 /// `relume COMMAND --help`: examples first.
 std::string help_text(const Command& command);
 /// `relume --help`.

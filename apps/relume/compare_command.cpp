@@ -305,6 +305,7 @@ Command compare_command(Verbosity& verbosity) {
       .setting_groups = setting_groups(*defaults),
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run_compare(*options, verbosity); },
+      .folders = {kReferenceFolder},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

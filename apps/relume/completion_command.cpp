@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -13,12 +14,18 @@ namespace relume::cli {
 namespace {
 
 int run_completion(const std::vector<Command>& commands, const std::string& shell) {
-  if (shell != "bash") throw UsageError(fmt::format("there is no completion for '{}', only for bash", shell));
+  using Script = std::string (*)(const std::vector<Command>&, const CompletionNames&);
+  static const std::map<std::string_view, Script> scripts = {
+      {"bash", bash_completion}, {"fish", fish_completion}, {"zsh", zsh_completion}};
+  const auto script = scripts.find(shell);
+  if (script == scripts.end())
+    throw UsageError(fmt::format("there is no completion for '{}', only for {}", shell, fmt::join(kShells, ", ")));
   CompletionNames names;
+  for (const Command& command : commands) names.commands.emplace_back(command.name);
   for (const BuiltinScene& scene : builtin_scenes()) names.scenes.emplace_back(scene.name);
   for (const Preset& preset : presets()) names.presets.emplace_back(preset.name);
   for (const Experiment& experiment : experiments()) names.experiments.emplace_back(experiment.name);
-  std::fputs(bash_completion(commands, names).c_str(), stdout);
+  std::fputs(script->second(commands, names).c_str(), stdout);
   return kExitDone;
 }
 
@@ -30,8 +37,9 @@ Command completion_command(const std::vector<Command>& commands) {
       .name = "completion",
       .summary = "Print a script that completes relume's command line in a shell.",
       .examples = {{"source <(relume completion bash)", "for this shell"},
-                   {"relume completion bash > ~/.local/share/bash-completion/completions/relume", "for all to come"}},
-      .arguments = {{"SHELL", shell.get(), "bash", true, Completion::none}},
+                   {"relume completion bash > ~/.local/share/bash-completion/completions/relume", "for all later ones"},
+                   {"relume completion fish > ~/.config/fish/completions/relume.fish", "the same for fish"}},
+      .arguments = {{"SHELL", shell.get(), "bash, zsh or fish", true, Completion::shell}},
       .options = {},
       .setting_groups = {},
       .setting_flags = nullptr,

@@ -214,6 +214,7 @@ Command experiment_command(Verbosity& verbosity) {
       .setting_groups = {},
       .setting_flags = nullptr,
       .run = [options, &verbosity] { return run(*options, verbosity); },
+      .folders = {kReferenceFolder},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

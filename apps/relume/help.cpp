@@ -42,18 +42,6 @@ std::string upper_case(std::string_view text) {
   return result;
 }
 
-/// What stands for the value in help: "N", "X", "a|b", "TEXT"; nothing for booleans.
-std::string value_name(const Setting& setting, std::string_view given) {
-  if (!given.empty()) return std::string(given);
-  if (std::holds_alternative<bool*>(setting.value)) return {};
-  if (std::holds_alternative<int*>(setting.value)) return "N";
-  if (std::holds_alternative<float*>(setting.value)) return setting.traits.unit == "s" ? "DURATION" : "X";
-  if (const auto* choices = std::get_if<ChoiceRef>(&setting.value)) {
-    return fmt::format("{}", fmt::join(choices->names, "|"));
-  }
-  return upper_case(setting.name);
-}
-
 std::string explained(const Setting& setting, const std::string& left) {
   const std::string now = to_string(setting);
   const bool tells_default = !now.empty() && now != "false";
@@ -85,6 +73,17 @@ std::string usage_line(const Command& command) {
 
 }  // namespace
 
+std::string value_name(const Setting& setting, std::string_view given) {
+  if (!given.empty()) return std::string(given);
+  if (std::holds_alternative<bool*>(setting.value)) return {};
+  if (std::holds_alternative<int*>(setting.value)) return "N";
+  if (std::holds_alternative<float*>(setting.value)) return setting.traits.unit == "s" ? "DURATION" : "X";
+  if (const auto* choices = std::get_if<ChoiceRef>(&setting.value)) {
+    return fmt::format("{}", fmt::join(choices->names, "|"));
+  }
+  return upper_case(setting.name);
+}
+
 std::string help_text(const Command& command) {
   std::string text = fmt::format("{}\n\nExamples:\n", command.summary);
   for (const Example& example : command.examples)
@@ -102,12 +101,19 @@ std::string help_text(const Command& command) {
   return text;
 }
 
+const std::vector<Example>& overview_examples() {
+  static const std::vector<Example> examples = {
+      {"relume render cornell -o out.png", "a built-in scene, 64 samples a pixel"},
+      {"relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth", "linear radiance with layers"},
+      {"relume info scene.glb", "counts, cameras, extent, memory, warnings"},
+  };
+  return examples;
+}
+
 std::string overview_text(const std::vector<Command>& commands) {
-  std::string text =
-      "relume renders scenes by path tracing.\n\nExamples:\n"
-      "  relume render cornell -o out.png\n"
-      "  relume render scene.glb -o out.exr --spp 256 --aov albedo,normal,depth\n"
-      "  relume info scene.glb\n\nUsage: relume COMMAND …\n\nCommands:\n";
+  std::string text = "relume renders scenes by path tracing.\n\nExamples:\n";
+  for (const Example& example : overview_examples()) text += fmt::format("  {}\n", example.line);
+  text += "\nUsage: relume COMMAND …\n\nCommands:\n";
   for (const Command& command : commands) text += row(std::string(command.name), command.summary);
   text += "\nOptions:\n" + row("-h, --help", "Show this; `relume COMMAND --help` explains a command") +
           row("--version", "Show the version");

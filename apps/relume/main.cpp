@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
       info_command(verbosity),   metrics_command(),       compare_command(verbosity), experiment_command(verbosity),
       settings_command(),        devices_command(),
   };
+  commands.push_back(man_command(commands));
   commands.push_back(completion_command(commands));
   return run_program(commands, {argv + 1, argv + argc});
 }

@@ -60,6 +60,7 @@ Command view_command(Verbosity& verbosity) {
       .setting_groups = setting_groups(*defaults),
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run(*options, verbosity); },
+      .folders = {kBookmarkFolder},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

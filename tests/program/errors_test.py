@@ -289,7 +289,7 @@ class Commands(RefusalTest):
         ])
 
     def test_completion_of_another_shell(self):
-        self.refuse_each(["completion"], [(USAGE, "zsh", "no completion for 'zsh', only for bash"), (USAGE, "", "completion needs SHELL")])
+        self.refuse_each(["completion"], [(USAGE, "tcsh", "no completion for 'tcsh', only for bash, zsh, fish"), (USAGE, "", "completion needs SHELL")])
 
     def test_settings_of_a_picture_that_has_none(self):
         write_bare_exr(self.folder / "bare.exr", 0.5)
