@@ -1,12 +1,12 @@
-# cmake --install: the library with its headers and its CMake package (find_package(relume) gives relume::relume) and the
-# program.
+# cmake --install: the component `library` with headers and CMake package (find_package(relume) gives relume::relume), and
+# the component `program`.
 include(CMakePackageConfigHelpers)
 
 set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
 
-install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume
+install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT library)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume COMPONENT library
   FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in
@@ -17,7 +17,7 @@ install(FILES
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake
   ${PROJECT_BINARY_DIR}/relumeConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/RelumeDependencies.cmake
-  DESTINATION ${relume_package_dir})
+  DESTINATION ${relume_package_dir} COMPONENT library)
 
 # The programs are the executables of apps/ and its folders, but for tests. In the build folder they stand in bin/.
 function(relume_install_programs folder)
@@ -26,7 +26,7 @@ function(relume_install_programs folder)
     get_target_property(type ${target} TYPE)
     if(type STREQUAL EXECUTABLE AND NOT target MATCHES "_(tests|fuzzer)$")
       set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-      install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+      install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
     endif()
   endforeach()
   get_property(folders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
@@ -36,4 +36,12 @@ function(relume_install_programs folder)
 endfunction()
 relume_install_programs(${PROJECT_SOURCE_DIR}/apps)
 
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/relume)
+set(desktop_dir ${PROJECT_SOURCE_DIR}/apps/relume/desktop)
+install(FILES ${desktop_dir}/relume.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages COMPONENT program)
+if(RELUME_HAS_VIEWER)
+  install(FILES ${desktop_dir}/relume.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT program)
+  install(FILES ${desktop_dir}/relume.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT program)
+endif()
+
+# Debian's packages have their own file about the licence.
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/relume COMPONENT license)

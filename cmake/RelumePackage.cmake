@@ -1,0 +1,61 @@
+# cpack: the Debian packages `relume`, the program with its data, and `librelume-dev`, the static library with its headers.
+# Debian's own environment variables name the maintainer.
+set(RELUME_MAINTAINER "relume maintainers <maintainers@relume.invalid>" CACHE STRING "Maintainer of the Debian packages")
+if(DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
+  set(RELUME_MAINTAINER "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME relume)
+# Each package brings its own first line; CPack would put this one before it.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT ${RELUME_MAINTAINER})
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_COMPONENTS_ALL program library)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian/finish_staged_files.cmake)
+set(CPACK_RELUME_VERSION_DATE ${RELUME_VERSION_DATE})
+set(CPACK_RELUME_STRIP ${CMAKE_STRIP})
+
+# A program for AVX2 ends with an illegal instruction on older processors, which Debian supports: installing says so.
+set(processor_note "")
+if(RELUME_ARCH STREQUAL "native")
+  set(processor_note "\n\nThis build runs on processors like that of the machine that built it.")
+elseif(NOT RELUME_ARCH STREQUAL "x86-64")
+  set(processor_note "\n\nThis build needs a processor with AVX2 (${RELUME_ARCH}).")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/preinst)
+endif()
+
+set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME relume)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg")  # videos
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "path tracer that reuses samples across frames
+relume renders glTF scenes by path tracing: to images and animations, or in a
+window in which camera, lights, materials and settings change while the scene
+is rendered.
+
+It is unbiased and deterministic, and runs on the processor. Techniques that
+reuse samples across pixels, frames and paths can be combined and compared.${processor_note}")
+
+set(CPACK_DEBIAN_LIBRARY_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME librelume-dev)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
+# What the CMake package looks for (RelumeDependencies.cmake).
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
+  "libassimp-dev, libcli11-dev, libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libmeshoptimizer-dev, libopenexr-dev, \
+libstb-dev, libtbb-dev, libtinygltf-dev, nlohmann-json3-dev, pkg-config")
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "path tracer that reuses samples across frames (development files)
+relume renders glTF scenes by path tracing. Techniques that reuse samples
+across pixels, frames and paths can be combined and compared.
+
+This package contains the static library, its headers and its CMake package.${processor_note}")
+
+include(CPack)

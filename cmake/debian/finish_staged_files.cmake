@@ -1,0 +1,35 @@
+# CPack runs this between staging and packing: what Debian's policy asks of files beyond `cmake --install`. The time stamps
+# that end up in the packages come from the version's date, so that the same files make the same packages.
+set(stage ${CPACK_TEMPORARY_DIRECTORY})
+set(package_of_program relume)
+set(package_of_library librelume-dev)
+
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+execute_process(COMMAND date -u -R -d ${CPACK_RELUME_VERSION_DATE} OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
+
+foreach(component program library)
+  set(documents ${stage}/${component}/usr/share/doc/${package_of_${component}})
+  file(MAKE_DIRECTORY ${documents})
+  file(COPY ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${documents}
+    FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+  file(WRITE ${documents}/changelog
+    "relume (${CPACK_PACKAGE_VERSION}) unstable; urgency=medium\n\n  * Version ${CPACK_PACKAGE_VERSION}.\n\n"
+    " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
+  file(GLOB_RECURSE pages ${stage}/${component}/usr/share/man/*.1)
+  run(gzip -9n ${documents}/changelog ${pages})
+endforeach()
+
+# CPack strips programs, but leaves sections that only name the compiler; archives keep their symbols, which linking needs.
+set(sections --remove-section=.comment --remove-section=.note --enable-deterministic-archives)
+file(GLOB programs ${stage}/program/usr/bin/*)
+run(${CPACK_RELUME_STRIP} ${sections} ${programs})
+file(GLOB_RECURSE archives ${stage}/library/*.a)
+run(${CPACK_RELUME_STRIP} --strip-debug ${sections} ${archives})
+
+run(find ${stage}/program ${stage}/library -type d -empty -delete)
+run(chmod -R u=rwX,go=rX ${stage}/program ${stage}/library)
+run(find ${stage}/program ${stage}/library -exec touch -h -d ${CPACK_RELUME_VERSION_DATE}T00:00:00Z {} +)

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""The Debian packages that cpack makes, and the data for desktops in them. RELUME_BUILD in the environment says where
+relume was built. scripts/test_package installs them in a bare system."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SKIPPED = 77  # to ctest
+TOOLS = ("cpack", "dpkg-deb", "dpkg-shlibdeps", "file", "lintian", "desktop-file-validate", "update-mime-database", "rsvg-convert")
+MISSING = [tool for tool in TOOLS if not shutil.which(tool)]
+BUILD = pathlib.Path(os.environ["RELUME_BUILD"])
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EPOCH = "1700000000"
+DESKTOP = ROOT / "apps" / "relume" / "desktop"
+
+
+def run(*command, **options):
+    return subprocess.run([*map(str, command)], capture_output=True, text=True, check=True, **options).stdout
+
+
+def pack(folder, **environment):
+    run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder, cwd=folder, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH, **environment})
+    return {file.name.split("_")[0]: file for file in sorted(folder.glob("*.deb"))}
+
+
+def field(package, name):
+    return run("dpkg-deb", "-f", package, name).strip()
+
+
+def contents(package):
+    """Path -> (mode, owner), of what is no folder."""
+    lines = [line.split(None, 5) for line in run("dpkg-deb", "-c", package).splitlines()]
+    return {line[5][1:]: (line[0], line[1]) for line in lines if not line[0].startswith("d")}
+
+
+class Packages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="relume_")
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.packages = pack(pathlib.Path(cls.folder.name))
+        cls.program = cls.packages["relume"]
+        cls.library = cls.packages["librelume-dev"]
+
+    def test_names_and_dependencies(self):
+        architecture = run("dpkg", "--print-architecture").strip()
+        for name, package in self.packages.items():
+            self.assertEqual(package.name, f"{name}_{field(package, 'Version')}_{architecture}.deb")
+        needed = re.findall(r"(?:^|, )([\w.+-]+)", field(self.program, "Depends"))
+        for library in ("libc6", "libstdc++6", "libtbb12"):
+            self.assertIn(library, needed)
+        installed = (ROOT / "scripts/install_packages").read_text()
+        for package in field(self.library, "Depends").split(", "):
+            self.assertRegex(installed, rf"(?m)[ ]{re.escape(package)}( |$)", "relume is not built with it")
+
+    def test_the_program_brings_its_data(self):
+        files = contents(self.program)
+        for file in ("bin/relume", "share/man/man1/relume.1.gz", "share/bash-completion/completions/relume", "share/zsh/vendor-completions/_relume",
+                     "share/fish/vendor_completions.d/relume.fish", "share/mime/packages/relume.xml", "share/doc/relume/copyright", "share/doc/relume/changelog.gz"):
+            self.assertIn(f"/usr/{file}", files)
+        commands = re.findall(r"^  (\w+) ", run(BUILD / "bin/relume", "--help").split("Commands:")[1].split("Options:")[0], re.MULTILINE)
+        pages = [file for file in files if file.startswith("/usr/share/man/man1/relume-")]
+        self.assertEqual(pages, sorted(f"/usr/share/man/man1/relume-{command}.1.gz" for command in commands))
+        self.assertFalse([file for file in files if file.endswith((".h", ".a", ".cmake"))])
+
+    def test_the_library_brings_headers_and_its_cmake_package(self):
+        files = contents(self.library)
+        for ending in ("/librelume.a", "/relume/relumeConfig.cmake", "/relume/render/session.h", "/librelume-dev/copyright"):
+            self.assertTrue(any(file.endswith(ending) for file in files), ending)
+        self.assertFalse([file for file in files if "/bin/" in file or "/testing/" in file])
+
+    def test_modes_and_owners(self):
+        for package in self.packages.values():
+            for file, (mode, owner) in contents(package).items():
+                expected = "-rwxr-xr-x" if "/bin/" in file else "-rw-r--r--"
+                self.assertEqual((mode, owner), (expected, "root/root"), file)
+
+    def test_the_same_files_make_the_same_packages(self):
+        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
+            again = pack(pathlib.Path(folder), TZ="Asia/Tokyo", LC_ALL="C")
+            for name, package in again.items():
+                self.assertEqual(package.read_bytes(), self.packages[name].read_bytes(), name)
+
+    def test_installing_refuses_processors_that_lack_the_instructions(self):
+        script = (ROOT / "cmake/debian/preinst").read_text()
+        for flags, status in (("sse2 avx avx2", 0), ("sse2 avx avx512f", 1)):
+            with tempfile.NamedTemporaryFile("w", prefix="relume_") as processor:
+                processor.write(f"flags\t\t: fpu {flags}\n")
+                processor.flush()
+                done = subprocess.run(["sh", "-c", script.replace("/proc/cpuinfo", processor.name)], capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, "AVX2" in done.stderr), (status, status == 1), flags)
+
+    def test_lintian_finds_no_fault(self):
+        done = subprocess.run(["lintian", "--no-cfg", "--allow-root", "--fail-on", "error,warning", *self.packages.values()], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+
+
+class DesktopData(unittest.TestCase):
+    def test_the_desktop_entry_is_valid(self):
+        self.assertEqual(run("desktop-file-validate", DESKTOP / "relume.desktop"), "")
+
+    def test_types_of_files_are_known_by_name_and_content(self):
+        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
+            types = pathlib.Path(folder) / "mime"
+            (types / "packages").mkdir(parents=True)
+            shutil.copy(DESKTOP / "relume.xml", types / "packages")
+            done = subprocess.run(["update-mime-database", types], env={**os.environ, "XDG_DATA_DIRS": folder}, capture_output=True, text=True, check=True)
+            self.assertEqual(done.stdout + done.stderr, "")
+            globs = (types / "globs").read_text().splitlines()
+            self.assertEqual({line for line in globs if not line.startswith("#")}, {"model/gltf-binary:*.glb", "model/gltf+json:*.gltf"})
+            self.assertIn(b"model/gltf-binary]\n>0=\0\x04glTF", (types / "magic").read_bytes())
+
+    def test_the_desktop_entry_opens_what_types_name(self):
+        entry = (DESKTOP / "relume.desktop").read_text()
+        types = re.search(r"^MimeType=(.*);$", entry, re.MULTILINE)[1].split(";")
+        for name in re.findall(r'<mime-type type="([^"]+)"', (DESKTOP / "relume.xml").read_text()):
+            self.assertIn(name, types)
+
+    def test_the_icon_can_be_drawn_at_every_size(self):
+        for size in (16, 48, 512):
+            drawn = subprocess.run(["rsvg-convert", "-w", str(size), "-h", str(size), DESKTOP / "relume.svg"], capture_output=True, check=True).stdout
+            self.assertEqual(int.from_bytes(drawn[16:20], "big"), size)
+
+
+if __name__ == "__main__":
+    if MISSING:
+        print(f"{', '.join(MISSING)} not installed; scripts/install_packages installs them")
+        sys.exit(SKIPPED)
+    unittest.main()
