@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "platform.h"
 #include "roff.h"
 
 namespace relume::cli {
@@ -60,6 +63,20 @@ TEST(ManPage, ExplainsWhatIsDeclared) {
        }) {
     EXPECT_NE(page.find(part), page.npos) << part << "\nin\n" << page;
   }
+}
+
+TEST(ManPage, NamesTheFoldersThatTheProgramUses) {
+  setenv("XDG_CACHE_HOME", "/cache", 1);
+  setenv("XDG_STATE_HOME", "/state", 1);
+  EXPECT_EQ(reference_folder("") + "/", "/cache/" + std::string(kReferenceFolder.path));
+  EXPECT_EQ(state_folder() + "/bookmarks/", "/state/" + std::string(kBookmarkFolder.path));
+  unsetenv("XDG_CACHE_HOME");
+  unsetenv("XDG_STATE_HOME");
+  setenv("HOME", "/home/somebody", 1);
+  EXPECT_EQ(reference_folder("") + "/",
+            "/home/somebody/" + std::string(kReferenceFolder.below_home) + "/" + std::string(kReferenceFolder.path));
+  EXPECT_EQ(state_folder() + "/bookmarks/",
+            "/home/somebody/" + std::string(kBookmarkFolder.below_home) + "/" + std::string(kBookmarkFolder.path));
 }
 
 }  // namespace
