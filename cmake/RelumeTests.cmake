@@ -13,7 +13,7 @@ if(RELUME_SANITIZE)
 endif()
 
 # relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
-# is a ctest of its own.
+# is a ctest of its own. Suites whose name begins with "Slow" carry the label "slow".
 function(relume_add_tests name)
   if(NOT RELUME_BUILD_TESTS)
     return()
@@ -21,7 +21,9 @@ function(relume_add_tests name)
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
   target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
-  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
+  gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER Slow* TEST_LIST ${name}_slow
+    PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)
 endfunction()
 
 # relume_add_benchmarks(source...): *_bench.cpp files join the one program `relume_bench`.

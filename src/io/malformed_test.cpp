@@ -12,9 +12,6 @@
 #include "io/testing/example_files.h"
 #include "render/session.h"
 
-/// assimp leaks when it gives up in the middle of a file. Under LeakSanitizer only this function is looked at.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
-
 namespace relume {
 namespace {
 

@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <exception>
 #include <string_view>
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <assimp/Importer.hpp>
 
 #include "core/error.h"
-#include "io/assimp/assimp_materials.h"
-#include "io/assimp/assimp_nodes.h"
+#include "io/assimp/assimp_import.h"
+#include "io/assimp/assimp_textures.h"
 #include "io/assimp/trial_run.h"
 #include "io/bytes.h"
 #include "io/extension.h"
@@ -28,91 +23,39 @@ namespace {
 constexpr std::array<std::string_view, 7> kExtensions = {"obj", "fbx", "dae", "ply", "stl", "3ds", "off"};
 /// assimp computes sizes in 32 bits.
 constexpr uintmax_t kMaxFileSize = uintmax_t{1} << 31;
-/// Faces that meet at a smaller angle share a smooth normal where a file has none.
-constexpr float kCreaseAngleDeg = 60;
 
-unsigned post_processing(std::string_view extension) {
-  unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
-                   aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices | aiProcess_TransformUVCoords |
-                   aiProcess_FlipUVs;
-  if (extension == "fbx") steps |= aiProcess_GlobalScale;  // centimetres to metres
-  return steps;
-}
-
-void configure(Assimp::Importer& importer) {
-  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseAngleDeg);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-}
-
-[[noreturn]] void fail_without_triangles(const std::string& place) {
-  throw Error(fmt::format("{}: the file has no triangles; check that it is the right one", place));
-}
-
-Scene convert(const aiScene* source, const std::string& problem, const std::filesystem::path& base_dir,
-              const std::string& place) {
-  if (!source) {
-    std::string reason = problem.empty() ? "its content is not understood" : problem;
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
-    // What assimp says of files with points and lines only, or with nothing at all.
-    for (const char* empty : {"No meshes", "no faces", "no meshes"}) {
-      if (reason.find(empty) != std::string::npos) fail_without_triangles(place);
-    }
-    throw Error(fmt::format("{}: the file cannot be read: {}", place, reason));
-  }
-  Scene scene;
-  scene.name = std::filesystem::path(place).stem().string();
-  Warnings warnings(place);
-  if (source->mFlags & AI_SCENE_FLAGS_INCOMPLETE) warnings.add("the file is incomplete; what it has is shown");
-  AssimpTextures textures(*source, base_dir, scene, warnings);
-  import_assimp_materials(*source, textures, scene, warnings);
-  textures.finish();
-  darken_missing_lamps(*source, textures, scene);
-  mask_transparent_textures(textures, scene);
-  const std::vector<Index> mesh_of = import_assimp_meshes(*source, scene, warnings);
-  import_assimp_nodes(*source, mesh_of, scene, warnings);
-  if (scene.meshes.empty()) fail_without_triangles(place);
-  scene.warnings = warnings.take();
-  validate(scene, place);
-  return scene;
-}
-
-/// assimp crashes or hangs on some damaged files, so that a child process reads every file first. `read` calls assimp.
-template <typename Read>
-void check_by_trial(const std::string& place, uintmax_t file_size, const Read& read) {
+/// Generous for every file that was written as its format says.
+TrialLimits limits_for(uintmax_t file_size) {
   constexpr uint64_t kMebibyte = uint64_t{1} << 20;
-  const auto trial = [&] {
-    Assimp::Importer importer;
-    configure(importer);
-    read(importer);
-  };
-  if (!survives_trial(trial, 3 + file_size / kMebibyte, 1024 * kMebibyte + 256 * file_size))
-    throw Error(fmt::format("{}: reading the file would crash, or take too long; it is damaged", place));
+  TrialLimits limits;
+  limits.cpu_s = 3 + file_size / kMebibyte;
+  limits.wall_s = 5 + 2 * static_cast<double>(limits.cpu_s);
+  limits.memory_bytes = 1024 * kMebibyte + 256 * file_size;
+  return limits;
 }
 
-/// Turns what assimp throws into an Error.
-template <typename Read>
-Scene guarded(const std::string& place, const std::filesystem::path& base_dir, uintmax_t file_size, const Read& read) {
-  check_by_trial(place, file_size, read);
-  try {
-    Assimp::Importer importer;
-    configure(importer);
-    const aiScene* source = read(importer);
-    return convert(source, importer.GetErrorString(), base_dir, place);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: the file cannot be read: {}", place, error.what()));
-  }
+/// assimp crashes, hangs or takes any memory on some damaged files, so that only a child process runs it.
+Scene load(const AssimpSource& source, uintmax_t file_size) {
+  ImportedScene imported =
+      deserialise(run_trial([&] { return serialise(import_with_assimp(source)); }, limits_for(file_size), source.place),
+                  source.place);
+  if (!imported.problem.empty()) throw Error(imported.problem);
+  Warnings warnings(source.place);
+  AssimpTextures textures(imported, source.file.parent_path(), warnings);
+  textures.finish();
+  textures.darken_missing_lamps();
+  textures.mask_transparent_textures();
+  Scene scene = std::move(imported.scene);
+  for (std::string& warning : warnings.take()) scene.warnings.push_back(std::move(warning));
+  validate(scene, source.place);
+  return scene;
 }
 
 }  // namespace
 
 Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place) {
   if (extension == "ply") return load_ply_from_memory(file, place);
-  return guarded(place, {}, file.size(), [&](Assimp::Importer& importer) {
-    return importer.ReadFileFromMemory(file.data(), file.size(), post_processing(extension), extension.c_str());
-  });
+  return load({extension, place, {}, file}, file.size());
 }
 
 Scene load_assimp(const std::filesystem::path& file) {
@@ -129,9 +72,7 @@ Scene load_assimp(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
   if (size == 0) throw Error(fmt::format("{}: the file is empty; export or copy it again", file.string()));
   if (extension == "ply") return load_ply_from_memory(read_file_bytes(file), file.string());
-  return guarded(file.string(), file.parent_path(), size, [&](Assimp::Importer& importer) {
-    return importer.ReadFile(file.string(), post_processing(extension));
-  });
+  return load({extension, file.string(), file, {}}, size);
 }
 
 }  // namespace relume

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "io/image.h"
 #include "io/scene_io.h"
@@ -213,6 +214,25 @@ TEST(Assimp, ConvertsFbxUnitsAndAxes) {
   EXPECT_NEAR(glm::distance(world_position(y_up, 0), Vec3(0, 0, 1)), 0, 1e-6);
   const Scene z_up = load_assimp_from_memory(to_bytes(fbx_text(2)), "fbx", "a.fbx");
   EXPECT_NEAR(glm::distance(world_position(z_up, 0), Vec3(0, 1, 0)), 0, 1e-6);
+}
+
+/// Peak memory of this process and of its largest child, in KiB.
+long peak_kib() {
+  rusage self{};
+  rusage children{};
+  getrusage(RUSAGE_SELF, &self);
+  getrusage(RUSAGE_CHILDREN, &children);
+  return self.ru_maxrss + children.ru_maxrss;
+}
+
+TEST(Assimp, EndsReadersThatTakeAnyMemory) {
+  std::string dae = dae_text();
+  dae.replace(dae.find("<p>0 1 2</p>"), 12, "<p>0 x 2</p>");
+  const std::string off = "OFF\n353535235358 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  // Newer versions of assimp may find out what is wrong.
+  EXPECT_NE(error_of([&] { load_assimp_from_memory(to_bytes(dae), "dae", "a.dae"); }), "");
+  EXPECT_NE(error_of([&] { load_assimp_from_memory(to_bytes(off), "off", "a.off"); }), "");
+  EXPECT_LT(peak_kib(), 2 << 20);
 }
 
 TEST(Assimp, RefusesWhatItCannotRead) {

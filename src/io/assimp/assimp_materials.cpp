@@ -57,12 +57,24 @@ bool color(const aiMaterial& material, const char* key, unsigned type, unsigned 
   return true;
 }
 
-TextureRef make_ref(AssimpTextures& textures, TextureRecipe recipe, const TextureSlot& first,
+/// Index of the texture made of the images at these paths.
+Index request_texture(std::vector<TextureRequest>& textures, const TextureRequest& wanted) {
+  for (size_t i = 0; i < textures.size(); ++i) {
+    const TextureRequest& t = textures[i];
+    if (t.recipe == wanted.recipe && t.first == wanted.first && t.second == wanted.second &&
+        t.wrap_u == wanted.wrap_u && t.wrap_v == wanted.wrap_v)
+      return static_cast<Index>(i);
+  }
+  textures.push_back(wanted);
+  return static_cast<Index>(textures.size()) - 1;
+}
+
+TextureRef make_ref(std::vector<TextureRequest>& textures, TextureRecipe recipe, const TextureSlot& first,
                     const TextureSlot& second = {}) {
   if (first.path.empty() && second.path.empty()) return {};
   const TextureSlot& lead = first.path.empty() ? second : first;
   TextureRef ref;
-  ref.texture = textures.request(recipe, first.path, second.path, lead.wrap_u, lead.wrap_v);
+  ref.texture = request_texture(textures, {recipe, lead.wrap_u, lead.wrap_v, first.path, second.path});
   ref.uv_set = lead.uv_set;
   return ref;
 }
@@ -92,7 +104,8 @@ void convert_diffuse_specular(const aiMaterial& source, Material& m) {
   }
 }
 
-void convert_emission(const aiMaterial& source, AssimpTextures& textures, Material& m, Warnings& warnings) {
+void convert_emission(const aiMaterial& source, std::vector<TextureRequest>& textures, Material& m,
+                      Warnings& warnings) {
   constexpr float kLargest = 1e30f;
   color(source, AI_MATKEY_COLOR_EMISSIVE, kLargest, m.emission);
   m.emission_texture = make_ref(textures, TextureRecipe::color,
@@ -104,7 +117,7 @@ void convert_emission(const aiMaterial& source, AssimpTextures& textures, Materi
   m.emission = glm::min(m.emission, Rgb(kMaxRadiance));
 }
 
-void convert_colors(const aiMaterial& source, AssimpTextures& textures, Material& m) {
+void convert_colors(const aiMaterial& source, std::vector<TextureRequest>& textures, Material& m) {
   const TextureSlot base = find_texture(source, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
   const TextureSlot opacity = find_texture(source, {aiTextureType_OPACITY});
   const TextureRecipe recipe = opacity.path.empty() ? TextureRecipe::color : TextureRecipe::color_and_alpha;
@@ -118,7 +131,8 @@ void convert_colors(const aiMaterial& source, AssimpTextures& textures, Material
   if (!opacity.path.empty()) m.alpha_mode = AlphaMode::mask;
 }
 
-void convert_textures(const aiMaterial& source, AssimpTextures& textures, Material& m, Warnings& warnings) {
+void convert_textures(const aiMaterial& source, std::vector<TextureRequest>& textures, Material& m,
+                      Warnings& warnings) {
   const TextureSlot roughness = find_texture(source, {aiTextureType_DIFFUSE_ROUGHNESS});
   const TextureSlot metalness = find_texture(source, {aiTextureType_METALNESS});
   // One image for both is glTF's layout already.
@@ -133,7 +147,7 @@ void convert_textures(const aiMaterial& source, AssimpTextures& textures, Materi
   if (source.GetTextureCount(aiTextureType_DISPLACEMENT) > 0) warnings.add("displacement textures are ignored");
 }
 
-Material convert(const aiMaterial& source, AssimpTextures& textures, Warnings& warnings) {
+Material convert(const aiMaterial& source, std::vector<TextureRequest>& textures, Warnings& warnings) {
   Material m;
   m.name = source.GetName().C_Str();
   convert_colors(source, textures, m);
@@ -157,28 +171,21 @@ Material convert(const aiMaterial& source, AssimpTextures& textures, Warnings& w
   return m;
 }
 
+/// Whether the material has a colour of emission beside its texture.
+bool emits_evenly(const aiMaterial& source) {
+  Rgb own(0);
+  color(source, AI_MATKEY_COLOR_EMISSIVE, kMaxRadiance, own);
+  return !is_black(own);
+}
+
 }  // namespace
 
-void import_assimp_materials(const aiScene& source, AssimpTextures& textures, Scene& scene, Warnings& warnings) {
-  for (unsigned i = 0; i < source.mNumMaterials; ++i)
-    scene.materials.push_back(convert(*source.mMaterials[i], textures, warnings));
-}
-
-void darken_missing_lamps(const aiScene& source, const AssimpTextures& textures, Scene& scene) {
+void import_assimp_materials(const aiScene& source, ImportedScene& imported, Warnings& warnings) {
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
-    Material& material = scene.materials[i];
-    Rgb own(0);
-    color(*source.mMaterials[i], AI_MATKEY_COLOR_EMISSIVE, kMaxRadiance, own);
-    const bool by_texture = material.emission_texture.used() && is_black(own);
-    if (by_texture && textures.is_missing(material.emission_texture.texture)) material.emission = Rgb(0);
-  }
-}
-
-void mask_transparent_textures(const AssimpTextures& textures, Scene& scene) {
-  for (Material& material : scene.materials) {
-    const bool undecided = material.alpha_mode == AlphaMode::opaque && material.base_color_texture.used();
-    if (undecided && textures.has_transparency(material.base_color_texture.texture))
-      material.alpha_mode = AlphaMode::mask;
+    const Material& material =
+        imported.scene.materials.emplace_back(convert(*source.mMaterials[i], imported.textures, warnings));
+    if (material.emission_texture.used() && !emits_evenly(*source.mMaterials[i]))
+      imported.texture_lamps.push_back(static_cast<Index>(i));
   }
 }
 

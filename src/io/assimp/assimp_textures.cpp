@@ -4,8 +4,6 @@
 #include <cstring>
 #include <exception>
 
-#include <assimp/scene.h>
-#include <assimp/texture.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -17,7 +15,6 @@
 namespace relume {
 namespace {
 
-constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
 const Vec4 kFlatNormal(128.0f / 255.0f, 128.0f / 255.0f, 1, 1);
 
 PixelFormat format_of(TextureRecipe recipe) {
@@ -72,46 +69,19 @@ void append(Texture& texture, const Vec4& texel) {
   }
 }
 
-Texture copy_embedded(const aiTexture& source) {
+Texture texture_from_texels(const EmbeddedImage& source) {
+  const bool has_texels =
+      source.width > 0 && source.height > 0 &&
+      source.bytes.size() == size_t{4} * static_cast<size_t>(source.width) * static_cast<size_t>(source.height);
+  if (!has_texels) throw Error("an embedded image has no pixels");
   Texture texture;
-  const size_t count = size_t{source.mWidth} * source.mHeight;
-  if (count == 0 || count > kMaxEmbeddedTexels || !source.pcData) throw Error("an embedded image has no pixels");
-  texture.width = static_cast<int>(source.mWidth);
-  texture.height = static_cast<int>(source.mHeight);
-  texture.texels.reserve(4 * count);
-  for (size_t i = 0; i < count; ++i) {
-    const aiTexel& texel = source.pcData[i];
-    for (const unsigned char c : {texel.r, texel.g, texel.b, texel.a})
-      texture.texels.push_back(static_cast<std::byte>(c));
-  }
+  texture.width = source.width;
+  texture.height = source.height;
+  texture.texels = source.bytes;
   return texture;
 }
 
 }  // namespace
-
-Index AssimpTextures::request(TextureRecipe recipe, const std::string& first, const std::string& second,
-                              WrapMode wrap_u, WrapMode wrap_v) {
-  for (size_t i = 0; i < requests_.size(); ++i) {
-    const Request& r = requests_[i];
-    const Texture& t = scene_.textures[i];
-    if (r.recipe == recipe && r.first == first && r.second == second && t.wrap_u == wrap_u && t.wrap_v == wrap_v)
-      return static_cast<Index>(i);
-  }
-  add_image(first, format_of(recipe));
-  add_image(second, format_of(recipe));
-  requests_.push_back({recipe, first, second});
-  Texture texture;
-  texture.name = first.empty() ? second : first;
-  texture.format = format_of(recipe);
-  texture.wrap_u = wrap_u;
-  texture.wrap_v = wrap_v;
-  scene_.textures.push_back(std::move(texture));
-  return static_cast<Index>(requests_.size()) - 1;
-}
-
-void AssimpTextures::add_image(const std::string& path, PixelFormat format) {
-  if (!path.empty()) images_.try_emplace({path, format});
-}
 
 /// Paths from other machines are tried as written, then by file name beside the scene and in "textures".
 std::filesystem::path AssimpTextures::find_file(const std::string& path) const {
@@ -128,11 +98,10 @@ std::filesystem::path AssimpTextures::find_file(const std::string& path) const {
 }
 
 Texture AssimpTextures::decode(const std::string& path, PixelFormat format) const {
-  if (const aiTexture* embedded = source_.GetEmbeddedTexture(path.c_str())) {
-    if (embedded->mHeight != 0) return copy_embedded(*embedded);
-    return decode_texture({reinterpret_cast<const std::byte*>(embedded->pcData), embedded->mWidth}, path, format);
-  }
-  return decode_texture(read_file_bytes(find_file(path)), path, format);
+  const auto embedded = imported_.embedded.find(path);
+  if (embedded == imported_.embedded.end()) return decode_texture(read_file_bytes(find_file(path)), path, format);
+  if (embedded->second.height != 0) return texture_from_texels(embedded->second);
+  return decode_texture(embedded->second.bytes, path, format);
 }
 
 const Texture* AssimpTextures::image(const std::string& path, PixelFormat format) const {
@@ -140,7 +109,7 @@ const Texture* AssimpTextures::image(const std::string& path, PixelFormat format
   return it == images_.end() || it->second.texels.empty() ? nullptr : &it->second;
 }
 
-void AssimpTextures::compose(const Request& request, Texture& texture, Warnings& warnings) const {
+void AssimpTextures::compose(const TextureRequest& request, Texture& texture, Warnings& warnings) const {
   const Texture* first = image(request.first, texture.format);
   const Texture* second = image(request.second, texture.format);
   if (request.recipe == TextureRecipe::normal && first && is_grey(*first)) {
@@ -185,8 +154,8 @@ void AssimpTextures::compose(const Request& request, Texture& texture, Warnings&
   }
 }
 
-void AssimpTextures::finish() {
-  std::vector<decltype(images_)::value_type*> entries;
+void AssimpTextures::decode_images() {
+  std::vector<Images::value_type*> entries;
   for (auto& entry : images_) entries.push_back(&entry);
   std::vector<std::string> problems(entries.size());
   std::vector<std::string> repairs(entries.size());
@@ -205,16 +174,46 @@ void AssimpTextures::finish() {
   for (const std::string& repair : repairs) {
     if (!repair.empty()) warnings_.add(repair);
   }
-  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
-  parallel_for(requests_.size(), [&](size_t i) { compose(requests_[i], scene_.textures[i], warnings[i]); });
+}
+
+void AssimpTextures::finish() {
+  const std::vector<TextureRequest>& requests = imported_.textures;
+  std::vector<Texture>& textures = imported_.scene.textures;
+  for (const TextureRequest& request : requests) {
+    Texture& texture = textures.emplace_back();
+    texture.name = request.first.empty() ? request.second : request.first;
+    texture.format = format_of(request.recipe);
+    texture.wrap_u = request.wrap_u;
+    texture.wrap_v = request.wrap_v;
+    for (const std::string& path : {request.first, request.second}) {
+      if (!path.empty()) images_.try_emplace({path, texture.format});
+    }
+  }
+  decode_images();
+  std::vector<Warnings> warnings(requests.size(), Warnings(""));
+  parallel_for(requests.size(), [&](size_t i) { compose(requests[i], textures[i], warnings[i]); });
   for (const Warnings& part : warnings) warnings_.add(part);
-  for (size_t i = 0; i < requests_.size(); ++i)
-    missing_.push_back(image(requests_[i].first, format_of(requests_[i].recipe)) == nullptr);
+  for (const TextureRequest& request : requests)
+    missing_.push_back(image(request.first, format_of(request.recipe)) == nullptr);
   images_.clear();
 }
 
+void AssimpTextures::darken_missing_lamps() const {
+  for (const Index lamp : imported_.texture_lamps) {
+    Material& material = imported_.scene.materials[static_cast<size_t>(lamp)];
+    if (missing_[static_cast<size_t>(material.emission_texture.texture)]) material.emission = Rgb(0);
+  }
+}
+
+void AssimpTextures::mask_transparent_textures() const {
+  for (Material& material : imported_.scene.materials) {
+    const bool undecided = material.alpha_mode == AlphaMode::opaque && material.base_color_texture.used();
+    if (undecided && has_transparency(material.base_color_texture.texture)) material.alpha_mode = AlphaMode::mask;
+  }
+}
+
 bool AssimpTextures::has_transparency(Index texture) const {
-  const Texture& t = scene_.textures[static_cast<size_t>(texture)];
+  const Texture& t = imported_.scene.textures[static_cast<size_t>(texture)];
   for (size_t i = 3; i < number_count(t); i += 4) {
     if (number_at(t, i) < 0.5f) return true;
   }

@@ -1,14 +1,24 @@
-// Guards against libraries that crash on damaged files.
+// Guards against libraries that crash, hang or exhaust memory on damaged files: they run in a child process.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <string>
+
+#include "io/bytes.h"
 
 namespace relume {
 
-/// Runs `task` in a child process that may use `cpu_seconds` and allocate `memory_bytes`, and returns whether it came
-/// to an end, be it with an exception. It does not outlive the calling thread. `task` must not use threads of the
-/// parent (TBB). Throws Error if no process can be made.
-bool survives_trial(const std::function<void()>& task, uint64_t cpu_seconds, uint64_t memory_bytes);
+/// What the child process may use.
+struct TrialLimits {
+  uint64_t cpu_s = 0;         ///< processor time, all threads together
+  double wall_s = 0;          ///< elapsed time
+  uint64_t memory_bytes = 0;  ///< beyond the memory of the calling process
+};
+
+/// Runs `task` in a child process and returns the bytes that it returned there. The child does not outlive the calling
+/// thread. `task` must not use threads of the parent (TBB). Throws Error with `place`, the file that `task` reads, if
+/// the child exceeds a limit, crashes, throws, or cannot be started.
+Bytes run_trial(const std::function<Bytes()>& task, const TrialLimits& limits, const std::string& place);
 
 }  // namespace relume

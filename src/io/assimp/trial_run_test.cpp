@@ -2,31 +2,96 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstring>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "core/clock.h"
+#include "io/testing/scene_files.h"
 
 namespace relume {
 namespace {
 
-constexpr uint64_t kMemory_bytes = uint64_t(256) << 20;
+using testing::error_of;
 
-TEST(TrialRun, SaysWhetherTheTaskCameToAnEnd) {
-  EXPECT_TRUE(survives_trial([] {}, 10, kMemory_bytes));
-  EXPECT_TRUE(survives_trial([] { throw std::runtime_error("damaged"); }, 10, kMemory_bytes));
-  EXPECT_FALSE(survives_trial([] { std::raise(SIGKILL); }, 10, kMemory_bytes));
+constexpr TrialLimits kLimits = {10, 20, uint64_t(256) << 20};
+
+/// Message of the Error in which the task ends.
+std::string problem_of(const std::function<void()>& task, const TrialLimits& limits = kLimits) {
+  return error_of([&] {
+    run_trial(
+        [&] {
+          task();
+          return Bytes();
+        },
+        limits, "a.dae");
+  });
 }
 
-TEST(TrialRun, EndsWhatNeverEnds) {
-  EXPECT_FALSE(survives_trial(
-      [] {
-        std::atomic<int> turns = 0;
-        while (true) ++turns;
-      },
-      1, kMemory_bytes));
+/// Whether the message is about a.dae and says this.
+void expect_says(const std::string& message, const std::string& part) {
+  EXPECT_EQ(message.rfind("a.dae: ", 0), 0u) << message;
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+/// Takes memory until the process ends. Some libraries catch what the allocator throws.
+void exhaust_memory() {
+  constexpr size_t kBlock = size_t{16} << 20;
+  std::vector<std::unique_ptr<char[]>> blocks;
+  try {
+    while (true) {
+      blocks.push_back(std::make_unique_for_overwrite<char[]>(kBlock));
+      std::memset(blocks.back().get(), 1, kBlock);
+    }
+  } catch (const std::bad_alloc&) {
+  }
+}
+
+TEST(TrialRun, HandsOverWhatTheTaskReturns) {
+  Bytes large(size_t{40} << 20);
+  for (size_t i = 0; i < large.size(); ++i) large[i] = static_cast<std::byte>(i * 2654435761u >> 24);
+  EXPECT_EQ(run_trial([&] { return large; }, kLimits, "a.dae"), large);
+  EXPECT_TRUE(run_trial([] { return Bytes(); }, kLimits, "a.dae").empty());
+}
+
+TEST(TrialRun, ReportsCrashes) {
+  expect_says(problem_of([] { std::raise(SIGSEGV); }), "crashed (signal 11)");
+  expect_says(problem_of([] { throw std::runtime_error("damaged"); }), "crashed");
+  expect_says(problem_of([] { std::raise(SIGKILL); }), "the system ended the process");
+  expect_says(problem_of([] { std::raise(SIGINT); }), "interrupted");
+}
+
+TEST(TrialRun, LimitsMemory) {
+  expect_says(problem_of(exhaust_memory), "more than 256 MiB of memory");
+  rusage children{};
+  ASSERT_EQ(getrusage(RUSAGE_CHILDREN, &children), 0);
+  EXPECT_LT(children.ru_maxrss, 1 << 20) << "KiB";
+}
+
+TEST(TrialRun, LimitsProcessorTime) {
+  expect_says(problem_of(
+                  [] {
+                    std::atomic<int> turns = 0;
+                    while (true) ++turns;
+                  },
+                  {1, 60, kLimits.memory_bytes}),
+              "more than 1 s of processor time");
+}
+
+TEST(TrialRun, LimitsElapsedTime) {
+  const double start_s = now_s();
+  expect_says(problem_of(
+                  [] {
+                    while (true) pause();
+                  },
+                  {10, 1, kLimits.memory_bytes}),
+              "longer than 1 s");
+  EXPECT_LT(now_s() - start_s, 5);
 }
 
 TEST(TrialRun, EndsWithTheProcessThatBeganIt) {
@@ -35,12 +100,10 @@ TEST(TrialRun, EndsWithTheProcessThatBeganIt) {
   const pid_t process = fork();
   ASSERT_GE(process, 0);
   if (process == 0) {
-    survives_trial(
-        [&] {
-          [[maybe_unused]] const auto written = write(ends[1], "!", 1);
-          while (true) pause();
-        },
-        10, kMemory_bytes);
+    problem_of([&] {
+      [[maybe_unused]] const auto written = write(ends[1], "!", 1);
+      while (true) pause();
+    });
     _exit(0);
   }
   close(ends[1]);

@@ -115,6 +115,29 @@ Bytes binary_stl() {
   return bytes;
 }
 
+/// A chunk of 3DS: its number, its length with this head, its content.
+Bytes chunk_3ds(uint16_t number, std::initializer_list<Bytes> parts) {
+  constexpr size_t kHead = 6;
+  Bytes content;
+  for (const Bytes& part : parts) content.insert(content.end(), part.begin(), part.end());
+  Bytes bytes;
+  append(bytes, number);
+  append(bytes, static_cast<uint32_t>(kHead + content.size()));
+  bytes.insert(bytes.end(), content.begin(), content.end());
+  return bytes;
+}
+
+Bytes file_3ds() {
+  Bytes positions;
+  append(positions, uint16_t{3});
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) append(positions, value);
+  Bytes faces;
+  for (const uint16_t value : {1, 0, 1, 2, 0}) append(faces, value);  // count, vertices, flags
+  const Bytes mesh = chunk_3ds(0x4100, {chunk_3ds(0x4110, {positions}), chunk_3ds(0x4120, {faces})});
+  const Bytes object = chunk_3ds(0x4000, {Bytes{std::byte{'m'}, std::byte{0}}, mesh});
+  return chunk_3ds(0x4d4d, {chunk_3ds(0x3d3d, {object})});
+}
+
 std::string relume_json_text() {
   return R"({"scene": "rich.gltf", "camera": {"eye": [0, 0, 5], "target": [0, 0, 0], "fov_y_deg": 40, "lens_radius": 0.1, "focus_distance": 4},
 "camera_keys": [{"time": 0, "eye": [0, 0, 5], "target": [0, 0, 0]}, {"time": 1, "eye": [5, 0, 0], "target": [0, 0, 0]}],
@@ -174,6 +197,7 @@ std::vector<ExampleFile> example_files() {
           {"ascii.ply", to_bytes(ply_header("ascii") + "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n")},
           {"binary.ply", binary_ply()},
           {"binary.stl", binary_stl()},
+          {"a.3ds", file_3ds()},
           {"a.off", to_bytes("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")},
           {"a.dae", to_bytes(dae_text())},
           {"a.fbx", to_bytes(fbx_text(2))},

@@ -1,0 +1,118 @@
+#include "io/assimp/assimp_import.h"
+
+#include <algorithm>
+#include <exception>
+
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/texture.h>
+#include <fmt/format.h>
+#include <assimp/Importer.hpp>
+
+#include "io/assimp/assimp_materials.h"
+#include "io/assimp/assimp_nodes.h"
+
+namespace relume {
+namespace {
+
+/// Faces that meet at a smaller angle share a smooth normal where a file has none.
+constexpr float kCreaseAngleDeg = 60;
+constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
+
+unsigned post_processing(std::string_view extension) {
+  unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
+                   aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices | aiProcess_TransformUVCoords |
+                   aiProcess_FlipUVs;
+  if (extension == "fbx") steps |= aiProcess_GlobalScale;  // centimetres to metres
+  return steps;
+}
+
+void configure(Assimp::Importer& importer) {
+  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kCreaseAngleDeg);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+}
+
+/// Scene that assimp read, nullptr if it could not.
+const aiScene* read(Assimp::Importer& importer, const AssimpSource& source) {
+  const unsigned steps = post_processing(source.extension);
+  if (!source.file.empty()) return importer.ReadFile(source.file.string(), steps);
+  return importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(), steps, source.extension.c_str());
+}
+
+EmbeddedImage copy_embedded(const aiTexture& source) {
+  EmbeddedImage image;
+  image.width = static_cast<int>(source.mWidth);
+  image.height = static_cast<int>(source.mHeight);
+  const size_t count = size_t{source.mWidth} * source.mHeight;
+  if (!source.pcData || count > kMaxEmbeddedTexels) return image;
+  if (source.mHeight == 0) {
+    image.width = 0;
+    const auto* first = reinterpret_cast<const std::byte*>(source.pcData);
+    image.bytes.assign(first, first + source.mWidth);
+  }
+  image.bytes.reserve(4 * count);
+  for (size_t i = 0; i < count; ++i) {
+    const aiTexel& texel = source.pcData[i];
+    for (const unsigned char c : {texel.r, texel.g, texel.b, texel.a}) image.bytes.push_back(std::byte{c});
+  }
+  return image;
+}
+
+void import_embedded_images(const aiScene& source, ImportedScene& imported) {
+  for (const TextureRequest& request : imported.textures) {
+    for (const std::string& path : {request.first, request.second}) {
+      const aiTexture* embedded = path.empty() ? nullptr : source.GetEmbeddedTexture(path.c_str());
+      if (embedded && !imported.embedded.contains(path)) imported.embedded.emplace(path, copy_embedded(*embedded));
+    }
+  }
+}
+
+std::string no_triangles(const std::string& place) {
+  return fmt::format("{}: the file has no triangles; check that it is the right one", place);
+}
+
+/// The sentence for what assimp says of a file that it cannot read.
+std::string explain(std::string reason, const std::string& place) {
+  std::replace(reason.begin(), reason.end(), '\n', ' ');
+  // What assimp says of files with points and lines only, or with nothing at all.
+  for (const char* empty : {"No meshes", "no faces", "no meshes"}) {
+    if (reason.find(empty) != std::string::npos) return no_triangles(place);
+  }
+  return fmt::format("{}: the file cannot be read: {}", place,
+                     reason.empty() ? "its content is not understood" : reason);
+}
+
+void convert(const aiScene& source, const std::string& place, ImportedScene& imported) {
+  Scene& scene = imported.scene;
+  scene.name = std::filesystem::path(place).stem().string();
+  Warnings warnings(place);
+  if (source.mFlags & AI_SCENE_FLAGS_INCOMPLETE) warnings.add("the file is incomplete; what it has is shown");
+  import_assimp_materials(source, imported, warnings);
+  import_embedded_images(source, imported);
+  const std::vector<Index> mesh_of = import_assimp_meshes(source, scene, warnings);
+  import_assimp_nodes(source, mesh_of, scene, warnings);
+  scene.warnings = warnings.take();
+  if (scene.meshes.empty()) imported.problem = no_triangles(place);
+}
+
+}  // namespace
+
+ImportedScene import_with_assimp(const AssimpSource& source) {
+  ImportedScene imported;
+  try {
+    Assimp::Importer importer;
+    configure(importer);
+    if (const aiScene* scene = read(importer, source)) {
+      convert(*scene, source.place, imported);
+    } else {
+      imported.problem = explain(importer.GetErrorString(), source.place);
+    }
+  } catch (const std::exception& error) {
+    imported.problem = explain(error.what(), source.place);
+  }
+  return imported;
+}
+
+}  // namespace relume
