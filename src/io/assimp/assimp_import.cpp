@@ -4,6 +4,7 @@
 #include <exception>
 
 #include <assimp/config.h>
+#include <assimp/mesh.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/texture.h>
@@ -19,6 +20,7 @@ namespace {
 /// Faces that meet at a smaller angle share a smooth normal where a file has none.
 constexpr float kCreaseAngleDeg = 60;
 constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
+constexpr unsigned kRemoved = ~0u;
 
 unsigned post_processing(std::string_view extension) {
   unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
@@ -34,11 +36,45 @@ void configure(Assimp::Importer& importer) {
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }
 
+/// Removes meshes without faces, for which assimp refuses the whole file: an empty solid of an STL file.
+void remove_empty_meshes(aiScene& scene, Warnings& warnings) {
+  std::vector<unsigned> index_of(scene.mNumMeshes);
+  unsigned kept = 0;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    aiMesh* mesh = scene.mMeshes[i];
+    if (mesh->mNumFaces > 0 && mesh->mNumVertices > 0) {
+      index_of[i] = kept;
+      scene.mMeshes[kept++] = mesh;
+    } else {
+      index_of[i] = kRemoved;
+      warnings.add(fmt::format("mesh '{}': it has no faces and is skipped", mesh->mName.C_Str()));
+      delete mesh;
+    }
+  }
+  scene.mNumMeshes = kept;
+  std::vector<aiNode*> pending = {scene.mRootNode};
+  while (!pending.empty()) {
+    aiNode& node = *pending.back();
+    pending.pop_back();
+    unsigned used = 0;
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      const unsigned mesh = node.mMeshes[i] < index_of.size() ? index_of[node.mMeshes[i]] : kRemoved;
+      if (mesh != kRemoved) node.mMeshes[used++] = mesh;
+    }
+    node.mNumMeshes = used;
+    pending.insert(pending.end(), node.mChildren, node.mChildren + node.mNumChildren);
+  }
+}
+
 /// Scene that assimp read, nullptr if it could not.
-const aiScene* read(Assimp::Importer& importer, const AssimpSource& source) {
-  const unsigned steps = post_processing(source.extension);
-  if (!source.file.empty()) return importer.ReadFile(source.file.string(), steps);
-  return importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(), steps, source.extension.c_str());
+const aiScene* read(Assimp::Importer& importer, const AssimpSource& source, Warnings& warnings) {
+  const aiScene* scene = source.file.empty() ? importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(), 0,
+                                                                           source.extension.c_str())
+                                             : importer.ReadFile(source.file.string(), 0);
+  if (!scene || !scene->mRootNode) return nullptr;
+  remove_empty_meshes(const_cast<aiScene&>(*scene), warnings);  // the importer's own, which is not constant
+  if (scene->mNumMeshes == 0) return scene;
+  return importer.ApplyPostProcessing(post_processing(source.extension));
 }
 
 EmbeddedImage copy_embedded(const aiTexture& source) {
@@ -84,10 +120,9 @@ std::string explain(std::string reason, const std::string& place) {
                      reason.empty() ? "its content is not understood" : reason);
 }
 
-void convert(const aiScene& source, const std::string& place, ImportedScene& imported) {
+void convert(const aiScene& source, const std::string& place, Warnings& warnings, ImportedScene& imported) {
   Scene& scene = imported.scene;
   scene.name = std::filesystem::path(place).stem().string();
-  Warnings warnings(place);
   if (source.mFlags & AI_SCENE_FLAGS_INCOMPLETE) warnings.add("the file is incomplete; what it has is shown");
   import_assimp_materials(source, imported, warnings);
   import_embedded_images(source, imported);
@@ -104,8 +139,9 @@ ImportedScene import_with_assimp(const AssimpSource& source) {
   try {
     Assimp::Importer importer;
     configure(importer);
-    if (const aiScene* scene = read(importer, source)) {
-      convert(*scene, source.place, imported);
+    Warnings warnings(source.place);
+    if (const aiScene* scene = read(importer, source, warnings)) {
+      convert(*scene, source.place, warnings, imported);
     } else {
       imported.problem = explain(importer.GetErrorString(), source.place);
     }

@@ -199,6 +199,19 @@ TEST(Assimp, LoadsStlAndOff) {
   EXPECT_EQ(load_assimp_from_memory(to_bytes(off), "off", "a.off").meshes.at(0).positions.size(), 3u);
 }
 
+TEST(Assimp, SkipsEmptySolids) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\nendloop\nendfacet\n";
+  const auto load = [](const std::string& text) { return load_assimp_from_memory(to_bytes(text), "stl", "a.stl"); };
+  const std::string empty = "solid empty\nendsolid empty\n";
+  const Scene scene = load("solid a\n" + facet + "endsolid a\n" + empty + "solid b\n" + facet + facet + "endsolid b\n");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.meshes[0].triangles.size() + scene.meshes[1].triangles.size(), 3u);
+  EXPECT_EQ(placed_triangles(scene), 3u);
+  EXPECT_TRUE(mentions(scene.warnings, "mesh 'empty': it has no faces"));
+  EXPECT_NE(error_of([&] { load(empty + empty); }).find("no triangles"), std::string::npos);
+}
+
 TEST(Assimp, ConvertsColladaUnitsAxesLightsAndCameras) {
   const Scene scene = load_assimp_from_memory(to_bytes(dae_text()), "dae", "a.dae");
   // (0, 0, 100) cm with Z up is 1 m high with Y up.
