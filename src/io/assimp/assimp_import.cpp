@@ -1,6 +1,5 @@
 #include "io/assimp/assimp_import.h"
 
-#include <algorithm>
 #include <exception>
 
 #include <assimp/config.h>
@@ -12,6 +11,7 @@
 #include <assimp/Importer.hpp>
 
 #include "io/assimp/assimp_materials.h"
+#include "io/assimp/assimp_messages.h"
 #include "io/assimp/assimp_nodes.h"
 
 namespace relume {
@@ -105,21 +105,6 @@ void import_embedded_images(const aiScene& source, ImportedScene& imported) {
   }
 }
 
-std::string no_triangles(const std::string& place) {
-  return fmt::format("{}: the file has no triangles; check that it is the right one", place);
-}
-
-/// The sentence for what assimp says of a file that it cannot read.
-std::string explain(std::string reason, const std::string& place) {
-  std::replace(reason.begin(), reason.end(), '\n', ' ');
-  // What assimp says of files with points and lines only, or with nothing at all.
-  for (const char* empty : {"No meshes", "no faces", "no meshes"}) {
-    if (reason.find(empty) != std::string::npos) return no_triangles(place);
-  }
-  return fmt::format("{}: the file cannot be read: {}", place,
-                     reason.empty() ? "its content is not understood" : reason);
-}
-
 void convert(const aiScene& source, const std::string& place, Warnings& warnings, ImportedScene& imported) {
   Scene& scene = imported.scene;
   scene.name = std::filesystem::path(place).stem().string();
@@ -129,7 +114,7 @@ void convert(const aiScene& source, const std::string& place, Warnings& warnings
   const std::vector<Index> mesh_of = import_assimp_meshes(source, scene, warnings);
   import_assimp_nodes(source, mesh_of, scene, warnings);
   scene.warnings = warnings.take();
-  if (scene.meshes.empty()) imported.problem = no_triangles(place);
+  if (scene.meshes.empty()) imported.problem = fmt::format("{}: {}", place, kNoTriangles);
 }
 
 }  // namespace
@@ -143,10 +128,10 @@ ImportedScene import_with_assimp(const AssimpSource& source) {
     if (const aiScene* scene = read(importer, source, warnings)) {
       convert(*scene, source.place, warnings, imported);
     } else {
-      imported.problem = explain(importer.GetErrorString(), source.place);
+      imported.problem = fmt::format("{}: {}", source.place, explain_assimp_problem(importer.GetErrorString()));
     }
   } catch (const std::exception& error) {
-    imported.problem = explain(error.what(), source.place);
+    imported.problem = fmt::format("{}: {}", source.place, explain_assimp_problem(error.what()));
   }
   return imported;
 }
