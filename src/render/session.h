@@ -79,7 +79,7 @@ class Session {
   double picture_render_s() const;
 
   /// What changes from one frame to the next. Histories keep what they can; without one, samples start anew.
-  /// Times lie in the range of the setting "scene-time".
+  /// Times lie in the range of the setting "scene-time". Throws Error for an index that the scene does not have.
   void set_time(float time_s);
   void set_camera(const std::optional<PlacedCamera>& camera);
   void set_transform(Index node, const Transform& transform);

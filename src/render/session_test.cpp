@@ -1,5 +1,8 @@
 #include "render/session.h"
 
+#include <limits>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -60,6 +63,22 @@ TEST(Session, IsAsItWasWhereATimeIsRefused) {
   EXPECT_EQ(session.frames_since_change(), 4u);
   session.render_frame();
   EXPECT_EQ(session.kept_samples(), 5);
+}
+
+TEST(Session, RefusesIndicesThatTheSceneDoesNotHave) {
+  constexpr Index kLargest = std::numeric_limits<Index>::max();
+  Session session(testing::plate(), small_settings());  // two nodes, a material, no light
+  for (const Index index : {2, kNone, kLargest, -kLargest}) {
+    EXPECT_EQ(testing::problem_of([&] { session.set_transform(index, {}); }),
+              "plate: node " + std::to_string(index) + " does not exist; give an index from 0 to 1");
+  }
+  EXPECT_EQ(testing::problem_of([&] { session.set_material(1, {}); }),
+            "plate: material 1 does not exist; give an index from 0 to 0");
+  EXPECT_NE(testing::problem_of([&] { session.set_material(kNone, {}); }), "");
+  EXPECT_EQ(testing::problem_of([&] { session.set_light(0, {}); }),
+            "plate: light 0 does not exist; the scene has no lights");
+  session.render_frame();
+  EXPECT_EQ(session.frames_since_change(), 1u);
 }
 
 TEST(Session, GoesOnWithTheSameSequenceWhereOnlyTheClockMoves) {

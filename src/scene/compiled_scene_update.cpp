@@ -18,6 +18,14 @@ bool same(const CameraView& a, const CameraView& b) {
          a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
 }
 
+/// Throws Error unless `index` is one of `count` parts of this kind ("node").
+void check_index(Index index, size_t count, const char* kind, const std::string& place) {
+  if (index >= 0 && static_cast<size_t>(index) < count) return;
+  const std::string valid =
+      count == 0 ? fmt::format("the scene has no {}s", kind) : fmt::format("give an index from 0 to {}", count - 1);
+  throw Error(fmt::format("{}: {} {} does not exist; {}", place, kind, index, valid));
+}
+
 }  // namespace
 
 void CompiledScene::end_frame() {
@@ -59,6 +67,7 @@ Change CompiledScene::set_resolution(int width, int height) {
 }
 
 Change CompiledScene::set_transform(Index node, const Transform& transform) {
+  check_index(node, source_.nodes.size(), "node", source_.name);
   Node& target = source_.nodes[static_cast<size_t>(node)];
   const Node before = target;
   const std::vector<AnimationChannel> animation_before = source_.animation;
@@ -78,6 +87,7 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
 }
 
 Change CompiledScene::set_light(Index light, const PunctualLight& value) {
+  check_index(light, source_.lights.size(), "light", source_.name);
   validate(value, source_.name);
   source_.lights[static_cast<size_t>(light)] = value;
   collect_lights();
@@ -95,6 +105,7 @@ Change CompiledScene::set_environment(const Environment& environment) {
 }
 
 Change CompiledScene::set_material(Index material, const Material& value) {
+  check_index(material, source_.materials.size(), "material", source_.name);
   validate(value, source_.name);
   for (const TextureRef* ref : texture_refs(value)) {
     if (ref->texture != kNone && static_cast<size_t>(ref->texture) >= source_.textures.size())
