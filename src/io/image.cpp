@@ -115,7 +115,7 @@ Image parse_image(std::span<const std::byte> bytes, const std::string& name) {
   const detail::ImageFormat format = detail::detect_image_format(bytes, name);
   if (format == detail::ImageFormat::exr) return image_from_exr(parse_exr(bytes, name), {}, name);
   if (format == detail::ImageFormat::hdr) return detail::parse_rgbe(bytes, name);
-  const detail::DecodedPixels pixels = detail::decode_with_stb(bytes, format, name);
+  const detail::DecodedPixels pixels = detail::decode_pixels(bytes, format, name);
   Image image(pixels.width, pixels.height);
   if (!pixels.rgba16.empty()) {
     fill(image, pixels.rgba16, [](uint16_t x) { return linear_from_srgb(static_cast<float>(x) / 65535.0f); });

@@ -1,18 +1,9 @@
 #include "io/image_complete.h"
 
-#include <algorithm>
-#include <cstdlib>
+#include "io/little_endian.h"
 
 namespace relume::detail {
 namespace {
-
-/// Little-endian number of `size` bytes; what is beyond the end counts as 0.
-uint64_t number_at(std::span<const std::byte> bytes, size_t offset, size_t size) {
-  uint64_t value = 0;
-  for (size_t i = 0; i < size && offset + i < bytes.size(); ++i)
-    value |= std::to_integer<uint64_t>(bytes[offset + i]) << (8 * i);
-  return value;
-}
 
 /// Whether every chunk ends within the file. stb_image would first allocate what a damaged length asks for.
 bool is_complete_png(std::span<const std::byte> bytes) {
@@ -79,33 +70,6 @@ bool is_complete_tga(std::span<const std::byte> bytes, uint64_t pixel_count) {
   return end <= bytes.size();
 }
 
-/// BITMAPCOREHEADER or BITMAPINFOHEADER and later ones, without compression: rows are padded to four bytes.
-bool is_complete_bmp(std::span<const std::byte> bytes) {
-  constexpr size_t kFileHeader = 14;
-  const uint64_t begin = number_at(bytes, 10, 4);
-  const uint64_t header = number_at(bytes, 14, 4);
-  const bool is_core = header == 12;
-  const uint64_t width = number_at(bytes, 18, is_core ? 2 : 4);
-  const auto height =
-      static_cast<uint64_t>(is_core ? number_at(bytes, 20, 2)
-                                    : static_cast<uint64_t>(std::llabs(static_cast<int32_t>(number_at(bytes, 22, 4)))));
-  const uint64_t depth = number_at(bytes, is_core ? 24 : 28, 2);
-  const uint64_t row_bytes = (width * depth + 31) / 32 * 4;
-  if (begin + row_bytes * height > bytes.size()) return false;
-  if (depth != 1 && depth != 4 && depth != 8) return true;
-  // As stb_image counts them, which takes the core header for twice its length.
-  const uint64_t headers = kFileHeader + (is_core ? 24 : header);
-  const uint64_t colors = begin > headers ? (begin - headers) / (is_core ? 3 : 4) : 0;
-  for (uint64_t y = 0; y < height && colors < uint64_t{1} << depth; ++y) {
-    for (uint64_t x = 0; x < width; ++x) {
-      const uint64_t bit = x * depth;
-      const uint64_t byte = number_at(bytes, begin + y * row_bytes + bit / 8, 1);
-      if ((byte >> (8 - depth - bit % 8) & ((uint64_t{1} << depth) - 1)) >= colors) return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 bool starts_with(std::span<const std::byte> bytes, std::string_view magic, size_t offset) {
@@ -121,7 +85,6 @@ bool is_complete(std::span<const std::byte> bytes, ImageFormat format, uint64_t 
     case ImageFormat::png: return is_complete_png(bytes);
     case ImageFormat::jpeg: return is_complete_jpeg(bytes);
     case ImageFormat::tga: return is_complete_tga(bytes, pixel_count);
-    case ImageFormat::bmp: return is_complete_bmp(bytes);
     default: return true;
   }
 }

@@ -14,8 +14,7 @@ namespace relume::detail {
 /// Whether the bytes at `offset` are `magic`.
 bool starts_with(std::span<const std::byte> bytes, std::string_view magic, size_t offset = 0);
 
-/// Whether a PNG, JPEG, TGA or BMP of that many pixels has all its data, and indices of a BMP have colours. True for
-/// other formats.
+/// Whether a PNG, JPEG or TGA of that many pixels has all its data. True for other formats.
 bool is_complete(std::span<const std::byte> bytes, ImageFormat format, uint64_t pixel_count);
 
 }  // namespace relume::detail

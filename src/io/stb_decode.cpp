@@ -8,6 +8,7 @@
 #include <stb_image.h>
 
 #include "core/error.h"
+#include "io/bmp.h"
 #include "io/image_complete.h"
 #include "io/image_limits.h"
 
@@ -83,7 +84,8 @@ ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::str
   throw Error(fmt::format("{}: not a recognised image; convert it to PNG, JPEG, TGA, HDR or EXR", name));
 }
 
-DecodedPixels decode_with_stb(std::span<const std::byte> bytes, ImageFormat format, const std::string& name) {
+DecodedPixels decode_pixels(std::span<const std::byte> bytes, ImageFormat format, const std::string& name) {
+  if (format == ImageFormat::bmp) return decode_bmp(bytes, name);
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     throw Error(fmt::format("{}: image files above 2 GiB are not supported; convert it to EXR", name));
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());

@@ -1,4 +1,4 @@
-// Decoding through stb_image, with what may reach it narrowed down to the formats that relume documents.
+// Image files of integers: BMP by bmp.cpp, the other formats that relume documents through stb_image.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +23,6 @@ struct DecodedPixels {
 };
 
 /// Decodes PNG, JPEG, BMP or TGA. Grey is replicated, missing alpha is opaque. Throws Error.
-DecodedPixels decode_with_stb(std::span<const std::byte> bytes, ImageFormat format, const std::string& name);
+DecodedPixels decode_pixels(std::span<const std::byte> bytes, ImageFormat format, const std::string& name);
 
 }  // namespace relume::detail

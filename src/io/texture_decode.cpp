@@ -59,7 +59,7 @@ std::vector<uint8_t> round_to_8_bit(const std::vector<uint16_t>& samples) {
 
 Texture texture_from_stb(std::span<const std::byte> bytes, detail::ImageFormat format, const std::string& name,
                          PixelFormat wanted) {
-  const detail::DecodedPixels pixels = detail::decode_with_stb(bytes, format, name);
+  const detail::DecodedPixels pixels = detail::decode_pixels(bytes, format, name);
   Texture texture;
   texture.width = pixels.width;
   texture.height = pixels.height;
