@@ -1,5 +1,6 @@
 #include "io/gltf/gltf_document.h"
 
+#include <charconv>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -53,8 +54,7 @@ Chunks split_glb(const Document& document, ByteSpan file) {
   return chunks;
 }
 
-/// tinygltf's messages are lists of lines; the first says what is wrong.
-/// Without its full stop.
+/// tinygltf's messages are lists of lines; the first says what is wrong. Without its full stop.
 std::string first_line(const std::string& text) {
   std::string line = text.substr(0, text.find('\n'));
   if (line.ends_with('.')) line.pop_back();
@@ -90,10 +90,8 @@ ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index,
       document.storage.push_back(read_file_bytes(file));
     }
     bytes = document.storage.back();
-  } else if (entry.is_fallback) {
-    return {};
-  } else if (index != 0 || bin.empty()) {
-    document.damaged(fmt::format("buffers[{}] has neither a URI nor a binary chunk", index));
+  } else if (entry.is_fallback || index != 0 || bin.empty()) {
+    return {};  // unused, or filled by an extension
   }
   if (entry.byte_length > bytes.size())
     document.damaged(
@@ -110,6 +108,9 @@ void slice_views(Document& document) {
     if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= document.buffers.size())
       document.damaged(fmt::format("bufferViews[{}] refers to missing buffer {}", i, view.buffer));
     const ByteSpan buffer = document.buffers[static_cast<size_t>(view.buffer)];
+    if (buffer.empty())
+      document.damaged(fmt::format("buffers[{}] has neither a URI nor a binary chunk, but bufferViews[{}] needs it",
+                                   view.buffer, i));
     if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
       document.damaged(fmt::format("bufferViews[{}] ({} bytes at {}) goes beyond its buffer of {} bytes", i,
                                    view.byteLength, view.byteOffset, buffer.size()));
@@ -128,6 +129,19 @@ void decompress_views(Document& document) {
     document.storage.push_back(std::move(decoded[k]));
     document.views[compressed[k]] = document.storage.back();
   }
+}
+
+/// glTF 2.0, §3.2: files name the oldest version that can show them. Later minor versions only add things.
+void warn_of_version(Document& document) {
+  const std::string& text = document.model.asset.minVersion;
+  int major = 0;
+  int minor = 0;
+  const char* const end = text.data() + text.size();
+  const auto [dot, failure] = std::from_chars(text.data(), end, major);
+  if (failure != std::errc{}) return;
+  if (dot != end) std::from_chars(dot + 1, end, minor);
+  if (major > 2 || (major == 2 && minor > 0))
+    document.warnings.add(fmt::format("the file asks for glTF {}, but 2.0 is supported; parts may be missing", text));
 }
 
 void warn_of_extensions(Document& document) {
@@ -157,6 +171,7 @@ void read_document(ByteSpan file, const std::filesystem::path& base_dir, Documen
     document.buffers.push_back(load_buffer(document, prepared.buffers[i], i, chunks.bin));
   slice_views(document);
   decompress_views(document);
+  warn_of_version(document);
   warn_of_extensions(document);
 }
 

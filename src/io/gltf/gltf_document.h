@@ -34,7 +34,7 @@ struct Document {
   std::filesystem::path base_dir;
   Warnings warnings;
   tinygltf::Model model;          ///< without buffers and images
-  std::vector<ByteSpan> buffers;  ///< empty: a fallback buffer
+  std::vector<ByteSpan> buffers;  ///< empty: without bytes, as a fallback buffer
   std::vector<ByteSpan> views;    ///< by buffer view, decompressed; in range
   std::vector<ImageEntry> images;
   std::string scene_extras;    ///< see PreparedJson

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -31,6 +33,28 @@ constexpr std::array<std::string_view, 13> kSupportedExtensions = {"KHR_material
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",
     "meshes",    "nodes",      "samplers", "scenes",      "skins",   "textures"};
+
+/// tinygltf wants integers without a fraction (3), but JSON lets writers say 3.0. Applications' own `extras` stay as
+/// they are. In extensions tinygltf keeps 32 bits of an integer, so that larger numbers stay real.
+void make_integers(json& value, double largest) {
+  constexpr double kLargestInExtensions = std::numeric_limits<int32_t>::max();
+  if (value.is_object()) {
+    for (auto& [key, member] : value.items()) {
+      if (key != "extras") make_integers(member, key == "extensions" ? kLargestInExtensions : largest);
+    }
+  } else if (value.is_array()) {
+    for (json& element : value) make_integers(element, largest);
+  } else if (value.is_number_float()) {
+    const auto number = value.get<double>();
+    const bool is_integer = std::abs(number) <= largest && number == std::floor(number);
+    if (!is_integer || (number == 0 && std::signbit(number))) return;
+    if (number < 0) {
+      value = static_cast<int64_t>(number);
+    } else {
+      value = static_cast<uint64_t>(number);
+    }
+  }
+}
 
 void check_structure(const json& root, const std::string& place) {
   if (!root.is_object()) throw Error(fmt::format("{}: the JSON is not an object; this is not a glTF file", place));
@@ -138,6 +162,8 @@ bool is_supported_extension(std::string_view name) {
 
 PreparedJson prepare_json(std::string_view json_text, const std::string& place) {
   json root = parse_json(json_text, place);
+  constexpr double kLargestExact = 9007199254740992;  // 2^53
+  make_integers(root, kLargestExact);
   check_structure(root, place);
   check_required_extensions(root, place);
   PreparedJson prepared;

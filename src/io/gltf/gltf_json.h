@@ -10,7 +10,7 @@ namespace relume::gltf {
 
 /// One element of "buffers".
 struct BufferEntry {
-  std::string uri;  ///< empty: the binary chunk of a .glb, or nothing
+  std::string uri;  ///< empty: the binary chunk of a .glb, or no bytes
   uint64_t byte_length = 0;
   bool is_fallback = false;  ///< EXT_meshopt_compression: holds no bytes
 };

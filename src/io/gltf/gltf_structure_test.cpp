@@ -1,9 +1,12 @@
 // Files, nodes and primitives of glTF.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "io/gltf/gltf_loader.h"
 #include "io/scene_io.h"
-#include "io/testing/scene_files.h"
+#include "io/testing/example_files.h"
+#include "scene/scene_hash.h"
 
 namespace relume {
 namespace {
@@ -50,6 +53,69 @@ TEST(Gltf, LoadsBufferFileWithEscapedName) {
   doc["buffers"][0]["byteLength"] = 40;
   const auto truncated = folder.write("c.gltf", doc.dump());
   EXPECT_NE(error_of([&] { load_gltf(truncated); }).find("damaged"), std::string::npos);
+}
+
+/// Writes all integers as reals: 3.0.
+json with_reals(const json& value) {
+  if (value.is_number_integer()) return value.get<double>();
+  json result = value;
+  for (json& element : result) {
+    if (value.is_structured()) element = with_reals(element);
+  }
+  return result;
+}
+
+TEST(Gltf, ReadsIntegersThatAreWrittenAsReals) {
+  for (const testing::ExampleFile& file : testing::example_files()) {
+    if (!file.name.ends_with(".gltf")) continue;
+    const json doc = json::parse(reinterpret_cast<const char*>(file.bytes.data()),
+                                 reinterpret_cast<const char*>(file.bytes.data()) + file.bytes.size());
+    const std::string text = with_reals(doc).dump();
+    ASSERT_NE(text.find("5126.0"), std::string::npos);
+    const Scene scene = testing::load_text(text);
+    const Scene expected = testing::load_text(doc.dump());
+    EXPECT_EQ(scene_hash(scene), scene_hash(expected)) << file.name;
+    EXPECT_EQ(scene.warnings, expected.warnings) << file.name;
+  }
+  json doc = triangle_file().doc;
+  doc["accessors"][0]["count"] = 2.5;
+  EXPECT_NE(error_of([&] { testing::load_text(doc.dump()); }), "");
+}
+
+TEST(Gltf, KeepsLargeNumbersOfExtensionsAndNegativeZeros) {
+  GltfBuilder file;
+  const int material = file.add_triangle_with_material(
+      {{"emissiveFactor", {1.0, 0.0, 0.0}},
+       {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 1e10}}}}}});
+  file.doc["nodes"][0]["translation"] = {-0.0, 3.0, -2.0};
+  file.doc["extensionsUsed"] = {"KHR_materials_emissive_strength"};
+  const Scene scene = file.load();
+  EXPECT_EQ(scene.materials.at(static_cast<size_t>(material)).emission.x, 1e10f);
+  EXPECT_TRUE(std::signbit(scene.nodes.at(0).transform.translation.x));
+  EXPECT_EQ(scene.nodes[0].transform.translation, Vec3(0, 3, -2));
+}
+
+TEST(Gltf, BuffersWithoutBytesMayBeUnused) {
+  json doc = json::parse(triangle_file().text());
+  doc["buffers"].push_back({{"byteLength", 100}});
+  EXPECT_EQ(testing::load_text(doc.dump()).meshes.size(), 1u);
+  doc["bufferViews"][0]["buffer"] = 1;
+  EXPECT_NE(error_of([&] {
+              testing::load_text(doc.dump());
+            }).find("buffers[1] has neither a URI nor a binary chunk, but bufferViews[0] needs it"),
+            std::string::npos);
+}
+
+TEST(Gltf, WarnsOfALaterVersion) {
+  GltfBuilder file = triangle_file();
+  for (const char* version : {"2.0", "1.0", "2"}) {
+    file.doc["asset"]["minVersion"] = version;
+    EXPECT_TRUE(file.load().warnings.empty()) << version;
+  }
+  for (const char* version : {"2.1", "3.0", "10"}) {
+    file.doc["asset"]["minVersion"] = version;
+    EXPECT_TRUE(mentions(file.load().warnings, std::string("the file asks for glTF ") + version)) << version;
+  }
 }
 
 TEST(Gltf, KeepsTransformsMatricesAndParents) {
