@@ -29,8 +29,7 @@ struct Bmp {
       for (int i = 0; i < size; ++i) file.push_back(static_cast<uint8_t>(value >> (8 * i)));
     };
     const int field = header_size == 12 ? 2 : 4;
-    put(0, 8);
-    put(0, 4);  // where the pixels begin
+    for (int i = 0; i < 3; ++i) put(0, 4);  // the last: where the pixels begin
     put(header_size, 4);
     put(static_cast<uint32_t>(width), field);
     put(static_cast<uint32_t>(height), field);
