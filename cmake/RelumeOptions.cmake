@@ -4,7 +4,13 @@ option(RELUME_BUILD_BENCHMARKS "Build the benchmarks" ON)
 option(RELUME_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
 option(RELUME_FUZZERS "Build the libFuzzer targets (needs Clang)" OFF)
 set(RELUME_SANITIZE "" CACHE STRING "Sanitizers of the build: empty, address;undefined or thread")
-set(RELUME_ARCH "x86-64-v3" CACHE STRING "-march of the build: x86-64-v3 (AVX2), x86-64 (any), native")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(RELUME_ARCH "x86-64-v3" CACHE STRING "-march of the build: x86-64-v3 (AVX2), x86-64 (any), native")
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(RELUME_ARCH "armv8-a" CACHE STRING "-march of the build: armv8-a (any), native")
+else()
+  set(RELUME_ARCH "" CACHE STRING "-march of the build; empty: the compiler's default")
+endif()
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -43,7 +49,7 @@ target_compile_options(relume_flags INTERFACE
   # The same bits whatever the optimiser does: no fused multiply-add, no reassociation.
   -ffp-contract=off
   -fno-math-errno -fno-trapping-math)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+if(RELUME_ARCH)
   target_compile_options(relume_flags INTERFACE -march=${RELUME_ARCH})
 endif()
 if(RELUME_WARNINGS_AS_ERRORS)

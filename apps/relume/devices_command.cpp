@@ -17,6 +17,8 @@ const char* vector_instructions() {
   if (__builtin_cpu_supports("avx2")) return "AVX2";
   if (__builtin_cpu_supports("avx")) return "AVX";
   return "SSE2";
+#elif defined(__aarch64__)
+  return "NEON";
 #else
   return "unknown";
 #endif

@@ -18,21 +18,31 @@
 namespace relume {
 namespace {
 
+// The processor's control of floating-point arithmetic, and its bits that flush denormals, as operands and as results.
+#if defined(__SSE__)
+uint64_t float_control() { return _mm_getcsr(); }
+void set_float_control(uint64_t value) { _mm_setcsr(static_cast<unsigned>(value)); }
+constexpr uint64_t kFlushDenormals = _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON;
+#elif defined(__aarch64__)
+uint64_t float_control() { return __builtin_aarch64_get_fpcr64(); }
+void set_float_control(uint64_t value) { __builtin_aarch64_set_fpcr64(value); }
+constexpr uint64_t kFlushDenormals = uint64_t{1} << 24;  // FZ
+#else
+uint64_t float_control() { return 0; }
+void set_float_control(uint64_t) {}
+constexpr uint64_t kFlushDenormals = 0;
+#endif
+
 /// Embree wants denormals flushed to zero in every thread that traces. Restores the caller's mode.
 class FlushDenormals {
  public:
-#if defined(__SSE__)
-  FlushDenormals() : saved_(_mm_getcsr()) {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
+  FlushDenormals() : saved_(float_control()) { set_float_control(saved_ | kFlushDenormals); }
+  ~FlushDenormals() { set_float_control(saved_); }
   FlushDenormals(const FlushDenormals&) = delete;
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 
  private:
-  unsigned saved_;
-#endif
+  uint64_t saved_;
 };
 
 }  // namespace

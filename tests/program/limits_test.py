@@ -83,7 +83,7 @@ class Limits(ProgramTest):
         self.write_large_mesh()
         for command in commands:
             with self.subTest(command=command[:2]):
-                last = self.complaint(self.run_limited(resource.RLIMIT_AS, 900 << 20, *command))
+                last = self.complaint(self.run_limited(resource.RLIMIT_AS, 700 << 20, *command))
                 self.assertIn("memory", last)
                 self.assertEqual(self.written(), ["large.ply"])
 

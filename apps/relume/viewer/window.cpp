@@ -1,6 +1,7 @@
 #include "viewer/window.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -73,6 +74,9 @@ uint64_t fingerprint(const ImDrawData& data, uint64_t content) {
 }  // namespace
 
 void Window::require_display() {
+#ifdef GLFW_PLATFORM  // GLFW 3.4: without Wayland, asking for it prints an error
+  if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() == GLFW_TRUE) return;
   throw Error(fmt::format("no window can be opened ({}); relume view needs a display, such as X11 or `xvfb-run`",
                           glfw_problem()));

@@ -62,8 +62,11 @@ Mesh convert_mesh(const aiMesh& source, const aiScene& scene) {
   return mesh;
 }
 
-/// FBX files say which of their axes point right, up and to the viewer; assimp 5.2 reports but does not apply that.
+/// FBX files name their axes that point right, up and to the viewer. assimp 5.2 reports these axes only; 5.4 turns the
+/// root node, which no file can turn.
 Mat4 to_y_up(const aiScene& source) {
+  const aiMatrix4x4& root = source.mRootNode->mTransformation;
+  if (root.b3 != 0.0f || root.c2 != 0.0f || root.a2 != 0.0f) return Mat4(1);
   int32_t axes[3] = {0, 1, 2};
   int32_t signs[3] = {1, 1, 1};
   constexpr const char* kNames[3] = {"CoordAxis", "UpAxis", "FrontAxis"};

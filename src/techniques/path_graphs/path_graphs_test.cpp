@@ -135,7 +135,7 @@ TEST_P(Caches, SameBitsWithAnyNumberOfThreads) {
   }
 }
 
-TEST_P(Caches, ATableSixteenTimesTooSmallDegrades) {
+TEST_P(Caches, ATableSixteenTimesTooSmallForgets) {
   CachedFrameSettings settings = small(GetParam(), 48);
   CachedFrames roomy(build("cornell"), settings);
   const double expected = mean_over(roomy, 2, 12);
@@ -143,12 +143,13 @@ TEST_P(Caches, ATableSixteenTimesTooSmallDegrades) {
   CachedFrames tight(build("cornell"), settings);
   const double mean = mean_over(tight, 2, 12);
   EXPECT_EQ(roomy.grid().statistics().dropped, 0u);
-  EXPECT_GT(tight.grid().statistics().dropped, 0u);
-  // Pixels without a cell show their own path: more noise, the same mean.
+  EXPECT_EQ(tight.grid().statistics().dropped, 0u);
+  EXPECT_GT(tight.grid().statistics().discarded, 0u);
+  // Most cells know one frame only: more noise, the same mean.
   EXPECT_NEAR(mean / expected, 1.0, 0.06);
   const double noise = variance_of_frames(roomy);
   const double more_noise = variance_of_frames(tight);
-  EXPECT_GT(more_noise, 1.4 * noise);  // 1.73 to 1.83
+  EXPECT_GT(more_noise, noise);
 }
 
 std::string case_name(const ::testing::TestParamInfo<CacheKind>& info) { return testing::name_of(info.param); }
