@@ -8,6 +8,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "viewer/actions.h"
+#include "viewer/imgui_input.h"
 #include "viewer/panels.h"
 #include "viewer/settings_panel.h"
 #include "viewer/theme.h"
@@ -91,7 +92,6 @@ void App::frame() {
 }
 
 void App::take_input() {
-  ImGuiIO& io = ImGui::GetIO();
   script_.update(
       {.frames = [this] { return state_.frame() ? state_.frame()->serial : 0; },
        .request = [this] { return version_; },
@@ -100,19 +100,12 @@ void App::take_input() {
        .loading = [this] { return state_.loading.valid(); },
        .act = [this](const ScriptStep& step) { act(step); }});
   const ScriptedInput& input = script_.input();
-  if (!options_.script.empty()) {
-    std::fill(std::begin(io.KeysDown), std::end(io.KeysDown), false);
-    for (const int key : input.keys) io.KeysDown[key] = true;
-    io.KeyShift = io.KeysDown[parse_keys("shift", "")[0]];
-    io.KeyCtrl = io.KeysDown[parse_keys("ctrl", "")[0]];
-    io.KeyAlt = io.KeysDown[parse_keys("alt", "")[0]];
-    if (input.mouse) {
-      const Rect& picture = viewport_.picture();
-      io.MousePos = {picture.at.x + input.point.x * picture.size.x, picture.at.y + input.point.y * picture.size.y};
-      io.MouseDown[0] = input.left;
-      io.MouseWheel = input.wheel;
-    }
-  }
+  if (options_.script.empty()) return;
+  hold_keys(input.keys);
+  if (!input.mouse) return;
+  const Rect& picture = viewport_.picture();
+  hold_mouse({picture.at.x + input.point.x * picture.size.x, picture.at.y + input.point.y * picture.size.y}, input.left,
+             input.wheel);
 }
 
 void App::take_frames() {

@@ -1,5 +1,5 @@
 #include "viewer/actions.h"
-#include "viewer/imgui_keys.h"
+#include "viewer/imgui_input.h"
 #include "viewer/viewport.h"
 
 namespace relume::viewer {
