@@ -5,12 +5,12 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import struct
 import subprocess
 import sys
 import unittest
 
+import display
 from png import png_pixels
 from program import PROGRAM, SMALL, ProgramTest, exr_strings, run
 
@@ -19,13 +19,6 @@ SKIPPED = 77  # to ctest
 SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
 # Set on machines that do nothing else: rates are then required, not only reported.
 QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
-
-
-def display():
-    """What puts a display before a command; None if there is none to be had."""
-    if os.environ.get("DISPLAY"):
-        return []
-    return ["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24"] if shutil.which("xvfb-run") else None
 
 
 def combination_table():
@@ -54,7 +47,7 @@ class Viewer(ProgramTest):
         (self.folder / "steps.txt").write_text(script)
         # A small window, for it is drawn by the processor too.
         arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
-        command = [*display(), PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", *map(str, arguments)]
+        command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", *map(str, arguments)]
         environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
         done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -118,7 +111,7 @@ class Scenes(Viewer):
         self.assertGreater(report["mean_luminance"], 0)
 
     def test_a_first_scene_that_is_missing_is_an_error(self):
-        done = subprocess.run([*display(), PROGRAM, "view", "missing.glb", "--smoke", "1"], capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run([PROGRAM, "view", "missing.glb", "--smoke", "1"], capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("missing.glb", done.stderr)
 
@@ -334,20 +327,20 @@ class Settings(Viewer):
     def test_a_picture_that_cannot_be_written_is_an_error(self):
         for step in ("save missing/a.png", "save-view missing/a.json"):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
-            done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
             self.assertEqual(done.returncode, 1, step)
             self.assertIn("missing", done.stderr)
 
     def test_a_bad_step_ends_with_its_line(self):
         (self.folder / "steps.txt").write_text("frames 1\nset lights bogus\n")
-        done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("steps.txt:2: set:", done.stderr)
 
     def test_steps_that_would_mean_nothing_end_with_their_line(self):
         for step, said in (("split of", "neither on nor off"), ("pace of", "none of"), ("set camera nope", "there is no camera 'nope'")):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
-            done = subprocess.run([*display(), PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
+            done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)
             self.assertEqual(done.returncode, 1, step)
             self.assertIn(said, done.stderr)
 
@@ -379,7 +372,8 @@ class Rates(Viewer):
 
 
 if __name__ == "__main__":
-    if display() is None:
-        print("neither a display nor xvfb-run")
+    if not display.is_available():
+        print("neither a display nor Xvfb")
         sys.exit(SKIPPED)
-    unittest.main()
+    with display.any_display():
+        unittest.main()
