@@ -1,12 +1,12 @@
-#include <csignal>
 #include <string>
 #include <vector>
 
 #include "command_line.h"
+#include "platform.h"
 
 int main(int argc, char** argv) {
   using namespace relume::cli;
-  std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it, and so would we: how children end would stay unknown
+  prepare_signals();
   Verbosity verbosity;
   std::vector<Command> commands = {
       render_command(verbosity), view_command(verbosity), scenes_command(),           export_command(verbosity),

@@ -13,6 +13,7 @@
 #include <fstream>
 
 #include "command.h"
+#include "io/temporary_file.h"
 
 namespace relume::cli {
 namespace {
@@ -27,8 +28,13 @@ void write_byte(char byte) {
   if (write(g_pipe[1], &byte, 1) < 0) _exit(kExitInterrupted);
 }
 
-extern "C" void relume_on_interrupt(int) {
-  if (g_interrupts.fetch_add(1) > 0) _exit(kExitInterrupted);
+extern "C" void relume_end(int) {
+  remove_temporary_files();
+  _exit(kExitInterrupted);
+}
+
+extern "C" void relume_on_interrupt(int signal_number) {
+  if (g_interrupts.fetch_add(1) > 0) relume_end(signal_number);
   write_byte('i');
 }
 
@@ -93,6 +99,19 @@ std::string reference_folder(const std::string& cache_folder) {
 
 bool folder_is_writable(const std::string& folder) {
   return access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
+}
+
+void prepare_signals() {
+  std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it, and so would we: how children end would stay unknown
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit of file size then fails like writing to a full disk
+  for (const int number : {SIGINT, SIGTERM}) {
+    struct sigaction action {};
+    sigaction(number, nullptr, &action);
+    if (action.sa_handler != SIG_DFL) continue;  // ignored by `nohup` or a shell's background job
+    action.sa_handler = relume_end;
+    action.sa_flags = SA_RESTART;
+    sigaction(number, &action, nullptr);
+  }
 }
 
 InterruptGuard::InterruptGuard() {

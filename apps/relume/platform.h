@@ -1,5 +1,5 @@
-// What only the operating system knows. Of the program, platform.cpp, child_pipe.cpp and one line of main.cpp assume
-// POSIX; of the library, core/memory.cpp, io/tev_client.cpp and io/assimp/trial_run.cpp.
+// What only the operating system knows. Of the program, platform.cpp and child_pipe.cpp assume POSIX; of the library,
+// core/memory.cpp, io/atomic_file.cpp, io/temporary_file.cpp, io/tev_client.cpp and io/assimp/trial_run.cpp.
 #pragma once
 
 #include <cstdint>
@@ -36,6 +36,10 @@ std::string state_folder();
 /// Folder for references: below `cache_folder` or, if that is empty, below $XDG_CACHE_HOME/relume or ~/.cache/relume.
 /// It need not exist. Throws UsageError if the environment tells of neither.
 std::string reference_folder(const std::string& cache_folder);
+
+/// Sets how the process takes signals: SIGINT and SIGTERM end it at once with kExitInterrupted and leave no temporary
+/// file; a limit of file size makes writing fail and kills nothing. Call it first.
+void prepare_signals();
 
 /// While it lives, the first SIGINT or SIGTERM requests a stop and the second ends the process at once with
 /// kExitInterrupted. At most one at a time.

@@ -131,8 +131,10 @@ class RenderJob {
       : options_(options), verbosity_(verbosity), plan_(std::move(plan)), display_(options.display, options.scene) {}
 
   int run() {
-    load();
+    load();  // which an interrupt ends at once: there is nothing to keep
     const InterruptGuard interrupts;
+    tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
+                                      session_->statistics().threads));
     const std::stop_callback answer(interrupts.token(), [this] {
       tell(verbosity_, fmt::format("{}stopping; interrupt again to abort", is_terminal(stderr) ? "\n" : ""));
     });
@@ -211,8 +213,6 @@ void RenderJob::load() {
   settings_.render.auxiliary = !plan_.aovs.empty();
   session_.emplace(std::move(scene), settings_.render);
   for (const std::string& note : session_->notes()) tell(verbosity_, note);
-  tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
-                                    session_->statistics().threads));
   if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
 }
 

@@ -1,15 +1,17 @@
 #include "io/atomic_file.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <deque>
-#include <random>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/temporary_file.h"
 
 namespace relume {
 namespace {
@@ -20,14 +22,11 @@ std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reaso
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-constexpr size_t kStemBytes = 200;  // of 255 that a name may have
-
-/// A name beside `target` that no other writer uses; hidden, so that globs like *.exr pass it by.
-fs::path temporary_name(const fs::path& target) {
-  std::random_device random;
-  const uint64_t tag = (static_cast<uint64_t>(random()) << 32) | random();
-  return target.parent_path() / fmt::format(".{}.{:016x}.tmp{}", target.stem().string().substr(0, kStemBytes), tag,
-                                            target.extension().string());
+/// Of files of this process, where there is one, as the end of a sentence.
+std::string size_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
+  return fmt::format(", and the limit of {} bytes a file (ulimit -f)", limit.rlim_cur);
 }
 
 /// Where the bytes finally go: the end of a chain of symbolic links, existing or not.
@@ -47,23 +46,15 @@ PendingFile::PendingFile(const fs::path& target) : target_(resolve(target)) {
   const fs::path folder = folder_of(target_);
   if (!fs::is_directory(folder, ignored))
     throw Error(fmt::format("{}: the folder {} does not exist; create it first", target.string(), folder.string()));
-  const bool direct = fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored);
-  if (!direct) temporary_ = temporary_name(target_);
+  const bool special = fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored);
+  if (!special && !is_temporary_file(target_)) temporary_ = std::make_unique<TemporaryFile>(target_);
 }
 
-PendingFile::~PendingFile() {
-  if (temporary_.empty()) return;
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
-}
+PendingFile::~PendingFile() = default;
 
 void PendingFile::commit() {
-  if (temporary_.empty()) return;
-  std::error_code error;
-  fs::rename(temporary_, target_, error);
-  if (error)
-    throw Error(fmt::format("{}: cannot be replaced ({}); choose another name", target_.string(), error.message()));
-  temporary_.clear();
+  if (temporary_) temporary_->commit(target_);
+  temporary_.reset();
 }
 
 AtomicFile::AtomicFile(const fs::path& target) : target_(target), pending_(target) {
@@ -84,8 +75,8 @@ void AtomicFile::close() {
   errno = 0;
   stream_.close();
   if (!stream_) {
-    throw Error(fmt::format("{}: writing failed ({}); check the free space", target_.string(),
-                            failed_before ? "the disk is full, or a file may not be as large" : reason()));
+    throw Error(fmt::format("{}: writing failed ({}); check the free space{}", target_.string(),
+                            failed_before ? "the disk is full, or the file too large" : reason(), size_limit()));
   }
 }
 

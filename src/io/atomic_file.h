@@ -4,34 +4,37 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "io/temporary_file.h"
+
 namespace relume {
 
-/// A name in the target's folder, with its extension, for a file that somebody else writes; commit() renames it to the
-/// target. Without commit() (an exception on the way) that file is removed and the target stays as it was. A symbolic
-/// link is followed; devices and pipes are written directly, under their own name.
+/// A TemporaryFile in the target's folder that somebody else writes; commit() renames it to the target. Without
+/// commit() (an exception on the way) it is removed and the target stays as it was. A symbolic link is followed.
+/// Devices, pipes and temporary files of this process are written directly, under their own name.
 class PendingFile {
  public:
-  /// Throws Error if the folder does not exist.
+  /// Throws Error if the folder does not exist or cannot be written.
   explicit PendingFile(const std::filesystem::path& target);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
   /// Where to write.
-  const std::filesystem::path& path() const { return temporary_.empty() ? target_ : temporary_; }
+  const std::filesystem::path& path() const { return temporary_ ? temporary_->path() : target_; }
 
   /// Gives the file its name. Throws Error.
   void commit();
 
  private:
   std::filesystem::path target_;
-  std::filesystem::path temporary_;  ///< empty once renamed, or when the target is written directly
+  std::unique_ptr<TemporaryFile> temporary_;  ///< none once renamed, or when the target is written directly
 };
 
 /// A PendingFile written here.

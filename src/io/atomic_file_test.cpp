@@ -1,5 +1,9 @@
 #include "io/atomic_file.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <deque>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -54,6 +58,81 @@ TEST(AtomicFile, TakesTheLongestNamesThatThereAre) {
   const std::string name = std::string(251, 'a') + ".txt";
   write_file(folder / name, "hello");
   EXPECT_EQ(text_of(folder / name), "hello");
+}
+
+/// Runs `task` in a process of its own, which then ends like a killed one: without destructors.
+template <typename Task>
+void run_in_child(const Task& task) {
+  const pid_t child = fork();
+  if (child == 0) {
+    task();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST(AtomicFile, WhatKilledWritersLeaveGoesWithTheNextFileOfThatName) {
+  const TempFolder folder;
+  for (const char* name : {"a.txt", "a.txt", "b.txt"}) {
+    run_in_child([&] { (new AtomicFile(folder / name))->stream() << "half" << std::flush; });
+  }
+  // The second one of a.txt removed the first.
+  EXPECT_EQ(folder.file_count(), 2u);
+  write_file(folder / "a.txt", "whole");
+  EXPECT_EQ(folder.file_count(), 2u);
+  write_file(folder / "b.txt", "whole");
+  EXPECT_EQ(folder.file_count(), 2u);
+  EXPECT_EQ(text_of(folder / "a.txt") + text_of(folder / "b.txt"), "wholewhole");
+}
+
+TEST(AtomicFile, WritersOfOneNameLeaveEachOthersFiles) {
+  const TempFolder folder;
+  AtomicFile first(folder / "a.txt");
+  AtomicFile second(folder / "a.txt");
+  EXPECT_EQ(folder.file_count(), 2u);
+  run_in_child([&] { write_file(folder / "a.txt", "child"); });
+  EXPECT_EQ(text_of(folder / "a.txt"), "child");
+  second.stream() << "second";
+  second.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "second");
+  first.stream() << "first";
+  first.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "first");
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(AtomicFile, ManyWritersOfOneNameFindATemporaryName) {
+  const TempFolder folder;
+  std::deque<AtomicFile> writers;
+  for (int i = 0; i < 40; ++i) writers.emplace_back(folder / "a.txt").stream() << i;
+  EXPECT_EQ(folder.file_count(), 40u);
+  for (AtomicFile& writer : writers) writer.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "39");
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(PendingFile, IsWrittenDirectlyByItsOwner) {
+  const TempFolder folder;
+  PendingFile pending(folder / "a.txt");
+  write_file(pending.path(), "hello");
+  EXPECT_EQ(folder.file_count(), 1u);
+  // It is still the locked file, which another writer must not take for stale.
+  run_in_child([&] { write_file(folder / "a.txt", "child"); });
+  pending.commit();
+  EXPECT_EQ(text_of(folder / "a.txt"), "hello");
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(TemporaryFiles, AreRemovedWhereASignalEndsTheProcess) {
+  const TempFolder folder;
+  run_in_child([&] {
+    (new AtomicFile(folder / "a.txt"))->stream() << "half" << std::flush;
+    (new PendingFile(folder / "b.txt"));
+    remove_temporary_files();
+  });
+  EXPECT_EQ(folder.file_count(), 0u);
 }
 
 TEST(WriteFiles, ReplacesAllOrNone) {

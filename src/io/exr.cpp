@@ -216,8 +216,9 @@ void write_exr(const std::filesystem::path& file, const ExrFile& exr) {
     output.setFrameBuffer(frame_buffer);
     output.writePixels(exr.height);
   } catch (const std::exception& e) {
-    throw Error(fmt::format("{}: the EXR cannot be written ({}); check its name, its attributes and the free space",
-                            file.string(), one_line(e.what())));
+    target.close();  // throws where the file is what failed
+    throw Error(fmt::format("{}: the EXR cannot be written ({}); check its name and attributes", file.string(),
+                            one_line(e.what())));
   }
   target.commit();
 }

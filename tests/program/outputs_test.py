@@ -324,14 +324,6 @@ class Outputs(ProgramTest):
         self.assertNotEqual(done.returncode, 0)
         self.assertEqual((self.folder / "out.exr").read_bytes(), b"old")
 
-    def with_encoder(self, script):
-        """An environment in which `ffmpeg` is this shell script."""
-        folder = self.folder / "bin"
-        folder.mkdir()
-        (folder / "ffmpeg").write_text("#!/bin/sh\n" + script)
-        (folder / "ffmpeg").chmod(0o755)
-        return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
-
     def test_video_gets_every_frame(self):
         # The stand-in keeps the raw frames that it is given.
         env = self.with_encoder('echo "$@" > bin/arguments; for last; do :; done; cat > "$last"')

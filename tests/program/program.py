@@ -18,8 +18,8 @@ def run(*arguments, cwd=None, timeout=120, env=None):
     return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
 
 
-def start(*arguments, cwd=None):
-    return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+def start(*arguments, cwd=None, env=None):
+    return subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
 
 
 def exr_header(file):
@@ -91,6 +91,14 @@ class ProgramTest(unittest.TestCase):
 
     def files(self):
         return sorted(p.name for p in self.folder.iterdir())
+
+    def with_encoder(self, script):
+        """An environment in which `ffmpeg` is this shell script."""
+        folder = self.folder / "bin"
+        folder.mkdir()
+        (folder / "ffmpeg").write_text("#!/bin/sh\n" + script)
+        (folder / "ffmpeg").chmod(0o755)
+        return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
 
     def metrics(self, a, b):
         return json.loads(self.succeed("metrics", a, b, "--json").stdout)

@@ -2,7 +2,6 @@
 """When a render ends: samples, time, error, interruption, kill -9 and resumption."""
 
 import json
-import pathlib
 import re
 import signal
 import time
@@ -92,22 +91,19 @@ class Stopping(ProgramTest):
         self.assertIn(f"of frame {number}", errors)
         self.assertEqual(self.files()[-1], f"out.{number + 2:04}.png")
 
-    def wait_for_handler(self, process, seconds=60):
-        """Until the process handles SIGINT, which would end it before."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
-            if int(re.search(r"SigCgt:\s*(\w+)", status)[1], 16) & 1 << (signal.SIGINT - 1):
+    def wait_until_it_renders(self, process):
+        """Until a verbose process has said that it built the scene."""
+        for line in process.stderr:
+            if line.startswith("built it in"):
                 return
-            time.sleep(0.01)
-        self.fail("it handles no interrupt")
+        self.fail("it ended before it rendered")
 
     def test_second_interrupt_ends_at_once(self):
         # The first sample is always finished, and this one takes seconds: paths go on until they meet the lamp.
         process = start("render", "cornell-closed", "--width", "640", "--height", "480", "--threads", "1", "--max-bounces", "1024", "--no-path.russian-roulette",
-                        "-o", "out.exr", "--stats", "s.json", "--resume", "a.ckpt", cwd=self.folder)
+                        "-o", "out.exr", "--stats", "s.json", "--resume", "a.ckpt", "--verbose", cwd=self.folder)
         self.addCleanup(process.kill)
-        self.wait_for_handler(process)
+        self.wait_until_it_renders(process)
         process.send_signal(signal.SIGINT)
         self.assertEqual(process.stderr.readline(), "stopping; interrupt again to abort\n")
         self.assertIsNone(process.poll(), "the first interrupt ended it")
@@ -143,6 +139,35 @@ class Stopping(ProgramTest):
         self.assertIn("continues from a.ckpt", done.stderr)
         self.succeed(*arguments, "-o", "whole.exr", timeout=240)
         self.assert_same_pixels("resumed.exr", "whole.exr")
+
+    def test_what_kill_leaves_goes_with_the_next_file_of_that_name(self):
+        env = self.with_encoder('for last; do :; done; cat > "$last"; sleep 1')
+        arguments = ["render", "cornell", *SMALL, "--spp", "1", "--frames", "0-1", "-o", "out.y4m"]
+        process = start(*arguments, cwd=self.folder, env=env)
+        self.addCleanup(process.kill)
+        end = time.monotonic() + 60
+        while not list(self.folder.glob(".out.*")) and time.monotonic() < end:
+            time.sleep(0.01)
+        process.kill()
+        process.communicate(timeout=60)
+        (left,) = [name for name in self.files() if name != "bin"]
+        self.assertRegex(left, r"^\.out\..*\.tmp\.y4m$")
+        self.succeed(*arguments, env=env)
+        self.assertEqual(self.files(), ["bin", "out.y4m"])
+
+    def test_an_interrupt_leaves_no_temporary_file(self):
+        env = self.with_encoder('for last; do :; done; cat > "$last"; sleep 1')
+        process = start("render", "cornell", *SMALL, "--spp", "1", "--frames", "0-1", "-o", "out.y4m", cwd=self.folder, env=env)
+        self.addCleanup(process.kill)
+        end = time.monotonic() + 60
+        while not list(self.folder.glob(".out.*")) and time.monotonic() < end:
+            time.sleep(0.01)
+        for _ in range(2):  # the first one waits for the encoder
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.1)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(self.files(), ["bin"])
 
     def test_finished_checkpoint_is_extended(self):
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "3", "--resume", "a.ckpt")
