@@ -11,11 +11,11 @@
 #include "compare/frame_timing.h"
 #include "console.h"
 #include "core/clock.h"
+#include "file_roles.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
 #include "io/extension.h"
 #include "machine.h"
-#include "picture.h"
 #include "platform.h"
 #include "progress.h"
 #include "render/build_pipeline.h"
@@ -76,28 +76,24 @@ OutputFiles output_files(const CompareOptions& o) {
   OutputFiles files;
   if (!names_page) files.folder = std::make_unique<NewFolder>(output);
   files.page = names_page ? std::filesystem::path(output) : std::filesystem::path(output) / "compare.html";
-  check_folder_of(files.page);
   files.json = files.csv = files.page;
   files.json.replace_extension(".json");
   files.csv.replace_extension(".csv");
+  for (const std::filesystem::path& file : {files.page, files.json, files.csv}) check_output_file(file);
   return files;
 }
 
-/// Results are not to replace what they are made from.
-void check_inputs_stay(const OutputFiles& files, const CompareOptions& o, const ComparisonOptions& options) {
-  std::vector<std::filesystem::path> inputs{o.scene, o.reference};
-  for (const Contender& contender : options.contenders) inputs.emplace_back(contender.file);
-  for (const PictureContender& picture : options.pictures) inputs.push_back(picture.file);
-  for (const std::filesystem::path& output : {files.page, files.json, files.csv}) {
-    for (const std::filesystem::path& input : inputs) {
-      std::error_code missing;
-      if (!input.empty() && std::filesystem::equivalent(input, output, missing))
-        throw UsageError(
-            fmt::format("{}: the comparison reads this file and would replace it; choose another name "
-                        "for -o",
-                        output.string()));
-    }
-  }
+/// Throws UsageError where results would replace what they are made from.
+void check_roles(const OutputFiles& files, const CompareOptions& o, const ComparisonOptions& options,
+                 const Scene& scene) {
+  FileRoles roles;
+  roles.reads("SCENE", o.scene);
+  roles.reads("SCENE", scene.source_files);
+  roles.reads("--reference", o.reference);
+  roles.reads("--env", resolve(options.common).scene.env);
+  for (const Contender& contender : options.contenders) roles.reads("--techniques", contender.file);
+  for (const PictureContender& picture : options.pictures) roles.reads("--image", picture.file);
+  for (const std::filesystem::path& output : {files.page, files.json, files.csv}) roles.writes("-o", output);
 }
 
 /// What is compared unless somebody says otherwise: plain path tracing and the best for a moving camera.
@@ -200,7 +196,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   const Scene scene = open_compared_scene(o, options, verbosity);
   if (o.timed_frames > 0) return run_timing(o, options, scene, verbosity);
   const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
-  check_inputs_stay(files, o, options);
+  check_roles(files, o, options, scene);
 
   const InterruptGuard interrupts;
   const std::stop_token stop = interrupts.token();

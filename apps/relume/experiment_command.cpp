@@ -12,9 +12,9 @@
 #include "console.h"
 #include "core/clock.h"
 #include "experiments/output/results.h"
+#include "file_roles.h"
 #include "io/atomic_file.h"
 #include "machine.h"
-#include "picture.h"
 #include "platform.h"
 #include "progress.h"
 #include "settings/text_list.h"
@@ -58,9 +58,23 @@ std::filesystem::path make_output_folder(const std::string& output) {
   std::error_code failure;
   std::filesystem::create_directories(output, failure);
   if (failure) throw UsageError(fmt::format("{}: the folder cannot be made ({})", output, failure.message()));
-  const std::filesystem::path folder = output;
-  check_folder_of(folder / "index.html");
-  return folder;
+  return output;
+}
+
+/// Throws UsageError for results that cannot be written, or would replace a scene.
+void check_outputs(const ExperimentOptions& o, const std::vector<const Experiment*>& list,
+                   const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files = {folder / "index.html", folder / "index.md"};
+  for (const Experiment* experiment : list) {
+    for (const char* extension : {".html", ".json"})
+      files.push_back(folder / (std::string(experiment->name) + extension));
+  }
+  FileRoles roles;
+  if (!o.scenes.empty()) roles.reads("--scenes", std::filesystem::path(o.scenes) / "sponza" / "sponza.gltf");
+  for (const std::filesystem::path& file : files) {
+    roles.writes("-o", file);
+    check_output_file(file);
+  }
 }
 
 ExperimentContext make_context(const ExperimentOptions& o, const std::stop_token& stop, ProgressPrinter& printer) {
@@ -142,6 +156,7 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
 int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::vector<const Experiment*> list = chosen(o);
   const std::filesystem::path folder = make_output_folder(o.output);
+  check_outputs(o, list, folder);
   summaries_in(folder);  // a file that is something else is better found before hours of work than after
   const InterruptGuard interrupts;
   ProgressPrinter printer(!verbosity.quiet);

@@ -5,9 +5,9 @@
 
 #include "command.h"
 #include "console.h"
+#include "file_roles.h"
 #include "io/extension.h"
 #include "io/scene_io.h"
-#include "picture.h"
 #include "scene_source.h"
 
 namespace relume::cli {
@@ -25,8 +25,12 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
     throw UsageError(
         fmt::format("{}: scenes are written as .gltf or .glb; choose one of these extensions", options.output));
   }
-  check_folder_of(file);
+  check_output_file(file);
+  FileRoles roles;
+  roles.reads("SCENE", options.scene);
+  roles.writes("-o", file);
   const Scene scene = open_scene(options.scene);
+  roles.reads("SCENE", scene.source_files);
   warn_all(verbosity, scene.warnings);
   warn_all(verbosity, write_gltf(file, scene));
   tell(verbosity, fmt::format("wrote {}", options.output));

@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "console.h"
+#include "file_roles.h"
 #include "io/image.h"
 #include "metrics/metrics.h"
 #include "picture.h"
@@ -48,6 +49,10 @@ void write_flip_map(const MetricsOptions& options, const Image& a, const Image& 
 }
 
 int run_metrics(const MetricsOptions& options) {
+  FileRoles roles;
+  roles.reads("A", options.a);
+  roles.reads("B", options.b);
+  roles.writes("--flip-map", options.flip_map);
   if (!options.flip_map.empty()) check_picture_file(options.flip_map, {});
   const Image a = read_image(options.a);
   const Image b = read_image(options.b);

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "file_roles.h"
 #include "film/tone_map.h"
 #include "io/extension.h"
 #include "io/image.h"
-#include "platform.h"
 #include "render/session.h"
 #include "reports.h"
 #include "settings/nearest_name.h"
@@ -43,26 +43,12 @@ void check_picture_file(const std::filesystem::path& file, const std::vector<std
                                  fmt::join(kExtensions, ", ")));
   }
   check_layers(file, aovs);
-  check_folder_of(file);
+  check_output_file(file);
 }
 
 void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
   if (aovs.empty() || lower_extension(file) == ".exr") return;
   throw UsageError(fmt::format("{}: only .exr files have layers for --aov", file.string()));
-}
-
-void check_folder_of(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.parent_path();
-  std::error_code failure;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, failure)) {
-    throw UsageError(fmt::format("{}: the folder {} does not exist; create it first", file.string(), folder.string()));
-  }
-  if (!folder_is_writable(folder.string())) {
-    throw UsageError(
-        fmt::format("{}: the folder cannot be written to; choose another or change its permissions", file.string()));
-  }
-  if (std::filesystem::is_directory(file, failure))
-    throw UsageError(fmt::format("{} is a folder; name a file in it", file.string()));
 }
 
 std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known) {

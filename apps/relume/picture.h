@@ -14,14 +14,11 @@ class Session;
 
 namespace relume::cli {
 
-/// check_folder_of(), and throws UsageError unless the extension is one that pictures can be written to and the format
-/// can hold `aovs` if there are any.
+/// check_output_file(), and throws UsageError unless the extension is one that pictures can be written to and the
+/// format can hold `aovs` if there are any.
 void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 /// Throws UsageError if layers are asked for in a file that has none.
 void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs);
-
-/// Throws UsageError unless the folder of `file` exists and can be written to, and `file` is not a folder itself.
-void check_folder_of(const std::filesystem::path& file);
 
 /// "albedo,normal" in parts. Throws UsageError, with the names that exist, for one that is not in `known`.
 std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std::string>& known);

@@ -101,6 +101,14 @@ bool folder_is_writable(const std::string& folder) {
   return access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) == 0;
 }
 
+bool is_writable(const std::string& file) { return access(file.c_str(), W_OK) == 0; }
+
+std::optional<std::pair<uint64_t, uint64_t>> file_number(const std::string& file) {
+  struct stat info {};
+  if (stat(file.c_str(), &info) != 0) return std::nullopt;
+  return std::pair<uint64_t, uint64_t>(info.st_dev, info.st_ino);
+}
+
 void prepare_signals() {
   std::signal(SIGCHLD, SIG_DFL);  // some daemons ignore it, and so would we: how children end would stay unknown
   std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a limit of file size then fails like writing to a full disk

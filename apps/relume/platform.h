@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace relume::cli {
 
@@ -25,6 +27,12 @@ std::string program_stamp();
 
 /// Whether a file could be created in the folder (empty: the current one).
 bool folder_is_writable(const std::string& folder);
+
+/// Whether an existing file may be written.
+bool is_writable(const std::string& file);
+
+/// Device and number of a file, the same for all names that it has; std::nullopt if there is none.
+std::optional<std::pair<uint64_t, uint64_t>> file_number(const std::string& file);
 
 /// Lets other threads go first: this one, and those that it starts from now on.
 void lower_thread_priority();

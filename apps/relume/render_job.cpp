@@ -11,6 +11,7 @@
 #include "backend/launch.h"
 #include "console.h"
 #include "core/clock.h"
+#include "file_roles.h"
 #include "frame_sequence.h"
 #include "io/atomic_file.h"
 #include "io/tev_client.h"
@@ -37,6 +38,7 @@ struct Plan {
   FrameRange frames;
   std::vector<std::filesystem::path> files;  ///< one a frame
   SettingSources sources;
+  FileRoles roles;
   int threads = 0;
 };
 
@@ -52,6 +54,22 @@ std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& option
   return files;
 }
 
+/// Throws UsageError where a file has two of them, or an output cannot be written.
+FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesystem::path>& files) {
+  FileRoles roles;
+  roles.reads("SCENE", options.scene);
+  roles.reads("--settings", options.settings_file);
+  for (const std::filesystem::path& file : files) roles.writes("-o", file);
+  roles.writes("--stats", options.stats);
+  roles.writes("--resume", options.checkpoint);
+  // The name of the last frame is the longest.
+  for (const std::filesystem::path& file :
+       {files.back(), std::filesystem::path(options.stats), std::filesystem::path(options.checkpoint)}) {
+    if (!file.empty()) check_output_file(file);
+  }
+  return roles;
+}
+
 /// Throws UsageError for a layer that there is not, and Error for techniques that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
   settings.auxiliary = true;
@@ -61,13 +79,12 @@ std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSetting
 Plan make_plan(const RenderOptions& options) {
   Plan plan;
   if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
-  if (!options.stats.empty()) check_folder_of(options.stats);
-  if (!options.checkpoint.empty()) check_folder_of(options.checkpoint);
   plan.files = {options.output};
   if (!options.frames.empty()) {
     plan.frames = parse_frame_range(options.frames, "--frames");
     plan.files = files_of_sequence(options, plan.frames);
   }
+  plan.roles = roles_of(options, plan.files);
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;
@@ -202,6 +219,8 @@ void RenderJob::load() {
   settings_ = resolve(plan_.sources);
   check_stop_settings(settings_);
   plan_.aovs = wanted_aovs(options_, settings_.render);
+  plan_.roles.reads("--env", settings_.scene.env);
+  plan_.roles.reads("SCENE", scene.source_files);
   apply(settings_.scene, scene);
   warn_all(verbosity_, scene.warnings);
   load_s_ = now_s() - start_s;

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "core/srgb.h"
+#include "file_roles.h"
 #include "io/extension.h"
 #include "picture.h"
 
@@ -22,7 +23,7 @@ void check_video_file(const std::filesystem::path& file, const std::vector<std::
         "-o {}.####.png",
         file.string(), file.stem().string()));
   }
-  check_folder_of(file);
+  check_output_file(file);
 }
 
 VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, float fps)

@@ -9,6 +9,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/fnv1a.h"
+#include "io/atomic_file.h"
 #include "metrics/metrics.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
@@ -105,6 +106,7 @@ ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& s
     throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another", folder_.string(),
                             failure.message()));
   }
+  const PendingFile probe(folder_ / "reference.exr");  // better found now than after hours
 }
 
 std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_s,

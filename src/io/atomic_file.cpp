@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "io/read_record.h"
 #include "io/temporary_file.h"
 
 namespace relume {
@@ -102,6 +103,7 @@ void write_files(const std::vector<std::pair<fs::path, std::string>>& files) {
 }
 
 std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
+  record_read(file);
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status)) throw Error(fmt::format("{}: there is no such file; check its name", file.string()));

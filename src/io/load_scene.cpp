@@ -1,7 +1,10 @@
 #include <cstring>
 #include <fstream>
+#include <sstream>
+#include <string_view>
 
 #include "io/extension.h"
+#include "io/read_record.h"
 #include "io/scene_io.h"
 
 namespace relume {
@@ -15,13 +18,36 @@ bool starts_as_glb(const std::filesystem::path& file) {
   return std::memcmp(magic, "glTF", sizeof magic) == 0;
 }
 
-}  // namespace
+/// Material libraries that an OBJ file names near its beginning. Assimp reads them past our functions.
+void record_material_libraries(const std::filesystem::path& file) {
+  constexpr std::string_view kKeyword = "mtllib ";
+  std::string start(size_t{1} << 20, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<size_t>(in.gcount()));
+  std::istringstream lines(start);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with('\r')) line.pop_back();
+    if (line.starts_with(kKeyword)) record_read(file.parent_path() / line.substr(kKeyword.size()));
+  }
+}
 
-Scene load_scene(const std::filesystem::path& file) {
+Scene load(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".gltf" || extension == ".glb" || starts_as_glb(file)) return load_gltf(file);
   if (extension == ".json") return load_relume_json(file);
+  if (extension == ".obj") record_material_libraries(file);
   return load_assimp(file);
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file) {
+  const ReadRecord record;
+  record_read(file);  // assimp reads it past our functions
+  Scene scene = load(file);
+  scene.source_files = record.files();
+  return scene;
 }
 
 }  // namespace relume

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -212,8 +213,9 @@ struct Scene {
   std::vector<Node> nodes;  ///< any order; parents may follow children; no cycles
   std::vector<AnimationChannel> animation;
   Environment environment;
-  std::string settings_json;          ///< settings the file asks for, a JSON object; empty: none
-  std::vector<std::string> warnings;  ///< what was ignored or repaired, one sentence each
+  std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
+  std::vector<std::string> warnings;                ///< what was ignored or repaired, one sentence each
+  std::vector<std::filesystem::path> source_files;  ///< that load_scene() read, missing ones included
 
   Index add_node(Node node) {
     nodes.push_back(std::move(node));

@@ -251,7 +251,7 @@ class Commands(RefusalTest):
         (self.folder / "evening.json").write_bytes(scene)
         (self.folder / "mine.json").write_bytes(b'{"lights": "uniform"}')
         for arguments in (["evening.json", "-o", "evening.html"], ["cornell", "--techniques", "default,mine.json", "-o", "mine.html"]):
-            self.refuse(USAGE, "compare", *arguments, *SMALL, "--cache-dir", "cache", says=[".json", "would replace it; choose another name"])
+            self.refuse(USAGE, "compare", *arguments, *SMALL, "--cache-dir", "cache", says=[".json", "-o would replace ", " reads; choose another name for -o"])
         self.assertEqual((self.folder / "evening.json").read_bytes(), scene)
 
     def test_compare(self):

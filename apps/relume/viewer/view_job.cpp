@@ -4,8 +4,11 @@
 #include <cstdlib>
 #include <future>
 
+#include <fmt/format.h>
+
 #include "console.h"
 #include "core/clock.h"
+#include "file_roles.h"
 #include "io/atomic_file.h"
 #include "picture.h"
 #include "platform.h"
@@ -19,10 +22,30 @@
 namespace relume::cli {
 namespace {
 
-viewer::ScriptPlayer load_script(const std::string& file) {
+std::vector<viewer::ScriptStep> load_script(const std::string& file) {
   if (file.empty()) return {};
   const std::vector<std::byte> bytes = read_file(file, 1 << 24);
-  return {viewer::parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file), file};
+  return viewer::parse_script({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, file);
+}
+
+/// Throws Error where a file has two of them, or what the script writes cannot be written.
+FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptStep>& steps) {
+  FileRoles roles;
+  roles.reads("SCENE", options.scene);
+  roles.reads("--settings", options.settings_file);
+  roles.reads("--script", options.script);
+  roles.writes("--screenshot", options.screenshot);
+  for (const viewer::ScriptStep& step : steps) {
+    if (step.verb != "save" && step.verb != "save-view" && step.verb != "screenshot") continue;
+    const std::string role = fmt::format("{}:{}: {}", options.script, step.line, step.verb);
+    try {
+      check_output_file(step.words.front());
+    } catch (const Error& error) {
+      throw Error(fmt::format("{}: {}", role, error.what()));
+    }
+    roles.writes("--script", step.words.front());
+  }
+  return roles;
 }
 
 }  // namespace
@@ -32,7 +55,8 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   // What is wrong with these is told before anything is loaded.
   resolve(sources);
   if (!options.screenshot.empty()) check_picture_file(options.screenshot, {});
-  viewer::ScriptPlayer script = load_script(options.script);
+  std::vector<viewer::ScriptStep> steps = load_script(options.script);
+  FileRoles roles = roles_of(options, steps);
   viewer::Window::require_display();
   const double start_s = now_s();
   // On a thread of low priority, whose children rendering uses later: the interface keeps the right of way.
@@ -44,10 +68,13 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   sources.scene_json = scene.settings_json;
   sources.scene_place = options.scene;
   const Settings settings = viewer::resolve_start(sources);
+  roles.reads("SCENE", scene.source_files);
+  roles.reads("--env", settings.scene.env);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene.warnings);
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
-  viewer::App app(options, settings, viewer::chooses_size(sources), std::move(script),
+  viewer::App app(options, settings, viewer::chooses_size(sources),
+                  viewer::ScriptPlayer(std::move(steps), options.script),
                   std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
   app.run();
   if (app.loading()) {

@@ -81,7 +81,8 @@ OutputJson numbers(std::span<const float> values) {
   return list;
 }
 
-Output::Output(const std::filesystem::path& file) : file_(file), binary_(is_binary(file)) {
+Output::Output(const std::filesystem::path& file, std::vector<std::filesystem::path> sources)
+    : file_(file), sources_(std::move(sources)), binary_(is_binary(file)) {
   root["asset"] = {{"version", "2.0"}, {"generator", "relume"}};
 }
 
@@ -147,6 +148,15 @@ void Output::use_extension(const std::string& name, bool required) {
 
 void Output::write_staged(const std::filesystem::path& target,
                           const std::function<void(const std::filesystem::path&)>& write) {
+  for (const std::filesystem::path& source : sources_) {
+    std::error_code missing;
+    if (std::filesystem::equivalent(source, target, missing)) {
+      throw Error(
+          fmt::format("{}: the scene was read from this file, which would be replaced; choose another name or "
+                      "folder for the output",
+                      target.string()));
+    }
+  }
   const PendingFile& staged = staged_.emplace_back(target);
   try {
     write(staged.path());

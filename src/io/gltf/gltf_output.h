@@ -34,7 +34,8 @@ enum class BufferTarget : int { none = 0, vertices = 34962, indices = 34963 };
 
 class Output {
  public:
-  explicit Output(const std::filesystem::path& file);
+  /// No file of `sources` is replaced.
+  Output(const std::filesystem::path& file, std::vector<std::filesystem::path> sources);
 
   /// The array at `key` of the root, created when it is first asked for.
   OutputJson& list(const char* key);
@@ -69,6 +70,7 @@ class Output {
   void write_glb(const std::filesystem::path& file, const std::string& text) const;
 
   std::filesystem::path file_;
+  std::vector<std::filesystem::path> sources_;
   std::list<PendingFile> staged_;
   bool binary_;
   std::vector<std::byte> bytes_;

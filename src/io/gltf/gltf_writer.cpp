@@ -68,7 +68,7 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
 
 std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene) {
   validate(scene, scene.name.empty() ? "scene" : scene.name);
-  Output output(file);
+  Output output(file, scene.source_files);
   // Readers expect these first.
   output.root["scene"] = 0;
   output.list("scenes");

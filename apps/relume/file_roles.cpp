@@ -1,0 +1,111 @@
+#include "file_roles.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "command.h"
+#include "io/atomic_file.h"
+#include "platform.h"
+
+namespace relume::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostNameBytes = 255;   // of every part of a path (NAME_MAX)
+constexpr size_t kMostPathBytes = 4095;  // PATH_MAX without the zero at its end
+
+/// A name that begins a sentence or stands in one; long ones are cut.
+std::string shown(const fs::path& file) {
+  constexpr size_t kMost = 80;
+  const std::string name = file.string();
+  return name.size() > kMost ? name.substr(0, kMost) + "…" : name;
+}
+
+void check_name_lengths(const fs::path& file) {
+  if (file.string().size() > kMostPathBytes) {
+    throw UsageError(fmt::format("{}: the path has {} bytes, and may have {} at most; choose a shorter one",
+                                 shown(file), file.string().size(), kMostPathBytes));
+  }
+  for (const fs::path& part : file) {
+    if (part.string().size() <= kMostNameBytes) continue;
+    throw UsageError(fmt::format("{}: the name {} has {} bytes, and may have {} at most; choose a shorter one",
+                                 shown(file), shown(part), part.string().size(), kMostNameBytes));
+  }
+}
+
+bool is_special(const fs::path& file) {
+  std::error_code failure;
+  const fs::file_status status = fs::status(file, failure);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+}  // namespace
+
+void check_output_file(const fs::path& file) {
+  check_name_lengths(file);
+  const fs::path folder = file.parent_path();
+  std::error_code failure;
+  if (!folder.empty() && !fs::is_directory(folder, failure)) {
+    throw UsageError(fmt::format("{}: the folder {} does not exist; create it first", file.string(), folder.string()));
+  }
+  if (fs::is_directory(file, failure))
+    throw UsageError(fmt::format("{} is a folder; name a file in it", file.string()));
+  const bool special = is_special(file);
+  if (special ? !is_writable(file.string()) : !folder_is_writable(folder.string())) {
+    throw UsageError(fmt::format("{}: the {} cannot be written to; choose another or change its permissions",
+                                 file.string(), special ? "device" : "folder"));
+  }
+  try {
+    const PendingFile probe(file);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+FileRoles::Identity FileRoles::identity_of(const fs::path& file) {
+  if (const auto number = file_number(file.string())) return {*number, ""};
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (folder != folder_ || canonical_folder_.empty()) {  // a sequence has one folder and many names
+    std::error_code failure;
+    folder_ = folder;
+    canonical_folder_ = fs::weakly_canonical(folder, failure);
+    if (failure) canonical_folder_ = fs::absolute(folder).lexically_normal();
+  }
+  return {{0, 0}, (canonical_folder_ / file.filename()).string()};
+}
+
+void FileRoles::reads(std::string_view role, const fs::path& file) {
+  std::error_code failure;
+  if (file.empty() || !fs::is_regular_file(file, failure)) return;
+  const Identity identity = identity_of(file);
+  inputs_.try_emplace(identity, Use{std::string(role), file});
+  const auto output = outputs_.find(identity);
+  if (output == outputs_.end() || output->second.role == role) return;
+  throw UsageError(fmt::format("{} would replace {}, which {} reads; choose another name for {}", output->second.role,
+                               output->second.file.string(), role, output->second.role));
+}
+
+void FileRoles::reads(std::string_view role, const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) reads(role, file);
+}
+
+void FileRoles::writes(std::string_view role, const fs::path& file) {
+  if (file.empty() || is_special(file)) return;
+  const Identity identity = identity_of(file);
+  if (const auto input = inputs_.find(identity); input != inputs_.end() && input->second.role != role) {
+    throw UsageError(fmt::format("{} would replace {}, which {} reads; choose another name for {}", role, file.string(),
+                                 input->second.role, role));
+  }
+  const Use& first = outputs_.try_emplace(identity, Use{std::string(role), file}).first->second;
+  if (first.role == role) return;
+  throw UsageError(first.file == file
+                       ? fmt::format("{} and {} would both write {}; choose another name for one of them", first.role,
+                                     role, file.string())
+                       : fmt::format("{} and {} would write the same file, as {} and as {}; choose another name for "
+                                     "one of them",
+                                     first.role, role, first.file.string(), file.string()));
+}
+
+}  // namespace relume::cli

@@ -1,0 +1,28 @@
+// Which files were read.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace relume {
+
+/// Records the files that read_file() reads while it lives, on any thread.
+class ReadRecord {
+ public:
+  ReadRecord();
+  ~ReadRecord();
+  ReadRecord(const ReadRecord&) = delete;
+  ReadRecord& operator=(const ReadRecord&) = delete;
+
+  /// In the order in which they were first read.
+  std::vector<std::filesystem::path> files() const;
+
+ private:
+  friend void record_read(const std::filesystem::path& file);
+  std::vector<std::filesystem::path> files_;
+};
+
+/// Adds a file to every ReadRecord.
+void record_read(const std::filesystem::path& file);
+
+}  // namespace relume
