@@ -130,7 +130,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   options.reference_settings = parse_settings(o.reference_settings, "--reference-settings");
   if (!o.reference.empty() && !options.reference_settings.empty())
     throw UsageError(
-        "--reference takes a picture that is there, --reference-settings one that is rendered; choose one");
+        "--reference takes a picture from a file, --reference-settings is for one that is rendered; choose one");
   resolve_reference(options.common, {}, options.reference_settings);
   if (o.reference.empty() && o.timed_frames == 0) options.cache_folder = reference_folder(o.cache_folder);
   options.program = program_stamp();
@@ -161,7 +161,7 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
   std::vector<TimedContender> contenders;
   for (const Contender& contender : options.contenders)
     contenders.push_back({contender.name, resolve_contender(contender, options.common).render});
-  const InterruptGuard interrupts;
+  const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   ProgressPrinter printer(!verbosity.quiet);
   const auto timings = time_frames(scene, contenders, o.timed_frames, interrupts.token(),
                                    [&](double fraction) { printer.show_stage("timing", fraction); });
@@ -198,7 +198,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
   const OutputFiles files = output_files(o);  // a scene that is not there leaves no folder
   check_roles(files, o, options, scene);
 
-  const InterruptGuard interrupts;
+  const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   const std::stop_token stop = interrupts.token();
   ProgressPrinter printer(!verbosity.quiet);
   const double start_s = now_s();
@@ -206,7 +206,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
       scene, options, stop, [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
   printer.clear();
   if (!comparison) {
-    tell(verbosity, "interrupted; what there is of references is kept and goes on next time");
+    tell(verbosity, "interrupted; references are kept, and the same command continues an unfinished one");
     return kExitInterrupted;
   }
   const auto machine = machine_description();

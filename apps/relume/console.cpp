@@ -15,6 +15,10 @@ void tell_more(const Verbosity& verbosity, std::string_view text) {
   if (verbosity.verbose) tell(verbosity, text);
 }
 
+std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit) {
+  return verbosity.quiet ? "" : fmt::format("stopping once {} is complete; interrupt again to abort", unit);
+}
+
 void warn(std::string_view text) { std::fputs(fmt::format("warning: {}\n", text).c_str(), stderr); }
 
 void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings) {

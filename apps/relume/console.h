@@ -15,6 +15,9 @@ void tell(const Verbosity& verbosity, std::string_view text);
 /// Printed with --verbose only.
 void tell_more(const Verbosity& verbosity, std::string_view text);
 /// Always printed, with "warning: " before it.
+/// For InterruptGuard: that work stops once `unit` is complete; empty if quiet.
+std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit);
+
 void warn(std::string_view text);
 /// A scene's warnings: the first ten, and how many more there are; all with --verbose.
 void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings);

@@ -158,7 +158,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::filesystem::path folder = make_output_folder(o.output);
   check_outputs(o, list, folder);
   summaries_in(folder);  // a file that is something else is better found before hours of work than after
-  const InterruptGuard interrupts;
+  const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   ProgressPrinter printer(!verbosity.quiet);
   ExperimentContext context = make_context(o, interrupts.token(), printer);
   std::vector<std::string> failed;
@@ -173,7 +173,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       run_experiment(*experiment, o, context, folder, printer, verbosity);
     } catch (const ExperimentStopped&) {
       printer.clear();
-      tell(verbosity, fmt::format("interrupted {}; the same command{} goes on", experiment->name,
+      tell(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
                                   list.size() > 1 && !o.goes_on ? " with --continue" : ""));
       return kExitInterrupted;
     } catch (const std::exception& error) {

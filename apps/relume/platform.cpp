@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <utility>
 
 #include "command.h"
 #include "io/temporary_file.h"
@@ -122,14 +123,17 @@ void prepare_signals() {
   }
 }
 
-InterruptGuard::InterruptGuard() {
+InterruptGuard::InterruptGuard(std::string notice) : notice_(std::move(notice)) {
   if (pipe2(g_pipe, O_CLOEXEC) != 0) throw Error("no pipe for signals can be opened; close other files");
   g_interrupts = 0;
   waiter_ = std::thread([this] {
     char byte = 0;
     while (read(g_pipe[0], &byte, 1) < 0) {  // interrupted by another signal
     }
-    if (byte == 'i') source_.request_stop();
+    if (byte != 'i') return;
+    if (!notice_.empty())  // below a progress bar
+      std::fputs(((is_terminal(stderr) ? "\n" : "") + notice_ + "\n").c_str(), stderr);
+    source_.request_stop();
   });
   struct sigaction action {};
   action.sa_handler = relume_on_interrupt;

@@ -53,7 +53,8 @@ void prepare_signals();
 /// kExitInterrupted. At most one at a time.
 class InterruptGuard {
  public:
-  InterruptGuard();
+  /// `notice`: told on standard error at the first interrupt, unless it is empty.
+  explicit InterruptGuard(std::string notice);
   ~InterruptGuard();
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
@@ -61,6 +62,7 @@ class InterruptGuard {
   std::stop_token token() const { return source_.get_token(); }
 
  private:
+  std::string notice_;
   std::stop_source source_;
   std::thread waiter_;  ///< requests the stop, which a signal handler may not
 };

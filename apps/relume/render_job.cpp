@@ -24,6 +24,7 @@
 #include "scene/builtin.h"
 #include "scene_source.h"
 #include "stop_criteria.h"
+#include "timed_stop.h"
 #include "version.h"
 #include "video.h"
 
@@ -149,12 +150,9 @@ class RenderJob {
 
   int run() {
     load();  // which an interrupt ends at once: there is nothing to keep
-    const InterruptGuard interrupts;
+    const InterruptGuard interrupts(interrupt_notice(verbosity_, "this sample"));
     tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
                                       session_->statistics().threads));
-    const std::stop_callback answer(interrupts.token(), [this] {
-      tell(verbosity_, fmt::format("{}stopping; interrupt again to abort", is_terminal(stderr) ? "\n" : ""));
-    });
     StopReason reason = StopReason::samples;
     for (size_t i = first_picture_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
       if (i > first_picture_) {
@@ -279,8 +277,11 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
       .picture_frames = [this] { return session_->picture_frames(); },
       .estimated_error = [this] { return session_->estimated_error(); },
   };
+  const TimedStop timer(stop, criteria.time_s);
+  session_->shorten_preparation_on(timer.token());
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
+  printer.show_stage("first sample", 0);
   const auto done = [&](const Accumulation& state) { frame_done(index, state, criteria, printer); };
   const StopReason reason = render_until(source, criteria, now_s, stop, done);
   printer.clear();
@@ -319,7 +320,8 @@ void RenderJob::keep(size_t index, StopReason reason) {
 }
 
 void RenderJob::save_checkpoint() {
-  if (options_.checkpoint.empty()) return;
+  // What preparation cut short sampled, an uninterrupted render would not have.
+  if (options_.checkpoint.empty() || !session_->prepared()) return;
   session_->save_checkpoint(options_.checkpoint);
   last_checkpoint_s_ = now_s();
 }
@@ -365,6 +367,12 @@ void RenderJob::report(StopReason reason) const {
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
+  }
+  if (!session_->prepared()) {
+    warn(
+        fmt::format("the picture ended before its light lists were complete and has more noise than others{}; give it "
+                    "more time",
+                    options_.checkpoint.empty() ? "" : ", and no checkpoint"));
   }
   for (const std::string& warning : session_->warnings()) warn(warning);
   tell_more(verbosity_,

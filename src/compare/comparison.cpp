@@ -137,8 +137,11 @@ bool Comparing::make_references() {
 bool Comparing::measure_contenders() {
   const ComparisonOptions& o = options();
   Sessions sessions;
-  for (const Settings& settings : settings_)
+  for (const Settings& settings : settings_) {
+    if (stop_.stop_requested()) return false;
     sessions.push_back(std::make_unique<TimedSession>(scene_, settings.render, o.clock));
+    sessions.back()->session().shorten_preparation_on(stop_);
+  }
   if (!sessions.empty()) result_.threads = sessions.front()->session().statistics().threads;
   FramePlan plan{.frames = {}, .samples = static_cast<double>(o.spp)};
   if (o.budget_s > 0 && !sessions.empty()) {

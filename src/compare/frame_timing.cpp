@@ -33,8 +33,11 @@ std::optional<std::vector<FrameTiming>> time_frames(const Scene& scene, const st
                                                     const std::function<void(double)>& progress,
                                                     const FrameClock& clock) {
   std::vector<std::unique_ptr<TimedSession>> sessions;
-  for (const TimedContender& contender : contenders)
+  for (const TimedContender& contender : contenders) {
+    if (stop.stop_requested()) return std::nullopt;
     sessions.push_back(std::make_unique<TimedSession>(scene, contender.settings, clock));
+    sessions.back()->session().shorten_preparation_on(stop);
+  }
   const int warm_up = (frames + 3) / 4;
   std::vector<std::vector<PassTime>> passes_before(sessions.size());
   for (int i = 0; i < warm_up + frames; ++i) {

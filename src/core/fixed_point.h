@@ -37,6 +37,15 @@ RELUME_HD inline Integer atomic_fetch_add(Integer* target, Integer value) {
 #endif
 }
 
+/// Sets the bits of `value` in a word that several threads share.
+RELUME_HD inline void atomic_or(uint64_t* target, uint64_t value) {
+#if RELUME_DEVICE_CODE
+  atomicOr(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<uint64_t>(*target).fetch_or(value, std::memory_order_relaxed);
+#endif
+}
+
 /// Reads a word that others may be writing.
 RELUME_HD inline uint64_t atomic_load(const uint64_t* source) {
 #if RELUME_DEVICE_CODE

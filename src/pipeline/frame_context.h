@@ -34,6 +34,8 @@ struct FrameContext {
   bool begins_picture = false;    ///< the first frame of a picture: of a sequence, or after a change
   bool stratified = false;  ///< a pixel's samples since the last change are one low-discrepancy sequence, and its own
   const BufferAccess* access = nullptr;  ///< of the pass that runs; nullptr: everything
+  std::stop_token hurry =
+      {};  ///< requested: preparation that a later frame can continue ends early; the frame does not
 
   uint32_t width() const { return buffers.width(); }
   uint32_t height() const { return buffers.height(); }

@@ -60,6 +60,9 @@ class Pass {
   /// that others sampled.
   virtual bool keeps_to_pixels() const { return true; }
 
+  /// False if `FrameContext::hurry` ended its preparation: frames so far are right, and noisier than others.
+  virtual bool prepared() const { return true; }
+
   /// Bytes beyond its buffers.
   virtual size_t memory_bytes() const { return 0; }
 

@@ -119,6 +119,10 @@ bool Pipeline::keeps_to_pixels() const {
   return std::all_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_to_pixels(); });
 }
 
+bool Pipeline::prepared() const {
+  return std::all_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->prepared(); });
+}
+
 size_t Pipeline::memory_bytes() const {
   size_t sum = 0;
   for (const auto& pass : passes_) sum += pass->memory_bytes();

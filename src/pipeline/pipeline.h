@@ -28,6 +28,7 @@ class Pipeline {
   bool adapts() const;
   bool keeps_state() const;
   bool keeps_to_pixels() const;
+  bool prepared() const;
   size_t memory_bytes() const;
   std::vector<PassDeclaration> declarations() const;
   /// Of all passes; names begin with the pass's: "cells.occupancy".

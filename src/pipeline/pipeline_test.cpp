@@ -23,6 +23,7 @@ class Probe final : public Pass {
   bool adapts() const override { return declaration_.name == "adapts"; }
   bool keeps_state() const override { return declaration_.name == "keeps"; }
   bool keeps_to_pixels() const override { return declaration_.name != "shares"; }
+  bool prepared() const override { return declaration_.name != "unprepared"; }
   size_t memory_bytes() const override { return 10; }
   void save(std::ostream& out) const override { out << declaration_.name.size() << ' '; }
   void load(std::istream& in) override { in >> loaded; }
@@ -177,6 +178,9 @@ TEST_F(PipelineTest, AdaptsIfOnePassDoes) {
   EXPECT_TRUE(pipeline_.keeps_to_pixels());
   add({.name = "shares"});
   EXPECT_FALSE(pipeline_.keeps_to_pixels());
+  EXPECT_TRUE(pipeline_.prepared());
+  add({.name = "unprepared"});
+  EXPECT_FALSE(pipeline_.prepared());
 }
 
 TEST_F(PipelineTest, SavesAndLoadsPassByPass) {

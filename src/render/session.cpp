@@ -129,7 +129,9 @@ struct Session::State {
             changes,
             adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
             counters.since_change == 0 || counters.picture_frames == counters.frames,
-            !adapts && pipeline.keeps_to_pixels()};
+            !adapts && pipeline.keeps_to_pixels(),
+            nullptr,
+            hurry};
   }
 
   void count_frame() {
@@ -149,6 +151,7 @@ struct Session::State {
   Change changes = Change::none;
   bool edited = false;  ///< some of them are not the animation's
   Counters counters;
+  std::stop_token hurry;
   mutable Statistics statistics;
   double picture_begun_s = 0;  ///< statistics.render_s when the picture began
 };
@@ -186,6 +189,9 @@ bool Session::render_frame(std::stop_token stop) {
   s.statistics.render_s += now_s() - start_s;
   return complete;
 }
+
+void Session::shorten_preparation_on(std::stop_token token) { state_->hurry = std::move(token); }
+bool Session::prepared() const { return state_->pipeline.prepared(); }
 
 uint32_t Session::frames_since_change() const {
   return state_->changes == Change::none ? state_->counters.since_change : 0;

@@ -59,6 +59,13 @@ class Session {
   /// first; the image then holds the samples of complete frames only. Techniques that adapt finish their frame.
   bool render_frame(std::stop_token stop = {});
 
+  /// Once `token` is requested, preparation that takes long and that a later frame can continue (static light lists)
+  /// ends early, and frames are rendered with what there is: unbiased, but noisier.
+  void shorten_preparation_on(std::stop_token token);
+  /// Whether all preparation has been completed, as of the last frame. Checkpoints of a session that is not prepared
+  /// continue with other bits than an uninterrupted one has.
+  bool prepared() const;
+
   /// Forgets everything that frames have found out, histories and caches included, and goes on with other random
   /// numbers from the present state of the scene, as a new session would; only the times of passes go on.
   void restart(int seed);

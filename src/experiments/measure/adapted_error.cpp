@@ -69,14 +69,16 @@ bool needs_frame(Keeps keeps, int session, int frame) {
   return keeps == Keeps::learned || (frame == 0 && (keeps == Keeps::prepared || session == 0));
 }
 
-std::vector<Running> begin(const ExperimentScene& scene, const std::vector<NamedSettings>& contenders, size_t regions,
-                           int seed) {
+std::vector<Running> begin(const ExperimentContext& context, const ExperimentScene& scene,
+                           const std::vector<NamedSettings>& contenders, size_t regions, int seed) {
   std::vector<Running> running;
   for (const NamedSettings& contender : contenders) {
+    context.check_stop();
     RenderSettings settings = contender.settings;
     settings.history = HistoryChoice::none;
     settings.seed = seed;
     running.push_back({TimedSession(scene.scene, settings), kept_by(settings)});
+    running.back().timed.session().shorten_preparation_on(context.stop);
     running.back().timed.session().set_camera(scene.camera);
     running.back().mse.resize(regions);
     running.back().result.name = contender.name;
@@ -92,7 +94,7 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options) {
   const std::filesystem::path file = adapted_file(context, scene, contenders, regions, options);
   if (std::optional<std::vector<AdaptedError>> kept = load_adapted(file)) return std::move(*kept);
-  std::vector<Running> running = begin(scene, contenders, regions.size(), options.seed);
+  std::vector<Running> running = begin(context, scene, contenders, regions.size(), options.seed);
   const int all = options.warm_up + options.frames;
   for (int i = 0; i < options.sessions * all; ++i) {
     const int session = i / all;

@@ -83,6 +83,7 @@ MovingErrors measure_moving(const ExperimentContext& context, const ExperimentSc
   RenderSettings first = contenders.front().settings;
   set_size(context, first);
   Walk walk{context, scene, options, references, TimedSession(scene.scene, first, options.clock)};
+  walk.timed.session().shorten_preparation_on(context.stop);
   MovingErrors result{scene.name, {}, references.back().image};
   const auto repetitions_of = [&](const MovingContender& c) { return std::max(options.repetitions, c.repetitions); };
   int most = 0;

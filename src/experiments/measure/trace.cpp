@@ -123,6 +123,7 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
   for (const TraceContender& contender : contenders) {
     context.check_stop();
     runners.push_back({&contender, std::make_unique<TimedSession>(scene.scene, contender.settings, options.clock)});
+    runners.back().session->session().shorten_preparation_on(context.stop);
   }
   for (int repetition = 0; repetition < options.repetitions; ++repetition) {
     for (size_t i = 0; i < runners.size(); ++i) {

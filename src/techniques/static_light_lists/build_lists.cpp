@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-constexpr size_t kMostWords = size_t{1} << 30;  // 4 GiB, and what an index of 32 bits reaches
+constexpr size_t kMostWords = size_t{1} << 29;  // 4 GiB, and what an index of 32 bits reaches
 
 LightGrid make_grid(const SceneView& scene, float cell_size) {
   const Box box = world_box(scene);
@@ -50,39 +50,59 @@ std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGri
 
 }  // namespace
 
-LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
-                                uint32_t seed) {
-  LightListData data;
-  const uint32_t lights = scene.lights.first_infinite;
-  data.grid = make_grid(scene, options.cell_size);
-  if (lights == 0 || data.grid.count() == 0) return data;
-  const std::vector<uint32_t> cells = cells_with_surfaces(scene, data.grid);
-  const uint32_t words = (lights + 31) / 32;
-  if (size_t{words} * data.grid.count() > kMostWords) {
+LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed)
+    : grid_(make_grid(scene, options.cell_size)), lights_(scene.lights.first_infinite), seed_(seed) {
+  if (lights_ == 0 || grid_.count() == 0) return;
+  cells_ = cells_with_surfaces(scene, grid_);
+  words_ = (lights_ + 63) / 64;
+  const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights_;
+  // The last part has an end that 32 bits hold.
+  constexpr uint64_t kMostRays = UINT32_MAX - CellVisibilityKernel::kPartRays;
+  rays_ = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, kMostRays));
+  const size_t parts = (rays_ + CellVisibilityKernel::kPartRays - 1) / CellVisibilityKernel::kPartRays;
+  if (size_t{words_} * grid_.count() > kMostWords || parts * cells_.size() > UINT32_MAX) {
     throw Error(fmt::format(
         "static light lists of {} lights in {} cells would not fit; use a larger static-lists.cell-size, or "
         "lights 'light-tree'",
-        lights, data.grid.count()));
+        lights_, grid_.count()));
   }
-  std::vector<uint32_t> visible(size_t{words} * data.grid.count(), 0);
+  visible_.assign(size_t{words_} * grid_.count(), 0);
+  done_.assign(cells_.size() * parts, 0);
+}
+
+bool LightListBuilder::advance(Backend& backend, const SceneView& scene, const std::stop_token& stop) {
+  if (cells_.empty()) return true;
   CellVisibilityKernel kernel;
   kernel.scene = scene;
-  kernel.grid = data.grid;
-  kernel.cells = view_of(cells);
-  const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights;
-  kernel.rays = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, UINT32_MAX));
-  kernel.seed = seed;
-  kernel.words = words;
-  kernel.visible = mutable_view_of(visible);
-  launch(backend, "static-lists.rays", kernel, static_cast<uint32_t>(cells.size()), 1);
-  for (uint32_t cell = 0; cell < data.grid.count(); ++cell) {
+  kernel.grid = grid_;
+  kernel.cells = view_of(cells_);
+  kernel.rays = rays_;
+  kernel.seed = seed_;
+  kernel.words = words_;
+  kernel.visible = mutable_view_of(visible_);
+  kernel.done = mutable_view_of(done_);
+  return launch(backend, "static-lists.rays", kernel, kernel.cells.size, kernel.done.size / kernel.cells.size, stop, 1);
+}
+
+LightListData LightListBuilder::lists() const {
+  LightListData data;
+  data.grid = grid_;
+  if (words_ == 0) return data;
+  for (uint32_t cell = 0; cell < grid_.count(); ++cell) {
     data.first.push_back(static_cast<uint32_t>(data.ids.size()));
-    for (LightId light = 0; light < lights; ++light) {
-      if ((visible[size_t{cell} * words + light / 32] >> (light % 32)) & 1u) data.ids.push_back(light);
+    for (LightId light = 0; light < lights_; ++light) {
+      if ((visible_[size_t{cell} * words_ + light / 64] >> (light % 64)) & 1u) data.ids.push_back(light);
     }
   }
   data.first.push_back(static_cast<uint32_t>(data.ids.size()));
   return data;
+}
+
+LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
+                                uint32_t seed) {
+  LightListBuilder builder(scene, options, seed);
+  builder.advance(backend, scene, {});
+  return builder.lists();
 }
 
 }  // namespace relume

@@ -33,9 +33,14 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   restored_ = false;
   if (!listed) {
     // The seed of a frame changes with whatever moves; the lists stay.
-    lists_ = build_light_lists(frame.backend, frame.scene, options, frame.index.seed);
+    builder_.emplace(frame.scene, options, frame.index.seed);
     options_ = options;
     listed_ = lights.first_infinite;
+  }
+  if (builder_) {
+    const bool complete = builder_->advance(frame.backend, frame.scene, frame.hurry);
+    lists_ = builder_->lists();
+    if (complete) builder_.reset();
     built_ = false;
   }
   if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
@@ -60,14 +65,16 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
 }
 
 void StaticLightListsPass::save(std::ostream& out) const {
-  write_value(out, listed_);
+  // Lists that are not complete would be taken for complete ones.
+  const LightListData& lists = builder_ ? LightListData() : lists_;
+  write_value(out, builder_ ? 0 : listed_);
   write_value(out, options_.cell_size);
   write_value(out, options_.rays);
-  write_value(out, lists_.grid.corner);
-  write_value(out, lists_.grid.cell_size);
-  write_value(out, lists_.grid.cells);
-  write_vector(out, lists_.first);
-  write_vector(out, lists_.ids);
+  write_value(out, lists.grid.corner);
+  write_value(out, lists.grid.cell_size);
+  write_value(out, lists.grid.cells);
+  write_vector(out, lists.first);
+  write_vector(out, lists.ids);
 }
 
 void StaticLightListsPass::load(std::istream& in) {
@@ -81,6 +88,7 @@ void StaticLightListsPass::load(std::istream& in) {
   read_vector(in, lists_.ids);
   restored_ = is_consistent(lists_, listed_);
   built_ = false;
+  builder_.reset();
   if (!restored_) in.setstate(std::ios::failbit);
 }
 

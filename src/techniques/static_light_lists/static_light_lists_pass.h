@@ -1,6 +1,8 @@
 // The light selection "static-lists" as a pass.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/pass.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
@@ -9,7 +11,7 @@
 
 namespace relume {
 
-/// Finds the lists in the first frame and keeps them, whatever moves later.
+/// Finds the lists in the first frame and keeps them, whatever moves later. In a hurry, later frames complete them.
 class StaticLightListsPass final : public Pass {
  public:
   StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
@@ -19,6 +21,7 @@ class StaticLightListsPass final : public Pass {
 
   PassDeclaration declaration() const override { return {.name = "static-lists", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
+  bool prepared() const override { return !builder_; }
   size_t memory_bytes() const override;
   /// The lists, which know the scene as it was when they were made.
   void save(std::ostream& out) const override;
@@ -31,6 +34,7 @@ class StaticLightListsPass final : public Pass {
   const StaticLightListsSettings& settings_;
   const LightSelectionSettings& selection_;
   LightSelector selector_;
+  std::optional<LightListBuilder> builder_;  ///< while lists are not complete
   LightListData lists_;
   LightListOptions options_;
   uint32_t listed_ = 0;  ///< lights that there were then

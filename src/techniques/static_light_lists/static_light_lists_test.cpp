@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <sstream>
+#include <stop_token>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/stream_io.h"
@@ -71,6 +75,28 @@ TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
   EXPECT_NEAR(static_cast<double>(two.size()) / static_cast<double>(one.size()), 1, 0.05);
 }
 
+TEST(LightListBuilder, StopsAndContinues) {
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  Backend backend(2);
+  const LightListOptions options{4.6f, 4096};
+  LightListBuilder builder(scene.view(), options, 0);
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_FALSE(builder.advance(backend, scene.view(), stopped.get_token()));
+  EXPECT_TRUE(builder.lists().ids.empty());
+  // In the midst of it, wherever that is.
+  std::stop_source soon;
+  const std::jthread timer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    soon.request_stop();
+  });
+  builder.advance(backend, scene.view(), soon.get_token());
+  EXPECT_TRUE(builder.advance(backend, scene.view(), {}));
+  const LightListData whole = build_light_lists(backend, scene.view(), options);
+  EXPECT_EQ(builder.lists().ids, whole.ids);
+  EXPECT_EQ(builder.lists().first, whole.first);
+}
+
 TEST(LightGrid, NumbersItsCells) {
   const LightGrid grid{Vec3(-1, 0, 2), 0.5f, UVec3(4, 3, 5)};
   for (uint32_t cell = 0; cell < grid.count(); ++cell) EXPECT_EQ(grid.find(grid.low(cell) + 0.25f), cell);
@@ -117,6 +143,41 @@ TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
   another.run(FrameContext{scene.view(), buffers, backend, {.seed = 2}, 0, 0, Change::camera, {}});
   const View<const LightId> ids = another.selector().lists.ids;
   EXPECT_NE(first, std::vector<LightId>(ids.data, ids.data + ids.size));
+}
+
+TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const StaticLightListsSettings settings{.rays = 128};
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(2);
+  const auto run = [&](StaticLightListsPass& p, std::stop_token hurry) {
+    FrameContext frame{scene.view(), buffers, backend, {.seed = 3}, 0, 0, Change::none, {}};
+    frame.hurry = std::move(hurry);
+    EXPECT_TRUE(p.run(frame)) << "the frame goes on";
+  };
+  const auto checkpoint = [&] {
+    std::stringstream file;
+    pass.save(file);
+    StaticLightListsPass restored(settings, selection);
+    restored.load(file);
+    EXPECT_TRUE(file);
+    run(restored, {});
+    return std::vector<LightId>(restored.selector().lists.ids.begin(), restored.selector().lists.ids.end());
+  };
+  std::stop_source stop;
+  stop.request_stop();
+  run(pass, stop.get_token());
+  EXPECT_FALSE(pass.prepared());
+  EXPECT_EQ(pass.selector().lists.ids.size, 0u);
+  const std::vector<LightId> remade = checkpoint();
+  run(pass, {});
+  EXPECT_TRUE(pass.prepared());
+  const View<const LightId> ids = pass.selector().lists.ids;
+  EXPECT_GT(ids.size, 0u);
+  EXPECT_EQ(remade, std::vector<LightId>(ids.begin(), ids.end())) << "a checkpoint does not pass half a list on";
+  EXPECT_EQ(remade, checkpoint());
 }
 
 TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {

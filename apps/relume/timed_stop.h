@@ -1,0 +1,30 @@
+// A stop that comes by time.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+namespace relume::cli {
+
+/// Requests a stop when `outer` does or after `seconds`, whichever comes first.
+class TimedStop {
+ public:
+  /// `seconds` 0: never.
+  TimedStop(std::stop_token outer, double seconds);
+
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  void wait(const std::stop_token& end, double seconds);
+
+  std::stop_source source_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::stop_callback<std::function<void()>> outer_;
+  std::jthread timer_;  ///< last: it uses the others
+};
+
+}  // namespace relume::cli
