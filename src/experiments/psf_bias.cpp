@@ -81,7 +81,7 @@ ExperimentResult run_psf_bias(const ExperimentContext& context) {
 }  // namespace
 
 Experiment psf_bias_experiment() {
-  return {"psf-bias", kPaper, "what is wrong with the average frame of caches", run_psf_bias};
+  return {"psf-bias", kPaper, "the bias of the average frame of caches", run_psf_bias};
 }
 
 }  // namespace relume

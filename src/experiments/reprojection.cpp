@@ -367,7 +367,7 @@ ExperimentResult run_reprojection(const ExperimentContext& context) {
 }  // namespace
 
 Experiment reprojection_experiment() {
-  return {"reprojection", kPaper, "taking samples along when the camera turns, against starting anew",
+  return {"reprojection", kPaper, "reusing samples across turns of the camera, against discarding them",
           run_reprojection};
 }
 

@@ -224,7 +224,7 @@ struct TevClient::State {
     disconnect();
     retry = timeouts.retry;
     next_attempt = Clock::now() + retry;
-    notice = fmt::format("{}: the connection to the viewer was lost; rendering goes on without it", where());
+    notice = fmt::format("{}: the connection to the viewer was lost; rendering continues without it", where());
   }
 
   bool send(Message message) {

@@ -246,7 +246,7 @@ bool CompiledScene::is_lit() const {
 
 void CompiledScene::add_missing_light() {
   if (is_lit()) return;
-  notes_.push_back(fmt::format("{}: a constant environment of radiance 1 stands in; give one with --env",
+  notes_.push_back(fmt::format("{}: using a constant environment of radiance 1; give one with --env",
                                lights_.view().lights.empty()
                                    ? "the scene has no light"
                                    : "no light of the scene shines, as each is black or has no area or direction"));
@@ -285,7 +285,7 @@ Index find_camera(const Scene& scene, const std::string& name) {
 void CompiledScene::choose_camera(const std::string& name) {
   camera_node_ = find_camera(source_, name);
   if (camera_node_ == kNone) {
-    notes_.emplace_back("the scene has no camera: one that sees all of it stands in");
+    notes_.emplace_back("the scene has no camera: using a default camera that frames the scene");
     const float half_y = 0.5f * camera_.fov_y_rad;
     const float aspect = static_cast<float>(resolution_.x) / static_cast<float>(resolution_.y);
     const float narrower = std::min(half_y, std::atan(std::tan(half_y) * aspect));

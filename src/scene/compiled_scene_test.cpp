@@ -209,7 +209,7 @@ TEST(CompiledScene, RaysThatAreNotFiniteMeetNothing) {
 }
 
 TEST(CompiledScene, SomeLightStandsInIfNoneShines) {
-  constexpr const char* kStandsIn = "a constant environment of radiance 1 stands in";
+  constexpr const char* kStandsIn = "using a constant environment of radiance 1";
   const auto needs_light = [&](const Scene& scene) { return notes_of(scene).find(kStandsIn) != std::string::npos; };
   EXPECT_TRUE(needs_light(plate()));
   Material lamp;

@@ -2,12 +2,15 @@
 """The checks of the house find what they are there to find."""
 
 import pathlib
+import shutil
 import tempfile
 import unittest
 
 import check_files
 import check_layers
 import check_sources
+import check_spelling
+import check_wording
 import house
 
 FUNCTIONS = """
@@ -110,6 +113,22 @@ class Repository(unittest.TestCase):
         self.assert_finds(
             check_files.check, "mute/README.md: has no row that says when", "no benchmark", "lost_test.cpp: no CMakeLists.txt", "at most", "README.md:3: the link to lost.md",
             "no heading 'lost'")
+
+    @unittest.skipUnless(shutil.which("codespell"), "no codespell")
+    def test_spelling(self):
+        typo = "".join(("t", "e", "h"))  # which the check itself does not see
+        self.write("README.md", f"the\n{typo} end\n")
+        self.write("src/core/a.h", f"int {typo} = 1;\n// {typo} comment\nconst char* s = \"{typo} string\\nmean\";\n")
+        self.write("scripts/run", f"# {typo}\n")
+        self.write("tests/a.py", f"{typo} = 1  # {typo} comment\n")
+        self.write("docs/results.json", f'"{typo}"\n')
+        self.assert_finds(check_spelling.check, "README.md:2", "scripts/run:1", "src/core/a.h:2", "src/core/a.h:3", "tests/a.py:1")
+
+    def test_wording(self):
+        self.write("src/core/a.cpp", 'f("all but "\n  "for one");\n// anew\ng("it go" "es on;", "stands in", "is mended");\n')
+        self.write("src/core/a_test.cpp", 'f("anew");\n')
+        self.write("src/core/b.cpp", 'f("standard, butter, amended, it stands in the corner");\n')
+        self.assert_finds(check_wording.check, "a.cpp:1: 'but for'", "a.cpp:4: 'goes on'", "a.cpp:4: 'stands in'", "a.cpp:4: 'mended'")
 
     def test_comments_keep_line_numbers(self):
         text = 'a /* 1\n2 */ b "// no" // c\nd R"(\n)" 1\'000\n'

@@ -99,7 +99,7 @@ void draw_buffers_panel(State& state) {
   ImGui::BeginDisabled(!state.pace.hold_rate);
   changed |= ImGui::SliderFloat("target", &state.pace.target_hz, 1, 60, "%.0f frames/s", ImGuiSliderFlags_AlwaysClamp);
   changed |= ImGui::Checkbox("Full size at rest", &state.pace.full_at_rest);
-  tooltip("Full resolution as soon as nothing changes; histories begin anew with every change of size");
+  tooltip("Full resolution as soon as nothing changes; every change of size discards the histories");
   ImGui::EndDisabled();
   ImGui::PopItemWidth();
   if (changed) state.request_changed = true;

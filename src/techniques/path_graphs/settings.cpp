@@ -14,9 +14,8 @@ SettingList describe(PathGraphSettings& s) {
        "itself"},
       {"feed",
        &s.feed,
-       "Share of the paths that go on after a cell has taken over, to feed the cells of the vertices beyond; if not 0, "
-       "at "
-       "least one path of a pixel in 4096 does",
+       "Share of the paths that continue after a cell has taken over, to feed the cells of the vertices beyond; if not "
+       "0, at least one path of a pixel in 4096 does",
        {.min = 0, .max = 1}},
       {"deep-coarsening",
        &s.deep_coarsening,

@@ -49,7 +49,7 @@ PassDeclaration ReprojectionPass::declaration() const {
   };
   const bool forward = settings_.method == ReprojectionMethod::forward;
   std::vector<BufferDescription> owns{
-      shown("history-kept", "1 where this frame's pixel goes on with a history, 0 where it begins anew"),
+      shown("history-kept", "1 where this frame's pixel continues a history, 0 where it starts one"),
       shown("history-reason", forward
                                   ? "why, of this frame's pixel: 1 kept, 10 kept but ended by a sample elsewhere, 0 "
                                     "nothing came to lie here; what did was 3 occluded, 4 view dependent, 5 near "
