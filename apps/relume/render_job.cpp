@@ -11,8 +11,6 @@
 #include "backend/launch.h"
 #include "console.h"
 #include "core/clock.h"
-#include "file_roles.h"
-#include "frame_sequence.h"
 #include "io/atomic_file.h"
 #include "io/tev_client.h"
 #include "picture.h"
@@ -20,8 +18,8 @@
 #include "progress.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
+#include "render_plan.h"
 #include "reports.h"
-#include "scene/builtin.h"
 #include "scene_source.h"
 #include "stop_criteria.h"
 #include "timed_stop.h"
@@ -32,90 +30,6 @@ namespace relume::cli {
 namespace {
 
 constexpr double kDisplayInterval_s = 0.5;
-
-/// What is known before the scene is loaded; making it finds most of the mistakes that a user can make.
-struct Plan {
-  std::vector<std::string> aovs;  ///< of a scene file: once it is loaded
-  FrameRange frames;
-  std::vector<std::filesystem::path> files;  ///< one a frame
-  SettingSources sources;
-  FileRoles roles;
-  int threads = 0;
-};
-
-/// One a frame; a video's is the same for all.
-std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& options, const FrameRange& frames) {
-  const bool video = is_video_file(options.output);
-  if (video && !options.checkpoint.empty())
-    throw UsageError("--resume cannot continue a video; render pictures (-o out.####.png) and encode them afterwards");
-  const FrameNames name(options.output);
-  std::vector<std::filesystem::path> files;
-  for (int frame = frames.first; frame <= frames.last; ++frame)
-    files.push_back(video ? std::filesystem::path(options.output) : name(frame));
-  return files;
-}
-
-/// Throws UsageError where a file has two of them, or an output cannot be written.
-FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesystem::path>& files) {
-  FileRoles roles;
-  roles.reads("SCENE", options.scene);
-  roles.reads("--settings", options.settings_file);
-  for (const std::filesystem::path& file : files) roles.writes("-o", file);
-  roles.writes("--stats", options.stats);
-  roles.writes("--resume", options.checkpoint);
-  // The name of the last frame is the longest.
-  for (const std::filesystem::path& file :
-       {files.back(), std::filesystem::path(options.stats), std::filesystem::path(options.checkpoint)}) {
-    if (!file.empty()) check_output_file(file);
-  }
-  return roles;
-}
-
-/// Throws UsageError for a layer that there is not, and Error for techniques that do not combine.
-std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
-  settings.auxiliary = true;
-  return parse_aovs(options.aov, Session::aov_names(settings));
-}
-
-Plan make_plan(const RenderOptions& options) {
-  Plan plan;
-  if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
-  plan.files = {options.output};
-  if (!options.frames.empty()) {
-    plan.frames = parse_frame_range(options.frames, "--frames");
-    plan.files = files_of_sequence(options, plan.frames);
-  }
-  plan.roles = roles_of(options, plan.files);
-  plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
-  const RenderSettings settings = resolve(plan.sources).render;
-  plan.threads = settings.threads;
-  // What a file says of techniques is known once it is loaded, and decides which layers there are.
-  if (find_builtin_scene(options.scene)) plan.aovs = wanted_aovs(options, settings);
-  std::vector<std::string> layers;
-  if (!options.aov.empty()) layers.push_back(options.aov);
-  if (is_video_file(options.output) && !options.frames.empty()) {
-    check_video_file(options.output, layers);
-  } else {
-    check_picture_file(options.output, layers);
-  }
-  return plan;
-}
-
-/// Waiting for an error that never becomes known would not end, and a pilot alone is no picture.
-void check_stop_settings(const Settings& settings) {
-  const StopCriteria criteria = stop_criteria(settings.stop);
-  const uint32_t pilot = pilot_samples(settings.render);
-  if (criteria.samples > 0 && criteria.samples <= pilot) {
-    throw UsageError(
-        fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
-                    "smaller --adaptive.max",
-                    pilot));
-  }
-  if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
-  throw UsageError(
-      "--error alone cannot end a picture with --history none, which is one frame whose error is not known; give --spp "
-      "or --time, or --history accumulate");
-}
 
 /// The picture in a tev viewer, if one was asked for.
 class Display {
@@ -145,7 +59,7 @@ class Display {
 
 class RenderJob {
  public:
-  RenderJob(const RenderOptions& options, const Verbosity& verbosity, Plan plan)
+  RenderJob(const RenderOptions& options, const Verbosity& verbosity, RenderPlan plan)
       : options_(options), verbosity_(verbosity), plan_(std::move(plan)), display_(options.display, options.scene) {}
 
   int run() {
@@ -189,7 +103,7 @@ class RenderJob {
 
   const RenderOptions& options_;
   const Verbosity& verbosity_;
-  Plan plan_;
+  RenderPlan plan_;
   Display display_;
   Settings settings_;
   float scene_time_s_ = 0;  ///< of frame 0

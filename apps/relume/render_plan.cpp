@@ -1,0 +1,89 @@
+#include "render_plan.h"
+
+#include <fmt/format.h>
+
+#include "picture.h"
+#include "render/build_pipeline.h"
+#include "render/session.h"
+#include "scene/builtin.h"
+#include "stop_criteria.h"
+#include "video.h"
+
+namespace relume::cli {
+namespace {
+
+/// One a frame; a video's is the same for all.
+std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& options, const FrameRange& frames) {
+  const bool video = is_video_file(options.output);
+  if (video && !options.checkpoint.empty())
+    throw UsageError("--resume cannot continue a video; render pictures (-o out.####.png) and encode them afterwards");
+  const FrameNames name(options.output);
+  std::vector<std::filesystem::path> files;
+  for (int frame = frames.first; frame <= frames.last; ++frame)
+    files.push_back(video ? std::filesystem::path(options.output) : name(frame));
+  return files;
+}
+
+/// Throws UsageError where a file has two of them, or an output cannot be written.
+FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesystem::path>& files) {
+  FileRoles roles;
+  roles.reads("SCENE", options.scene);
+  roles.reads("--settings", options.settings_file);
+  for (const std::filesystem::path& file : files) roles.writes("-o", file);
+  roles.writes("--stats", options.stats);
+  roles.writes("--resume", options.checkpoint);
+  // The name of the last frame is the longest.
+  for (const std::filesystem::path& file :
+       {files.back(), std::filesystem::path(options.stats), std::filesystem::path(options.checkpoint)}) {
+    if (!file.empty()) check_output_file(file);
+  }
+  return roles;
+}
+
+}  // namespace
+
+std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
+  settings.auxiliary = true;
+  return parse_aovs(options.aov, Session::aov_names(settings));
+}
+
+RenderPlan make_plan(const RenderOptions& options) {
+  RenderPlan plan;
+  if (options.output.empty()) throw UsageError("render needs -o FILE; see relume render --help");
+  plan.files = {options.output};
+  if (!options.frames.empty()) {
+    plan.frames = parse_frame_range(options.frames, "--frames");
+    plan.files = files_of_sequence(options, plan.frames);
+  }
+  plan.roles = roles_of(options, plan.files);
+  plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
+  const RenderSettings settings = resolve(plan.sources).render;
+  plan.threads = settings.threads;
+  // What a file says of techniques is known once it is loaded, and decides which layers there are.
+  if (find_builtin_scene(options.scene)) plan.aovs = wanted_aovs(options, settings);
+  std::vector<std::string> layers;
+  if (!options.aov.empty()) layers.push_back(options.aov);
+  if (is_video_file(options.output) && !options.frames.empty()) {
+    check_video_file(options.output, layers);
+  } else {
+    check_picture_file(options.output, layers);
+  }
+  return plan;
+}
+
+void check_stop_settings(const Settings& settings) {
+  const StopCriteria criteria = stop_criteria(settings.stop);
+  const uint32_t pilot = pilot_samples(settings.render);
+  if (criteria.samples > 0 && criteria.samples <= pilot) {
+    throw UsageError(
+        fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
+                    "smaller --adaptive.max",
+                    pilot));
+  }
+  if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
+  throw UsageError(
+      "--error alone cannot end a picture with --history none, which is one frame whose error is not known; give --spp "
+      "or --time, or --history accumulate");
+}
+
+}  // namespace relume::cli
