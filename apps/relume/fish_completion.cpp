@@ -6,7 +6,7 @@ namespace relume::cli {
 namespace {
 
 /// Within single quotes.
-std::string quoted(std::string_view text) {
+std::string shell_quoted(std::string_view text) {
   std::string result;
   for (const char c : text) {
     if (c == '\'' || c == '\\') result += '\\';
@@ -17,19 +17,19 @@ std::string quoted(std::string_view text) {
 
 std::string offer_flags(const Offer& offer) {
   const std::string words =
-      offer.words.empty() ? "" : fmt::format(" -a {}", quoted(fmt::format("{}", fmt::join(offer.words, " "))));
+      offer.words.empty() ? "" : fmt::format(" -a {}", shell_quoted(fmt::format("{}", fmt::join(offer.words, " "))));
   return (offer.files ? " -F" : " -f") + words;
 }
 
 std::string command_lines(const Command& command, const CompletionNames& names) {
   const std::string start = fmt::format("complete -c relume -n '__relume_command {}'", command.name);
-  std::string text =
-      fmt::format("complete -c relume -n __fish_use_subcommand -a {} -d {}\n", command.name, quoted(command.summary));
+  std::string text = fmt::format("complete -c relume -n __fish_use_subcommand -a {} -d {}\n", command.name,
+                                 shell_quoted(command.summary));
   for (const Option& option : all_options(command)) {
     const std::string letter = option.letter != 0 ? fmt::format(" -s {}", option.letter) : "";
     const std::optional<Offer> offer = value_offer(option, names);
     text += fmt::format("{} -l {}{}{} -d {}\n", start, option.setting.name, letter,
-                        offer ? " -r" + offer_flags(*offer) : "", quoted(option.setting.help));
+                        offer ? " -r" + offer_flags(*offer) : "", shell_quoted(option.setting.help));
     if (!offer) text += fmt::format("{} -l no-{}\n", start, option.setting.name);
   }
   text += fmt::format("{} -s h -l help -d 'Show help'\n", start);

@@ -6,7 +6,7 @@ namespace relume::cli {
 namespace {
 
 /// Within single quotes.
-std::string quoted(std::string_view text) {
+std::string shell_quoted(std::string_view text) {
   std::string result;
   for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
   return "'" + result + "'";
@@ -39,22 +39,23 @@ std::string option_lines(const Option& option, const CompletionNames& names) {
   if (!offer) {
     const std::string negation = "--no-" + option.setting.name;
     const std::string others = fmt::format("({} {} {})", letter, flag, negation);
-    std::string text = fmt::format("        {} \\\n", quoted(others + flag + help));
-    if (!letter.empty()) text += fmt::format("        {} \\\n", quoted(others + letter + help));
-    return text + fmt::format("        {} \\\n", quoted(fmt::format("{}{}[Turn off {}]", others, negation, flag)));
+    std::string text = fmt::format("        {} \\\n", shell_quoted(others + flag + help));
+    if (!letter.empty()) text += fmt::format("        {} \\\n", shell_quoted(others + letter + help));
+    return text +
+           fmt::format("        {} \\\n", shell_quoted(fmt::format("{}{}[Turn off {}]", others, negation, flag)));
   }
   const std::string name = option.value_name.empty() ? "value" : escaped(option.value_name, "\\:");
   const std::string value = fmt::format(":{}:{}", name, action(*offer));
   const std::string others = option.repeats ? "*" : fmt::format("({} {})", letter, flag);
-  std::string text = fmt::format("        {} \\\n", quoted(others + flag + "=" + help + value));
-  if (!letter.empty()) text += fmt::format("        {} \\\n", quoted(others + letter + "+" + help + value));
+  std::string text = fmt::format("        {} \\\n", shell_quoted(others + flag + "=" + help + value));
+  if (!letter.empty()) text += fmt::format("        {} \\\n", shell_quoted(others + letter + "+" + help + value));
   return text;
 }
 
 std::string argument_line(const Argument& argument, const CompletionNames& names) {
   const std::string place = argument.repeats ? "*:" : argument.required ? ":" : "::";
-  return fmt::format("        {} \\\n", quoted(fmt::format("{}{}:{}", place, argument.name,
-                                                           action(offer_of(argument.completion, names)))));
+  return fmt::format("        {} \\\n", shell_quoted(fmt::format("{}{}:{}", place, argument.name,
+                                                                 action(offer_of(argument.completion, names)))));
 }
 
 std::string command_case(const Command& command, const CompletionNames& names) {
@@ -75,7 +76,7 @@ std::string zsh_completion(const std::vector<Command>& commands, const Completio
       "  local -A opt_args\n"
       "  local -a commands=(\n";
   for (const Command& command : commands) {
-    text += fmt::format("    {}\n", quoted(fmt::format("{}:{}", command.name, command.summary)));
+    text += fmt::format("    {}\n", shell_quoted(fmt::format("{}:{}", command.name, command.summary)));
   }
   text +=
       "  )\n"
