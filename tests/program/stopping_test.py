@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """When a render ends: samples, time, error, interruption, kill -9 and resumption."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -196,14 +197,22 @@ class Stopping(ProgramTest):
         self.succeed(*arguments, "-o", "whole.exr", timeout=240)
         self.assert_same_pixels("resumed.exr", "whole.exr")
 
+    def wait_for_video(self, seconds=60):
+        """Until the encoder has begun to write; the check of the folder makes an empty file before."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            with contextlib.suppress(FileNotFoundError):
+                if any(file.stat().st_size > 0 for file in self.folder.glob(".out.*")):
+                    return
+            time.sleep(0.01)
+        self.fail("the encoder writes nothing")
+
     def test_what_kill_leaves_goes_with_the_next_file_of_that_name(self):
         env = self.with_encoder('for last; do :; done; cat > "$last"; sleep 1')
         arguments = ["render", "cornell", *SMALL, "--spp", "1", "--frames", "0-1", "-o", "out.y4m"]
         process = start(*arguments, cwd=self.folder, env=env)
         self.addCleanup(process.kill)
-        end = time.monotonic() + 60
-        while not list(self.folder.glob(".out.*")) and time.monotonic() < end:
-            time.sleep(0.01)
+        self.wait_for_video()
         process.kill()
         process.communicate(timeout=60)
         (left,) = [name for name in self.files() if name != "bin"]
@@ -215,9 +224,7 @@ class Stopping(ProgramTest):
         env = self.with_encoder('for last; do :; done; cat > "$last"; sleep 1')
         process = start("render", "cornell", *SMALL, "--spp", "1", "--frames", "0-1", "-o", "out.y4m", cwd=self.folder, env=env)
         self.addCleanup(process.kill)
-        end = time.monotonic() + 60
-        while not list(self.folder.glob(".out.*")) and time.monotonic() < end:
-            time.sleep(0.01)
+        self.wait_for_video()
         for _ in range(2):  # the first one waits for the encoder
             process.send_signal(signal.SIGINT)
             time.sleep(0.1)
