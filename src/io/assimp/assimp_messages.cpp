@@ -9,28 +9,28 @@ namespace relume {
 namespace {
 
 struct Translation {
-  std::string_view part;  ///< of assimp's message
+  std::string_view part;  ///< of assimp's message in lower case
   std::string_view problem;
 };
 
 /// The first that fits counts. Several versions of assimp are covered.
 constexpr Translation kTranslations[] = {
     {"faces but no vertices", "its faces have no vertices"},
-    {"o meshes", kNoTriangles},
-    {"mNumMeshes is 0", kNoTriangles},
-    {"o faces", kNoTriangles},
-    {"o vertices", kNoTriangles},
-    {"o valid faces", kNoTriangles},
-    {"o valid vertices", kNoTriangles},
+    {"no meshes", kNoTriangles},
+    {"mnummeshes is 0", kNoTriangles},
+    {"no faces", kNoTriangles},
+    {"no vertices", kNoTriangles},
+    {"no valid faces", kNoTriangles},
+    {"no valid vertices", kNoTriangles},
     {"came out empty", kNoTriangles},
     {"empty or corrupt", "it is empty or damaged"},
-    {"malformed XML", "its XML is malformed"},
-    {"ailed to parse", "its structure is damaged"},
-    {"torage representation", "its content is not what its extension says"},
-    {"eader is invalid", "its content is not what its extension says"},
-    {"No suitable reader", "its content is not what its extension says"},
+    {"malformed xml", "its XML is malformed"},
+    {"failed to parse", "its structure is damaged"},
+    {"storage representation", "its content is not what its extension says"},
+    {"header is invalid", "its content is not what its extension says"},
+    {"no suitable reader", "its content is not what its extension says"},
     {"nable to open", "the file cannot be opened; check its permissions"},
-    {"ailed to open", "the file cannot be opened; check its permissions"},
+    {"failed to open", "the file cannot be opened; check its permissions"},
     {"format version", "its version of FBX is not supported; export it as FBX 2013 or convert it to glTF"},
     {"s a real number", "a number is expected"},
     {"cannot be converted into a value", "a number is expected"},
@@ -41,14 +41,14 @@ constexpr Translation kTranslations[] = {
     {"number of components", "a vertex has too few or too many coordinates"},
     {"number of vertices", "a triangle has too few or too many vertices"},
     {"does not match position buffer", "a triangle has too few or too many vertices"},
-    {"Unable to resolve", "it refers to a part that does not exist"},
-    {"oo small", "the file is cut off"},
-    {"oo large", "a length in it goes beyond the end of the file"},
-    {"nd of file", "the file is cut off"},
-    {"EOF", "the file is cut off"},
+    {"unable to resolve", "it refers to a part that does not exist"},
+    {"too small", "the file is cut off"},
+    {"too large", "a length in it goes beyond the end of the file"},
+    {"end of file", "the file is cut off"},
+    {"eof", "the file is cut off"},
     {"unexpected", "its structure is damaged"},
     {"dictionary found", "a section is missing"},
-    {"equired element", "a required entry is missing"},
+    {"required element", "a required entry is missing"},
 };
 
 /// "line 5: " if the message names a line; else empty.
@@ -77,9 +77,10 @@ std::string quotation_of(std::string_view message) {
 }  // namespace
 
 std::string explain_assimp_problem(std::string_view message) {
-  const auto* known = std::find_if(std::begin(kTranslations), std::end(kTranslations), [&](const Translation& t) {
-    return message.find(t.part) != std::string_view::npos;
-  });
+  std::string lower(message);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  const auto* known = std::find_if(std::begin(kTranslations), std::end(kTranslations),
+                                   [&](const Translation& t) { return lower.find(t.part) != std::string::npos; });
   const bool is_known = known != std::end(kTranslations);
   const std::string_view problem = is_known ? known->problem : "the file's content is damaged or not supported";
   if (problem.find(';') != std::string_view::npos) return std::string(problem);  // has its own remedy
