@@ -1,5 +1,6 @@
-// Intersection of a ray with a triangle that is known to be hit. The traversal only decides which triangle that is: its
-// own rounding depends on its version, on the processor and on the width of its packets, and none of that shows here.
+// Intersection of a ray with a triangle that is known to be hit. The traversal only decides which triangle that is. Its
+// rounding depends on its version, on the processor and on the width of its packets; it shows only where two triangles
+// compete, at shared edges and coincident faces.
 #pragma once
 
 #include "core/vec.h"

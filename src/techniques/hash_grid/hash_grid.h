@@ -24,6 +24,7 @@ struct HashGridCounters {
   uint64_t dropped = 0;    ///< samples for which there was no memory
   uint64_t saturated = 0;  ///< samples clamped to kCellSampleMax
   uint64_t nonfinite = 0;  ///< samples that were not finite, and were left out
+  uint64_t made = 0;       ///< keys that this frame has placed in the table
   uint64_t heirs = 0;      ///< cells of this frame that begin with what another level knows
   uint64_t unfed = 0;      ///< vertices of paths that took no sample, as too many before them waited for theirs
 };
@@ -103,6 +104,7 @@ struct HashGridView {
         found = atomic_compare_exchange(&fingerprints[slot], 0, address.fingerprint);
         if (found == 0) {
           homes[slot] = address.home;
+          atomic_add(&counters->made, uint64_t{1});
           return slot;
         }
       }

@@ -14,6 +14,9 @@ constexpr uint32_t kMinSlots = 1024;
 
 constexpr uint64_t kSlotBytes = sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory);
 
+/// Probes as many slots as there are.
+constexpr uint32_t kAnywhere = kNoCell;
+
 uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintenanceRow - 1) / kMaintenanceRow); }
 
 template <typename T>
@@ -37,6 +40,36 @@ uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slo
 constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 4 * sizeof(uint64_t);
 constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
 
+struct SavedCell {
+  CellAddress address;
+  CellHistory history;
+};
+
+/// Different keys among the samples that wait. None of them is in the table.
+uint64_t distinct_keys(const View<const WaitingSample>& samples, const CellKeys& keys) {
+  std::vector<uint64_t> fingerprints(samples.size);
+  for (uint32_t i = 0; i < samples.size; ++i)
+    fingerprints[i] = keys.address(samples[i].point, samples[i].coarser).fingerprint;
+  std::sort(fingerprints.begin(), fingerprints.end());
+  return static_cast<uint64_t>(std::unique(fingerprints.begin(), fingerprints.end()) - fingerprints.begin());
+}
+
+/// The cells behind the header of a checkpoint; empty if some are impossible.
+std::vector<SavedCell> read_cells(std::span<const std::byte> bytes) {
+  std::vector<SavedCell> cells(bytes.size() / kSavedCellBytes);
+  for (SavedCell& cell : cells) {
+    cell.address.fingerprint = take<uint64_t>(bytes);
+    cell.address.home = take<uint32_t>(bytes);
+    cell.history = take<CellHistory>(bytes);
+    if (cell.address.fingerprint == 0 || !is_finite(cell.history.moments.count)) return {};
+  }
+  std::vector<uint64_t> fingerprints;
+  for (const SavedCell& cell : cells) fingerprints.push_back(cell.address.fingerprint);
+  std::sort(fingerprints.begin(), fingerprints.end());
+  const bool unique = std::adjacent_find(fingerprints.begin(), fingerprints.end()) == fingerprints.end();
+  return unique ? cells : std::vector<SavedCell>{};
+}
+
 }  // namespace
 
 HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
@@ -58,9 +91,7 @@ void HashGrid::configure(const HashGridSettings& settings, const HashGridBounds&
   limit_ = static_cast<uint32_t>(std::clamp(limit, uint64_t{1}, uint64_t{kMostSlots}));
   memory_limit_ = std::max(limit_, static_cast<uint32_t>(std::min(bounds.memory_slots, uint64_t{kMostSlots})));
   first_slots_ = wanted_slots(expected_cells_);
-  if (overflow_capacity_ >= bounds.samples_a_frame) return;
-  overflow_capacity_ = std::min(bounds.samples_a_frame, uint64_t{kNoCell});
-  overflow_.reset(new std::byte[overflow_capacity_ * sizeof(WaitingSample)]);
+  samples_a_frame_ = std::min(bounds.samples_a_frame, uint64_t{kNoCell});
 }
 
 uint32_t HashGrid::wanted_slots(uint64_t live) const {
@@ -79,6 +110,10 @@ void HashGrid::allocate(uint32_t slots) {
 HashGridView HashGrid::view(const CameraView& camera) {
   keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  if (overflow_count_ == 0 && overflow_capacity_ != samples_a_frame_) {
+    overflow_.reset(new std::byte[samples_a_frame_ * sizeof(WaitingSample)]);
+    overflow_capacity_ = samples_a_frame_;
+  }
   return view();
 }
 
@@ -103,26 +138,31 @@ HashGridView HashGrid::view() {
   return v;
 }
 
-HashGridView HashGrid::placing_view() {
+HashGridView HashGrid::placing_view(uint32_t probes) {
   HashGridView v = view();
-  v.probe_limit = static_cast<uint32_t>(fingerprints_.size());
-  v.overflow.samples.size = 0;  // no room here is no room at all
+  v.probe_limit = std::min(probes, static_cast<uint32_t>(fingerprints_.size()));
+  v.overflow.samples.size = 0;
   return v;
 }
 
-/// Gives the samples that wait their cells.
+/// Grows the table if its keys fill more than half of it, and gives the samples that wait their cells. Which samples
+/// wait depends on timing; the number of keys does not.
 void HashGrid::settle(Backend& backend) {
   const auto waiting = static_cast<uint32_t>(std::min(uint64_t{overflow_count_}, overflow_capacity_));
-  overflow_count_ = 0;
-  if (waiting == 0) return;
-  const auto free_slots = static_cast<uint64_t>(std::count(fingerprints_.begin(), fingerprints_.end(), 0u));
-  const uint64_t needed = 2 * (fingerprints_.size() - free_slots + waiting);
-  const auto slots = static_cast<uint32_t>(std::min(needed, uint64_t{memory_limit_}));
-  if (slots > fingerprints_.size()) rebuild(backend, slots);
   const View<const WaitingSample> samples{reinterpret_cast<const WaitingSample*>(overflow_.get()), waiting};
-  launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(), &longest_}, kMaintenanceRow,
-         rows_of(waiting));
-  overflow_count_ = 0;  // has counted what was dropped
+  const uint64_t keys = census_.taken + counters_.made + distinct_keys(samples, keys_);
+  const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
+  const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
+  if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
+  // A table that memory does not let grow may be full; probing all of it for each sample would take forever.
+  const uint32_t probes = 2 * keys <= memory_limit_ ? kAnywhere : 4 * kMaxProbes;
+  if (waiting > 0) {
+    launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(probes), &longest_}, kMaintenanceRow,
+           rows_of(waiting));
+  }
+  most_waiting_ = std::max(most_waiting_, uint64_t{waiting});
+  overflow_count_ = 0;
+  counters_.made = 0;
 }
 
 void HashGrid::advance(Backend& backend, bool watched) {
@@ -177,22 +217,34 @@ void HashGrid::discard_oldest(uint64_t count) {
 void HashGrid::clear() {
   allocate(first_slots_);
   census_ = {};
+  overflow_count_ = 0;
+  counters_.made = 0;
+  renumbered_ = false;
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
-  const std::vector<uint64_t> fingerprints = std::exchange(fingerprints_, {});
-  const std::vector<uint32_t> homes = std::exchange(homes_, {});
-  const std::vector<uint32_t> parents = std::exchange(parents_, {});
-  const std::vector<CellSums> sums = std::exchange(sums_, {});
-  const std::vector<CellHistory> histories = std::exchange(histories_, {});
-  allocate(slots);
-  const MoveCellsKernel cells{
-      view_of(fingerprints),       view_of(homes), view_of(sums), view_of(histories), placing_view(),
-      mutable_view_of(histories_), &longest_};
-  launch(backend, "cells", cells, kMaintenanceRow, rows_of(fingerprints.size()));
-  const MoveParentsKernel links{view_of(fingerprints), view_of(homes), view_of(parents), placing_view()};
-  if (counters_.heirs > 0) launch(backend, "cells", links, kMaintenanceRow, rows_of(fingerprints.size()));
+  std::vector<uint64_t> fingerprints(slots, 0);
+  std::vector<uint32_t> homes(slots, 0);
+  std::vector<uint32_t> parents(slots, kNoCell);
+  std::vector<CellSums> sums(slots);
+  std::vector<CellHistory> histories(slots);
+  fingerprints.swap(fingerprints_);
+  homes.swap(homes_);
+  parents.swap(parents_);
+  sums.swap(sums_);
+  histories.swap(histories_);
+  longest_ = 0;
+  const HashGridView target = placing_view(kAnywhere);
+  const uint32_t rows = rows_of(fingerprints.size());
+  const MoveCellsKernel cells{view_of(fingerprints),       view_of(homes), view_of(sums), view_of(histories), target,
+                              mutable_view_of(histories_), &longest_};
+  launch(backend, "cells", cells, kMaintenanceRow, rows);
+  if (counters_.heirs > 0) {
+    const MoveParentsKernel links{view_of(fingerprints), view_of(homes), view_of(parents), target};
+    launch(backend, "cells", links, kMaintenanceRow, rows);
+  }
   census_.taken = census_.live;
+  counters_.made = 0;
   renumbered_ = true;
   ++rebuilds_;
 }
@@ -214,7 +266,7 @@ HashGridStatistics HashGrid::statistics() const {
   s.unfed = counters_.unfed;
   s.changed = census_.changed;
   s.rebuilds = rebuilds_;
-  s.memory_bytes = s.slots * kSlotBytes;
+  s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample);
   return s;
 }
 
@@ -240,31 +292,34 @@ std::vector<std::byte> HashGrid::save() const {
 
 bool HashGrid::load(std::span<const std::byte> bytes) {
   if (bytes.size() < kSavedHeaderBytes || (bytes.size() - kSavedHeaderBytes) % kSavedCellBytes != 0) return false;
-  const size_t cells = (bytes.size() - kSavedHeaderBytes) / kSavedCellBytes;
+  const size_t count = (bytes.size() - kSavedHeaderBytes) / kSavedCellBytes;
   const auto slots = take<uint32_t>(bytes);
   const auto expected_cells = take<uint64_t>(bytes);
-  if (slots == 0 || slots > uint32_t{kMostSlots} || cells > slots || expected_cells > uint64_t{kMostSlots})
+  if (slots == 0 || slots > uint32_t{kMostSlots} || count > slots || expected_cells > uint64_t{kMostSlots})
     return false;
+  const auto counters = take<HashGridCounters>(bytes);
+  const auto evicted = take<uint64_t>(bytes);
+  const auto discarded = take<uint64_t>(bytes);
+  const auto inherited = take<uint64_t>(bytes);
+  const std::vector<SavedCell> cells = read_cells(bytes);
+  if (cells.size() != count) return false;
   expected_cells_ = expected_cells;
   first_slots_ = wanted_slots(expected_cells_);
-  allocate(std::max(std::min(slots, limit_), static_cast<uint32_t>(std::min(2 * cells, size_t{kMostSlots}))));
-  counters_ = take<HashGridCounters>(bytes);
-  evicted_ = take<uint64_t>(bytes);
-  discarded_ = take<uint64_t>(bytes);
-  inherited_ = take<uint64_t>(bytes);
-  census_ = {};
-  const HashGridView v = placing_view();
-  for (size_t i = 0; i < cells; ++i) {
-    CellAddress address;
-    address.fingerprint = take<uint64_t>(bytes);
-    address.home = take<uint32_t>(bytes);
-    const auto history = take<CellHistory>(bytes);
-    const uint32_t slot = v.find_or_insert(address);
-    histories_[slot] = history;
-    longest_ = std::max(longest_, v.displacement(address, slot));
+  clear();
+  allocate(std::max(std::min(slots, limit_), static_cast<uint32_t>(std::min(2 * count, size_t{kMostSlots}))));
+  counters_ = counters;
+  evicted_ = evicted;
+  discarded_ = discarded;
+  inherited_ = inherited;
+  const HashGridView v = placing_view(kAnywhere);
+  for (const SavedCell& cell : cells) {
+    const uint32_t slot = v.find_or_insert(cell.address);
+    histories_[slot] = cell.history;
+    longest_ = std::max(longest_, v.displacement(cell.address, slot));
     ++census_.taken;
-    census_.live += history.empty() ? 0u : 1u;
+    census_.live += cell.history.empty() ? 0u : 1u;
   }
+  counters_.made = 0;
   return true;
 }
 

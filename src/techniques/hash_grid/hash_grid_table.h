@@ -89,8 +89,8 @@ class HashGrid {
   void discard_oldest(uint64_t count);
   uint32_t wanted_slots(uint64_t live) const;
   HashGridView view();
-  /// For kernels that place cells wherever there is room.
-  HashGridView placing_view();
+  /// For kernels that place cells up to `probes` slots from where probing begins, and drop samples without a place.
+  HashGridView placing_view(uint32_t probes);
 
   HashGridSettings settings_;
   uint64_t expected_cells_;
@@ -108,7 +108,9 @@ class HashGrid {
   std::vector<RegionChange> regions_;
   std::unique_ptr<std::byte[]> overflow_;  ///< uninitialised, so that only what is used takes memory
   uint64_t overflow_capacity_ = 0;         ///< samples
+  uint64_t samples_a_frame_ = 0;           ///< for which the list is to have room
   uint32_t overflow_count_ = 0;
+  uint64_t most_waiting_ = 0;  ///< samples, of all frames
   HashGridCounters counters_;
   HashGridCensus census_;
   uint64_t evicted_ = 0;

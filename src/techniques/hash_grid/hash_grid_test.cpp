@@ -96,6 +96,17 @@ std::vector<CellMoments> four_frames(const HashGridSettings& settings, int threa
   return everything(grid, 36000);
 }
 
+/// Which slots are taken when the samples of one frame are in.
+std::vector<bool> taken_slots(const HashGridSettings& settings, int threads) {
+  HashGrid grid(settings, 64);
+  Backend backend(threads);
+  fill(grid, backend, 256);
+  grid.advance(backend);
+  std::vector<bool> taken;
+  for (const uint64_t fingerprint : grid.view(grid_camera()).fingerprints) taken.push_back(fingerprint != 0);
+  return taken;
+}
+
 void expect_same_bits_with_any_number_of_threads(const HashGridSettings& settings, HashGridStatistics& first) {
   const std::vector<CellMoments> one = four_frames(settings, 1, first);
   for (const int threads : {2, 3, 8}) {
@@ -121,6 +132,11 @@ TEST(HashGrid, SameBitsWithAnyNumberOfThreads) {
   expect_same_bits_with_any_number_of_threads(with_coarser_cells(), statistics);
   EXPECT_GT(statistics.rebuilds, 0u);
   EXPECT_EQ(statistics.discarded, 0u);
+}
+
+TEST(HashGrid, SameSlotsWithAnyNumberOfThreads) {
+  const std::vector<bool> one = taken_slots(with_coarser_cells(), 1);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(taken_slots(with_coarser_cells(), threads), one) << threads;
 }
 
 TEST(HashGrid, SameBitsWhereTheTableIsTooSmall) {
