@@ -10,6 +10,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "console.h"
 #include "settings/nearest_name.h"
 #include "version.h"
 
@@ -127,7 +128,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
 }
 
 int report(const char* sentence, int exit_code) {
-  std::fputs(fmt::format("relume: {}\n", sentence).c_str(), stderr);
+  std::fputs(fmt::format("relume: {}\n", printable(sentence)).c_str(), stderr);
   return exit_code;
 }
 

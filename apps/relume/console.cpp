@@ -19,7 +19,25 @@ std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit) 
   return verbosity.quiet ? "" : fmt::format("stopping once {} is complete; interrupt again to abort", unit);
 }
 
-void warn(std::string_view text) { std::fputs(fmt::format("warning: {}\n", text).c_str(), stderr); }
+std::string printable(std::string_view text) {
+  constexpr unsigned char kDelete = 0x7f;
+  std::string line;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= ' ' && code != kDelete) {
+      line += c;
+    } else if (c == '\n') {
+      line += "\\n";
+    } else if (c == '\t') {
+      line += "\\t";
+    } else {
+      line += fmt::format("\\x{:02x}", code);
+    }
+  }
+  return line;
+}
+
+void warn(std::string_view text) { std::fputs(fmt::format("warning: {}\n", printable(text)).c_str(), stderr); }
 
 void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings) {
   constexpr size_t kShown = 10;

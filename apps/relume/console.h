@@ -14,10 +14,12 @@ namespace relume::cli {
 void tell(const Verbosity& verbosity, std::string_view text);
 /// Printed with --verbose only.
 void tell_more(const Verbosity& verbosity, std::string_view text);
-/// Always printed, with "warning: " before it.
 /// For InterruptGuard: that work stops once `unit` is complete; empty if quiet.
 std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit);
 
+/// `text` on one line: control characters, which names in damaged files may have, become \n, \t or \x1b.
+std::string printable(std::string_view text);
+/// Always printed, on one line with "warning: " before it.
 void warn(std::string_view text);
 /// A scene's warnings: the first ten, and how many more there are; all with --verbose.
 void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings);

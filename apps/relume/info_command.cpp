@@ -38,8 +38,20 @@ PictureReport report_picture(const std::string& file, const std::string& extensi
   return report;
 }
 
+/// The lines of `text`, each without control characters.
+std::string printable_lines(std::string_view text) {
+  std::string lines;
+  while (true) {
+    const size_t end = text.find('\n');
+    lines += printable(text.substr(0, end));
+    if (end == std::string_view::npos) return lines;
+    lines += '\n';
+    text.remove_prefix(end + 1);
+  }
+}
+
 std::string to_text(const PictureReport::Channel& channel) {
-  std::string text = fmt::format("              {}", channel.name);
+  std::string text = fmt::format("              {}", printable(channel.name));
   if (channel.min <= channel.max) text += fmt::format(" from {:.4g} to {:.4g}", channel.min, channel.max);
   if (channel.nonfinite > 0) text += fmt::format(", {} not finite", format_count(channel.nonfinite));
   return text + "\n";
@@ -49,7 +61,8 @@ std::string to_text(const PictureReport& report) {
   std::string text = fmt::format("size          {} x {}\n", report.width, report.height);
   if (!report.channels.empty()) text += fmt::format("channels      {}\n", report.channels.size());
   for (const PictureReport::Channel& channel : report.channels) text += to_text(channel);
-  for (const auto& [name, value] : report.attributes) text += fmt::format("{}: {}\n", name, value);
+  for (const auto& [name, value] : report.attributes)
+    text += fmt::format("{}: {}\n", printable(name), printable_lines(value));
   return text;
 }
 

@@ -96,7 +96,7 @@ std::string to_text(const SceneSummary& s) {
   line("lights", format_count(s.lights));
   line("environment", s.environment);
   line("cameras", format_count(s.cameras.size()));
-  for (const std::string& camera : s.cameras) line("", camera);
+  for (const std::string& camera : s.cameras) line("", printable(camera));
   line("animation", s.animation_s > 0 ? fmt::format("{:g} s", s.animation_s) : "none");
   if (s.bounds_min.x <= s.bounds_max.x) {
     line("bounds", fmt::format("{} to {} m", vector_text(s.bounds_min), vector_text(s.bounds_max)));
@@ -105,7 +105,7 @@ std::string to_text(const SceneSummary& s) {
   line("memory",
        fmt::format("{} geometry, {} textures", format_bytes(s.geometry_bytes), format_bytes(s.texture_bytes)));
   line("warnings", format_count(s.warnings.size()));
-  for (const std::string& warning : s.warnings) line("", warning);
+  for (const std::string& warning : s.warnings) line("", printable(warning));
   return text;
 }
 

@@ -50,6 +50,15 @@ TEST(SceneSummary, TextNamesCamerasAndWarnings) {
   EXPECT_NE(text.find("(11, 2, 4) m"), std::string::npos) << text;
 }
 
+TEST(SceneSummary, TextHasNoControlCharactersOfNames) {
+  Scene scene = scene_with_a_triangle_three_times();
+  scene.cameras[0].name = "a\nb\x1b[2J\x7f\té";
+  scene.warnings = {"'\x1b]0;title\x07' is missing"};
+  const std::string text = to_text(summarize(scene));
+  EXPECT_NE(text.find(R"(0 a\nb\x1b[2J\x7f\té (perspective))"), std::string::npos) << text;
+  EXPECT_NE(text.find(R"('\x1b]0;title\x07' is missing)"), std::string::npos) << text;
+}
+
 TEST(SceneSummary, EmptySceneHasNoBounds) {
   const std::string text = to_text(summarize(Scene{}));
   EXPECT_EQ(text.find("bounds"), std::string::npos);

@@ -291,6 +291,15 @@ class Commands(RefusalTest):
     def test_completion_of_another_shell(self):
         self.refuse_each(["completion"], [(USAGE, "tcsh", "no completion for 'tcsh', only for bash, zsh, fish"), (USAGE, "", "completion needs SHELL")])
 
+    def test_control_characters_reach_no_terminal(self):
+        self.refuse(USAGE, "ren\nder\x1b[2J", says=[r"'ren\nder\x1b[2J'"])
+        (self.folder / "s.json").write_text(r'{"exposure": "a\nb\u001b[31m"}')
+        self.refuse(FAILED, "render", "cornell", "--settings", "s.json", "-o", "out.exr", says=[r"'a\nb\x1b[31m'"])
+        write_bare_exr(self.folder / "odd.exr", 0.5)
+        data = (self.folder / "odd.exr").read_bytes()
+        (self.folder / "odd.exr").write_bytes(data.replace(b"R\0" + struct.pack("<i", 2), b"\x1b\0" + struct.pack("<i", 2)))
+        self.assertIn(r"\x1b from 0.5", self.succeed("info", "odd.exr").stdout)
+
     def test_settings_of_a_picture_that_has_none(self):
         write_bare_exr(self.folder / "bare.exr", 0.5)
         self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "bare.exr"), matches=r"bare\.exr: .* no attribute 'relume\.settings'; only EXR files that relume wrote")
