@@ -30,7 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kStemBytes = 200;  // of 255 that a name may have
-constexpr uint64_t kTags = 16;      // as many writers of one target find a name that others can recognise
+constexpr size_t kExtensionBytes = 32;
+constexpr uint64_t kTags = 16;  // as many writers of one target find a name that others can recognise
 
 // A signal handler has no argument of ours. Whoever takes a pointer out of its place owns the text.
 std::array<std::atomic<char*>, 64> g_paths{};
@@ -58,8 +59,8 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 /// Hidden, so that globs like *.exr pass it by.
 fs::path name_for(const fs::path& target, uint64_t tag) {
-  return target.parent_path() /
-         fmt::format(".{}.{:x}.tmp{}", target.stem().string().substr(0, kStemBytes), tag, target.extension().string());
+  return target.parent_path() / fmt::format(".{}.{:x}.tmp{}", target.stem().string().substr(0, kStemBytes), tag,
+                                            target.extension().string().substr(0, kExtensionBytes));
 }
 
 uint64_t random_tag() {
