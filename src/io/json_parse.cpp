@@ -58,8 +58,8 @@ nlohmann::json parse_json(std::string_view text, const std::string& place) {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     fail_at(text, error.byte == 0 ? 0 : error.byte - 1, place, "JSON " + problem_of(error.what()));
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(fmt::format("{}: JSON {}", place, problem_of(error.what())));
+  } catch (const nlohmann::json::exception&) {
+    throw Error(fmt::format("{}: not valid JSON: a number is beyond 1.8e308; give a smaller one", place));
   }
 }
 

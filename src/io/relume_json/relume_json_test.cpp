@@ -238,6 +238,9 @@ TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
 TEST_F(RelumeJson, SaysWhereTheSyntaxIsWrong) {
   const auto file = folder_.write("broken.json", "{\n  \"scene\": \"base.gltf\",\n  \"camera\" 3\n}");
   EXPECT_NE(error_of([&] { load_scene(file); }).find("broken.json:3:12: JSON"), std::string::npos);
+  const auto huge = folder_.write("huge.json", R"({"scene": 1e999})");
+  EXPECT_EQ(error_of([&] { load_scene(huge); }),
+            huge.string() + ": not valid JSON: a number is beyond 1.8e308; give a smaller one");
   const auto none = folder_.write("none.json", "{}");
   EXPECT_NE(error_of([&] { load_scene(none); }).find("scene is missing"), std::string::npos);
   const auto nested = folder_.write("nested.json", R"({"scene": "nested.json"})");
