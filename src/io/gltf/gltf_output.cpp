@@ -28,10 +28,13 @@ bool is_flat(const OutputJson& json) {
   return std::none_of(json.begin(), json.end(), [](const OutputJson& item) { return item.is_structured(); });
 }
 
+/// On one line. Names from other formats may not be UTF-8; U+FFFD replaces what is not.
+std::string text_of(const OutputJson& json) { return json.dump(-1, ' ', false, OutputJson::error_handler_t::replace); }
+
 /// Indented by one space a level, with arrays of plain values on one line.
 void print(const OutputJson& json, size_t level, std::string& text) {
   if (!json.is_structured() || json.empty() || (json.is_array() && is_flat(json))) {
-    text += json.dump();
+    text += text_of(json);
     return;
   }
   const bool object = json.is_object();
@@ -39,7 +42,7 @@ void print(const OutputJson& json, size_t level, std::string& text) {
   for (auto it = json.begin(); it != json.end(); ++it) {
     text += it == json.begin() ? "\n" : ",\n";
     text.append(level + 1, ' ');
-    if (object) text += OutputJson(it.key()).dump() + ": ";
+    if (object) text += text_of(it.key()) + ": ";
     print(*it, level + 1, text);
   }
   text += '\n';
@@ -191,7 +194,7 @@ std::vector<std::string> Output::finish() {
     }
   }
   write_staged(file_, [&](const std::filesystem::path& file) {
-    if (binary_) return write_glb(file, root.dump());
+    if (binary_) return write_glb(file, text_of(root));
     print(root, 0, text);
     write_file(file, text + "\n");
   });

@@ -69,6 +69,16 @@ TEST(GltfWriter, DefaultMaterialsStayEmpty) {
   EXPECT_FALSE(gltf.contains("extensionsUsed"));
 }
 
+TEST(GltfWriter, ReplacesWhatIsNotUtf8InNames) {
+  const TempFolder folder;
+  Material material;
+  material.name = "gr\xfcn";  // Latin-1
+  for (const char* name : {"a.gltf", "a.glb"}) {
+    write_gltf(folder / name, small_scene(material));
+    EXPECT_EQ(load_scene(folder / name).materials[0].name, "gr\xef\xbf\xbdn");
+  }
+}
+
 TEST(GltfWriter, WritesExtensionsThatDifferFromDefaults) {
   Material m;
   m.emission = {8, 4, 2};
