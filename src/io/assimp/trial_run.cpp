@@ -1,6 +1,7 @@
 #include "io/assimp/trial_run.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <fstream>
@@ -9,7 +10,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -36,6 +37,7 @@ constexpr bool kLimitAddressSpace = true;
 /// Exit status of a child that has no memory left.
 constexpr int kOutOfMemory = 3;
 constexpr int kThrew = 4;
+constexpr int kNotHandedOver = 5;
 
 /// Why a child ended, beside the signals and exit statuses that waitpid() reports.
 enum class Excess { none, memory, time };
@@ -58,41 +60,59 @@ PagesInUse pages_in_use(const std::string& process) {
   return {pages.address_space * page_bytes, pages.resident * page_bytes};
 }
 
-/// An unnamed file in memory.
-class MemoryFile {
+/// Where the child writes and the parent reads. Limits on the size of files do not apply, unlike to files in memory.
+class Pipe {
  public:
-  MemoryFile() : descriptor_(memfd_create("relume", MFD_CLOEXEC)) {
-    if (descriptor_ < 0)
-      throw Error(fmt::format("no file in memory can be made (error {}); free some memory or close files", errno));
+  Pipe() {
+    if (pipe2(ends_.data(), O_CLOEXEC) != 0)
+      throw Error(fmt::format("no pipe can be made (error {}); close some files or raise the limit on them", errno));
+    fcntl(ends_[0], F_SETFL, O_NONBLOCK);
   }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~Pipe() {
+    close_end(ends_[0]);
+    close_end(ends_[1]);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+
+  void close_reader() { close_end(ends_[0]); }
+  void close_writer() { close_end(ends_[1]); }
 
   bool write_all(std::span<const std::byte> bytes) const {
     while (!bytes.empty()) {
-      const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
+      const ssize_t written = write(ends_[1], bytes.data(), bytes.size());
       if (written < 0 && errno != EINTR) return false;
       if (written > 0) bytes = bytes.subspan(static_cast<size_t>(written));
     }
     return true;
   }
 
-  Bytes read_all() const {
-    Bytes bytes(static_cast<size_t>(std::max<off_t>(lseek(descriptor_, 0, SEEK_END), 0)));
-    size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t count = pread(descriptor_, &bytes[done], bytes.size() - done, static_cast<off_t>(done));
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) break;
-      done += static_cast<size_t>(count);
-    }
-    bytes.resize(done);
-    return bytes;
+  /// Appends some of the bytes that have arrived. False if there are none.
+  bool receive(Bytes& bytes) {
+    std::array<std::byte, size_t{1} << 16> block;
+    ssize_t count = 0;
+    do count = read(ends_[0], block.data(), block.size());
+    while (count < 0 && errno == EINTR);
+    if (count == 0) close_reader();
+    if (count <= 0) return false;
+    bytes.insert(bytes.end(), block.begin(), block.begin() + count);
+    return true;
+  }
+
+  /// Until bytes arrive, for that time at most.
+  void wait(long most_us) const {
+    pollfd reader{ends_[0], POLLIN, 0};
+    const timespec most{0, most_us * 1000};
+    ppoll(&reader, 1, &most, nullptr);
   }
 
  private:
-  int descriptor_;
+  static void close_end(int& end) {
+    if (end >= 0) close(end);
+    end = -1;
+  }
+
+  std::array<int, 2> ends_{-1, -1};  ///< reader and writer
 };
 
 void limit(__rlimit_resource resource, uint64_t soft, uint64_t hard) {
@@ -114,34 +134,47 @@ void silence_output() {
 }
 
 [[noreturn]] void run_child(const std::function<Bytes()>& task, const TrialLimits& limits, uint64_t address_space,
-                            const MemoryFile& result) {
+                            Pipe& result) {
   constexpr uint64_t kGrace_s = 5;  // SIGXCPU comes first and tells this limit from others
   reset_signals();
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // a program that is ended meanwhile leaves nobody behind
   silence_output();
+  result.close_reader();
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_CPU, limits.cpu_s, limits.cpu_s + kGrace_s);
   if (kLimitAddressSpace) limit(RLIMIT_AS, address_space, address_space);
   // Libraries that catch std::bad_alloc would report a damaged file.
   std::set_new_handler([] { _exit(kOutOfMemory); });
   try {
-    if (!result.write_all(task())) _exit(kOutOfMemory);
+    if (!result.write_all(task())) _exit(kNotHandedOver);
   } catch (...) {
     _exit(kThrew);
   }
   _exit(0);
 }
 
-/// Waits for the child and ends it where it exceeds a limit that the kernel does not check.
-ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit) {
-  constexpr useconds_t kLongestPause_us = 10'000;
+/// Adds what has arrived to `result`. A child whose result finds no room is ended.
+bool receive_from(pid_t child, Pipe& pipe, Bytes& result) {
+  try {
+    return pipe.receive(result);
+  } catch (const std::bad_alloc&) {
+    kill(child, SIGKILL);
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    throw;
+  }
+}
+
+/// Receives the result of the child until it ends, and ends it where it exceeds a limit that the kernel does not check.
+ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit, Pipe& pipe, Bytes& result) {
+  constexpr long kLongestPause_us = 10'000;
   const double deadline_s = now_s() + wall_s;
-  useconds_t pause_us = 100;
+  long pause_us = 100;
   ChildEnd end;
   int options = WNOHANG;
   while (true) {
     const pid_t ended = waitpid(child, &end.status, options);
-    if (ended == child) return end;
+    if (ended == child) break;
     if (ended < 0 && errno != EINTR)
       throw Error("the process that reads the file ended unseen; start relume another way");
     if (end.excess == Excess::none) {
@@ -151,11 +184,14 @@ ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit) {
     if (end.excess != Excess::none) {
       kill(child, SIGKILL);
       options = 0;
-      continue;
+    } else if (!receive_from(child, pipe, result)) {
+      pipe.wait(pause_us);
+      pause_us = std::min(2 * pause_us, kLongestPause_us);
     }
-    usleep(pause_us);
-    pause_us = std::min(2 * pause_us, kLongestPause_us);
   }
+  while (pipe.receive(result)) {
+  }
+  return end;
 }
 
 /// The sentence after "place: " for a child that gave no result; empty if it ended well.
@@ -177,6 +213,8 @@ std::string problem_of(const ChildEnd& end, const TrialLimits& limits) {
   if (signal_number == SIGKILL)
     return "the system ended the process that reads the file, likely for lack of memory; free some memory";
   if (signal_number != 0) return fmt::format("reading crashed (signal {}); {}", signal_number, kRemedy);
+  if (exit_status == kNotHandedOver)
+    return "the process that reads the file could not hand over its result; load the file again";
   if (exit_status != 0) return fmt::format("reading crashed (exit status {}); {}", exit_status, kRemedy);
   return {};
 }
@@ -185,16 +223,18 @@ std::string problem_of(const ChildEnd& end, const TrialLimits& limits) {
 
 Bytes run_trial(const std::function<Bytes()>& task, const TrialLimits& limits, const std::string& place) {
   const PagesInUse own = pages_in_use("self");
-  const MemoryFile result;
+  Pipe pipe;
   const pid_t child = fork();
   if (child < 0)
     throw Error(fmt::format(
         "{}: no process can be started to read the file; free some memory or raise the limit on processes", place));
-  if (child == 0) run_child(task, limits, own.address_space + limits.memory_bytes, result);
-  const ChildEnd end = wait_for(child, limits.wall_s, own.resident + limits.memory_bytes);
+  if (child == 0) run_child(task, limits, own.address_space + limits.memory_bytes, pipe);
+  pipe.close_writer();
+  Bytes result;
+  const ChildEnd end = wait_for(child, limits.wall_s, own.resident + limits.memory_bytes, pipe, result);
   const std::string problem = problem_of(end, limits);
   if (!problem.empty()) throw Error(fmt::format("{}: {}", place, problem));
-  return result.read_all();
+  return result;
 }
 
 }  // namespace relume

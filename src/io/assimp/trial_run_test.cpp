@@ -61,6 +61,40 @@ TEST(TrialRun, HandsOverWhatTheTaskReturns) {
   EXPECT_TRUE(run_trial([] { return Bytes(); }, kLimits, "a.dae").empty());
 }
 
+/// Limits the size of files while it lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(TrialRun, HandsOverMoreThanAFileMayHold) {
+  const FileSizeLimit limit(1000);
+  const Bytes large(size_t{1} << 20, std::byte{7});
+  EXPECT_EQ(run_trial([&] { return large; }, kLimits, "a.dae"), large);
+}
+
+TEST(TrialRun, ReportsAResultThatCannotBeHandedOver) {
+  const std::string message = error_of([] {
+    run_trial(
+        [] {
+          for (int descriptor = 3; descriptor < 256; ++descriptor) close(descriptor);
+          return Bytes(1);
+        },
+        kLimits, "a.dae");
+  });
+  expect_says(message, "could not hand over its result");
+}
+
 TEST(TrialRun, ReportsCrashes) {
   expect_says(problem_of([] { std::raise(SIGSEGV); }), "crashed (signal 11)");
   expect_says(problem_of([] { throw std::runtime_error("damaged"); }), "crashed");
