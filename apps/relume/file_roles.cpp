@@ -66,14 +66,15 @@ void check_output_file(const fs::path& file) {
 
 FileRoles::Identity FileRoles::identity_of(const fs::path& file) {
   if (const auto number = file_number(file.string())) return {*number, ""};
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const fs::path target = link_target(file);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (folder != folder_ || canonical_folder_.empty()) {  // a sequence has one folder and many names
     std::error_code failure;
     folder_ = folder;
     canonical_folder_ = fs::weakly_canonical(folder, failure);
     if (failure) canonical_folder_ = fs::absolute(folder).lexically_normal();
   }
-  return {{0, 0}, (canonical_folder_ / file.filename()).string()};
+  return {{0, 0}, (canonical_folder_ / target.filename()).string()};
 }
 
 void FileRoles::reads(std::string_view role, const fs::path& file) {

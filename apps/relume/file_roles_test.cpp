@@ -51,6 +51,16 @@ TEST_F(FileRolesTest, ANewFileHasOneRoleHoweverItIsSpelt) {
   EXPECT_EQ(refused(folder_ / "other.exr"), "");
 }
 
+TEST_F(FileRolesTest, LinksToANewFileAreThatFile) {
+  roles_.writes("-o", folder_ / "out.exr");
+  fs::create_symlink("out.exr", folder_ / "first");
+  fs::create_symlink("first", folder_ / "second");
+  EXPECT_NE(refused(folder_ / "first").find("the same file"), std::string::npos);
+  EXPECT_NE(refused(folder_ / "second").find("the same file"), std::string::npos);
+  fs::create_symlink("other.exr", folder_ / "third");
+  EXPECT_EQ(refused(folder_ / "third"), "");
+}
+
 TEST_F(FileRolesTest, AnInputIsNoOutput) {
   const fs::path scene = existing("room.gltf");
   roles_.reads("SCENE", scene);

@@ -30,17 +30,25 @@ std::string size_limit() {
   return fmt::format(", and the limit of {} bytes a file (ulimit -f)", limit.rlim_cur);
 }
 
-/// Where the bytes finally go: the end of a chain of symbolic links, existing or not.
-fs::path resolve(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::is_symlink(file, ignored)) return file;
-  const fs::path resolved = fs::weakly_canonical(file, ignored);
-  return resolved.empty() ? file : resolved;
-}
-
 }  // namespace
 
-PendingFile::PendingFile(const fs::path& target) : target_(resolve(target)) {
+fs::path link_target(const fs::path& file) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  std::error_code failure;
+  if (!fs::is_symlink(file, failure)) return file;
+  if (fs::exists(file, failure)) {
+    fs::path target = fs::canonical(file, failure);
+    return failure ? file : target;  // pipes have no name
+  }
+  fs::path target = file;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, failure); ++i) {
+    target = target.parent_path() / fs::read_symlink(target, failure);
+    if (failure) return file;
+  }
+  return fs::is_symlink(target, failure) ? file : target;
+}
+
+PendingFile::PendingFile(const fs::path& target) : target_(link_target(target)) {
   std::error_code ignored;
   if (target_.filename().empty() || fs::is_directory(target_, ignored))
     throw Error(fmt::format("{}: this is a folder; give the name of a file in it", target.string()));

@@ -15,6 +15,9 @@
 
 namespace relume {
 
+/// Where the bytes of `file` go: the end of a chain of symbolic links, existing or not; `file` if it is no link.
+std::filesystem::path link_target(const std::filesystem::path& file);
+
 /// A TemporaryFile in the target's folder that somebody else writes; commit() renames it to the target. Without
 /// commit() (an exception on the way) it is removed and the target stays as it was. A symbolic link is followed.
 /// Devices, pipes and temporary files of this process are written directly, under their own name.

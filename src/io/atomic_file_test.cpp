@@ -53,6 +53,25 @@ TEST(AtomicFile, ReplacesAndFollowsLinks) {
   EXPECT_EQ(text_of(folder / "target.txt"), "new");
 }
 
+TEST(AtomicFile, FollowsLinksToFilesThatDoNotExist) {
+  const TempFolder folder;
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("sub/second.txt", folder / "first.txt");
+  fs::create_symlink("../target.txt", folder / "sub/second.txt");
+  write_file(folder / "first.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "first.txt"));
+  EXPECT_TRUE(fs::is_symlink(folder / "sub/second.txt"));
+  EXPECT_EQ(text_of(folder / "target.txt"), "new");
+}
+
+TEST(LinkTarget, IsTheFileItselfWhereLinksGoInCircles) {
+  const TempFolder folder;
+  fs::create_symlink("b", folder / "a");
+  fs::create_symlink("a", folder / "b");
+  EXPECT_EQ(link_target(folder / "a"), folder / "a");
+  EXPECT_EQ(link_target(folder / "none"), folder / "none");
+}
+
 TEST(AtomicFile, TakesTheLongestNamesThatThereAre) {
   const TempFolder folder;
   for (const std::string& name : {std::string(251, 'a') + ".txt", "a." + std::string(253, 'b')}) {
