@@ -147,6 +147,12 @@ class Unwritable(RefusalTest):
         if "without its viewer" in done.stderr:
             self.skipTest("no viewer")
         self.assertIn("steps.txt:2: save: missing/a.png: the folder missing does not exist", done.stderr)
+        script = "frames 1\nsave-view steps.txt\n"
+        (self.folder / "steps.txt").write_text(script)
+        self.refuse(USAGE, "view", "cornell", "--smoke", "1", "--script", "steps.txt", says=["steps.txt:2: save-view would replace steps.txt, which --script reads"])
+        self.assertEqual((self.folder / "steps.txt").read_text(), script)
+        (self.folder / "steps.txt").write_text("save a.png\nsave ./a.png\n")
+        self.refuse(USAGE, "view", "cornell", "--smoke", "1", "--script", "steps.txt", says=["steps.txt:1: save and steps.txt:2: save would write the same file"])
 
 
 if __name__ == "__main__":

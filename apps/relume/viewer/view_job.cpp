@@ -43,7 +43,7 @@ FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptS
     } catch (const Error& error) {
       throw Error(fmt::format("{}: {}", role, error.what()));
     }
-    roles.writes("--script", step.words.front());
+    roles.writes(role, step.words.front());
   }
   return roles;
 }
