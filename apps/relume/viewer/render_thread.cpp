@@ -39,6 +39,7 @@ void RenderThread::stop() {
   {
     const std::lock_guard lock(mutex_);
     refinement_.request_stop();
+    hurry_.request_stop();
   }
   if (thread_.joinable()) thread_.join();
 }
@@ -47,6 +48,7 @@ void RenderThread::post(RenderRequest request) {
   const std::lock_guard lock(mutex_);
   wanted_ = std::move(request);
   refinement_.request_stop();
+  hurry_.request_stop();
   wake_.notify_one();
 }
 
@@ -98,7 +100,12 @@ void RenderThread::run(const std::stop_token& stop) {
 void RenderThread::finish_tasks() {
   try {
     Session* session = slots_[0].session();
-    if (session && !ready_for_tasks() && tasks_wait()) session->render_frame();
+    if (session && !ready_for_tasks() && tasks_wait()) {
+      std::stop_source hurry;
+      hurry.request_stop();
+      session->shorten_preparation_on(hurry.get_token());
+      session->render_frame();
+    }
     run_tasks();
   } catch (const std::exception& error) {
     add_notice({true, error.what()});
@@ -196,6 +203,9 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
     const std::lock_guard lock(mutex_);
     if (stop.stop_requested()) return false;
     refinement_ = std::stop_source();
+    hurry_ = std::stop_source();
+    if (wanted_.version != request_.version) hurry_.request_stop();
+    session.shorten_preparation_on(hurry_.get_token());
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
     if (session.frames_since_change() > 0 || (request_.pace.hold_rate && rest)) {
       // A newer request may have come while the scene was compiled or the settings taken on.

@@ -32,7 +32,7 @@ class RenderThread {
   void stop();
 
   /// Replaces the request. A frame that only refines a picture that is no longer wanted is abandoned; the first frame
-  /// after a change never is, so that a picture follows every stream of changes.
+  /// after a change never is, so that a picture follows every stream of changes. Only its preparation ends early.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
@@ -84,6 +84,7 @@ class RenderThread {
   std::deque<std::pair<uint64_t, uint64_t>> followed_;  ///< request and serial of side A's latest frames
   std::vector<Notice> notices_;
   std::stop_source refinement_;  ///< of the frame in progress, if it may be abandoned
+  std::stop_source hurry_;       ///< of the frame in progress: its preparation ends early
 
   // Of the rendering thread alone.
   RenderRequest request_;

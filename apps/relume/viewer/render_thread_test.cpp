@@ -8,6 +8,7 @@
 #include <future>
 #include <thread>
 
+#include "core/clock.h"
 #include "core/error.h"
 #include "scene/builtin.h"
 #include "scene/scene_hash.h"
@@ -316,6 +317,44 @@ TEST(RenderThread, TasksGetTheSceneOfTheirSessionWhileAnotherIsAskedFor) {
     promise.set_value(scene_hash(scene.scene) == session.scene_hash());
   });
   EXPECT_TRUE(promise.get_future().get());
+}
+
+/// Settings whose first frame prepares for minutes.
+void prepare_long(Stage& stage) {
+  stage.settings[0].render.lights = LightSelectionChoice::static_lists;
+  stage.settings[0].render.static_lists.rays = 1 << 18;
+  stage.settings[0].render.static_lists.cell_size = 0.02f;
+}
+
+constexpr double kSoon_s = 20;  // on a busy machine; preparation takes longer on any
+
+TEST(RenderThread, AChangeDoesNotWaitForPreparation) {
+  Stage stage;
+  prepare_long(stage);
+  stage.post();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
+  stage.settings[0].render.lights = LightSelectionChoice::power;
+  const double start_s = now_s();
+  stage.post();
+  EXPECT_TRUE(stage.next());
+  EXPECT_LT(now_s() - start_s, kSoon_s);
+}
+
+TEST(RenderThread, TheEndDoesNotWaitForPreparation) {
+  for (const bool with_task : {false, true}) {
+    Stage stage;
+    prepare_long(stage);
+    stage.post();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
+    bool done = false;
+    if (with_task) stage.thread.post_task([&](const Session&, const LoadedScene&) { done = true; });
+    const double start_s = now_s();
+    stage.thread.stop();
+    EXPECT_LT(now_s() - start_s, kSoon_s);
+    EXPECT_EQ(done, with_task);
+  }
 }
 
 TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {
