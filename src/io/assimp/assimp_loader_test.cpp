@@ -1,5 +1,6 @@
 #include "io/assimp/assimp_loader.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -45,6 +46,24 @@ Vec3 world_position(const Scene& scene, size_t vertex) {
                              scene.meshes[static_cast<size_t>(scene.nodes[i].meshes[0])].positions.at(vertex));
   }
   return Vec3(kInfinity);
+}
+
+TEST(Assimp, KnowsTheMaterialLibrariesOfObjFiles) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {"mtllib a.mtl", {"a.mtl"}},
+      {"mtllib a.mtl b.mtl", {"a.mtl", "b.mtl"}},
+      {"mtllib a.mtl  \r", {"a.mtl"}},
+      {" mtllib\ta.mtl\tb.mtl", {"a.mtl", "b.mtl"}},
+      {"mtllib of my room.mtl", {"of my room.mtl"}},
+  };
+  for (const auto& [line, names] : cases) {
+    SCOPED_TRACE(line);
+    const SceneFolder folder;
+    const auto obj = folder.write("room.obj", line + "\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    const auto files = load_scene(obj).source_files;
+    for (const std::string& name : names)
+      EXPECT_EQ(std::count(files.begin(), files.end(), obj.parent_path() / name), 1) << name;
+  }
 }
 
 TEST(Assimp, LoadsObjWithTrianglesNormalsAndFlippedTextureCoordinates) {
