@@ -20,7 +20,10 @@ constexpr size_t kMostPathBytes = 4095;  // PATH_MAX without the zero at its end
 std::string shown(const fs::path& file) {
   constexpr size_t kMost = 80;
   const std::string name = file.string();
-  return name.size() > kMost ? name.substr(0, kMost) + "…" : name;
+  if (name.size() <= kMost) return name;
+  size_t end = kMost;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;  // within a character of UTF-8
+  return name.substr(0, end) + "…";
 }
 
 void check_name_lengths(const fs::path& file) {

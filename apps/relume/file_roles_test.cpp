@@ -114,6 +114,13 @@ TEST_F(FileRolesTest, OutputsThatCannotBeWrittenAreFound) {
   EXPECT_EQ(folder_.file_count(), 0u);
 }
 
+TEST_F(FileRolesTest, LongNamesAreCutBetweenCharacters) {
+  std::string name;
+  for (int i = 0; i < 100; ++i) name += "\u20ac";  // three bytes in UTF-8, and 80 are shown at most
+  const std::string problem = refusal_of([&] { check_output_file(name); });
+  EXPECT_EQ(problem.find(name.substr(0, 78) + "…: "), 0u) << problem;
+}
+
 TEST_F(FileRolesTest, PathsThatLeaveNoRoomForATemporaryNameAreFound) {
   fs::path folder = folder_ / "d";
   while (folder.string().size() < 3800) folder /= std::string(200, 'd');

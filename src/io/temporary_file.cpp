@@ -29,7 +29,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kStemBytes = 200;  // of 255 that a name may have
+// Of 255 that a name may have. No format that is written has a longer extension.
+constexpr size_t kStemBytes = 200;
 constexpr size_t kExtensionBytes = 32;
 constexpr uint64_t kTags = 16;  // as many writers of one target find a name that others can recognise
 
@@ -72,9 +73,9 @@ uint64_t random_tag() {
 /// those of network file systems may not.
 bool keeps_locks(const fs::path& folder) {
 #if defined(__linux__)
-  // NFS, CIFS, SMB, SMB2, FUSE, 9P, Ceph, AFS, Coda (statfs(2)).
-  constexpr std::array<uint32_t, 9> kRemote{0x6969,     0xff534d42, 0x517b,     0xfe534d42, 0x65735546,
-                                            0x01021997, 0x00c36400, 0x5346414f, 0x73757245};
+  // NFS, CIFS, SMB, SMB2, FUSE, 9P, Ceph, AFS, Coda (statfs(2)); Lustre, GPFS, BeeGFS.
+  constexpr std::array<uint32_t, 12> kRemote{0x6969,     0xff534d42, 0x517b,     0xfe534d42, 0x65735546, 0x01021997,
+                                             0x00c36400, 0x5346414f, 0x73757245, 0x0bd00bd0, 0x47504653, 0x19830326};
   struct statfs info {};
   if (statfs(folder.c_str(), &info) != 0) return false;
   return std::find(kRemote.begin(), kRemote.end(), static_cast<uint32_t>(info.f_type)) == kRemote.end();
