@@ -23,13 +23,24 @@ set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian/finish_staged_files
 set(CPACK_RELUME_VERSION_DATE ${RELUME_VERSION_DATE})
 set(CPACK_RELUME_STRIP ${CMAKE_STRIP})
 
-# A program for AVX2 ends with an illegal instruction on older processors, which Debian supports: installing says so.
+# Without AVX2, which Debian does not require, a program of these levels ends with an illegal
+# instruction: the package says so, and its preinst stops the installation.
 set(processor_note "")
 if(RELUME_ARCH STREQUAL "native")
-  set(processor_note "\n\nThis build runs on processors like that of the machine that built it.")
-elseif(NOT RELUME_ARCH STREQUAL "x86-64")
+  set(processor_note "\n\nThis build is for the processor of the machine that built it.")
+elseif(RELUME_ARCH MATCHES "^x86-64-v[3-9]$")
   set(processor_note "\n\nThis build needs a processor with AVX2 (${RELUME_ARCH}).")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/preinst)
+endif()
+
+# CPack would take the architecture of the machine that builds.
+if(CMAKE_CROSSCOMPILING)
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE ${CMAKE_SYSTEM_PROCESSOR})
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  elseif(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+    set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE amd64)
+  endif()
 endif()
 
 set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)

@@ -101,6 +101,43 @@ class Packages(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
 
 
+class Configuration(unittest.TestCase):
+    """Settings of the packages of other builds, configured without a compiler."""
+
+    def configured(self, *definitions):
+        """CPACK_ variable -> value."""
+        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
+            source = pathlib.Path(folder) / "CMakeLists.txt"
+            source.write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(relume VERSION 1.2.3 LANGUAGES NONE)\ninclude({ROOT}/cmake/RelumePackage.cmake)\n")
+            run("cmake", "-S", folder, "-B", f"{folder}/build", *definitions)
+            return dict(re.findall(r'^set\((CPACK_\w+) "(.*?)"\)$', (source.parent / "build/CPackConfig.cmake").read_text(), re.MULTILINE | re.DOTALL))
+
+    def test_only_builds_for_avx2_ask_for_it(self):
+        for arch, note, preinst in (
+            ("x86-64-v3", "needs a processor with AVX2", True),
+            ("x86-64-v4", "needs a processor with AVX2", True),
+            ("native", "is for the processor of the machine", False),
+            ("x86-64", None, False),
+            ("x86-64-v2", None, False),
+            ("armv8-a", None, False),
+            ("", None, False),
+        ):
+            with self.subTest(arch=arch):
+                found = self.configured(f"-DRELUME_ARCH={arch}")
+                for package in ("PROGRAM", "LIBRARY"):
+                    description = found[f"CPACK_DEBIAN_{package}_DESCRIPTION"]
+                    self.assertIn(note or "", description)
+                    self.assertEqual("This build" in description, note is not None, description)
+                self.assertEqual("CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA" in found, preinst)
+
+    def test_cross_compiled_packages_name_the_target(self):
+        name = "CPACK_DEBIAN_PACKAGE_ARCHITECTURE"
+        for processor, architecture in (("aarch64", "arm64"), ("x86_64", "amd64"), ("riscv64", "riscv64")):
+            found = self.configured("-DCMAKE_SYSTEM_NAME=Linux", f"-DCMAKE_SYSTEM_PROCESSOR={processor}")
+            self.assertEqual(found[name], architecture)
+        self.assertNotIn(name, self.configured(), "CPack asks dpkg")
+
+
 class DesktopData(unittest.TestCase):
     def test_the_desktop_entry_is_valid(self):
         self.assertEqual(run("desktop-file-validate", DESKTOP / "relume.desktop"), "")
