@@ -22,6 +22,7 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian/finish_staged_files.cmake)
 set(CPACK_RELUME_VERSION_DATE ${RELUME_VERSION_DATE})
 set(CPACK_RELUME_STRIP ${CMAKE_STRIP})
+set(CPACK_RELUME_WITH_OIDN ${OpenImageDenoise_FOUND})
 
 # Without AVX2, which Debian does not require, a program of these levels ends with an illegal
 # instruction: the package says so, and its preinst stops the installation.

@@ -1,5 +1,10 @@
 # CPack runs this between staging and packing: what Debian's policy asks of files beyond `cmake --install`. The time stamps
 # that end up in the packages come from the version's date, so that the same files make the same packages.
+if(CPACK_RELUME_WITH_OIDN)
+  message(FATAL_ERROR "The build uses OpenImageDenoise, of which Debian has no package to depend on. "
+    "Configure it with -DCMAKE_DISABLE_FIND_PACKAGE_OpenImageDenoise=ON.")
+endif()
+
 set(stage ${CPACK_TEMPORARY_DIRECTORY})
 set(package_of_program relume)
 set(package_of_library librelume-dev)

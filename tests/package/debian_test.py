@@ -104,13 +104,20 @@ class Packages(unittest.TestCase):
 class Configuration(unittest.TestCase):
     """Settings of the packages of other builds, configured without a compiler."""
 
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="relume_")
+        self.addCleanup(folder.cleanup)
+        self.source = pathlib.Path(folder.name)
+        self.config = self.source / "build/CPackConfig.cmake"
+        (self.source / "CMakeLists.txt").write_text(
+            f"cmake_minimum_required(VERSION 3.25)\nproject(relume VERSION 1.2.3 LANGUAGES NONE)\n"
+            f"set(RELUME_VERSION_DATE 2026-01-01)\ninclude({ROOT}/cmake/RelumePackage.cmake)\n"
+        )
+
     def configured(self, *definitions):
         """CPACK_ variable -> value."""
-        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
-            source = pathlib.Path(folder) / "CMakeLists.txt"
-            source.write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(relume VERSION 1.2.3 LANGUAGES NONE)\ninclude({ROOT}/cmake/RelumePackage.cmake)\n")
-            run("cmake", "-S", folder, "-B", f"{folder}/build", *definitions)
-            return dict(re.findall(r'^set\((CPACK_\w+) "(.*?)"\)$', (source.parent / "build/CPackConfig.cmake").read_text(), re.MULTILINE | re.DOTALL))
+        run("cmake", "--fresh", "-S", self.source, "-B", self.source / "build", *definitions)
+        return dict(re.findall(r'^set\((CPACK_\w+) "(.*?)"\)$', self.config.read_text(), re.MULTILINE | re.DOTALL))
 
     def test_only_builds_for_avx2_ask_for_it(self):
         for arch, note, preinst in (
@@ -136,6 +143,13 @@ class Configuration(unittest.TestCase):
             found = self.configured("-DCMAKE_SYSTEM_NAME=Linux", f"-DCMAKE_SYSTEM_PROCESSOR={processor}")
             self.assertEqual(found[name], architecture)
         self.assertNotIn(name, self.configured(), "CPack asks dpkg")
+
+    def test_builds_with_openimagedenoise_are_refused(self):
+        self.configured("-DOpenImageDenoise_FOUND=ON")
+        done = subprocess.run(["cpack", "--config", self.config], cwd=self.source, capture_output=True, text=True, check=False)
+        self.assertNotEqual(done.returncode, 0, done.stdout)
+        self.assertIn("CMAKE_DISABLE_FIND_PACKAGE_OpenImageDenoise", done.stderr)
+        self.assertFalse([*self.source.glob("*.deb")])
 
 
 class DesktopData(unittest.TestCase):
