@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "platform.h"
 #include "stop_criteria.h"
+#include "timed_stop.h"
 #include "viewer/inspect.h"
 
 namespace relume::viewer {
@@ -199,13 +201,14 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
   slot.update(request_, side, size);
   Session& session = *slot.session();
   std::stop_token token;
+  std::stop_token hurry;
   {
     const std::lock_guard lock(mutex_);
     if (stop.stop_requested()) return false;
     refinement_ = std::stop_source();
     hurry_ = std::stop_source();
     if (wanted_.version != request_.version) hurry_.request_stop();
-    session.shorten_preparation_on(hurry_.get_token());
+    hurry = hurry_.get_token();
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
     if (session.frames_since_change() > 0 || (request_.pace.hold_rate && rest)) {
       // A newer request may have come while the scene was compiled or the settings taken on.
@@ -213,6 +216,12 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
       token = refinement_.get_token();
     }
   }
+  std::optional<cli::TimedStop> preparation;
+  if (session.frames_since_change() == 0 || !session.prepared()) {
+    preparation.emplace(hurry, static_cast<double>(request_.pace.preparation_s));
+    hurry = preparation->token();
+  }
+  session.shorten_preparation_on(hurry);
   const uint64_t rays_before = session.statistics().rays;
   const std::vector<PassTime> passes_before = session.statistics().passes;
   const double start_s = now_s();

@@ -8,72 +8,16 @@
 #include <future>
 #include <thread>
 
-#include "core/clock.h"
 #include "core/error.h"
-#include "scene/builtin.h"
 #include "scene/scene_hash.h"
-#include "viewer/document.h"
 #include "viewer/settings_panel.h"
+#include "viewer/testing/render_stage.h"
 
 namespace relume::viewer {
 namespace {
 
-constexpr int kPatience_ms = 60000;  // of a busy machine
-
-/// A request for a small picture of a built-in scene.
-struct Stage {
-  explicit Stage(const char* scene = "cornell")
-      : document(std::make_shared<const LoadedScene>(LoadedScene{scene, find_builtin_scene(scene)->build()})) {
-    for (Settings& s : settings) {
-      s.render.width = 32;
-      s.render.height = 24;
-      s.render.threads = 1;
-      s.render.path.max_bounces = 2;
-    }
-  }
-
-  void post() {
-    RenderRequest request;
-    request.version = request.picture_version = ++version;
-    request.scene = document.loaded();
-    request.edits = document.edits();
-    request.settings = settings;
-    request.split = split;
-    request.paused = paused;
-    request.buffer = buffer;
-    request.pace = pace;
-    thread.post(request);
-  }
-
-  /// The first frame that follows the newest request; nullptr if none comes.
-  std::shared_ptr<const ViewerFrame> next(int side = 0) {
-    for (int i = 0; i < kPatience_ms; ++i) {
-      auto frame = thread.frame(side);
-      if (frame && frame->request_version >= version) return frame;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return nullptr;
-  }
-
-  std::string problem() {
-    for (int i = 0; i < kPatience_ms; ++i) {
-      for (const Notice& notice : thread.take_notices()) {
-        if (notice.problem) return notice.text;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return "no problem";
-  }
-
-  Document document;
-  std::array<Settings, kSides> settings;
-  bool split = false;
-  bool paused = false;
-  std::string buffer;
-  Pace pace{.hold_rate = false};
-  uint64_t version = 0;
-  RenderThread thread;
-};
+using testing::kPatience_ms;
+using testing::Stage;
 
 double mean_luminance(const ViewerFrame& frame) {
   double sum = 0;
@@ -317,44 +261,6 @@ TEST(RenderThread, TasksGetTheSceneOfTheirSessionWhileAnotherIsAskedFor) {
     promise.set_value(scene_hash(scene.scene) == session.scene_hash());
   });
   EXPECT_TRUE(promise.get_future().get());
-}
-
-/// Settings whose first frame prepares for minutes.
-void prepare_long(Stage& stage) {
-  stage.settings[0].render.lights = LightSelectionChoice::static_lists;
-  stage.settings[0].render.static_lists.rays = 1 << 18;
-  stage.settings[0].render.static_lists.cell_size = 0.02f;
-}
-
-constexpr double kSoon_s = 20;  // on a busy machine; preparation takes longer on any
-
-TEST(RenderThread, AChangeDoesNotWaitForPreparation) {
-  Stage stage;
-  prepare_long(stage);
-  stage.post();
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
-  stage.settings[0].render.lights = LightSelectionChoice::power;
-  const double start_s = now_s();
-  stage.post();
-  EXPECT_TRUE(stage.next());
-  EXPECT_LT(now_s() - start_s, kSoon_s);
-}
-
-TEST(RenderThread, TheEndDoesNotWaitForPreparation) {
-  for (const bool with_task : {false, true}) {
-    Stage stage;
-    prepare_long(stage);
-    stage.post();
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
-    bool done = false;
-    if (with_task) stage.thread.post_task([&](const Session&, const LoadedScene&) { done = true; });
-    const double start_s = now_s();
-    stage.thread.stop();
-    EXPECT_LT(now_s() - start_s, kSoon_s);
-    EXPECT_EQ(done, with_task);
-  }
 }
 
 TEST(RenderThread, TasksWaitForTheFirstSceneWithoutKeepingACoreBusy) {

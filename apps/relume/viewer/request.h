@@ -49,6 +49,7 @@ struct Pace {
   float target_hz = 10;       ///< rendered frames a second
   bool full_at_rest = true;   ///< full resolution when nothing has changed for a moment
   float rest_after_s = 0.4f;  ///< that moment
+  float preparation_s = 1;    ///< of a frame, at most; later frames continue it; 0: any
 };
 
 inline constexpr int kSides = 2;  ///< A and B

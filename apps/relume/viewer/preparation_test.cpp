@@ -1,0 +1,70 @@
+// How the rendering thread cuts long preparation short.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "core/clock.h"
+#include "viewer/render_thread.h"
+#include "viewer/testing/render_stage.h"
+
+namespace relume::viewer {
+namespace {
+
+using testing::Stage;
+
+/// Settings whose first frame prepares for minutes.
+void prepare_long(Stage& stage) {
+  stage.pace.preparation_s = 0;
+  stage.settings[0].render.lights = LightSelectionChoice::static_lists;
+  stage.settings[0].render.static_lists.rays = 1 << 18;
+  stage.settings[0].render.static_lists.cell_size = 0.02f;
+}
+
+constexpr double kSoon_s = 20;  // on a busy machine; preparation takes longer on any
+
+TEST(Preparation, AFrameComesBeforeLongPreparationEnds) {
+  Stage stage;
+  prepare_long(stage);
+  stage.pace.preparation_s = 0.1f;
+  const double start_s = now_s();
+  stage.post();
+  ASSERT_TRUE(stage.next());
+  EXPECT_LT(now_s() - start_s, kSoon_s);
+  std::promise<bool> prepared;
+  stage.thread.post_task([&](const Session& session, const LoadedScene&) { prepared.set_value(session.prepared()); });
+  EXPECT_FALSE(prepared.get_future().get()) << "preparation takes no time";
+}
+
+TEST(Preparation, AChangeDoesNotWaitForPreparation) {
+  Stage stage;
+  prepare_long(stage);
+  stage.post();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
+  stage.settings[0].render.lights = LightSelectionChoice::power;
+  const double start_s = now_s();
+  stage.post();
+  EXPECT_TRUE(stage.next());
+  EXPECT_LT(now_s() - start_s, kSoon_s);
+}
+
+TEST(Preparation, TheEndDoesNotWaitForPreparation) {
+  for (const bool with_task : {false, true}) {
+    Stage stage;
+    prepare_long(stage);
+    stage.post();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_FALSE(stage.thread.frame(0)) << "preparation takes no time";
+    bool done = false;
+    if (with_task) stage.thread.post_task([&](const Session&, const LoadedScene&) { done = true; });
+    const double start_s = now_s();
+    stage.thread.stop();
+    EXPECT_LT(now_s() - start_s, kSoon_s);
+    EXPECT_EQ(done, with_task);
+  }
+}
+
+}  // namespace
+}  // namespace relume::viewer
