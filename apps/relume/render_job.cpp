@@ -234,7 +234,7 @@ void RenderJob::keep(size_t index, StopReason reason) {
 }
 
 void RenderJob::save_checkpoint() {
-  // What preparation cut short sampled, an uninterrupted render would not have.
+  // Samples taken with incomplete light lists differ from those of an uninterrupted render.
   if (options_.checkpoint.empty() || !session_->prepared()) return;
   session_->save_checkpoint(options_.checkpoint);
   last_checkpoint_s_ = now_s();
@@ -283,10 +283,8 @@ void RenderJob::report(StopReason reason) const {
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
   }
   if (!session_->prepared()) {
-    warn(
-        fmt::format("the picture ended before its light lists were complete and has more noise than others{}; give it "
-                    "more time",
-                    options_.checkpoint.empty() ? "" : ", and no checkpoint"));
+    warn(fmt::format("rendering stopped before the light lists were complete: the image is noisier{}; raise --time",
+                     options_.checkpoint.empty() ? "" : " and no checkpoint was written"));
   }
   for (const std::string& warning : session_->warnings()) warn(warning);
   tell_more(verbosity_,

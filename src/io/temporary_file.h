@@ -7,7 +7,7 @@ namespace relume {
 
 /// An empty file beside its target, hidden, with the target's extension; its destructor removes it. It is locked
 /// (flock) while its writer lives: the next writer of the same target removes those that a killed process has left.
-/// Network file systems, whose locks other machines may not see, keep theirs.
+/// Stale files on network file systems are kept: other machines may not see the locks.
 class TemporaryFile {
  public:
   /// Throws Error if the folder cannot be written.

@@ -60,7 +60,7 @@ class Pass {
   /// that others sampled.
   virtual bool keeps_to_pixels() const { return true; }
 
-  /// False if `FrameContext::hurry` ended its preparation: frames so far are right, and noisier than others.
+  /// False if `FrameContext::hurry` ended its preparation: frames rendered so far are unbiased but noisier.
   virtual bool prepared() const { return true; }
 
   /// Bytes beyond its buffers.

@@ -161,7 +161,7 @@ class Stopping(ProgramTest):
     def test_preparation_ends_with_the_time(self):
         lists = ["--lights", "static-lists", "--static-lists.rays", "65536"]
         done = self.succeed("render", "warehouse", "-o", "out.exr", *SMALL, *lists, "--time", "1s", "--stats", "s.json", "--resume", "a.ckpt")
-        self.assertIn("warning: the picture ended before its light lists were complete", done.stderr)
+        self.assertIn("warning: rendering stopped before the light lists were complete: the image is noisier and no checkpoint was written; raise --time", done.stderr)
         self.assertEqual((self.stats()["stopped_by"], self.stats()["samples_per_pixel"]), ("time", 1))
         self.assertLess(self.stats()["render_s"], 1 + SECONDS_TO_ANSWER)
         # A checkpoint would give other bits than an uninterrupted render has.

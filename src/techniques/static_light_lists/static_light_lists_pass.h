@@ -11,7 +11,8 @@
 
 namespace relume {
 
-/// Finds the lists in the first frame and keeps them, whatever moves later. In a hurry, later frames complete them.
+/// Builds the lists in the first frame and keeps them when objects move. If `hurry` is requested, later frames finish
+/// the build.
 class StaticLightListsPass final : public Pass {
  public:
   StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
