@@ -13,9 +13,11 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <mutex>
 #include <random>
 #include <system_error>
@@ -37,6 +39,7 @@ constexpr uint64_t kTags = 16;  // as many writers of one target find a name tha
 // A signal handler has no argument of ours. Whoever takes a pointer out of its place owns the text.
 std::array<std::atomic<char*>, 64> g_paths{};
 std::mutex g_paths_mutex;  // for all but the handler
+std::atomic<int> g_handler_waits{0};
 
 void remember(const fs::path& path) {
   const std::scoped_lock lock(g_paths_mutex);
@@ -55,6 +58,27 @@ void forget(const fs::path& path) {
     if (text && path == text && place.compare_exchange_strong(text, nullptr)) return std::free(text);
   }
 }
+
+/// While this lives, a file and its entry in g_paths may disagree. A handler that runs on another thread waits; on this
+/// one, none runs.
+class HandlerWaits {
+ public:
+  HandlerWaits() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+    ++g_handler_waits;
+  }
+  ~HandlerWaits() {
+    --g_handler_waits;
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  HandlerWaits(const HandlerWaits&) = delete;
+  HandlerWaits& operator=(const HandlerWaits&) = delete;
+
+ private:
+  sigset_t before_;
+};
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
@@ -103,6 +127,7 @@ TemporaryFile::TemporaryFile(const fs::path& target) {
   const fs::path folder = folder_of(target);
   bool made = false;
   const bool lock = keeps_locks(folder);
+  const HandlerWaits wait;
   for (uint64_t tag = 0; lock && tag < kTags; ++tag) remove_if_stale(name_for(target, tag));
   for (uint64_t tag = 0; lock && !made && tag < kTags; ++tag) made = create(name_for(target, tag), true);
   if (!made && !create(name_for(target, random_tag()), false)) {
@@ -130,6 +155,7 @@ bool TemporaryFile::create(const fs::path& path, bool lock) {
 
 TemporaryFile::~TemporaryFile() {
   if (!path_.empty()) {
+    const HandlerWaits wait;
     forget(path_);
     unlink(path_.c_str());
   }
@@ -137,6 +163,7 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void TemporaryFile::commit(const fs::path& target) {
+  const HandlerWaits wait;
   forget(path_);
   std::error_code error;
   fs::rename(path_, target, error);
@@ -154,6 +181,8 @@ bool is_temporary_file(const fs::path& file) {
 }
 
 void remove_temporary_files() noexcept {
+  constexpr timespec kMillisecond{0, 1'000'000};
+  for (int i = 0; i < 1000 && g_handler_waits.load() > 0; ++i) nanosleep(&kMillisecond, nullptr);
   for (std::atomic<char*>& place : g_paths) {
     if (const char* text = place.exchange(nullptr)) unlink(text);
   }
