@@ -49,7 +49,7 @@ class Display(unittest.TestCase):
         self.assertRegex(display, r"^:\d+$")
         self.assertFalse(is_running(int(server)))
 
-    def test_the_server_ends_with_whoever_started_it(self):
+    def test_the_server_ends_with_its_parent(self):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
             process = subprocess.Popen(on_display("sh", "-c", f"{PRINT_SERVER}; exec sleep 60"), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True)
             self.addCleanup(process.stdout.close)
@@ -59,7 +59,7 @@ class Display(unittest.TestCase):
             process.wait(60)
             self.assert_ends(server)
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)  # the command, which nobody else ends
+                os.killpg(process.pid, signal.SIGKILL)  # the command, which no other code ends
 
 
 if __name__ == "__main__":

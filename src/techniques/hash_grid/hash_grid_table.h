@@ -62,7 +62,7 @@ class HashGrid {
   /// the frame from then on. The table may have been rebuilt: take a new view(). `watched`: the scene has changed of
   /// late, so histories are compared with the frame, region by region.
   void advance(Backend& backend, bool watched = false);
-  /// Call when the frame is over and nobody knows slots any more. Adjusts the size. Where max-cells or memory allow
+  /// Call at the end of a frame, when no slot is in use. Adjusts the size. Where max-cells or memory allow
   /// fewer cells than there are, the oldest go, and of these the ones with the fewest samples.
   void adjust_size(Backend& backend);
   /// Both.

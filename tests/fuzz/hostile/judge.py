@@ -43,7 +43,7 @@ def judge_files(case, succeeded, before, after):
         elif not succeeded and not is_allowed(name, case.may_stay):
             problems.append(f"failed, but {'changed' if name in before else 'left'} {name!r}")
         elif succeeded and not name.startswith("made/") and not is_allowed(name, case.may_change):
-            problems.append(f"wrote {name!r}, which nobody asked for")
+            problems.append(f"wrote {name!r}, which is not a declared output")
         elif after[name] == b"":
             problems.append(f"wrote nothing into {name!r}")
     if succeeded:

@@ -65,7 +65,7 @@ class Judge(unittest.TestCase):
         self.assert_problem("changed 'in'", write.format("in") + CHATTY, files={"in": b"input"})
         self.assert_problem("deleted 'in'", "import os; os.remove('in')", files={"in": b"input"})
         self.assert_problem("temporary file", write.format("made/.a.1.tmp.exr"))
-        self.assert_problem("nobody asked for", write.format("elsewhere"))
+        self.assert_problem("not a declared output", write.format("elsewhere"))
         self.assert_problem("wrote nothing", "open('made/a', 'w')")
         self.assert_problem("without 'made/a'", "pass", required=["made/a"])
 
