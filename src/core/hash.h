@@ -30,5 +30,6 @@ RELUME_HD_INLINE constexpr float to_unit_float(uint32_t x) {
 }
 
 RELUME_HD_INLINE uint32_t float_bits(float x) { return std::bit_cast<uint32_t>(x); }
+RELUME_HD_INLINE float bits_float(uint32_t x) { return std::bit_cast<float>(x); }
 
 }  // namespace relume

@@ -26,6 +26,7 @@ struct BsdfSample {
       1;  ///< factor 1/η² that refraction has put into `weight`; says nothing of how much light is carried
   bool delta = false;
   bool valid = false;
+  float guide_pdf_w = 0;  ///< density of the path guide alone, where one shares in `pdf_w`
 
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };

@@ -32,6 +32,7 @@ struct FrameContext {
   Change changes = Change::none;  ///< since the frame before
   std::stop_token stop;           ///< set only if no pass remembers anything beyond its buffers
   bool begins_picture = false;    ///< the first frame of a picture: of a sequence, or after a change
+  bool begins_epoch = true;       ///< structures that learn may take in what earlier frames found
   bool stratified = false;  ///< a pixel's samples since the last change are one low-discrepancy sequence, and its own
   const BufferAccess* access = nullptr;  ///< of the pass that runs; nullptr: everything
   std::stop_token hurry =

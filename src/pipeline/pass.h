@@ -13,14 +13,16 @@ namespace relume {
 
 /// Steps of a frame, in their order. The pass list keeps the order within a stage.
 enum class Stage : uint8_t {
-  prepare,   ///< structures from the scene and from what earlier frames sampled
-  gbuffer,   ///< primary hits and what they show
-  history,   ///< what earlier frames know of this frame's pixels
-  allocate,  ///< how many paths each pixel gets
-  trace,     ///< the paths
-  resolve,   ///< caches turn samples into pixels
-  present,   ///< samples join the history
-  denoise,   ///< filters over the picture
+  prepare,       ///< structures from the scene and from what earlier frames sampled
+  hits,          ///< primary hits of every pixel
+  gbuffer,       ///< surfaces at the primary hits
+  history,       ///< what earlier frames know of this frame's pixels
+  allocate,      ///< how many paths each pixel gets
+  sampled_hits,  ///< primary hits of these paths only, where no pass reads the others
+  trace,         ///< the paths
+  resolve,       ///< caches turn samples into pixels
+  present,       ///< samples join the history
+  denoise,       ///< filters over the picture
 };
 
 struct PassDeclaration {
@@ -49,11 +51,11 @@ class Pass {
   /// Does its part of the frame. False if `frame.stop` was requested first; the frame is then abandoned.
   virtual bool run(const FrameContext& frame) = 0;
 
-  /// Whether what a frame finds changes how later frames sample or what they show, beyond sums in buffers. Frames then
-  /// draw independent random numbers and are never abandoned half way.
-  virtual bool adapts() const { return false; }
+  /// Frames for which the pass samples with the same structures while nothing changes, at most; 0: it learns nothing
+  /// from samples. Each such epoch takes random numbers that are independent of those that its structures come from.
+  virtual uint32_t longest_epoch() const { return 0; }
 
-  /// Whether frames leave something outside of buffers, which one that is abandoned half way would spoil: then none is.
+  /// Whether frames leave state outside of buffers, which a frame that is abandoned half way would spoil: then none is.
   virtual bool keeps_state() const { return false; }
 
   /// Whether what a pixel shows comes from its own samples, as far as this pass goes: not from light paths and cells

@@ -107,8 +107,13 @@ bool Pipeline::run(const FrameContext& frame) {
   return true;
 }
 
-bool Pipeline::adapts() const {
-  return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->adapts(); });
+uint32_t Pipeline::longest_epoch() const {
+  uint32_t longest = 0;
+  for (const auto& pass : passes_) {
+    const uint32_t own = pass->longest_epoch();
+    if (own > 0) longest = longest > 0 ? std::min(longest, own) : own;
+  }
+  return longest;
 }
 
 bool Pipeline::keeps_state() const {

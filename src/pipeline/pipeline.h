@@ -25,7 +25,8 @@ class Pipeline {
   /// it does not declare.
   bool run(const FrameContext& frame);
 
-  bool adapts() const;
+  /// The shortest of the passes that learn; 0: none does.
+  uint32_t longest_epoch() const;
   bool keeps_state() const;
   bool keeps_to_pixels() const;
   bool prepared() const;

@@ -20,7 +20,9 @@ class Probe final : public Pass {
     *log_ += std::string(declaration_.name) + " ";
     return goes_on_;
   }
-  bool adapts() const override { return declaration_.name == "adapts"; }
+  uint32_t longest_epoch() const override {
+    return declaration_.name == "learns" ? 64 : declaration_.name == "forgets" ? 8 : 0;
+  }
   bool keeps_state() const override { return declaration_.name == "keeps"; }
   bool keeps_to_pixels() const override { return declaration_.name != "shares"; }
   bool prepared() const override { return declaration_.name != "unprepared"; }
@@ -167,11 +169,13 @@ TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
   EXPECT_THROW(run(false), std::logic_error);
 }
 
-TEST_F(PipelineTest, AdaptsIfOnePassDoes) {
+TEST_F(PipelineTest, LearnsAndKeepsStateIfOnePassDoes) {
   add({.name = "trace"});
-  EXPECT_FALSE(pipeline_.adapts());
-  add({.name = "adapts"});
-  EXPECT_TRUE(pipeline_.adapts());
+  EXPECT_EQ(pipeline_.longest_epoch(), 0u);
+  add({.name = "learns"});
+  EXPECT_EQ(pipeline_.longest_epoch(), 64u);
+  add({.name = "forgets"});
+  EXPECT_EQ(pipeline_.longest_epoch(), 8u);
   EXPECT_FALSE(pipeline_.keeps_state());
   add({.name = "keeps"});
   EXPECT_TRUE(pipeline_.keeps_state());

@@ -45,6 +45,15 @@ bool reads_surface(const Pipeline& pipeline) {
   });
 }
 
+/// Whether primary hits matter only at pixels that get a sample.
+bool only_samples_read_hits(const Pipeline& pipeline) {
+  const std::vector<PassDeclaration> list = pipeline.declarations();
+  return std::none_of(list.begin(), list.end(), [](const PassDeclaration& pass) {
+    const bool follows = pass.name == "trace" || pass.name == "store";
+    return !follows && std::find(pass.reads.begin(), pass.reads.end(), "primary-hits") != pass.reads.end();
+  });
+}
+
 const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSettings& settings, const OctreePass* octree) {
   const LightSelectionSettings& common = settings.light_selection;
   switch (settings.lights) {
@@ -74,11 +83,16 @@ bool needs_first_vertices(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
+/// Whether light paths reach pixels that have no sample of their own.
+bool needs_light_film(const RenderSettings& settings) {
+  return settings.estimator != EstimatorChoice::path && settings.allocation == AllocationChoice::adaptive;
+}
+
 /// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
 void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-    add<BdptPass>(pipeline, mode, settings.bdpt, settings.light_selection, source);
+    add<BdptPass>(pipeline, mode, settings.bdpt, settings.light_selection, source, needs_light_film(settings));
     return;
   }
   if (settings.cache == CacheChoice::none) {
@@ -108,7 +122,8 @@ uint32_t pixel_count(const RenderSettings& settings) {
 }
 
 void add_history(Pipeline& pipeline, const RenderSettings& settings) {
-  add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none);
+  add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none,
+                      needs_light_film(settings));
   if (settings.history != HistoryChoice::reproject) return;
   auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject, pixel_count(settings));
   if (settings.reproject.method == ReprojectionMethod::forward)
@@ -116,8 +131,9 @@ void add_history(Pipeline& pipeline, const RenderSettings& settings) {
 }
 
 void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
-  if (settings.allocation == AllocationChoice::adaptive)
-    add<AdaptiveSamplingPass>(pipeline, settings.adaptive, ends_history(settings));
+  if (settings.allocation != AllocationChoice::adaptive) return;
+  add<SampleCountPass>(pipeline);
+  add<AdaptiveSamplingPass>(pipeline, settings.adaptive, ends_history(settings));
 }
 
 void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
@@ -137,6 +153,12 @@ void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
 
 bool learns(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::vlc || settings.guide == GuideChoice::cdq;
+}
+
+Change ends_sequences(const RenderSettings& settings) {
+  if (learns(settings)) return Change::any;
+  // A history that moves to another pixel has no sequence to continue.
+  return ends_history(settings) | Change::camera;
 }
 
 uint32_t pilot_samples(const RenderSettings& settings) {
@@ -164,11 +186,6 @@ void check_combination(const RenderSettings& settings) {
         "estimators 'bdpt' and 'light' do not combine with history 'reproject' by reproject.method 'forward', which "
         "judges the directions of one path; use reproject.method 'backward' or history 'accumulate'");
   }
-  if (settings.estimator == EstimatorChoice::light && settings.allocation == AllocationChoice::adaptive) {
-    throw Error(
-        "estimator 'light' does not combine with allocation 'adaptive': where light paths arrive does not depend on "
-        "the pixels that get samples; use allocation 'uniform' or estimator 'path' or 'bdpt'");
-  }
   if (learns(settings) && (from_both_ends || settings.cache != CacheChoice::none)) {
     throw Error(
         "lights 'vlc' and guide 'cdq' learn from whole paths of estimator 'path' without a radiance cache; use "
@@ -193,10 +210,10 @@ std::string refusal(const RenderSettings& settings) {
 Pipeline build_pipeline(const RenderSettings& settings) {
   check_combination(settings);
   Pipeline pipeline;
-  const OctreePass* octree = learns(settings) ? &add<OctreePass>(pipeline, settings.octree) : nullptr;
+  const bool adds_up = settings.history != HistoryChoice::none;
+  const OctreePass* octree = learns(settings) ? &add<OctreePass>(pipeline, settings.octree, adds_up) : nullptr;
   const LightSelector& selector = add_light_selection(pipeline, settings, octree);
   const DirectionSampler& directions = add_direction_sampling(pipeline, settings, octree);
-  add<PrimaryHitsPass>(pipeline);
   const PathSource source{settings.path, selector, directions};
   add_paths(pipeline, settings, source, octree);
   if (settings.guide == GuideChoice::cdq) add<DirectionViewPass>(pipeline, source, settings.cdq, *octree);
@@ -205,6 +222,7 @@ Pipeline build_pipeline(const RenderSettings& settings) {
   if (settings.auxiliary) add<AuxiliaryPass>(pipeline);
   add_denoiser(pipeline, settings);
   if (reads_surface(pipeline)) add<SurfacePass>(pipeline);
+  add<PrimaryHitsPass>(pipeline, only_samples_read_hits(pipeline));
   pipeline.check();
   return pipeline;
 }

@@ -19,7 +19,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '8'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '9'};
 
 /// Passes bytes on to another buffer and sums them up.
 class SummingBuffer final : public std::streambuf {
@@ -156,9 +156,9 @@ bool plausible(const Counters& counters) {
   const SettingList list = describe(settings);
   const SettingTraits& time = require_setting(list, "scene-time", "").traits;
   const auto in_range = [&](float time_s) { return time_s >= time.min && time_s <= time.max; };
-  return counters.since_change <= counters.frames && counters.picture_frames <= counters.frames &&
-         counters.picture_paths <= counters.paths && in_range(counters.time_s) && in_range(counters.previous_time_s) &&
-         in_range(counters.stretch_time_s);
+  return counters.since_change <= counters.sequence_age && counters.sequence_age <= counters.frames &&
+         counters.picture_frames <= counters.frames && counters.picture_paths <= counters.paths &&
+         in_range(counters.time_s) && in_range(counters.previous_time_s) && in_range(counters.stretch_time_s);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct Counters {
   float previous_time_s = 0;    ///< in the frame before
   float stretch_time_s = 0;     ///< of the first frame since anything changed
   uint32_t picture_frames = 0;  ///< `frames` when the picture that is being made began
-  uint32_t reserved = 0;        ///< in place of padding, whose bytes would be chance in files
+  uint32_t sequence_age = 0;    ///< frames since a change started the sequences of samples
   uint64_t paths = 0;
   uint64_t rays = 0;
   uint64_t picture_paths = 0;  ///< `paths` then

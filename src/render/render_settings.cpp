@@ -24,6 +24,10 @@ SettingList describe_picture(RenderSettings& s) {
        &s.seed,
        "Another seed gives independent noise; the same seed gives the same bits",
        {.min = 0, .max = kMostSeed}},
+      {"dither", &s.dither,
+       "Blue-noise dithered sampling: neighbouring pixels differ in their errors as much as they can, so that filters "
+       "and "
+       "eyes remove more of them"},
       {"threads",
        &s.threads,
        "Worker threads; 0: one for each core; the picture does not depend on it",

@@ -14,8 +14,11 @@
 #include "render/aov.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
+#include "render/sample_schedule.h"
+#include "sampling/blue_noise.h"
 #include "scene/scene_hash.h"
 #include "techniques/accumulate/accumulate_pass.h"
+#include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 
 namespace relume {
 namespace {
@@ -93,15 +96,19 @@ struct Session::State {
     pipeline = std::move(fresh.pipeline);
   }
 
-  /// Takes pending changes on: what they make invalid is cleared, and a new stretch of random numbers begins.
+  /// Takes pending changes on: what they make invalid is cleared, and where no history survives them, new sequences of
+  /// samples begin.
   void apply_changes() {
     if (changes != Change::none) {
       buffers->reset(changes);
-      if (edited && counters.since_change > 0) ++counters.epoch;
-      edited = false;
       counters.since_change = 0;
     }
-    if (counters.since_change == 0) counters.stretch_time_s = counters.time_s;
+    if (includes(changes, ends_sequences(settings))) {
+      if (edited && counters.sequence_age > 0) ++counters.epoch;
+      counters.sequence_age = 0;
+    }
+    edited = false;
+    if (counters.sequence_age == 0) counters.stretch_time_s = counters.time_s;
   }
 
   void edit(Change change) {
@@ -109,8 +116,8 @@ struct Session::State {
     edited = edited || change != Change::none;
   }
 
-  /// Seed of this stretch of frames. Each time of the animation at which something changes has numbers of its own,
-  /// whichever frames came before; where nothing does, the sequence goes on.
+  /// Seed of the sequences. Each time of the animation at which they start has numbers of its own, whichever frames
+  /// came before.
   uint32_t scramble() const {
     const auto seed = static_cast<uint32_t>(settings.seed);
     if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
@@ -118,8 +125,17 @@ struct Session::State {
   }
 
   FrameContext frame(const std::stop_token& stop) {
-    const bool adapts = pipeline.adapts();
-    const SampleIndex index{scramble(), counters.frames, adapts ? 0 : counters.since_change, adapts};
+    const SampleSchedule schedule{pipeline.longest_epoch(), pilot_samples(settings)};
+    const uint32_t sample = schedule.sample(counters.sequence_age, counters.since_change);
+    const SampleIndex index{
+        .seed = scramble(),
+        .sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames),
+        .sample = sample,
+        .frame = counters.frames,
+        .age = counters.sequence_age,
+        .taken = buffers->view<const uint32_t>(kSampleCountBuffer),
+        .width = buffers->width(),
+        .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
     return {scene->view(),
             *buffers,
             *backend,
@@ -127,9 +143,10 @@ struct Session::State {
             counters.frames,
             counters.since_change,
             changes,
-            adapts || pipeline.keeps_state() ? std::stop_token{} : stop,
+            pipeline.keeps_state() ? std::stop_token{} : stop,
             counters.since_change == 0 || counters.picture_frames == counters.frames,
-            !adapts && pipeline.keeps_to_pixels(),
+            schedule.begins_epoch(counters.since_change),
+            sample >= counters.since_change && index.taken.empty() && pipeline.keeps_to_pixels(),
             nullptr,
             hurry};
   }
@@ -140,6 +157,7 @@ struct Session::State {
     counters.rays += sum(buffers->view<const uint32_t>("rays"));
     ++counters.frames;
     ++counters.since_change;
+    ++counters.sequence_age;
   }
 
   RenderSettings settings;
@@ -253,7 +271,9 @@ double Session::estimated_error() const {
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const BufferTable& buffers = *state_->buffers;
   return relative_error(buffers.view<const Rgb>("mean"), buffers.view<const float>("m2"),
-                        buffers.view<const uint32_t>("samples"));
+                        buffers.view<const uint32_t>("samples"),
+                        {buffers.view<const float>("light-m2"), buffers.view<const float>("light-paths"),
+                         buffers.view<const uint32_t>("light-frames")});
 }
 
 const Statistics& Session::statistics() const {

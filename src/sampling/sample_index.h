@@ -1,19 +1,38 @@
-// Which sample of which pixel is being taken.
+// The samples of one frame: which element of which sequence each pixel takes.
 #pragma once
 
+#include "core/view.h"
 #include "sampling/sampler.h"
 
 namespace relume {
 
 struct SampleIndex {
   uint32_t seed = 0;
-  uint32_t frame = 0;
-  uint32_t sample = 0;       ///< index within the sequence, or within the frame
-  bool independent = false;  ///< a scramble of its own each frame: for whatever adapts to earlier frames
+  uint32_t sequence = Sampler::kFirstSequence;  ///< number of the sequence; a new one has scrambles of its own
+  uint32_t sample = 0;                          ///< index within the sequence, where `taken` is empty
+  uint32_t frame = 0;                           ///< frames since the session began
+  uint32_t age = 0;                             ///< frames since the seed last changed
+  View<const uint32_t> taken = {};              ///< by pixel: elements that earlier frames took from the sequence
+  uint32_t width = 0;                           ///< of `taken`
+  View<const uint16_t> tile = {};               ///< of blue noise; empty: each pixel has scrambles of its own
 
-  RELUME_HD uint32_t scramble_frame() const { return independent ? frame : Sampler::kAllFrames; }
+  RELUME_HD_INLINE uint32_t sample_of(uint32_t x, uint32_t y) const {
+    return taken.empty() ? sample : taken[y * width + x];
+  }
   RELUME_HD_INLINE Sampler sampler(uint32_t x, uint32_t y) const {
-    return Sampler::independent(seed, x, y, scramble_frame(), sample);
+    Sampler sampler = element(x, y, sample_of(x, y), sequence);
+    // Structures that learn decide nothing about the camera, so its sequence runs through all of their epochs.
+    if (runs_through()) sampler.take_camera_from(element(x, y, age, Sampler::kFirstSequence));
+    return sampler;
+  }
+  /// Whether all pixels take the same element of a sequence of their own.
+  RELUME_HD bool is_plain() const { return taken.empty() && tile.empty() && !runs_through(); }
+  /// Whether the camera's dimensions have a sequence of their own.
+  RELUME_HD bool runs_through() const { return taken.empty() && sample != age; }
+
+ private:
+  RELUME_HD_INLINE Sampler element(uint32_t x, uint32_t y, uint32_t i, uint32_t number) const {
+    return tile.empty() ? Sampler::sequence(seed, x, y, i, number) : Sampler::dithered(tile, seed, x, y, i, number);
   }
 };
 

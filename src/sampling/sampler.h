@@ -1,27 +1,42 @@
 // The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample, dimension).
 #pragma once
 
+#include "sampling/blue_noise.h"
 #include "sampling/choose.h"
 #include "sampling/sobol.h"
 
 namespace relume {
 
+/// Pairs of random numbers of the camera: a point of the pixel and one of the lens. They come first.
+inline constexpr uint32_t kCameraDimensions = 2;
+
 /// Hands out dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the
 /// samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
-  /// Stands for the frame where one sequence runs through all of them.
-  static constexpr uint32_t kAllFrames = 0xffffffffu;
+  /// Number of a pixel's first sequence.
+  static constexpr uint32_t kFirstSequence = 0xffffffffu;
 
   /// To be assigned before use.
   Sampler() = default;
-  /// Continues one sequence over all samples of the pixel: for estimators that do not adapt.
-  RELUME_HD_INLINE static Sampler sequence(uint32_t seed, uint32_t x, uint32_t y, uint32_t sample) {
-    return independent(seed, x, y, kAllFrames, sample);
+  /// Element `sample` of a sequence of the pixel. Sequences with different numbers have independent scrambles.
+  RELUME_HD_INLINE static Sampler sequence(uint32_t seed, uint32_t x, uint32_t y, uint32_t sample,
+                                           uint32_t number = kFirstSequence) {
+    const uint32_t scramble = hash(hash(seed, x, y), number);
+    return Sampler(scramble, scramble, sample);
   }
-  /// Draws each frame with a scramble of its own: for whatever adapts to what earlier frames found.
-  RELUME_HD_INLINE static Sampler independent(uint32_t seed, uint32_t x, uint32_t y, uint32_t frame, uint32_t sample) {
-    return Sampler(hash(hash(seed, x, y), frame), sample);
+  /// The same with one scramble for all pixels, whose numbers a tile of blue noise shifts instead ([Georgiev16]).
+  RELUME_HD_INLINE static Sampler dithered(const View<const uint16_t>& tile, uint32_t seed, uint32_t x, uint32_t y,
+                                           uint32_t sample, uint32_t number = kFirstSequence) {
+    constexpr uint32_t kSaltDither = 0xb5297a4du;
+    Sampler sampler(hash(hash(seed, kSaltDither), number), hash(hash(seed, x, y), number), sample);
+    sampler.shifts_ = {tile, x, y};
+    return sampler;
+  }
+  /// Takes the camera's dimensions from another sequence of the pixel: nothing that learns decides what they mean.
+  RELUME_HD_INLINE void take_camera_from(const Sampler& other) {
+    camera_scramble_ = other.scramble_;
+    camera_index_ = other.reversed_index_;
   }
 
   /// Two stratified numbers. Eight dimensions are computed at a time: on a processor they share vector registers, and a
@@ -34,11 +49,13 @@ class Sampler {
   }
 
   /// The first pair, without the rest of its block: for passes that need no more.
-  RELUME_HD_INLINE Vec2 first_2d() const { return owen_sobol_2d(reversed_index_, seed_of(0)); }
+  RELUME_HD_INLINE Vec2 first_2d() const { return camera_2d(0); }
 
   /// One stratified number; these have dimensions of their own.
   RELUME_HD_INLINE float next_1d() {
-    return owen_van_der_corput(reversed_index_, hash(scramble_ ^ kSalt1d, single_++));
+    const uint32_t seed = hash(scramble_ ^ kSalt1d, single_++);
+    const float u = owen_van_der_corput(reversed_index_, seed);
+    return shifts_.tile.empty() ? u : wrap(u + shifts_.shift(seed));
   }
 
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
@@ -48,23 +65,38 @@ class Sampler {
   }
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
-  RELUME_HD uint32_t ray_id() const { return hash((scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
+  RELUME_HD uint32_t ray_id() const { return hash((identity_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
   /// The numbers of the dimension handed out last, with more bits below them.
   RELUME_HD_INLINE ReusableNumber reusable(float u) const {
-    return {u, (scramble_ ^ reversed_index_) + dimension_ * 0x9e3779b9u + kSaltBits};
+    return {u, (identity_ ^ reversed_index_) + dimension_ * 0x9e3779b9u + kSaltBits};
   }
 
-  RELUME_HD uint32_t camera_ray_id() const { return hash(scramble_ ^ reversed_index_); }
+  RELUME_HD uint32_t camera_ray_id() const { return hash(identity_ ^ reversed_index_); }
 
  private:
   static constexpr uint32_t kBlock = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
   static constexpr uint32_t kSaltBits = 0x2c1b3c6du;
+  static constexpr uint32_t kSaltX = 0x1b56c4e9u;
+  static constexpr uint32_t kSaltY = 0x7feb352du;
 
-  RELUME_HD_INLINE Sampler(uint32_t scramble, uint32_t index)
-      : scramble_(scramble), reversed_index_(reverse_bits(index)) {}
+  RELUME_HD_INLINE Sampler(uint32_t scramble, uint32_t identity, uint32_t index)
+      : scramble_(scramble),
+        reversed_index_(reverse_bits(index)),
+        identity_(identity),
+        camera_scramble_(scramble),
+        camera_index_(reversed_index_) {}
 
   RELUME_HD uint32_t seed_of(uint32_t dimension) const { return hash(scramble_ + dimension); }
+  RELUME_HD_INLINE Vec2 camera_2d(uint32_t dimension) const {
+    const uint32_t seed = hash(camera_scramble_ + dimension);
+    return shifted(owen_sobol_2d(camera_index_, seed), seed);
+  }
+  RELUME_HD_INLINE static float wrap(float u) { return u < 1.0f ? u : relume::min(u - 1.0f, kOneMinusEpsilon); }
+  RELUME_HD_INLINE Vec2 shifted(const Vec2& u, uint32_t seed) const {
+    if (shifts_.tile.empty()) return u;
+    return {wrap(u.x + shifts_.shift(seed ^ kSaltX)), wrap(u.y + shifts_.shift(seed ^ kSaltY))};
+  }
 
   RELUME_HD void fill_block(uint32_t start) {
     block_start_ = start;
@@ -73,10 +105,32 @@ class Sampler {
       x_[k] = point.x;
       y_[k] = point.y;
     }
+    const bool own_camera = camera_scramble_ != scramble_ || camera_index_ != reversed_index_;
+    if (start == 0 && own_camera) fill_camera();
+    if (!shifts_.tile.empty()) shift_block(start);
+  }
+  RELUME_HD void fill_camera() {
+    for (uint32_t k = 0; k < kCameraDimensions; ++k) {
+      const Vec2 point = owen_sobol_2d(camera_index_, hash(camera_scramble_ + k));
+      x_[k] = point.x;
+      y_[k] = point.y;
+    }
+  }
+  RELUME_HD void shift_block(uint32_t start) {
+    for (uint32_t k = 0; k < kBlock; ++k) {
+      const bool camera = start + k < kCameraDimensions;
+      const Vec2 point = shifted({x_[k], y_[k]}, hash((camera ? camera_scramble_ : scramble_) + start + k));
+      x_[k] = point.x;
+      y_[k] = point.y;
+    }
   }
 
   uint32_t scramble_;
   uint32_t reversed_index_;
+  uint32_t identity_;  ///< differs between pixels even where `scramble_` does not
+  uint32_t camera_scramble_;
+  uint32_t camera_index_;  ///< its bits reversed
+  BlueNoisePixel shifts_;  ///< without a tile: none
   uint32_t dimension_ = 0;
   uint32_t single_ = 0;
   uint32_t block_start_ = 0xffffffffu;

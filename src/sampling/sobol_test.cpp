@@ -162,11 +162,11 @@ TEST(Sampler, IsAFunctionOfItsArguments) {
   EXPECT_EQ(reference, numbers(Sampler::sequence(1, 2, 3, 4)));
   for (const Sampler& other :
        {Sampler::sequence(2, 2, 3, 4), Sampler::sequence(1, 3, 3, 4), Sampler::sequence(1, 2, 4, 4),
-        Sampler::sequence(1, 2, 3, 5), Sampler::independent(1, 2, 3, 0, 4)}) {
+        Sampler::sequence(1, 2, 3, 5), Sampler::sequence(1, 2, 3, 4, 0)}) {
     EXPECT_NE(reference, numbers(other));
   }
-  EXPECT_NE(numbers(Sampler::independent(1, 2, 3, 0, 4)), numbers(Sampler::independent(1, 2, 3, 1, 4)));
-  EXPECT_EQ(numbers(Sampler::independent(1, 2, 3, 5, 4)), numbers(Sampler::independent(1, 2, 3, 5, 4)));
+  EXPECT_NE(numbers(Sampler::sequence(1, 2, 3, 4, 0)), numbers(Sampler::sequence(1, 2, 3, 4, 1)));
+  EXPECT_EQ(numbers(Sampler::sequence(1, 2, 3, 4, 5)), numbers(Sampler::sequence(1, 2, 3, 4, 5)));
 }
 
 TEST(Sampler, JumpsToADimension) {
@@ -223,7 +223,7 @@ TEST(Sampler, NumbersAreUniformOverPixels) {
       return Vec2(first, s.next_1d());
     };
     EXPECT_GT(uniformity(singles), testing::significance());
-    const auto frames = [&](uint32_t x, uint32_t y) { return Sampler::independent(3, x, 0, y, sample).next_2d(); };
+    const auto frames = [&](uint32_t x, uint32_t y) { return Sampler::sequence(3, x, 0, sample, y).next_2d(); };
     EXPECT_GT(uniformity(frames), testing::significance());
   }
 }

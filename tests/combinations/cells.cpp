@@ -22,7 +22,7 @@ double stated_bias(const std::string& slot, const std::string& value) {
       {"cache=psf", 0.02},          {"cache=apsf", 0.02},        {"cache=apg", 0.03},
       {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.03},
       {"denoise=svgf", 0.03},       {"denoise=oidn", 0.05},      {"history=reproject (backward)", 0.02},
-      {"allocation=adaptive", 0.07}};
+      {"allocation=adaptive", 0.01}};
   const auto found = kBiases.find(slot + "=" + value);
   return found == kBiases.end() ? 0 : found->second;
 }

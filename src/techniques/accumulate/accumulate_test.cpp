@@ -137,5 +137,83 @@ TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   EXPECT_EQ(relative_error(view_of(black.mean), view_of(black.m2), view_of(black.count)), 0);
 }
 
+TEST(Accumulate, CountsTheElementsThatAPixelTakesFromItsSequence) {
+  Pixels p(2);
+  std::vector<uint32_t> taken{5, 5};
+  p.allocation = {1, 0};
+  AccumulateKernel kernel = p.kernel();
+  kernel.taken = mutable_view_of(taken);
+  for (const uint32_t pixel : {0u, 1u}) kernel(pixel, 0);
+  EXPECT_EQ(taken, (std::vector<uint32_t>{6, 5}));
+}
+
+/// Pixels with a film of light paths. Pixel 0 gets camera samples, pixel 1 gets none.
+struct FilmedPixels : Pixels {
+  FilmedPixels() : Pixels(2), splats(2), light_mean(2), light_m2(2), light_paths(2), light_frames(2) {
+    allocation = {1, 0};
+  }
+  /// One frame: what the camera sees at pixel 0, and what light paths bring to both.
+  void frame(float seen, float brought, float paths) {
+    splats = {Rgb(brought), Rgb(brought)};
+    radiance = {Rgb(seen + brought), Rgb(brought)};
+    AccumulateKernel k = kernel();
+    k.film = {view_of(splats),
+              mutable_view_of(light_mean),
+              mutable_view_of(light_m2),
+              mutable_view_of(light_paths),
+              mutable_view_of(light_frames),
+              paths};
+    for (const uint32_t pixel : {0u, 1u}) k(pixel, 0);
+  }
+
+  std::vector<Rgb> splats;
+  std::vector<Rgb> light_mean;
+  std::vector<float> light_m2;
+  std::vector<float> light_paths;
+  std::vector<uint32_t> light_frames;
+};
+
+TEST(LightFilm, PixelsWithoutSamplesKeepTheirSplats) {
+  FilmedPixels p;
+  p.frame(3, 8, 0.25f);
+  p.frame(5, 4, 0.75f);
+  // Light paths: (0.25 · 8 + 0.75 · 4) / 1 = 5; the camera's samples: 4.
+  EXPECT_EQ(p.light_mean[0], Rgb(5));
+  EXPECT_EQ(p.mean[0], Rgb(9));
+  EXPECT_EQ(p.mean[1], Rgb(5));
+  EXPECT_EQ(p.count, (std::vector<uint32_t>{2, 0}));
+  EXPECT_FLOAT_EQ(p.m2[0], 2.0f) << "of the camera's samples alone";
+}
+
+TEST(LightFilm, AFrameWithoutLightPathsChangesNothing) {
+  FilmedPixels p;
+  p.frame(3, 8, 1);
+  p.frame(3, 0, 0);
+  EXPECT_EQ(p.light_mean[1], Rgb(8));
+  EXPECT_EQ(p.light_frames[1], 1u);
+}
+
+TEST(LightFilm, KnowsTheVarianceOfItsMean) {
+  // Frames of unequal numbers of light paths w, whose splats have the variance 1 / w.
+  constexpr int kRuns = 4000;
+  constexpr int kFrames = 6;
+  testing::Random random(1);
+  double estimated = 0;
+  double squares = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    FilmedPixels p;
+    for (int i = 0; i < kFrames; ++i) {
+      const float paths = i % 2 == 0 ? 0.25f : 1.0f;
+      const float uniform = random.next() - 0.5f;  // variance 1/12
+      p.frame(0, 10 + uniform * std::sqrt(12.0f / paths), paths);
+    }
+    estimated += film_variance(p.light_m2[1], p.light_paths[1], p.light_frames[1]);
+    squares += (p.mean[1].x - 10) * (p.mean[1].x - 10);
+  }
+  const double expected = 1 / (3 * 0.25 + 3 * 1.0);
+  EXPECT_NEAR(estimated / kRuns, expected, 0.03 * expected);
+  EXPECT_NEAR(squares / kRuns, expected, 0.1 * expected);
+}
+
 }  // namespace
 }  // namespace relume

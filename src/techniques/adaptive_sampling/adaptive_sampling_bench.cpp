@@ -3,12 +3,13 @@
 #include <vector>
 
 #include "backend/launch.h"
-#include "techniques/adaptive_sampling/adaptive_sampling.h"
+#include "techniques/adaptive_sampling/paper_allocation.h"
+#include "techniques/adaptive_sampling/pooled_deviation.h"
 
 namespace relume {
 namespace {
 
-void bm_adaptive_allocation(benchmark::State& state) {
+void bm_paper_allocation(benchmark::State& state) {
   constexpr uint32_t kWidth = 640;
   constexpr uint32_t kHeight = 360;
   const std::vector<Rgb> mean(kWidth * kHeight, Rgb(0.5f));
@@ -17,7 +18,7 @@ void bm_adaptive_allocation(benchmark::State& state) {
   std::vector<float> probability(mean.size(), 0.0f);
   std::vector<float> noise(mean.size(), 0.0f);
   std::vector<uint32_t> allocation(mean.size(), 0);
-  AdaptiveAllocationKernel kernel;
+  PaperAllocationKernel kernel;
   kernel.mean = view_of(mean);
   kernel.m2 = view_of(m2);
   kernel.samples = view_of(samples);
@@ -30,7 +31,26 @@ void bm_adaptive_allocation(benchmark::State& state) {
   for (auto _ : state) launch(backend, "allocate", kernel, kWidth, kHeight);
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
 }
-BENCHMARK(bm_adaptive_allocation);
+BENCHMARK(bm_paper_allocation);
+
+void bm_pooled_deviation(benchmark::State& state) {
+  constexpr uint32_t kWidth = 640;
+  constexpr uint32_t kHeight = 360;
+  const std::vector<Rgb> mean(kWidth * kHeight, Rgb(0.5f));
+  const std::vector<float> m2(mean.size(), 1.5f);
+  const std::vector<uint32_t> samples(mean.size(), 9);
+  std::vector<PooledMoments> rows(mean.size());
+  std::vector<float> deviation(mean.size());
+  const PixelMomentsView moments{view_of(mean), view_of(m2), view_of(samples), kWidth, kHeight};
+  Backend backend(1);
+  for (auto _ : state) {
+    launch(backend, "rows", PoolRowsKernel{moments, mutable_view_of(rows)}, kWidth, kHeight);
+    launch(backend, "deviation", PooledDeviationKernel{moments, view_of(rows), mutable_view_of(deviation)}, kWidth,
+           kHeight);
+  }
+  state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
+}
+BENCHMARK(bm_pooled_deviation);
 
 }  // namespace
 }  // namespace relume

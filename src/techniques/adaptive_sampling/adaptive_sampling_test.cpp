@@ -1,4 +1,4 @@
-#include "techniques/adaptive_sampling/adaptive_sampling.h"
+#include "techniques/adaptive_sampling/paper_allocation.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "render/build_pipeline.h"
+#include "techniques/adaptive_sampling/pilot.h"
 
 namespace relume {
 namespace {
@@ -16,7 +17,7 @@ struct Pixels {
 
   /// Samples given in one frame.
   uint32_t allocate(uint32_t iteration, uint32_t frame = 0, bool scene_changed = false) {
-    AdaptiveAllocationKernel k;
+    PaperAllocationKernel k;
     k.mean = view_of(mean);
     k.m2 = view_of(m2);
     k.samples = view_of(samples);
@@ -145,9 +146,19 @@ TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
   std::vector<Rgb> m2_rgb{Rgb(5)};
   std::vector<uint32_t> samples{9};
   std::vector<uint32_t> allocation{0};
-  const ForgetPilotKernel kernel{mutable_view_of(mean),    mutable_view_of(m2),         mutable_view_of(m2_rgb),
-                                 mutable_view_of(samples), mutable_view_of(allocation), 1};
+  std::vector<Rgb> light_mean{Rgb(2)};
+  std::vector<float> light_m2{1};
+  std::vector<float> light_paths{6};
+  std::vector<uint32_t> light_frames{6};
+  const ForgetPilotKernel kernel{mutable_view_of(mean),        mutable_view_of(m2),
+                                 mutable_view_of(m2_rgb),      mutable_view_of(samples),
+                                 mutable_view_of(light_mean),  mutable_view_of(light_m2),
+                                 mutable_view_of(light_paths), mutable_view_of(light_frames),
+                                 mutable_view_of(allocation),  1};
   kernel(0, 0);
+  EXPECT_EQ(light_mean[0], Rgb(0));
+  EXPECT_EQ(light_paths[0], 0.0f);
+  EXPECT_EQ(light_frames[0], 0u);
   EXPECT_EQ(mean[0], Rgb(0));
   EXPECT_EQ(m2[0], 0.0f);
   EXPECT_EQ(m2_rgb[0], Rgb(0));

@@ -5,7 +5,14 @@
 
 namespace relume {
 
+enum class AdaptiveMethod : int { pooled, paper };
+enum class AdaptiveMetric : int { linear, display };
+
 struct AdaptiveSamplingSettings {
+  AdaptiveMethod method = AdaptiveMethod::pooled;
+  AdaptiveMetric metric = AdaptiveMetric::linear;
+  float rate = 0.5f;
+  float exposure = 0;
   int min_samples = 4;
   int max_samples = 32;
   bool pilot = false;

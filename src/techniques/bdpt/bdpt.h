@@ -42,12 +42,15 @@ struct BdptKernel {
 struct AddSplatsKernel {
   View<FixedPointRgb> splats;
   View<Rgb> radiance;
-  float scale = 1;  ///< pixels over light subpaths of the frame
+  View<Rgb> brought;  ///< what they add; may be empty
+  float scale = 1;    ///< pixels over light subpaths of the frame
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    radiance[pixel] += splats[pixel].value() * scale;
+    const Rgb splat = splats[pixel].value() * scale;
+    radiance[pixel] += splat;
+    if (!brought.empty()) brought[pixel] = splat;
     splats[pixel] = {};
   }
 };

@@ -15,6 +15,12 @@ PassDeclaration BdptPass::declaration() const {
   owns.push_back({.name = "splats",
                   .type = BufferType::fixed_rgb,
                   .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
+  if (film_) {
+    owns.push_back({.name = "light-radiance",
+                    .type = BufferType::rgb32f,
+                    .help = "radiance that this frame's light paths brought",
+                    .display = BufferDisplay::value});
+  }
   return {.name = "trace",
           .stage = Stage::trace,
           .owns = std::move(owns),
@@ -59,7 +65,8 @@ bool BdptPass::run(const FrameContext& frame) {
   kernel.saturated = {&saturated, 1};
   kernel.nonfinite = {&nonfinite, 1};
 
-  AddSplatsKernel add{c.splats, kernel.radiance, 1.0f, c.width};
+  AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
+  if (film_) add.brought = frame.view<Rgb>("light-radiance");
   if (!kernel.allocation.empty()) {
     const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;

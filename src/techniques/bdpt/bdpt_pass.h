@@ -19,9 +19,10 @@ enum class BdptMode : uint8_t {
 /// choices of the other slots stay with their owners and are read each frame.
 class BdptPass final : public Pass {
  public:
+  /// `film`: splats also go into a buffer of their own, for a history that keeps them apart.
   BdptPass(BdptMode mode, const BdptSettings& settings, const LightSelectionSettings& selection,
-           const PathSource& source)
-      : mode_(mode), settings_(settings), selection_(selection), source_(source) {}
+           const PathSource& source, bool film)
+      : mode_(mode), settings_(settings), selection_(selection), source_(source), film_(film) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -41,6 +42,7 @@ class BdptPass final : public Pass {
   const BdptSettings& settings_;
   const LightSelectionSettings& selection_;
   PathSource source_;
+  bool film_;
   std::vector<AliasEntry> emission_;    ///< by power; light tracing has no other way to find a constant environment
   std::vector<AliasEntry> connection_;  ///< by power, among the lights that connections sample
   std::vector<Rgb> light_medium_;       ///< of each light; empty: there are no tinted bodies

@@ -55,7 +55,8 @@ struct DirectionSampler {
         s.weight /= bsdf_fraction;
         return s;
       }
-      const float pdf = mixed(s.pdf_w, tree.pdf(s.wi));
+      s.guide_pdf_w = tree.pdf(s.wi);
+      const float pdf = mixed(s.pdf_w, s.guide_pdf_w);
       s.weight *= s.pdf_w / pdf;
       s.compression *= s.pdf_w / pdf;
       s.pdf_w = pdf;
@@ -64,7 +65,8 @@ struct DirectionSampler {
     const Vec2 u = sampler.next_2d();
     s.wi = stratified ? tree.sample_stratified(u) : tree.sample(u);
     const BsdfEval bsdf = eval_pdf(sp, s.wi);
-    s.pdf_w = mixed(bsdf.pdf_forward, tree.pdf(s.wi));
+    s.guide_pdf_w = tree.pdf(s.wi);
+    s.pdf_w = mixed(bsdf.pdf_forward, s.guide_pdf_w);
     s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;
     if (!s.valid) return s;
     s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);

@@ -41,7 +41,7 @@ SurfacePoint make_point(const testing::BsdfCase& c) {
 }
 
 /// Numbers of the i-th of many independent samples: strata would make χ² too small.
-Sampler numbers(uint32_t i) { return Sampler::independent(11, i, 0, 0, 0); }
+Sampler numbers(uint32_t i) { return Sampler::sequence(11, i, 0, 0, 0); }
 
 /// Lobes of all widths, through which light passes or not, some with a delta lobe over a wide one.
 std::vector<testing::BsdfCase> materials() { return testing::material_cases({0.0f, 0.3f, 0.8f}); }

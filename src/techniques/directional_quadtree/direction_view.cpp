@@ -63,7 +63,7 @@ bool DirectionViewPass::run(const FrameContext& frame) {
   IncidentLightKernel kernel;
   kernel.context = make_path_context(source_, frame);
   make_surface_point(frame.scene, ray, hit, camera.cone_width() + camera.cone_spread() * hit.t, kernel.point);
-  kernel.point.region = octree_.tree().view().find(kernel.point.previous_position);
+  kernel.point.region = octree_.sampled().view().find(kernel.point.previous_position);
   kernel.index = frame.index;
   kernel.index.seed ^= kViewSeed;
   kernel.edge = edge;

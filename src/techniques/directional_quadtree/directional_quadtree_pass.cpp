@@ -1,7 +1,5 @@
 #include "techniques/directional_quadtree/directional_quadtree_pass.h"
 
-#include "core/stream_io.h"
-
 namespace relume {
 
 bool is_quadtree(const DirectionalQuadtree& tree) {
@@ -16,6 +14,16 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
     depths[next++] = depths[bit / 4] + 1;
   }
   return true;
+}
+
+void Quadtrees::load(std::istream& in) {
+  read_vector(in, words_);
+  const QuadtreeArray trees = view();
+  bool valid = words_.size() % trees.words_per_tree() == 0;
+  for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
+  if (valid) return;
+  words_.clear();
+  in.setstate(std::ios::failbit);
 }
 
 namespace {
@@ -43,56 +51,67 @@ std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights
 }  // namespace
 
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
-  const uint32_t bit_count = 32 * (1 + static_cast<uint32_t>(settings_.bits));
-  const QuadtreeArray trees{mutable_view_of(words_), bit_count};
-  const bool same_size = octree_.has_samples() && words_.size() == octree_.previous().leaf_slots() * (bit_count / 32);
+  const bool same_size =
+      octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
   moved_ = 0;
+  // Whether the samples came from other trees than those that they are about to change.
+  const bool sampled_others = snapshot_.frozen();
+  snapshot_.begin_frame(frame.begins_epoch, trees_);
+  // The frames of an epoch sample alike, so they count alike.
+  const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
   if (same_size) {
-    const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations),
-                                   kept_share(settings_.memory), settings_.spread};
+    const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
+    const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
+                                   settings_.spread};
+    if (remembers) weights_.resize(trees_.size());
     launch(frame.backend, "cdq.adapt",
-           AdaptQuadtreesKernel{octree_.groups(), trees, options, mutable_view_of(weights_), {&moved_, 1}},
+           AdaptQuadtreesKernel{octree_.groups(),
+                                trees_.view(),
+                                options,
+                                sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
+                                mutable_view_of(weights_),
+                                {&moved_, 1}},
            octree_.previous().leaf_slots(), 1);
   }
-  frame.backend.run("cdq.populate", [&] { populate(bit_count, same_size); });
-  directions_.quadtrees = {mutable_view_of(words_), bit_count};
+  frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
+  directions_.quadtrees = snapshot_.of(trees_).view();
   directions_.bsdf_fraction = settings_.bsdf_fraction;
   directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
   return true;
 }
 
-void DirectionalQuadtreePass::populate(uint32_t bit_count, bool keep) {
+void DirectionalQuadtreePass::populate(bool keep, bool remembers) {
   const uint32_t regions = octree_.tree().leaf_slots();
-  std::vector<uint32_t> next(size_t{regions} * (bit_count / 32));
-  const QuadtreeArray trees{mutable_view_of(words_), bit_count};
-  const QuadtreeArray next_trees{mutable_view_of(next), bit_count};
+  Quadtrees next(bit_count(), regions);
+  const QuadtreeArray trees = trees_.view();
+  const QuadtreeArray next_trees = next.view();
   const std::vector<uint32_t>& previous = octree_.tree().links().previous;
-  const DirectionalQuadtree uniform = uniform_quadtree(bit_count);
+  const DirectionalQuadtree uniform = uniform_quadtree(bit_count());
   for (uint32_t i = 0; i < regions; ++i)
     next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
-  if (settings_.memory > 0) {
+  if (remembers) {
     if (!keep) weights_.clear();
     weights_ = inherited_weights(weights_, previous);
   } else {
     weights_.clear();
   }
-  words_ = std::move(next);
+  trees_ = std::move(next);
 }
 
 void DirectionalQuadtreePass::save(std::ostream& out) const {
-  write_vector(out, words_);
+  trees_.save(out);
+  snapshot_.save(out);
   write_vector(out, weights_);
 }
 
 void DirectionalQuadtreePass::load(std::istream& in) {
-  read_vector(in, words_);
+  trees_ = Quadtrees(bit_count());
+  trees_.load(in);
+  snapshot_.load(in, Quadtrees(bit_count()));
   read_vector(in, weights_);
-  const QuadtreeArray trees{mutable_view_of(words_), 32 * (1 + static_cast<uint32_t>(settings_.bits))};
-  bool valid = words_.size() % trees.words_per_tree() == 0;
-  valid = valid && (weights_.empty() || weights_.size() == trees.tree_count());
-  for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
-  if (valid) return;
-  words_.clear();
+  if (in && (weights_.empty() || weights_.size() == trees_.size())) return;
+  trees_ = Quadtrees(bit_count());
+  snapshot_.reset();
   weights_.clear();
   in.setstate(std::ios::failbit);
 }

@@ -12,11 +12,12 @@ namespace {
 
 TEST(DirectionalQuadtreePass, RefusesCheckpointsWithWhatIsNoTree) {
   const OctreeSettings octree_settings;
-  const OctreePass octree(octree_settings);
+  const OctreePass octree(octree_settings, true);
   const DirectionalQuadtreeSettings settings;  // 128 bits
   const auto loads = [&](const std::vector<uint32_t>& words, size_t weights = 0) {
     std::stringstream file;
     write_vector(file, words);
+    write_value(file, uint8_t{0});  // no snapshot
     write_vector(file, std::vector<QuadtreeWeights>(weights));
     DirectionalQuadtreePass pass(settings, octree);
     pass.load(file);

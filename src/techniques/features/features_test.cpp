@@ -190,7 +190,7 @@ struct FeatureBuffers {
             kWidth};
   }
 
-  static constexpr SampleIndex kIndex{3, 0, 5, false};
+  static constexpr SampleIndex kIndex{.seed = 3, .sample = 5};
   std::vector<Vec3> position = std::vector<Vec3>(kPixels);
   std::vector<Vec3> previous = position;
   std::vector<Vec3> normal = position;
@@ -205,8 +205,8 @@ TEST(Features, TilesShowWhatSinglePixelsShow) {
   for (const char* name : {"cornell-mirror", "mine"}) {
     const CompiledScene scene(find_builtin_scene(name)->build(), CompileOptions{.width = kWidth, .height = kHeight});
     std::vector<Hit> hits(kPixels);
-    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, FeatureBuffers::kIndex,
-                                    mutable_view_of(hits), kWidth};
+    const PrimaryHitsKernel primary{
+        scene.view().accel, scene.view().camera, FeatureBuffers::kIndex, mutable_view_of(hits), {}, kWidth};
     FeatureBuffers single;
     FeatureBuffers tiles;
     const FeatureKernel one = single.kernel(scene, hits);

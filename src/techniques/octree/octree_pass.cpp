@@ -40,14 +40,21 @@ bool OctreePass::run(const FrameContext& frame) {
   if (!tree_) {
     tree_ = first_tree(frame.scene);
   } else {
+    snapshot_.begin_frame(frame.begins_epoch, *tree_);
     stream_.group(frame.backend, tree_->leaf_slots());
     OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
     previous_ = std::move(tree_);
     tree_ = std::move(next);
   }
   frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
-  recording_ = {tree_->view(),  stream_.samples(), vertices,
-                frame.pixels(), settings_.jitter,  hash(frame.index.seed, frame.number, kJitterSeed)};
+  recording_ = {.octree = tree_->view(),
+                .sampled = sampled().view(),
+                .samples = stream_.samples(),
+                .vertices = vertices,
+                .pixels = frame.pixels(),
+                .jitter = settings_.jitter,
+                .seed = hash(frame.index.seed, frame.number, kJitterSeed),
+                .frozen = snapshot_.frozen()};
   return true;
 }
 
@@ -74,7 +81,7 @@ bool RegionViewPass::run(const FrameContext& frame) {
 
 size_t OctreePass::memory_bytes() const {
   return stream_.memory_bytes() + depths_.capacity() + (tree_ ? tree_->memory_bytes() : 0) +
-         (previous_ ? previous_->memory_bytes() : 0);
+         (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
 }
 
 std::vector<PassFigure> OctreePass::figures() const {
@@ -92,17 +99,20 @@ void OctreePass::save(std::ostream& out) const {
   if (!tree_) return;
   tree_->save(out);
   stream_.save(out);
+  snapshot_.save(out);
 }
 
 void OctreePass::load(std::istream& in) {
   tree_.reset();
   previous_.reset();
+  snapshot_.reset();
   uint8_t has_tree = 0;
   read_value(in, has_tree);
   if (!in || has_tree == 0) return;
   tree_.emplace(Vec3(0), 1.0f);
   tree_->load(in);
   stream_.load(in);
+  snapshot_.load(in, OctreeTree(Vec3(0), 1.0f));
 }
 
 }  // namespace relume

@@ -7,6 +7,7 @@
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/path_recording.h"
 #include "techniques/octree/settings.h"
+#include "techniques/octree/snapshot.h"
 
 namespace relume {
 
@@ -18,11 +19,13 @@ OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
 /// the regions of the *previous* tree hold from the groups, and hand it on to the new one.
 class OctreePass final : public Pass {
  public:
-  explicit OctreePass(const OctreeSettings& settings) : settings_(settings) {}
+  /// `epochs`: several frames may sample with the same tree, as a history adds them up.
+  OctreePass(const OctreeSettings& settings, bool epochs) : settings_(settings), epochs_(epochs) {}
 
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool adapts() const override { return true; }
+  bool keeps_state() const override { return true; }
+  uint32_t longest_epoch() const override { return epochs_ ? static_cast<uint32_t>(settings_.longest_epoch) : 1; }
   size_t memory_bytes() const override;
   std::vector<PassFigure> figures() const override;
   void save(std::ostream& out) const override;
@@ -32,8 +35,10 @@ class OctreePass final : public Pass {
   bool has_samples() const { return previous_.has_value(); }
   const OctreeTree& previous() const { return *previous_; }
   SampleGroupsView groups() const { return stream_.groups(); }
-  /// The tree of this frame.
+  /// The tree whose regions this frame's samples belong to.
   const OctreeTree& tree() const { return *tree_; }
+  /// The tree whose regions this frame samples with: that of the first frame of the epoch.
+  const OctreeTree& sampled() const { return snapshot_.of(*tree_); }
   /// Where this frame's paths leave samples.
   const PathRecording& recording() const { return recording_; }
   View<const VertexSample> samples() const { return {recording_.samples.data, recording_.samples.size}; }
@@ -42,7 +47,9 @@ class OctreePass final : public Pass {
 
  private:
   const OctreeSettings& settings_;
+  bool epochs_;
   std::optional<OctreeTree> tree_;
+  Snapshot<OctreeTree> snapshot_;
   std::optional<OctreeTree> previous_;
   SampleStream stream_;
   PathRecording recording_;

@@ -12,14 +12,21 @@ struct PathRecorder;
 
 /// Makes recorders, which need it as long as they live.
 struct PathRecording {
-  OctreeView octree;
+  OctreeView octree;   ///< to whose regions samples belong
+  OctreeView sampled;  ///< whose regions paths sample with
   View<VertexSample> samples;
   uint32_t vertices = 0;
   uint32_t pixels = 0;
-  float jitter = 0;   ///< of places that samples are taken from, in edges of leaves
-  uint32_t seed = 0;  ///< of that; differs from frame to frame
+  float jitter = 0;     ///< of places that samples are taken from, in edges of leaves
+  uint32_t seed = 0;    ///< of that; differs from frame to frame
+  bool frozen = false;  ///< the two octrees differ: `sampled` is of an earlier frame of the epoch
 
   RELUME_HD PathRecorder begin(uint32_t pixel) const;
+  /// Where a vertex takes estimates from and leaves its sample.
+  RELUME_HD RegionPair find(const SurfacePoint& sp) const {
+    if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
+    return octree.find_pair(sp.previous_position, sp.position);
+  }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
   /// Nothing from this pixel.
   RELUME_HD void skip(uint32_t pixel) const {
@@ -41,11 +48,11 @@ struct PathRecorder {
 
   template <typename Path>
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
-    const OctreeView& octree = recording->octree;
-    const RegionPair regions = octree.find_pair(sp.previous_position, sp.position);
+    const RegionPair regions = recording->find(sp);
     const uint32_t v = path.bounce;
     sp.region = recording->jitter > 0.0f
-                    ? octree.find_near(octree.quantise(sp.previous_position), recording->jitter, random(v))
+                    ? recording->sampled.find_near(recording->sampled.quantise(sp.previous_position), recording->jitter,
+                                                   random(v))
                     : regions.sample;
     current = v;
     if (v >= recording->vertices) return true;
@@ -70,10 +77,12 @@ struct PathRecorder {
   }
 
   template <typename Path>
-  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample&, const Path& path) {
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const Path& path) {
     const uint32_t v = path.bounce - 1;
     if (v >= recording->vertices || path.delta) return;
-    recording->sample(v, pixel).direction = pack_square(square_from_direction(path.ray.direction));
+    VertexSample& sample = recording->sample(v, pixel);
+    sample.direction = pack_square(square_from_direction(path.ray.direction));
+    sample.densities = pack_densities(path.pdf_w, s.guide_pdf_w);
     factor[v] = shading_cosine(sp, path.ray.direction) / path.pdf_w;
     throughput[v] = path.throughput;
     radiance[v] = path.radiance;

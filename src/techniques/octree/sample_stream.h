@@ -21,7 +21,16 @@ struct VertexSample {
   uint32_t light = kNoLight;    ///< sampled by next event estimation, with kVisibleLight; or kNoLight
   uint32_t direction = 0;       ///< in which the path went on, 16 bits a coordinate of the octahedral square
   float value = 0;              ///< luminance of Li cos θ / pdf_w found there; 0 if the path ended
+  uint32_t densities = 0;       ///< pdf_w, and that of the guide alone (pack_densities())
 };
+
+/// Two positive numbers with 8 bits of precision each.
+RELUME_HD inline uint32_t pack_densities(float pdf_w, float guide_pdf_w) {
+  return (float_bits(pdf_w) & 0xffff0000u) | (float_bits(guide_pdf_w) >> 16);
+}
+RELUME_HD inline float unpack_density(uint32_t densities) { return bits_float(densities & 0xffff0000u); }
+RELUME_HD inline float unpack_guide_density(uint32_t densities) { return bits_float(densities << 16); }
+
 /// Flag in VertexSample::light: nothing was in between.
 inline constexpr uint32_t kVisibleLight = 0x80000000u;
 

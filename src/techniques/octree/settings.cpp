@@ -22,6 +22,12 @@ SettingList describe(OctreeSettings& s) {
        &s.jitter,
        "How far from its place a vertex may take its region from, in edges of the region; hides borders",
        {.min = 0, .max = 2}},
+      {"longest-epoch",
+       &s.longest_epoch,
+       "Frames of 1, 2, 4, ... that sample with the same regions and what they know, at most, while nothing changes "
+       "and "
+       "a history adds frames up; 1: these change in every frame",
+       {.min = 1, .max = 1 << 20}},
   };
 }
 

@@ -12,6 +12,7 @@ struct OctreeSettings {
   int max_depth = 16;
   int vertices = 2;
   float jitter = 0;
+  int longest_epoch = 64;
 };
 
 SettingList describe(OctreeSettings& settings);

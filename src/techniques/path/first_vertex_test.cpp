@@ -26,8 +26,8 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   std::vector<Hit> hits(kPixels);
   std::vector<Rgb> radiance(kPixels);
   std::vector<uint32_t> rays(kPixels);
-  const SampleIndex index{7, 0, 3, false};
-  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), kWidth};
+  const SampleIndex index{.seed = 7, .sample = 3};
+  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
   FirstVertexPathKernel kernel;
   kernel.context.scene = scene.view();
   kernel.context.selector.kind = LightSelectorKind::uniform;

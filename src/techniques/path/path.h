@@ -240,8 +240,7 @@ requires(!DecidesLater<A> && !DecidesLater<B>) struct BothObservers {
   }
 };
 
-/// Pairs of random numbers: two for the camera, then for each bounce one for the light and one for the direction.
-inline constexpr uint32_t kCameraDimensions = 2;
+/// Pairs of random numbers of each bounce, after the camera's: one for the light and one for the direction.
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
 /// A path before its first hit.

@@ -266,7 +266,7 @@ TEST(Path, ThroughputThatIsNotANumberIsReported) {
   const CompiledScene compiled(scene, {.width = 4, .height = 4});
   PathContext context;
   context.scene = compiled.view();
-  Sampler sampler = SampleIndex{7, 0, 0, false}.sampler(0, 0);
+  Sampler sampler = SampleIndex{.seed = 7}.sampler(0, 0);
   PathState path = start_path(context, 0, 0, sampler);
   SurfacePoint sp;
   make_surface_point(context.scene, path.ray, intersect(context.scene.accel, path.ray, 0), 0, sp);
@@ -285,8 +285,8 @@ struct Traced {
 Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32_t tile_size) {
   Traced traced{std::vector<Rgb>(width * height, Rgb(-1)), std::vector<uint32_t>(width * height)};
   std::vector<Hit> hits(width * height);
-  const SampleIndex index{7, 0, 3, false};
-  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), width};
+  const SampleIndex index{.seed = 7, .sample = 3};
+  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, width};
   PathKernel kernel;
   kernel.context.scene = scene.view();
   kernel.context.selector.kind = LightSelectorKind::uniform;

@@ -35,21 +35,32 @@ struct CameraPacket {
   uint32_t y[kPacketSize];
   int count = 0;
 
-  /// From pixel (x0, y0) on, as far as they lie in `tile`.
+  /// Of the pixels from (x0, y0) on that lie in `tile`.
   void fill(const CameraView& camera, const SampleIndex& index, uint32_t x0, uint32_t y0, const Tile& tile) {
     float film_x[kPacketSize];
     float film_y[kPacketSize];
     uint32_t all_ids[kPacketSize];
-    // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
-    const uint32_t frame = index.scramble_frame();
-    for (uint32_t k = 0; k < kPacketSize; ++k) {
-      const uint32_t column = x0 + k % kColumns;
-      const uint32_t row = y0 + k / kColumns;
-      const Sampler sampler = Sampler::independent(index.seed, column, row, frame, index.sample);
-      const Vec2 u = sampler.first_2d();
-      film_x[k] = static_cast<float>(column) + u.x;
-      film_y[k] = static_cast<float>(row) + u.y;
-      all_ids[k] = sampler.camera_ray_id();
+    if (index.is_plain()) {
+      // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
+      for (uint32_t k = 0; k < kPacketSize; ++k) {
+        const uint32_t column = x0 + k % kColumns;
+        const uint32_t row = y0 + k / kColumns;
+        const Sampler sampler = Sampler::sequence(index.seed, column, row, index.sample, index.sequence);
+        const Vec2 u = sampler.first_2d();
+        film_x[k] = static_cast<float>(column) + u.x;
+        film_y[k] = static_cast<float>(row) + u.y;
+        all_ids[k] = sampler.camera_ray_id();
+      }
+    } else {
+      for (uint32_t k = 0; k < kPacketSize; ++k) {
+        const uint32_t column = relume::min(x0 + k % kColumns, tile.x1 - 1);
+        const uint32_t row = relume::min(y0 + k / kColumns, tile.y1 - 1);
+        const Sampler sampler = index.sampler(column, row);
+        const Vec2 u = sampler.first_2d();
+        film_x[k] = static_cast<float>(column) + u.x;
+        film_y[k] = static_cast<float>(row) + u.y;
+        all_ids[k] = sampler.camera_ray_id();
+      }
     }
     Directions directions;
     const bool pinhole = camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f);
@@ -70,6 +81,16 @@ struct CameraPacket {
       y[count] = row;
       ++count;
     }
+  }
+
+  /// Adds the ray of one pixel. True if the packet is full.
+  bool add(const CameraView& camera, const SampleIndex& index, uint32_t column, uint32_t row) {
+    Sampler sampler = index.sampler(column, row);
+    rays[count] = lone_camera_ray(camera, column, row, sampler);
+    ids[count] = sampler.camera_ray_id();
+    x[count] = column;
+    y[count] = row;
+    return ++count == kPacketSize;
   }
 
  private:

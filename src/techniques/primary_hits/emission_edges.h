@@ -52,12 +52,12 @@ RELUME_HD inline float darkest_around(uint32_t x, uint32_t y, uint32_t width, ui
 }
 
 /// Mean of `emission(sampler)`, what the camera ray of that sampler sees, over `rays` rays of pixel (x, y) beside its
-/// samples. One sequence of their own runs through all frames, as nothing here adapts.
+/// samples. Their sequence runs through all frames, as nothing here adapts.
 template <typename Emission>
 RELUME_HD inline Rgb mean_emission(const SampleIndex& index, uint32_t rays, uint32_t x, uint32_t y,
                                    const Emission& emission) {
   constexpr uint32_t kSalt = 0x5bd1e995u;
-  const uint32_t first = (index.independent ? index.frame : index.sample) * rays;
+  const uint32_t first = index.age * rays;
   Rgb sum(0);
   for (uint32_t k = 0; k < rays; ++k) {
     Sampler sampler = Sampler::sequence(index.seed ^ kSalt, x, y, first + k);

@@ -6,32 +6,59 @@
 
 namespace relume {
 
-/// Finds the primary hit of every pixel.
+/// Finds the primary hits of the pixels that get a sample; the others get none.
 struct PrimaryHitsKernel {
   AccelView accel;
   CameraView camera;
   SampleIndex index;
   View<Hit> hits;
+  View<const uint32_t> allocation;  ///< samples that the pixel gets, 0 or 1; empty: every pixel gets one
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    if (!wanted(x, y)) {
+      hits[y * width + x] = {};
+      return;
+    }
     Sampler sampler = index.sampler(x, y);
     const Ray ray = lone_camera_ray(camera, x, y, sampler);
     hits[y * width + x] = intersect(accel, ray, sampler.camera_ray_id());
   }
 
-  /// Packets of two rows.
+  /// Packets of two rows, or of the pixels that get a sample.
   void operator()(const Tile& tile) const {
+    if (!allocation.empty()) return trace_samples(tile);
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
       for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
         CameraPacket packet;
         packet.fill(camera, index, x, y, tile);
-        Hit found[kPacketSize];
-        intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
-        for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
+        trace(packet);
       }
     }
   }
+
+ private:
+  void trace_samples(const Tile& tile) const {
+    CameraPacket packet;
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
+        if (!wanted(x, y)) {
+          hits[y * width + x] = {};
+        } else if (packet.add(camera, index, x, y)) {
+          trace(packet);
+          packet.count = 0;
+        }
+      }
+    }
+    trace(packet);
+  }
+  void trace(const CameraPacket& packet) const {
+    if (packet.count == 0) return;
+    Hit found[kPacketSize];
+    intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
+    for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
+  }
+  RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }
 };
 
 /// Film position at which a point is seen, through the middle of a lens. False if it lies behind the camera.

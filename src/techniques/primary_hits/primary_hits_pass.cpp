@@ -5,14 +5,18 @@
 namespace relume {
 
 PassDeclaration PrimaryHitsPass::declaration() const {
-  return {.name = "gbuffer",
-          .stage = Stage::gbuffer,
-          .owns = {{.name = "primary-hits", .type = BufferType::hit, .help = "what the camera ray of this frame met"}}};
+  return {
+      .name = "gbuffer",
+      .stage = only_samples_ ? Stage::sampled_hits : Stage::hits,
+      .owns = {{.name = "primary-hits", .type = BufferType::hit, .help = "hit of the camera ray of this frame"}},
+      .reads_if_any = only_samples_ ? std::vector<std::string_view>{"allocation"} : std::vector<std::string_view>{}};
 }
 
 bool PrimaryHitsPass::run(const FrameContext& frame) {
-  return frame.launch("gbuffer", PrimaryHitsKernel{frame.scene.accel, frame.scene.camera, frame.index,
-                                                   frame.view<Hit>("primary-hits"), frame.width()});
+  PrimaryHitsKernel kernel{frame.scene.accel, frame.scene.camera, frame.index, {}, {}, frame.width()};
+  kernel.hits = frame.view<Hit>("primary-hits");
+  if (only_samples_) kernel.allocation = frame.view<const uint32_t>("allocation");
+  return frame.launch("gbuffer", kernel);
 }
 
 BufferDescription surface_buffer(const char* name, BufferType type, const char* help, bool double_buffered,

@@ -1,4 +1,4 @@
-// The passes of the stage "gbuffer".
+// Primary hits and their surfaces as passes.
 #pragma once
 
 #include "pipeline/pass.h"
@@ -8,8 +8,13 @@ namespace relume {
 /// Traces the camera rays.
 class PrimaryHitsPass final : public Pass {
  public:
+  /// `only_samples`: only those of pixels that get a sample.
+  explicit PrimaryHitsPass(bool only_samples) : only_samples_(only_samples) {}
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+
+ private:
+  bool only_samples_;
 };
 
 /// A buffer of what camera rays met; double-buffered ones keep the previous frame.

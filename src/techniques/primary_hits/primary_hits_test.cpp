@@ -23,7 +23,7 @@ PrimaryHitsKernel kernel_for(const CompiledScene& scene, std::vector<Hit>& hits)
   const CameraView& camera = scene.view().camera;
   const auto width = static_cast<uint32_t>(camera.resolution.x);
   hits.assign(size_t{width} * static_cast<uint32_t>(camera.resolution.y), Hit{});
-  return {scene.view().accel, camera, SampleIndex{3, 0, 5, false}, mutable_view_of(hits), width};
+  return {scene.view().accel, camera, SampleIndex{.seed = 3, .sample = 5}, mutable_view_of(hits), {}, width};
 }
 
 /// Pixels in which packets found another triangle than single rays did; on the same triangle all bits must be equal.
@@ -68,7 +68,7 @@ TEST(PrimaryHits, TilesHaveTheBitsOfSingleRays) {
 
 TEST(PrimaryHits, PacketsHoldTheRaysOfSinglePixels) {
   const CompiledScene scene = compile("cornell");
-  const SampleIndex index{3, 0, 5, false};
+  const SampleIndex index{.seed = 3, .sample = 5};
   for (int kind = 0; kind < 4; ++kind) {
     CameraView camera = scene.view().camera;
     if (kind == 1) camera.lens_radius = 0.1f;

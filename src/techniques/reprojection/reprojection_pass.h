@@ -19,7 +19,7 @@ class ReprojectionPass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  bool adapts() const override { return true; }
+  bool keeps_state() const override { return true; }
   size_t memory_bytes() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;

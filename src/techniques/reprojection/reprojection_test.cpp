@@ -31,8 +31,8 @@ struct Stage {
 
   void render() {
     std::fill(hits.begin(), hits.end(), Hit{});
-    const SampleIndex index{1, 0, 3, false};
-    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), kSize};
+    const SampleIndex index{.seed = 1, .sample = 3};
+    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kSize};
     FirstVertexPathKernel kernel;
     kernel.context.scene = scene.view();
     kernel.context.selector.kind = LightSelectorKind::uniform;
@@ -342,7 +342,7 @@ TEST(FirstVertex, AccountsForWhatThePathReflects) {
     for (uint32_t x = 0; x < kSize; ++x) {
       const uint32_t i = y * kSize + x;
       if (!stage.hits[i].valid()) continue;
-      Sampler sampler = SampleIndex{1, 0, 3, false}.sampler(x, y);
+      Sampler sampler = SampleIndex{.seed = 1, .sample = 3}.sampler(x, y);
       const CameraView& camera = stage.scene.view().camera;
       const Ray ray = lone_camera_ray(camera, x, y, sampler);
       SurfacePoint sp;

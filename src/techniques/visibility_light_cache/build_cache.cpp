@@ -110,21 +110,30 @@ void LightCaches::save(std::ostream& out) const {
   write_vector(out, buckets_);
   write_vector(out, lists_);
   write_vector(out, lights_);
+  write_vector(out, entries_);
+  write_vector(out, bucket_weights_);
 }
 
 void LightCaches::load(std::istream& in) {
   read_vector(in, buckets_);
   read_vector(in, lists_);
   read_vector(in, lights_);
-  entries_.clear();
-  bucket_weights_.clear();
+  read_vector(in, entries_);
+  read_vector(in, bucket_weights_);
   uint64_t listed = 0;
   const auto inside = [&](const LightList& list) {
     listed += list.count;
     return list.first <= lights_.size() && list.count <= lights_.size() - list.first;
   };
+  const size_t bucket_size = bucket_weights_.empty() ? 0 : entries_.size() / bucket_weights_.size();
+  const auto has_entries = [&](const LightBuckets& b) {
+    return b.count == 0 || (bucket_size > 0 && b.first % bucket_size == 0 &&
+                            b.first + uint64_t{b.count} * bucket_size <= entries_.size());
+  };
+  const bool whole_buckets = entries_.size() == bucket_size * bucket_weights_.size() &&
+                             std::all_of(buckets_.begin(), buckets_.end(), has_entries);
   // The eight parts of a region that was split share its list; more would let sums of lengths grow beyond all bounds.
-  if (in && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside) &&
+  if (in && whole_buckets && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside) &&
       listed <= std::min<uint64_t>(8 * uint64_t{lights_.size()}, kMostListed)) {
     return;
   }

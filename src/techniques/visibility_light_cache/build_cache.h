@@ -56,8 +56,8 @@ class LightCaches {
   /// Of what each leaf slot has, and of the lights that they know.
   size_t region_bytes() const;
   size_t entry_bytes() const;
+  size_t memory_bytes() const { return region_bytes() + entry_bytes(); }
 
-  /// What the next build() takes over from this one: bucket counts and what is remembered.
   void save(std::ostream& out) const;
   /// Sets the stream's failbit if it is short or makes no sense.
   void load(std::istream& in);

@@ -9,6 +9,7 @@ namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
   const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
+  snapshot_.begin_frame(frame.begins_epoch, caches_);
   if (octree_.has_samples()) {
     CacheBuildOptions options;
     options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
@@ -35,11 +36,12 @@ PassDeclaration KnownLightsPass::declaration() const {
 }
 
 bool KnownLightsPass::run(const FrameContext& frame) {
-  const VisibilityLightCache& cache = cache_.selector().cache;
-  std::vector<uint32_t> known(cache.regions.size);
+  const LightCaches& caches = cache_.caches();
+  std::vector<uint32_t> known(caches.buckets().size);
   launch(frame.backend, "vlc-view",
-         CountKnownLightsKernel{cache.regions, cache.entries, cache.bucket_size, mutable_view_of(known)},
-         cache.regions.size, 1);
+         CountKnownLightsKernel{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
+                                mutable_view_of(known)},
+         caches.buckets().size, 1);
   launch(frame.backend, "vlc-view",
          KnownLightsKernel{octree_.samples(), view_of(known), frame.view<uint32_t>("known-lights"), frame.width()},
          frame.width(), frame.height());
@@ -54,9 +56,10 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
   infinite_ = build_infinite_lights(lights, selection_.infinity());
   columns_ = build_light_columns(lights);
   VisibilityLightCache& view = selector_.cache;
-  view.regions = caches_.buckets();
-  view.entries = caches_.entries();
-  view.bucket_weights = caches_.bucket_weights();
+  const LightCaches& sampled = snapshot_.of(caches_);
+  view.regions = sampled.buckets();
+  view.entries = sampled.entries();
+  view.bucket_weights = sampled.bucket_weights();
   view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
   view.exploration = settings_.exploration;
   view.all = all_.grid();
@@ -86,9 +89,19 @@ std::vector<PassFigure> VisibilityLightCachePass::figures() const {
           {"entry-bytes", static_cast<double>(caches_.entry_bytes())}};
 }
 
+void VisibilityLightCachePass::save(std::ostream& out) const {
+  caches_.save(out);
+  snapshot_.save(out);
+}
+
+void VisibilityLightCachePass::load(std::istream& in) {
+  caches_.load(in);
+  snapshot_.load(in, {});
+}
+
 size_t VisibilityLightCachePass::memory_bytes() const {
-  return caches_.region_bytes() + caches_.entry_bytes() + all_.memory_bytes() + sizeof(AliasEntry) * infinite_.size() +
-         sizeof(float) * columns_.size();
+  return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() +
+         sizeof(AliasEntry) * infinite_.size() + sizeof(float) * columns_.size();
 }
 
 }  // namespace relume

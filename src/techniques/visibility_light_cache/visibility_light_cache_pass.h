@@ -5,6 +5,7 @@
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/octree/octree_pass.h"
+#include "techniques/octree/snapshot.h"
 #include "techniques/visibility_light_cache/build_cache.h"
 #include "techniques/visibility_light_cache/exploration.h"
 #include "techniques/visibility_light_cache/settings.h"
@@ -21,14 +22,16 @@ class VisibilityLightCachePass final : public Pass {
 
   PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool adapts() const override { return true; }
+  bool keeps_state() const override { return true; }
   size_t memory_bytes() const override;
   std::vector<PassFigure> figures() const override;
-  void save(std::ostream& out) const override { caches_.save(out); }
-  void load(std::istream& in) override { caches_.load(in); }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
 
   /// What estimators sample with; valid from the first run() on.
   const LightSelector& selector() const { return selector_; }
+  /// What the regions of octree.tree() know.
+  const LightCaches& caches() const { return caches_; }
 
  private:
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
@@ -38,6 +41,7 @@ class VisibilityLightCachePass final : public Pass {
   const OctreePass& octree_;
   LightSelector selector_;
   LightCaches caches_;
+  Snapshot<LightCaches> snapshot_;
   ExplorationTables all_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;

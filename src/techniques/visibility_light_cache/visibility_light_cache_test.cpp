@@ -255,12 +255,33 @@ TEST_F(Caches, RefuseListsThatOverlapMoreThanASplitMakesThem) {
     write_vector(file, std::vector<LightBuckets>(regions));
     write_vector(file, std::vector<LightList>(regions, {0, 10}));
     write_vector(file, std::vector<uint32_t>(10, CachedLight::pack(1, 0)));
+    write_vector(file, std::vector<uint32_t>());
+    write_vector(file, std::vector<float>());
     LightCaches caches;
     caches.load(file);
     return static_cast<bool>(file);
   };
   EXPECT_TRUE(loads(8));
   EXPECT_FALSE(loads(9));
+}
+
+TEST_F(Caches, RefuseBucketsBeyondTheirEntries) {
+  const auto loads = [](const LightBuckets& buckets, size_t entries, size_t weights) {
+    std::stringstream file;
+    write_vector(file, std::vector<LightBuckets>{buckets});
+    write_vector(file, std::vector<LightList>(1));
+    write_vector(file, std::vector<uint32_t>());
+    write_vector(file, std::vector<uint32_t>(entries, CachedLight::kNone));
+    write_vector(file, std::vector<float>(weights, 0.5f));
+    LightCaches caches;
+    caches.load(file);
+    return static_cast<bool>(file);
+  };
+  EXPECT_TRUE(loads({32, 2}, 96, 3));
+  EXPECT_FALSE(loads({64, 2}, 96, 3));
+  EXPECT_FALSE(loads({33, 1}, 96, 3)) << "no bucket begins there";
+  EXPECT_FALSE(loads({0, 1}, 96, 0));
+  EXPECT_FALSE(loads({0, 1}, 97, 3));
 }
 
 TEST_F(Caches, DoNotDependOnThreads) {

@@ -65,9 +65,9 @@ class BdptFrame {
 
   /// Takes sample `sample` of every pixel.
   void run(uint32_t seed, uint32_t sample) {
-    const SampleIndex index{seed, sample, sample, false};
+    const SampleIndex index{.seed = seed, .sample = sample, .frame = sample, .age = sample};
     const SceneView& view = compiled.view();
-    launch(backend, "gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits), width()},
+    launch(backend, "gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits), {}, width()},
            width(), height());
     launch(backend, "trace",
            BdptKernel{context(),
@@ -79,7 +79,7 @@ class BdptFrame {
                       {&saturated, 1},
                       {&nonfinite, 1}},
            width(), height());
-    launch(backend, "splats", AddSplatsKernel{mutable_view_of(splats), mutable_view_of(radiance), 1.0f, width()},
+    launch(backend, "splats", AddSplatsKernel{mutable_view_of(splats), mutable_view_of(radiance), {}, 1.0f, width()},
            width(), height());
   }
 

@@ -73,9 +73,9 @@ class CachedFrames {
   }
 
   void trace() {
-    const SampleIndex index{settings_.seed, frame_, 0, true};
+    const SampleIndex index{.seed = settings_.seed, .sequence = frame_, .frame = frame_};
     const SceneView view = scene_.view();
-    run("gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits_), width()});
+    run("gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits_), {}, width()});
     PathContext context;
     context.scene = view;
     context.selector.uniform = make_uniform_lights(view.lights);

@@ -1,5 +1,5 @@
-// Adaptive sampling ([Schalk18] §3.1, alg. 1; alg. 2 where a history is reprojected): noisy pixels get more samples
-// until each has a probability of further ones.
+// adaptive.method "paper" ([Schalk18] §3.1, alg. 1; alg. 2 where a history is reprojected): noisy pixels get more
+// samples until each has a probability of further ones.
 #pragma once
 
 #include "core/hash.h"
@@ -24,7 +24,7 @@ RELUME_HD inline float adaptive_threshold(uint32_t iteration, uint32_t min_sampl
 }
 
 /// Decides for each pixel whether it gets a sample in this frame.
-struct AdaptiveAllocationKernel {
+struct PaperAllocationKernel {
   View<const Rgb> mean;
   View<const Rgb> m2;
   View<const uint32_t> samples;
@@ -65,24 +65,6 @@ struct AdaptiveAllocationKernel {
   RELUME_HD bool drawn(uint32_t x, uint32_t y, float share) const {
     constexpr uint32_t kSalt = 0x7ed55d16u;
     return to_unit_float(hash(hash(seed ^ kSalt, x, y), frame)) < share;
-  }
-};
-
-/// With pilot samples ([Kirk91]): what decided the probabilities does not enter the picture, which is then unbiased.
-struct ForgetPilotKernel {
-  View<Rgb> mean;
-  View<float> m2;
-  View<Rgb> m2_rgb;
-  View<uint32_t> samples;
-  View<uint32_t> allocation;
-  uint32_t width = 0;
-
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * width + x;
-    mean[pixel] = m2_rgb[pixel] = Rgb(0);
-    m2[pixel] = 0.0f;
-    samples[pixel] = 0;
-    allocation[pixel] = 1;  // none is left without a sample
   }
 };
 

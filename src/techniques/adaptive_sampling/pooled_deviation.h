@@ -1,0 +1,128 @@
+// adaptive.method "pooled": samples in proportion to the standard deviation of a pixel's samples, which its neighbours
+// estimate. For a given number of samples of all pixels that is the least sum of squared errors ([Neyman34], §4).
+#pragma once
+
+#include "core/hash.h"
+#include "core/vec.h"
+#include "core/view.h"
+
+namespace relume {
+
+/// Neighbours on each side that share an estimate: 5×5 pixels.
+inline constexpr uint32_t kPoolRadius = 2;
+
+/// Statistics of several pixels' samples.
+struct PooledMoments {
+  float squares = 0;    ///< Σ squared distances of luminance from its pixel's mean
+  float freedom = 0;    ///< Σ (samples − 1)
+  float luminance = 0;  ///< Σ of the pixels' means
+  float pixels = 0;
+
+  RELUME_HD void add(const PooledMoments& other) {
+    squares += other.squares;
+    freedom += other.freedom;
+    luminance += other.luminance;
+    pixels += other.pixels;
+  }
+};
+
+/// What pixels know of their own samples.
+struct PixelMomentsView {
+  View<const Rgb> mean;
+  View<const float> m2;
+  View<const uint32_t> samples;
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD PooledMoments at(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const uint32_t n = samples[pixel];
+    if (n < 2) return {};
+    return {m2[pixel], static_cast<float>(n - 1), luminance(mean[pixel]), 1.0f};
+  }
+  /// Sum over the row of five pixels around (x, y), without (x, y) if `others_only`.
+  RELUME_HD PooledMoments row(uint32_t x, uint32_t y, bool others_only) const {
+    PooledMoments sum;
+    const uint32_t first = x < kPoolRadius ? 0 : x - kPoolRadius;
+    const uint32_t last = relume::min(x + kPoolRadius, width - 1);
+    for (uint32_t i = first; i <= last; ++i) {
+      if (i != x || !others_only) sum.add(at(i, y));
+    }
+    return sum;
+  }
+};
+
+/// The first of two passes over the pool: along rows.
+struct PoolRowsKernel {
+  PixelMomentsView pixels;
+  View<PooledMoments> rows;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const { rows[y * pixels.width + x] = pixels.row(x, y, false); }
+};
+
+/// Slope of the sRGB curve at a luminance: by how much an image changes on a display.
+RELUME_HD inline float display_slope(float luminance) {
+  constexpr float kLinear = 0.0031308f;  // the curve is a line up to here
+  return 1.055f / 2.4f * std::pow(relume::max(luminance, kLinear), 1.0f / 2.4f - 1.0f);
+}
+
+/// The standard deviation of one sample at each pixel, from its pool without the pixel itself: the values that are
+/// averaged then do not decide how many of them there are.
+struct PooledDeviationKernel {
+  PixelMomentsView pixels;
+  View<const PooledMoments> rows;
+  View<float> deviation;  ///< 0 where the pool has fewer than two samples a pixel
+  bool display = false;   ///< as a change on a display, not of radiance
+  float exposure = 1;     ///< factor that the display applies
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    PooledMoments sum = pixels.row(x, y, true);
+    const uint32_t first = y < kPoolRadius ? 0 : y - kPoolRadius;
+    const uint32_t last = relume::min(y + kPoolRadius, pixels.height - 1);
+    for (uint32_t i = first; i <= last; ++i) {
+      if (i != y) sum.add(rows[i * pixels.width + x]);
+    }
+    constexpr float kLargest = 1e18f;
+    float result = sum.freedom > 0.0f ? relume::min(std::sqrt(sum.squares / sum.freedom), kLargest) : 0.0f;
+    if (display && sum.pixels > 0.0f) result *= exposure * display_slope(exposure * sum.luminance / sum.pixels);
+    deviation[y * pixels.width + x] = result;
+  }
+};
+
+/// Probability of a sample, from a deviation: at least `least`, so that no pixel starves.
+struct SampleRate {
+  float scale = 0;
+  float least = 0;
+
+  RELUME_HD float operator()(float deviation) const { return relume::min(relume::max(scale * deviation, least), 1.0f); }
+};
+
+/// Decides for each pixel whether it gets a sample in this frame.
+struct PooledAllocationKernel {
+  View<const float> deviation;
+  View<const uint32_t> samples;
+  View<float> probability;
+  View<uint32_t> allocation;  ///< 0 or 1
+  SampleRate rate;
+  bool settled = false;  ///< probabilities stay: pilot samples found them
+  uint32_t min_samples = 4;
+  uint32_t seed = 0;
+  uint32_t frame = 0;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    if (!settled) probability[pixel] = rate(deviation[pixel]);
+    allocation[pixel] = samples[pixel] < min_samples || drawn(x, y, probability[pixel]) ? 1u : 0u;
+  }
+
+ private:
+  /// Multiples of the golden ratio: a pixel's samples spread evenly over frames.
+  RELUME_HD bool drawn(uint32_t x, uint32_t y, float share) const {
+    constexpr uint32_t kSalt = 0x7ed55d16u;
+    constexpr uint32_t kGolden = 0x9e3779b9u;
+    return to_unit_float(hash(seed ^ kSalt, x, y) + frame * kGolden) < share;
+  }
+};
+
+}  // namespace relume

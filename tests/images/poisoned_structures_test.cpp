@@ -1,0 +1,181 @@
+// Whatever structures that learn contain, images keep their mean: here they contain chance. Frames take consecutive
+// elements of one sequence, as those of an epoch do.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "scene/builtin.h"
+#include "scene/compiled_scene.h"
+#include "scene/world_triangles.h"
+#include "support/image_test.h"
+#include "techniques/directional_quadtree/directional_quadtree_pass.h"
+#include "techniques/path/recorded_path.h"
+#include "techniques/primary_hits/primary_hits.h"
+#include "techniques/visibility_light_cache/build_cache.h"
+#include "techniques/visibility_light_cache/exploration.h"
+#include "testing/random.h"
+
+namespace relume::support {
+namespace {
+
+constexpr uint32_t kWidth = 24;
+constexpr uint32_t kHeight = 16;
+constexpr uint32_t kPixels = kWidth * kHeight;
+constexpr uint32_t kFrames = 8;
+constexpr int kImages = 16;
+constexpr uint32_t kBits = 128;
+
+/// An octree over the scene whose every leaf is split `levels` times.
+OctreeTree split_tree(Backend& backend, const SceneView& scene, int levels) {
+  const Box box = world_box(scene);
+  OctreeTree tree(box.center(), 1.001f * max_component(box.extent()));
+  for (int i = 0; i < levels; ++i) {
+    const std::vector<uint32_t> counts(tree.leaf_slots(), 1000);
+    tree = tree.adapted(backend, view_of(counts), {50, 100, 8});
+  }
+  return tree;
+}
+
+/// Quadtrees after migrations between nodes that chance chose.
+Quadtrees random_quadtrees(uint32_t regions, testing::Random& random) {
+  Quadtrees trees(kBits, regions);
+  for (uint32_t region = 0; region < regions; ++region) {
+    DirectionalQuadtree tree = uniform_quadtree(kBits);
+    for (int i = 0; i < 16; ++i) {
+      QuadtreeWeights weights;
+      for (uint32_t bit = 0; bit < kBits; ++bit) weights.add(bit, random.next());
+      const MigrationChoice choice = choose_migration(tree, weights, {.stability = 1e6f});
+      if (choice.found) migrate(tree, weights, choice.inner, choice.leaf, 0.25f);
+    }
+    trees.view().store(region, tree);
+  }
+  return trees;
+}
+
+/// A scene, and structures that know nothing of it.
+class Poisoned {
+ public:
+  explicit Poisoned(const char* scene)
+      : scene_(find_builtin_scene(scene)->build(), CompileOptions{.width = kWidth, .height = kHeight}),
+        tree_(split_tree(backend_, scene_.view(), 3)),
+        quadtrees_(random_quadtrees(tree_.leaf_slots(), random_)) {
+    build_caches();
+  }
+
+  PathContext plain() const {
+    PathContext context;
+    context.scene = scene_.view();
+    context.selector.kind = LightSelectorKind::uniform;
+    context.selector.uniform = uniform_;
+    return context;
+  }
+  PathContext guided() {
+    PathContext context = plain();
+    context.directions.kind = DirectionSamplerKind::quadtree;
+    context.directions.quadtrees = quadtrees_.view();
+    return context;
+  }
+  PathContext cached() const {
+    PathContext context = plain();
+    context.selector.kind = LightSelectorKind::cache;
+    context.selector.cache = cache_;
+    return context;
+  }
+
+  /// Images of several seeds, each the mean of the frames of one epoch.
+  Moments images(const PathContext& context, uint32_t first_seed) {
+    std::vector<Image> images;
+    for (uint32_t i = 0; i < kImages; ++i) {
+      Image mean(kWidth, kHeight);
+      for (uint32_t frame = 0; frame < kFrames; ++frame) {
+        const std::vector<Rgb> radiance = trace(context, {.seed = first_seed + i, .sample = frame, .age = frame});
+        for (uint32_t p = 0; p < kPixels; ++p) mean.pixels[p] += radiance[p] / static_cast<float>(kFrames);
+      }
+      images.push_back(std::move(mean));
+    }
+    return moments_of(std::move(images));
+  }
+
+ private:
+  void build_caches() {
+    const LightsView& lights = scene_.view().lights;
+    const std::vector<LightGuess> guesses = light_guesses(lights);
+    // Each region saw some lights, by chance.
+    SampleStream stream;
+    stream.resize(tree_.leaf_slots(), 1);
+    for (uint32_t region = 0; region < tree_.leaf_slots(); ++region) {
+      const auto light = static_cast<uint32_t>(random_.next() * 1.5f * static_cast<float>(lights.first_infinite));
+      const bool seen = light < lights.first_infinite;
+      stream.samples()[region] = {.region = region, .light = seen ? light | kVisibleLight : kNoLight};
+    }
+    stream.group(backend_, tree_.leaf_slots());
+    CacheBuildOptions options;
+    options.bucket_size = 1;
+    caches_.build(backend_, tree_, stream.groups(), view_of(guesses), options);
+    exploration_.build(lights, guesses, scene_.view().camera.position, {}, 4);
+    infinite_ = build_infinite_lights(lights, LightsAtInfinity::worth_sampling);
+    columns_ = build_light_columns(lights);
+    cache_.regions = caches_.buckets();
+    cache_.entries = caches_.entries();
+    cache_.bucket_weights = caches_.bucket_weights();
+    cache_.bucket_size = options.bucket_size;
+    cache_.exploration = 0.1f;
+    cache_.all = exploration_.grid();
+    cache_.infinite = make_infinite_lights(lights, infinite_, !cache_.all.empty());
+    cache_.ltc = ltc_table();
+    cache_.columns = {view_of(columns_), lights.first_infinite};
+    cache_.lights = lights;
+    uniform_ = make_uniform_lights(lights);
+  }
+
+  std::vector<Rgb> trace(const PathContext& context, const SampleIndex& index) {
+    std::vector<Hit> hits(kPixels);
+    const PrimaryHitsKernel primary{
+        context.scene.accel, context.scene.camera, index, mutable_view_of(hits), {}, kWidth};
+    launch(backend_, "gbuffer", primary, kWidth, kHeight);
+    std::vector<VertexSample> samples(kPixels);
+    PathRecording recording{.octree = tree_.view(), .sampled = tree_.view(), .samples = mutable_view_of(samples)};
+    recording.vertices = 1;
+    recording.pixels = kPixels;
+    std::vector<Rgb> radiance(kPixels);
+    std::vector<uint32_t> rays(kPixels);
+    const RecordedPathKernel kernel{.context = context,
+                                    .index = index,
+                                    .hits = view_of(hits),
+                                    .allocation = {},
+                                    .rays = mutable_view_of(rays),
+                                    .width = kWidth,
+                                    .observation = {mutable_view_of(radiance), recording, {}}};
+    launch(backend_, "trace", kernel, kWidth, kHeight);
+    return radiance;
+  }
+
+  Backend backend_{1};
+  testing::Random random_{5};
+  CompiledScene scene_;
+  OctreeTree tree_;
+  Quadtrees quadtrees_;
+  LightCaches caches_;
+  ExplorationTables exploration_;
+  std::vector<AliasEntry> infinite_;
+  std::vector<float> columns_;
+  VisibilityLightCache cache_;
+  UniformLights uniform_;
+};
+
+const ImageTestOptions kOptions{.detectable = 0.25, .detectable_mean = 0.2};
+
+TEST(PoisonedStructures, QuadtreesKeepTheMean) {
+  Poisoned poisoned("cornell");
+  const Moments expected = poisoned.images(poisoned.plain(), 1001);
+  expect_same_picture("poisoned-quadtrees", poisoned.images(poisoned.guided(), 1), expected, kOptions);
+}
+
+TEST(PoisonedStructures, LightCachesKeepTheMean) {
+  Poisoned poisoned("turntable");
+  const Moments expected = poisoned.images(poisoned.plain(), 1001);
+  expect_same_picture("poisoned-caches", poisoned.images(poisoned.cached(), 1), expected, kOptions);
+}
+
+}  // namespace
+}  // namespace relume::support
