@@ -47,7 +47,7 @@ const std::vector<Preset>& presets() {
       {"paper-004", "Bidirectional path tracing, denoised by blockwise regression [Sun20]",
        R"({"estimator": "bdpt", "bdpt.connection-roulette": 0, "lights": "power", "guide": "bsdf", "cache": "none",
            "allocation": "uniform", "history": "accumulate", "denoise": "bmfr", "features.edge-rays": 0,
-           "bmfr.detail": 0})"},
+           "bmfr.alpha": 0.2, "bmfr.detail": 0})"},
   };
   return list;
 }

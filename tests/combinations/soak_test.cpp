@@ -113,6 +113,7 @@ constexpr std::array kDetails = {
     Detail{"reproject.stored", {"1", "4", "4"}},
     Detail{"reproject.exposure", {"-3", "0", "3"}},
     Detail{"features.edge-rays", {"0", "1", "16"}},
+    Detail{"bmfr.alpha", {"0", "0.2", "1"}},
     Detail{"bmfr.detail", {"0", "1.5", "10"}},
     Detail{"bmfr.max-history", {"1", "32", "1024"}},
     Detail{"bmfr.newest", {"0.01", "0.2", "1"}},

@@ -6,6 +6,10 @@
 
 namespace relume {
 
+/// Samples of equal weight whose mean has the variance of an exponential average in which the newest has the weight
+/// `alpha`.
+inline float independent_samples(float alpha) { return alpha > 0.0f ? (2.0f - alpha) / alpha : kInfinity; }
+
 /// First accumulation: this frame's samples join the history of their surface. Histories of what was fitted come along.
 struct BmfrAccumulateKernel {
   LightHistory history;

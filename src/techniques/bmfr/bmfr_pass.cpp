@@ -55,6 +55,7 @@ bool BmfrPass::run(const FrameContext& frame) {
 void BmfrPass::accumulate(const FrameContext& frame) {
   BmfrAccumulateKernel kernel;
   kernel.history = light_history(frame, {"bmfr-light", "bmfr-samples"}, settings_.history);
+  kernel.history.least_share = settings_.alpha;
   kernel.history.discounts = change_.discounts(frame, kernel.history);
   kernel.fitted_before = frame.previous<const Rgb>("bmfr-fit");
   kernel.square_before = frame.previous<const float>("bmfr-square");
@@ -79,6 +80,7 @@ void BmfrPass::fit(const FrameContext& frame) {
   kernel.fitted = frame.view<Rgb>("bmfr-fit");
   kernel.noise_scale = settings_.noise;
   kernel.detail = settings_.detail;
+  kernel.most_samples = independent_samples(settings_.alpha);
   kernel.width = frame.width();
   kernel.height = frame.height();
   // Without fits of earlier frames the edges of blocks would show.

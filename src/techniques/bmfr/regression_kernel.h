@@ -43,12 +43,13 @@ struct BlockRegressionKernel {
   View<const Vec3> position;
   View<const Vec3> normal;
   View<const Rgb> albedo;
-  View<const Rgb> light;         ///< accumulated
-  View<const uint32_t> samples;  ///< that are in it; 0: takes no part
-  View<const float> square;      ///< mean square of their luminance
-  View<const float> noise;       ///< BlockNoiseKernel's
-  View<Rgb> fitted;              ///< of pixels that are filtered
-  float share = 1;               ///< of this fit in it; below 1 it is averaged with what is there
+  View<const Rgb> light;           ///< accumulated
+  View<const uint32_t> samples;    ///< that are in it; 0: takes no part
+  View<const float> square;        ///< mean square of their luminance
+  View<const float> noise;         ///< BlockNoiseKernel's
+  View<Rgb> fitted;                ///< of pixels that are filtered
+  float share = 1;                 ///< of this fit in it; below 1 it is averaged with what is there
+  float most_samples = kInfinity;  ///< that light of many samples counts for
   float noise_scale = 0;
   float detail = 0;      ///< variances by which the light must differ from the fit to be kept; 0: never
   uint32_t shift_x = 0;  ///< in [0, kBlockSize)
@@ -86,6 +87,10 @@ struct BlockRegressionKernel {
     return last == size ? size - kBlockSize : first;
   }
 
+  RELUME_HD float count_at(uint32_t pixel) const {
+    return relume::min(static_cast<float>(static_cast<int>(samples[pixel])), most_samples);
+  }
+
   /// False if no pixel is to be fitted.
   RELUME_HD bool gather(uint32_t x0, uint32_t y0, BlockPixels& p) const {
     const uint32_t columns = width - x0 < kBlockSize ? width - x0 : kBlockSize;
@@ -105,7 +110,7 @@ struct BlockRegressionKernel {
     uint32_t i = 0;
     for (; i + kLanes <= count; i += kLanes) {
       float numbers[kLanes];
-      for (uint32_t k = 0; k < kLanes; ++k) numbers[k] = static_cast<float>(static_cast<int>(samples[pixel + i + k]));
+      for (uint32_t k = 0; k < kLanes; ++k) numbers[k] = count_at(pixel + i + k);
       const PixelLanes lanes(&position[pixel + i].x, &normal[pixel + i].x, &albedo[pixel + i].r, &light[pixel + i].r,
                              numbers, &square[pixel + i]);
       lanes.put(first + i, p);
@@ -124,7 +129,7 @@ struct BlockRegressionKernel {
         values[2][3 * k + c] = albedo[from][component];
         values[3][3 * k + c] = light[from][component];
       }
-      numbers[k] = static_cast<float>(static_cast<int>(samples[from]));
+      numbers[k] = count_at(from);
       squares[k] = square[from];
     }
     PixelLanes(values[0], values[1], values[2], values[3], numbers, squares).put(first + i, p);

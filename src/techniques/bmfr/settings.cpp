@@ -5,6 +5,11 @@ namespace relume {
 SettingList describe(BmfrSettings& s) {
   SettingList list = {
       {"max-fits", &s.max_fits, "Fits that are averaged at most", {.min = 1, .max = 1024, .biases = true}},
+      {"alpha",
+       &s.alpha,
+       "Least weight of a frame in the light that is fitted, at rest too; 0.2: as [Koskela19]; 0: only max-history and "
+       "max-history-changed limit how long it is averaged",
+       {.min = 0, .max = 1, .biases = true}},
       {"noise",
        &s.noise,
        "Random numbers added to features, which tells those apart that are alike throughout a block",

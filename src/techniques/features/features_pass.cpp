@@ -136,6 +136,7 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .light = frame.view<Rgb>(buffers.light),
           .count = frame.view<uint32_t>(buffers.samples),
           .max_samples = history_limit(frame, settings),
+          .least_share = 0,
           .discounts = {}};
 }
 

@@ -46,7 +46,8 @@ inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no 
 struct PixelHistory {
   BackwardTaps taps;
   SurfaceLightSample sample;
-  uint32_t age = 0;  ///< samples that the past counts for
+  uint32_t age = 0;       ///< samples that the past counts for
+  float least_share = 0;  ///< of this frame's sample in the mean
 
   /// Samples, this frame's included.
   RELUME_HD uint32_t count() const { return age + (sample.valid ? 1u : 0u); }
@@ -63,7 +64,7 @@ struct PixelHistory {
   RELUME_HD T mean(const View<const T>& before, const T& value) const {
     T result = past(before);
     if (!sample.valid) return result;
-    const float share = 1.0f / static_cast<float>(count());
+    const float share = relume::max(1.0f / static_cast<float>(count()), least_share);
     result += (value - result) * share;
     return result;
   }
@@ -78,6 +79,7 @@ struct LightHistory {
   View<Rgb> light;                         ///< mean of the samples
   View<uint32_t> count;                    ///< of them
   uint32_t max_samples = kNoHistoryLimit;  ///< that the past counts for at most
+  float least_share = 0;                   ///< of a frame's sample in the mean; 0: that of all others
   /// 1 / samples that it counts for where the light has changed, block by block (light_change.h); 0: it has not. Empty:
   /// nowhere.
   View<const float> discounts;
@@ -115,6 +117,7 @@ struct LightHistory {
     history.sample = samples.at(i);
     history.taps = reprojection.taps_or_nearest(x, y, count_before);
     history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
+    history.least_share = least_share;
     light[i] = history.mean(light_before, history.sample.light);
     count[i] = history.count();
     return history;
