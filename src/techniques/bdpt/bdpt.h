@@ -26,11 +26,13 @@ struct BdptKernel {
       return;
     }
     BdptCounters counters;
-    PathVertex kept[kMaxLightVertices - 1];
+    LightVertices kept;
     Sampler light_sampler = index.sampler(x, y);
-    const uint32_t count = trace_light_subpath(context, light_sampler, kept, counters);
+    trace_light_subpath(context, light_sampler, kept, counters);
     Sampler sampler = index.sampler(x, y);
-    const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], {kept, count}, sampler, counters);
+    ConnectionRoulette roulette;
+    const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], kept.view(), sampler, roulette, counters);
+    try_camera_connections(context, kept, roulette, counters);
     radiance[pixel] = seen;
     rays[pixel] = counters.rays;
     if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -121,6 +122,59 @@ TEST(Bdpt, ConnectionRouletteKeepsTheMeanAndSparesRays) {
   const Rgb mean = measure(0.5f, &fewer);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1.0f, 0.01f);
   EXPECT_LT(fewer, 0.9 * all);
+}
+
+TEST(Bdpt, CameraConnectionsThatCarryLittleAreSeldomTested) {
+  BdptFrame frame(make_closed_sphere(0.6f), {.connection_roulette = 0.5f});
+  const BdptContext c = frame.context();
+  LightVertices light;
+  light.connections = 1;
+  light.to_camera[0] = {.ray = {Vec3(0), Vec3(0, 0, 1), 1e-3f}, .contribution = Rgb(1), .film = {3.5f, 2.5f}};
+  constexpr int kSamples = 40000;
+  const auto rays_a_sample = [&](float tested) {
+    BdptCounters counters;
+    for (uint32_t i = 0; i < kSamples; ++i) {
+      light.to_camera[0].ray_id = hash(i);
+      try_camera_connections(c, light, {tested}, counters);
+    }
+    return static_cast<double>(counters.rays) / kSamples;
+  };
+  const auto splat_a_sample = [&] {
+    FixedPointRgb& splats = frame.splats[2 * frame.width() + 3];
+    const double sum = static_cast<double>(splats.value().g);
+    splats = {};
+    return sum / kSamples;
+  };
+  EXPECT_EQ(rays_a_sample(0), 1);  // nothing to compare with
+  EXPECT_NEAR(splat_a_sample(), 1, 1e-3);
+  EXPECT_NEAR(rays_a_sample(20), 0.1, 0.0075);  // a tenth of half of 20; five standard deviations
+  EXPECT_NEAR(splat_a_sample(), 1, 0.075);
+}
+
+TEST(Bdpt, OneBounceTakesThreeRaysAndKeepsTheMean) {
+  for (const char* scene : {"cornell", "cornell-closed", "cornell-glass", "slit"}) {
+    const auto measure = [&](float roulette, double* rays) {
+      BdptFrame frame(find_builtin_scene(scene)->build(),
+                      {.width = 24, .height = 24, .max_bounces = 1, .connection_roulette = roulette});
+      constexpr uint32_t kSamples = 256;
+      glm::dvec3 sum(0);
+      for (uint32_t sample = 0; sample < kSamples; ++sample) {
+        frame.run(5, sample);
+        for (size_t p = 0; p < frame.rays.size(); ++p) {
+          sum += glm::dvec3(frame.radiance[p]) / static_cast<double>(kSamples * frame.rays.size());
+          *rays = std::max(*rays, static_cast<double>(frame.rays[p]));
+        }
+      }
+      return sum;
+    };
+    double all = 0;
+    double fewer = 0;
+    const glm::dvec3 expected = measure(0, &all);
+    const glm::dvec3 mean = measure(0.25f, &fewer);
+    EXPECT_EQ(all, 5) << scene;
+    EXPECT_EQ(fewer, 3) << scene;
+    for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(mean[channel] / expected[channel], 1, 0.01) << scene;
+  }
 }
 
 TEST(Bdpt, LightsKnowTheBodyThatTheyStandIn) {

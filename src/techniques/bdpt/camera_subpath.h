@@ -9,7 +9,6 @@ namespace relume {
 struct CameraSubpath {
   PathState path;
   SubpathWeights weights;
-  float tested = 0;  ///< luminance of the connections tried so far: the scale for connection roulette
 
   /// Vertices so far, the one on the camera included, with the surface point at hand as the last.
   RELUME_HD uint32_t count() const { return path.bounce + 2; }
@@ -148,37 +147,28 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   return connection;
 }
 
-/// Adds a connection if it is not blocked. Connections that carry little beside what this sample has tried so far are
-/// tested with less than certainty and count for more.
+/// Adds a connection if it is tested and not blocked.
 RELUME_HD inline void try_connection(const BdptContext& c, const Connection& connection, uint32_t ray_id,
-                                     CameraSubpath& e, BdptCounters& counters) {
+                                     CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters) {
   if (!connection.valid()) return;
   Rgb contribution = connection.contribution;
-  if (c.connection_roulette > 0.0f) {
-    const float carried = luminance(contribution);
-    const float scale = c.connection_roulette * e.tested;
-    e.tested += carried;
-    if (carried < scale) {
-      constexpr uint32_t kSalt = 0xffffffffu;  // no vertex has this index
-      if (to_unit_float(hash(ray_id, kSalt)) * scale >= carried) return;
-      contribution *= scale / carried;
-    }
-  }
+  if (!roulette.survives(c, ray_id, contribution)) return;
   if (visible(c, connection.ray, ray_id, counters)) e.path.radiance += contribution;
 }
 
 /// All connections of the last vertex; `kept` holds the light subpath's vertices but the first.
 RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View<const PathVertex> kept,
-                              CameraSubpath& e, Sampler& sampler, BdptCounters& counters) {
+                              CameraSubpath& e, Sampler& sampler, ConnectionRoulette& roulette,
+                              BdptCounters& counters) {
   const Connection to_light = connect_to_light(c, sp, e, sampler);
   // Only now: before the draws for the light this would be the identity of the ray that led here, and what is partly
   // transparent would let both pass or neither.
   const uint32_t ray_id = sampler.ray_id();
-  try_connection(c, to_light, ray_id, e, counters);
+  try_connection(c, to_light, ray_id, e, roulette, counters);
   const uint32_t longest = c.max_bidirectional_vertices();
   for (uint32_t i = 0; i < kept.size && e.count() + i + 2 <= longest; ++i) {
     if (!kept[i].connectable()) continue;
-    try_connection(c, connect_to_vertex(c, sp, e, kept[i]), hash(ray_id, i), e, counters);
+    try_connection(c, connect_to_vertex(c, sp, e, kept[i]), hash(ray_id, i), e, roulette, counters);
   }
 }
 
@@ -199,7 +189,8 @@ RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const Surfac
 /// What the pixel sees of its camera subpath, from the primary hit on, with all connections but those to the camera
 /// itself.
 RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
-                                          View<const PathVertex> kept, Sampler& sampler, BdptCounters& counters) {
+                                          View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
+                                          BdptCounters& counters) {
   CameraSubpath e;
   start_camera_subpath(c, x, y, sampler, e);
   ++counters.rays;
@@ -219,7 +210,7 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
     if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
 
     sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
-    if (has_non_delta(sp.bsdf)) connect(c, sp, kept, e, sampler, counters);
+    if (has_non_delta(sp.bsdf)) connect(c, sp, kept, e, sampler, roulette, counters);
     if (!continue_camera_subpath(c, sp, e, sampler)) break;
     hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id());
     ++counters.rays;

@@ -44,24 +44,64 @@ RELUME_HD inline float weight_of_camera_connection(const LightSubpath& l, const 
   return weight_from(l.weights.at().sum(pdf_a, e.pdf_camera), lens_met);
 }
 
+/// A connection to the camera, and where its light would arrive.
+struct CameraConnection {
+  Ray ray;
+  Rgb contribution{0};  ///< where nothing is in between
+  Vec2 film{0};
+  uint32_t ray_id = 0;
+
+  RELUME_HD bool valid() const { return !is_black(contribution); }
+};
+
 /// t = 1: light that the camera sees at `sp`, the last vertex.
-RELUME_HD inline void connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
-                                        Sampler& sampler, BdptCounters& counters) {
+RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
+                                                    Sampler& sampler) {
   const CameraView& camera = c.scene().camera;
   const Vec2 u_lens = camera.lens_radius > 0.0f ? sampler.next_2d() : Vec2(0);
   const CameraSample s = sample_wi(camera, sp.position, u_lens);
-  if (!s.valid()) return;
+  if (!s.valid()) return {};
   const AdjointEval e = eval_adjoint(sp, s.wi);
-  if (is_black(e.f)) return;
+  if (is_black(e.f)) return {};
   // The camera's density of finding this point per area; as importance is normalised, also the measured share.
   const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
   const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a);
   const Rgb medium = medium_along(c.scene(), sp, s.wi, l.path.medium);
-  const Rgb value = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
-  Ray ray = sp.spawn_ray(s.wi);
-  ray.t_max = s.distance;
+  CameraConnection connection;
+  connection.contribution = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
+  connection.ray = sp.spawn_ray(s.wi);
+  connection.ray.t_max = s.distance;
+  connection.film = s.film;
   constexpr uint32_t kSalt = 0xffffffffu;  // the ray that goes on has the identity itself
-  if (visible(c, ray, hash(sampler.ray_id(), kSalt), counters)) splat(c, s.film, value, counters);
+  connection.ray_id = hash(sampler.ray_id(), kSalt);
+  return connection;
+}
+
+RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnection& connection, const Rgb& contribution,
+                                     BdptCounters& counters) {
+  if (visible(c, connection.ray, connection.ray_id, counters)) splat(c, connection.film, contribution, counters);
+}
+
+/// What is kept of a light subpath until the camera subpath is there.
+struct LightVertices {
+  PathVertex vertices[kMaxLightVertices - 1];  ///< without the one on the light
+  CameraConnection to_camera[kMaxLightVertices - 1];
+  uint32_t count = 0;        ///< of vertices
+  uint32_t connections = 0;  ///< to the camera
+
+  RELUME_HD View<const PathVertex> view() const { return {vertices, count}; }
+};
+
+/// Tests the connections to the camera. `tried` is the camera subpath's: each is compared with the connections of that
+/// alone, since the others arrive at other pixels.
+RELUME_HD inline void try_camera_connections(const BdptContext& c, const LightVertices& light,
+                                             const ConnectionRoulette& tried, BdptCounters& counters) {
+  for (uint32_t i = 0; i < light.connections; ++i) {
+    ConnectionRoulette roulette = tried;
+    Rgb contribution = light.to_camera[i].contribution;
+    if (roulette.survives(c, light.to_camera[i].ray_id, contribution))
+      add_if_visible(c, light.to_camera[i], contribution, counters);
+  }
 }
 
 /// Where `ray` passes through the lens from the front: its film position and distance.
@@ -129,13 +169,13 @@ RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath&
   return true;
 }
 
-/// Traces a whole light subpath, with its connections to the camera. Vertex i (from 1 on, the light is 0) is kept in
-/// kept[i - 1]; returns how many, which for light tracing is none.
-RELUME_HD inline uint32_t trace_light_subpath(const BdptContext& c, Sampler& sampler, PathVertex* kept,
-                                              BdptCounters& counters) {
+/// Traces a whole light subpath. Vertex i (from 1 on, the light is 0) is kept in kept.vertices[i - 1], with its
+/// connection to the camera; light tracing keeps none and adds the connections at once.
+RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler, LightVertices& kept,
+                                          BdptCounters& counters) {
   const uint32_t max_count = c.max_bidirectional_vertices() - 1;
   LightSubpath l;
-  if (max_count < 2 || !start_light_subpath(c, sampler, l)) return 0;
+  if (max_count < 2 || !start_light_subpath(c, sampler, l)) return;
   const bool lens = !c.light_only && c.scene().camera.lens_radius > 0.0f;
   for (;;) {
     const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
@@ -151,13 +191,16 @@ RELUME_HD inline uint32_t trace_light_subpath(const BdptContext& c, Sampler& sam
     SurfacePoint sp;
     if (!hit.valid() || !arrive(c, hit, l, sp)) break;
     sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);
-    if (has_non_delta(sp.bsdf)) connect_to_camera(c, sp, l, sampler, counters);
-    if (!c.light_only) kept[l.count - 2] = make_path_vertex(sp, l.path.throughput, l.weights.at());
+    if (has_non_delta(sp.bsdf)) {
+      const CameraConnection connection = connect_to_camera(c, sp, l, sampler);
+      if (connection.valid() && c.light_only) add_if_visible(c, connection, connection.contribution, counters);
+      if (connection.valid() && !c.light_only) kept.to_camera[kept.connections++] = connection;
+    }
+    if (!c.light_only) kept.vertices[kept.count++] = make_path_vertex(sp, l.path.throughput, l.weights.at());
     if (l.count == max_count && !lens) break;
     if (!continue_light_subpath(c, sp, l, sampler)) break;
   }
   if (!is_finite(l.path.radiance)) ++counters.nonfinite;  // a throughput that ended the subpath
-  return c.light_only ? 0 : l.count - 1;
 }
 
 }  // namespace relume
