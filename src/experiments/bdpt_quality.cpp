@@ -15,6 +15,7 @@ namespace {
 constexpr const char* kPaper = "[Sun20 §5.1]";
 constexpr const char* kOurs = "[relume]";
 constexpr int kBounces = 8;
+constexpr int kPaperBounces = 4;  ///< D of [Sun20 §5.2.1], whose lights are points and directions
 constexpr int kSide = 160;
 
 /// Without the lamp, whose edges are as noisy with every estimator, and brighter than all the rest.
@@ -70,6 +71,48 @@ TableBlock table(const std::vector<Case>& cases) {
   return block;
 }
 
+/// Noise alone: path tracing lacks light here that a mean of its pictures lacks, too.
+Ratio noise_gain(const Comparison& path, const Comparison& bdpt, const Rectangle& region) {
+  return error_ratio(region_variances(path, "path", region), region_variances(bdpt, "bdpt", region));
+}
+Ratio noise_gain(const Comparison& c, const Rectangle& region) { return noise_gain(c, c, region); }
+
+/// The share of the region's light that path tracing does not find.
+double light_missed(const Case& c) {
+  std::vector<double> means;
+  for (const Image& picture : contender_named(c.samples, "path").pictures)
+    means.push_back(region_mean(picture, c.region));
+  return 1 - mean(means) / region_mean(c.samples.reference.image, c.region);
+}
+
+TableBlock table_of_own_lights(const std::vector<Case>& cases) {
+  TableBlock block{"The paper's own lights: path tracing over bidirectional path tracing",
+                   fmt::format("{} bounces, one point or directional light. Noise is the variance between repetitions; "
+                               "the MSE also holds what path tracing cannot find.",
+                               kPaperBounces),
+                   "scene",
+                   {{"region"},
+                    {"noise, equal samples"},
+                    {"noise, equal time"},
+                    {"MSE, equal samples"},
+                    {"MSE, equal time"},
+                    {"light that path tracing lacks"}},
+                   {}};
+  const auto cell = [](const Ratio& r) { return TableCell{to_text(r), r.value}; };
+  for (const Case& c : cases) {
+    const double missed = light_missed(c);
+    block.rows.push_back({c.name,
+                          kNeutralColor,
+                          {{c.region.name},
+                           cell(noise_gain(c.samples, c.region)),
+                           cell(noise_gain(c.time, c.region)),
+                           cell(gain(c.samples, c.region)),
+                           cell(gain(c.time, c.region)),
+                           {fmt::format("{:.1f} %", 100 * missed), missed}}});
+  }
+  return block;
+}
+
 Claim claim_less_noise(const std::vector<Case>& cases) {
   std::string measured;
   std::vector<Ratio> gains;
@@ -82,27 +125,74 @@ Claim claim_less_noise(const std::vector<Case>& cases) {
 }
 
 /// Forty frames of path tracing and ten of bidirectional path tracing, as in the paper.
+std::pair<Comparison, Comparison> forty_and_ten(const ExperimentContext& context, const ExperimentScene& scene) {
+  StudyOptions forty = options_of(context, "path=estimator:path");
+  forty.spp = 40;
+  StudyOptions ten = options_of(context, "bdpt=estimator:bdpt");
+  ten.spp = 10;
+  return {study(context, scene, forty), study(context, scene, ten)};
+}
+
 void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) {
-  const auto compare = [&](const char* name) {
-    const ExperimentScene scene = built_in(name, kBounces);
-    StudyOptions forty = options_of(context, "path=estimator:path");
-    forty.spp = 40;
-    StudyOptions ten = options_of(context, "bdpt=estimator:bdpt");
-    ten.spp = 10;
-    return std::pair(study(context, scene, forty), study(context, scene, ten));
-  };
-  const auto [mirror_path, mirror_bdpt] = compare("cornell-mirror");
+  const auto [mirror_path, mirror_bdpt] = forty_and_ten(context, built_in("cornell-mirror", kBounces));
   const Rectangle all{"picture"};
   const Ratio mirror = error_ratio(region_errors(mirror_path, "path", all), region_errors(mirror_bdpt, "bdpt", all));
   claims.push_back(judged_ratios("ten-frames-mirror", "[Sun20 §5.1.2]",
                                  "On the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
                                  "path tracing's MSE over its own: " + to_text(mirror), {mirror}, 0.8));
-  const auto [water_path, water_bdpt] = compare("cornell-water");
+  const auto [water_path, water_bdpt] = forty_and_ten(context, built_in("cornell-water", kBounces));
   const Rectangle& walls = kAboveWater;
   const Ratio water = error_ratio(region_errors(water_path, "path", walls), region_errors(water_bdpt, "bdpt", walls));
   claims.push_back(judged_ratios("ten-frames-water", "[Sun20 §5.1.2]",
                                  "Above the water, caustics are clearer after 10 frames than after 40 of path tracing.",
                                  "path tracing's MSE over its own, there: " + to_text(water), {water}, 1));
+}
+
+constexpr DeltaLight kOwnLights[] = {DeltaLight::point, DeltaLight::directional};
+
+std::vector<Case> measure_own_lights(const ExperimentContext& context) {
+  std::vector<Case> cases;
+  for (const DeltaLight light : kOwnLights) {
+    cases.push_back(measure(context, box_under("cornell-spheres", light, kPaperBounces), {"picture"}));
+    cases.push_back(measure(context, box_under("cornell-mirror", light, kPaperBounces), {"picture"}));
+    cases.push_back(measure(context, box_under("cornell-water", light, kPaperBounces), kAboveWater));
+  }
+  return cases;
+}
+
+/// The paper's claims about noise once more, with its lights and its D.
+void claim_own_lights(const ExperimentContext& context, const std::vector<Case>& cases, std::vector<Claim>& claims) {
+  std::string measured;
+  std::vector<Ratio> gains;
+  const auto add = [&](const std::string& name, const Ratio& ratio) {
+    gains.push_back(ratio);
+    measured += fmt::format("{}{}: {}", measured.empty() ? "" : "; ", name, to_text(ratio));
+  };
+  const auto judge = [&](const char* id, const char* paper, const char* claim, const char* of, double least) {
+    claims.push_back(judged_ratios(id, paper, claim, of + measured, gains, least));
+    measured.clear();
+    gains.clear();
+  };
+  for (const Case& c : cases) add(c.name, noise_gain(c.samples, c.region));
+  judge("own-lights-less-noise", "[Sun20 §5.1.1]",
+        "Under a point light or one from a direction, D = 4: at equal samples it has less noise.",
+        "path tracing's variance over its own: ", 1);
+  for (const DeltaLight light : kOwnLights) {
+    const ExperimentScene scene = box_under("cornell-mirror", light, kPaperBounces);
+    const auto [path, bdpt] = forty_and_ten(context, scene);
+    add(scene.name, noise_gain(path, bdpt, {"picture"}));
+  }
+  judge("own-lights-ten-frames-mirror", "[Sun20 §5.1.2]",
+        "The same lights on the box with a mirror: 10 frames have as little noise as 40 of path tracing.",
+        "path tracing's variance over its own: ", 0.8);
+  for (const DeltaLight light : kOwnLights) {
+    const ExperimentScene scene = box_under("cornell-water", light, kPaperBounces);
+    const auto [path, bdpt] = forty_and_ten(context, scene);
+    add(scene.name, error_ratio(region_errors(path, "path", kAboveWater), region_errors(bdpt, "bdpt", kAboveWater)));
+  }
+  judge("own-lights-ten-frames-water", "[Sun20 §5.1.2]",
+        "The same lights above the water: caustics are clearer after 10 frames than after 40 of path tracing.",
+        "path tracing's MSE over its own, there: ", 1);
 }
 
 Claim claim_region(const Case& c, std::string id, const char* paper, double factor) {
@@ -154,18 +244,24 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   result.claims.push_back(claim_region(named(cases, "cornell-glass"), "time-glass", kOurs, 5));
   result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", kOurs, 2));
   result.claims.push_back(claim_reference(context, cases));
+  const std::vector<Case> own_lights = measure_own_lights(context);
+  claim_own_lights(context, own_lights, result.claims);
   result.blocks.emplace_back(table(cases));
+  result.blocks.emplace_back(table_of_own_lights(own_lights));
   for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));
+  for (const Case& c : own_lights)
+    result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));
   for (const Case& c : cases) {
     for (Block& block : study_blocks(c.name + ", equal time", c.time)) {
       if (!std::holds_alternative<ViewerBlock>(block)) result.blocks.push_back(std::move(block));
     }
   }
-  result.setup = {{"Size", square_text(context, kSide)},
-                  {"Reference", context.quick ? "256 samples of bdpt" : "512 samples of bdpt"},
-                  {"Bounces", fmt::format("{}, with roulette", kBounces)},
-                  {"Equal samples", context.quick ? "4" : "16"},
-                  {"Equal time", context.quick ? "0.2 s" : "2 s"}};
+  result.setup = {
+      {"Size", square_text(context, kSide)},
+      {"Reference", context.quick ? "256 samples of bdpt" : "512 samples of bdpt"},
+      {"Bounces", fmt::format("{}, with roulette; {} under the paper's own lights", kBounces, kPaperBounces)},
+      {"Equal samples", context.quick ? "4" : "16"},
+      {"Equal time", context.quick ? "0.2 s" : "2 s"}};
   return result;
 }
 

@@ -30,6 +30,24 @@ Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string
   return error_ratio(region_errors(comparison, a, region), region_errors(comparison, b, region));
 }
 
+std::vector<double> region_variances(const Comparison& comparison, std::string_view name, const Rectangle& region) {
+  const std::vector<Image>& pictures = contender_named(comparison, name).pictures;
+  const auto n = static_cast<float>(pictures.size());
+  Image sum = pictures.front();
+  const PixelMask mask = mask_of(region, sum.width, sum.height);
+  for (size_t k = 1; k < pictures.size(); ++k) {
+    for (size_t i = 0; i < sum.pixels.size(); ++i) sum.pixels[i] += pictures[k].pixels[i];
+  }
+  std::vector<double> variances;
+  for (const Image& picture : pictures) {
+    Image others = sum;
+    for (size_t i = 0; i < sum.pixels.size(); ++i) others.pixels[i] = (sum.pixels[i] - picture.pixels[i]) / (n - 1);
+    // The mean of the others has a variance of its own: 1 / (n − 1) of that of one.
+    variances.push_back(frame_mse(picture, others, mask) * static_cast<double>((n - 1) / n));
+  }
+  return variances;
+}
+
 double region_mean(const Image& image, const Rectangle& region) {
   return mean_over(mask_of(region, image.width, image.height),
                    [&](size_t i) { return static_cast<double>(luminance(image.pixels[i])); });

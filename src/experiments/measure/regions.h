@@ -19,6 +19,10 @@ std::vector<double> region_errors(const Comparison& comparison, std::string_view
 /// Of a's errors there over b's. Means decide: a median would overlook what path tracing finds rarely and brightly.
 Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string_view b, const Rectangle& region);
 
+/// What each repetition's last frame differs by from the mean of the others, as a variance: noise alone, whatever a
+/// contender's pictures lack beside the reference. Needs two repetitions.
+std::vector<double> region_variances(const Comparison& comparison, std::string_view name, const Rectangle& region);
+
 /// Mean luminance of the region. Images have one size, as in all that follows.
 double region_mean(const Image& image, const Rectangle& region);
 

@@ -48,6 +48,20 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   EXPECT_NEAR(region_ratio(comparison, "noisy", "clean", left).value, 0.36 / 0.15, 1e-5);
 }
 
+TEST(Regions, VariancesAreNoiseWithoutWhatAllPicturesLack) {
+  Comparison comparison;
+  comparison.contenders.emplace_back().name = "dark";
+  comparison.contenders[0].pictures.assign(3, Image(16, 16));
+  const float levels[] = {0.1f, 0.2f, 0.6f};  // mean 0.3, variance 0.07
+  for (size_t k = 0; k < 3; ++k) {
+    for (Rgb& pixel : comparison.contenders[0].pictures[k].pixels) pixel = Rgb(levels[k]);
+  }
+  const std::vector<double> variances = region_variances(comparison, "dark", {"picture"});
+  ASSERT_EQ(variances.size(), 3u);
+  EXPECT_NEAR(variances[0], 0.09 * 2 / 3, 1e-6);  // the others' mean is 0.4
+  EXPECT_NEAR((variances[0] + variances[1] + variances[2]) / 3, 0.07, 1e-6);
+}
+
 TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
   const Image reference = quarter();
   Image noisy = reference;

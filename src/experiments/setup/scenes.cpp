@@ -39,13 +39,13 @@ void use_point_light(Scene& scene) {
   add_light(scene, light, {0, 5.3f, 0}, {0.001f, 0, 0});
 }
 
-void use_directional_light(Scene& scene) {
+void use_directional_light(Scene& scene, const Vec3& from) {
   named(scene.nodes, "lamp").meshes.clear();
   named(scene.nodes, "ceiling").meshes.clear();
   PunctualLight light;
   light.type = PunctualType::directional;
   light.intensity = {3.0f, 2.8f, 2.4f};
-  add_light(scene, light, {1.2f, 8.0f, 0.6f}, {0, 0, 0});
+  add_light(scene, light, from, {0, 0, 0});
 }
 
 /// Puts a sphere of 20 · 4^levels triangles in the place of the tall box.
@@ -95,7 +95,7 @@ ExperimentScene closed_box(BoxVariation variation) {
     case BoxVariation::directional_light:
       result.property = "light";
       result.name = "directional light";
-      use_directional_light(result.scene);
+      use_directional_light(result.scene, {1.2f, 8.0f, 0.6f});
       break;
     case BoxVariation::triangles_80k:
       result.property = "triangles";
@@ -122,6 +122,21 @@ ExperimentScene closed_box(BoxVariation variation) {
   const Vec3 eye(1.9f, 2.9f, 2.2f);
   result.camera = camera_at(eye, eye + Vec3(-0.62f, -0.22f, -0.76f), 60);
   result.settings.path.max_bounces = 6;
+  return result;
+}
+
+ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounces) {
+  ExperimentScene result = built_in(box, max_bounces);
+  switch (light) {
+    case DeltaLight::point:
+      result.name += ", point light";
+      use_point_light(result.scene);
+      break;
+    case DeltaLight::directional:
+      result.name += ", directional light";
+      use_directional_light(result.scene, {0.9f, 3.0f, 2.7f});  // by way of water or a mirror to the walls
+      break;
+  }
   return result;
 }
 

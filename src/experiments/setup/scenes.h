@@ -42,6 +42,13 @@ enum class BoxVariation { plain, point_light, directional_light, triangles_80k, 
 /// in where the ceiling is taken off.
 ExperimentScene closed_box(BoxVariation variation = BoxVariation::plain);
 
+/// Lights without extent.
+enum class DeltaLight { point, directional };
+
+/// A built-in box with such a light in place of its lamp. Light from a direction comes in obliquely where the ceiling
+/// is taken off. Throws Error if there is no scene of that name, or if it has no lamp.
+ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounces);
+
 /// Sponza from the context's folder; std::nullopt if it is not there. Throws Error if it cannot be read.
 std::optional<ExperimentScene> sponza(const ExperimentContext& context);
 

@@ -20,6 +20,20 @@ TEST(ExperimentScenes, EveryVariationOfTheBoxCompiles) {
   }
 }
 
+TEST(ExperimentScenes, BoxesUnderALightWithoutExtentHaveThatLightAlone) {
+  for (const DeltaLight light : {DeltaLight::point, DeltaLight::directional}) {
+    for (const char* name : {"cornell-spheres", "cornell-mirror", "cornell-water"}) {
+      ExperimentScene box = box_under(name, light, 4);
+      validate(box.scene, box.name);
+      EXPECT_EQ(box.settings.path.max_bounces, 4) << box.name;
+      const CompiledScene compiled(std::move(box.scene), {});
+      const View<const Light> lights = compiled.view().lights.lights;
+      ASSERT_EQ(lights.size, 1u) << box.name;
+      EXPECT_EQ(lights[0].kind, light == DeltaLight::point ? LightKind::point : LightKind::directional) << box.name;
+    }
+  }
+}
+
 TEST(ExperimentScenes, TurnsKeepThePlace) {
   const ExperimentScene box = closed_box();
   const auto quarter = turned(box, 90);
