@@ -1,5 +1,8 @@
 // [Sun20 §5.1]: noise of bidirectional path tracing against that of path tracing, where there are caustics, mirrors and
 // lamps that light the ceiling.
+#include <iterator>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
@@ -148,51 +151,49 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
                                  "path tracing's MSE over its own, there: " + to_text(water), {water}, 1));
 }
 
-constexpr DeltaLight kOwnLights[] = {DeltaLight::point, DeltaLight::directional};
+/// One of the paper's own lights.
+struct OwnLight {
+  DeltaLight light;
+  const char* id;
+  const char* name;
+};
+constexpr OwnLight kOwnLights[] = {{DeltaLight::point, "point", "Under a point light"},
+                                   {DeltaLight::directional, "directional", "Under light from a direction"}};
 
-std::vector<Case> measure_own_lights(const ExperimentContext& context) {
-  std::vector<Case> cases;
-  for (const DeltaLight light : kOwnLights) {
-    cases.push_back(measure(context, box_under("cornell-spheres", light, kPaperBounces), {"picture"}));
-    cases.push_back(measure(context, box_under("cornell-mirror", light, kPaperBounces), {"picture"}));
-    cases.push_back(measure(context, box_under("cornell-water", light, kPaperBounces), kAboveWater));
-  }
-  return cases;
+std::vector<Case> measure_under(const ExperimentContext& context, DeltaLight light) {
+  return {measure(context, box_under("cornell-spheres", light, kPaperBounces), {"picture"}),
+          measure(context, box_under("cornell-mirror", light, kPaperBounces), {"picture"}),
+          measure(context, box_under("cornell-water", light, kPaperBounces), kAboveWater)};
 }
 
 /// The paper's claims about noise once more, with its lights and its D.
-void claim_own_lights(const ExperimentContext& context, const std::vector<Case>& cases, std::vector<Claim>& claims) {
+void claim_own_light(const ExperimentContext& context, const OwnLight& own, const std::vector<Case>& cases,
+                     std::vector<Claim>& claims) {
+  const auto judge = [&](const char* id, const char* paper, const char* claim, const std::string& measured,
+                         const std::vector<Ratio>& ratios, double least) {
+    claims.push_back(judged_ratios(fmt::format("{}-{}", own.id, id), paper,
+                                   fmt::format("{}, D = 4: {}", own.name, claim), "path tracing's " + measured, ratios,
+                                   least));
+  };
   std::string measured;
   std::vector<Ratio> gains;
-  const auto add = [&](const std::string& name, const Ratio& ratio) {
-    gains.push_back(ratio);
-    measured += fmt::format("{}{}: {}", measured.empty() ? "" : "; ", name, to_text(ratio));
-  };
-  const auto judge = [&](const char* id, const char* paper, const char* claim, const char* of, double least) {
-    claims.push_back(judged_ratios(id, paper, claim, of + measured, gains, least));
-    measured.clear();
-    gains.clear();
-  };
-  for (const Case& c : cases) add(c.name, noise_gain(c.samples, c.region));
-  judge("own-lights-less-noise", "[Sun20 §5.1.1]",
-        "Under a point light or one from a direction, D = 4: at equal samples it has less noise.",
-        "path tracing's variance over its own: ", 1);
-  for (const DeltaLight light : kOwnLights) {
-    const ExperimentScene scene = box_under("cornell-mirror", light, kPaperBounces);
-    const auto [path, bdpt] = forty_and_ten(context, scene);
-    add(scene.name, noise_gain(path, bdpt, {"picture"}));
+  for (const Case& c : cases) {
+    gains.push_back(noise_gain(c.samples, c.region));
+    measured += fmt::format("{}{}: {}", measured.empty() ? "" : ", ", c.name, to_text(gains.back()));
   }
-  judge("own-lights-ten-frames-mirror", "[Sun20 §5.1.2]",
-        "The same lights on the box with a mirror: 10 frames have as little noise as 40 of path tracing.",
-        "path tracing's variance over its own: ", 0.8);
-  for (const DeltaLight light : kOwnLights) {
-    const ExperimentScene scene = box_under("cornell-water", light, kPaperBounces);
-    const auto [path, bdpt] = forty_and_ten(context, scene);
-    add(scene.name, error_ratio(region_errors(path, "path", kAboveWater), region_errors(bdpt, "bdpt", kAboveWater)));
-  }
-  judge("own-lights-ten-frames-water", "[Sun20 §5.1.2]",
-        "The same lights above the water: caustics are clearer after 10 frames than after 40 of path tracing.",
-        "path tracing's MSE over its own, there: ", 1);
+  judge("less-noise", "[Sun20 §5.1.1]", "at equal samples it has less noise.", "variance over its own: " + measured,
+        gains, 1);
+  const auto [mirror_path, mirror_bdpt] = forty_and_ten(context, box_under("cornell-mirror", own.light, kPaperBounces));
+  const Ratio mirror = noise_gain(mirror_path, mirror_bdpt, {"picture"});
+  judge("ten-frames-mirror", "[Sun20 §5.1.2]",
+        "on the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
+        "variance over its own: " + to_text(mirror), {mirror}, 0.8);
+  const auto [water_path, water_bdpt] = forty_and_ten(context, box_under("cornell-water", own.light, kPaperBounces));
+  const Ratio water =
+      error_ratio(region_errors(water_path, "path", kAboveWater), region_errors(water_bdpt, "bdpt", kAboveWater));
+  judge("ten-frames-water", "[Sun20 §5.1.2]",
+        "above the water, caustics are clearer after 10 frames than after 40 of path tracing.",
+        "MSE over its own, there: " + to_text(water), {water}, 1);
 }
 
 Claim claim_region(const Case& c, std::string id, const char* paper, double factor) {
@@ -244,8 +245,12 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   result.claims.push_back(claim_region(named(cases, "cornell-glass"), "time-glass", kOurs, 5));
   result.claims.push_back(claim_region(named(cases, "lamp-room"), "time-lamps", kOurs, 2));
   result.claims.push_back(claim_reference(context, cases));
-  const std::vector<Case> own_lights = measure_own_lights(context);
-  claim_own_lights(context, own_lights, result.claims);
+  std::vector<Case> own_lights;
+  for (const OwnLight& own : kOwnLights) {
+    std::vector<Case> under = measure_under(context, own.light);
+    claim_own_light(context, own, under, result.claims);
+    std::move(under.begin(), under.end(), std::back_inserter(own_lights));
+  }
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(table_of_own_lights(own_lights));
   for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));

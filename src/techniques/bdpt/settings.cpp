@@ -14,7 +14,7 @@ SettingList describe(BdptSettings& s) {
       {"connection-roulette",
        &s.connection_roulette,
        "Connections that carry less than this share of what the sample has tried to connect so far are tested at "
-       "random, and survivors count for more; 0 tests all",
+       "random, and survivors count for more, and with one bounce there are no light subpaths; 0 tests all",
        {.min = 0, .max = 1}},
   };
 }
