@@ -189,6 +189,7 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const FrameSource source{
       .render_frame = [this](std::stop_token token) { return session_->render_frame(std::move(token)); },
       .picture_frames = [this] { return session_->picture_frames(); },
+      .picture_samples = [this] { return session_->picture_samples(); },
       .estimated_error = [this] { return session_->estimated_error(); },
   };
   const TimedStop timer(stop, criteria.time_s);
@@ -209,7 +210,7 @@ void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCr
   printer.show(
       {
           .label = plan_.files.size() > 1 ? fmt::format("picture {} of {}", index + 1, plan_.files.size()) : "",
-          .samples = state.samples,
+          .samples = static_cast<uint32_t>(state.samples),
           .samples_wanted = criteria.samples,
           .fraction = fraction_done(state, criteria),
           .rays_per_s = rays_per_s(),

@@ -25,7 +25,7 @@ const char* name_of(StopReason reason) {
 
 double fraction_done(const Accumulation& state, const StopCriteria& criteria) {
   double fraction = 0;
-  if (criteria.samples > 0) fraction = static_cast<double>(state.samples) / criteria.samples;
+  if (criteria.samples > 0) fraction = state.samples / criteria.samples;
   if (criteria.time_s > 0) fraction = std::max(fraction, state.elapsed_s / criteria.time_s);
   if (criteria.error > 0) {
     const double ratio = criteria.error / std::max(state.error, criteria.error);
@@ -38,10 +38,10 @@ double remaining_s(const Accumulation& state, const StopCriteria& criteria) {
   double remaining = std::numeric_limits<double>::infinity();
   if (criteria.time_s > 0) remaining = criteria.time_s - state.elapsed_s;
   if (state.samples_done_here > 0) {
-    const double frame_s = state.elapsed_s / state.samples_done_here;
-    if (criteria.samples > 0) remaining = std::min(remaining, frame_s * (double(criteria.samples) - state.samples));
+    const double sample_s = state.elapsed_s / state.samples_done_here;
+    if (criteria.samples > 0) remaining = std::min(remaining, sample_s * (criteria.samples - state.samples));
     const double ratio = criteria.error > 0 ? state.error / criteria.error : 0;
-    if (criteria.error > 0) remaining = std::min(remaining, frame_s * state.samples * (ratio * ratio - 1));
+    if (criteria.error > 0) remaining = std::min(remaining, sample_s * state.samples * (ratio * ratio - 1));
   }
   return std::max(remaining, 0.0);
 }
@@ -54,22 +54,25 @@ bool checks_error_at(uint32_t frames) {
 StopReason render_until(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
                         std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done) {
   const double start_s = now_s();
-  Accumulation state{.samples = source.picture_frames()};
+  Accumulation state{.frames = source.picture_frames(), .samples = source.picture_samples()};
+  const double loaded = state.samples;
   const bool errors_count = criteria.error > 0;
   while (true) {
-    if (errors_count && checks_error_at(state.samples)) {
+    if (errors_count && checks_error_at(state.frames)) {
       state.error = source.estimated_error();
       if (state.error <= criteria.error) return StopReason::error;
     }
     if (criteria.samples > 0 && state.samples >= criteria.samples) return StopReason::samples;
-    if (state.samples > 0) {
+    if (state.frames > 0) {
       if (stop.stop_requested()) return StopReason::interrupted;
-      const double frame_s = state.samples_done_here > 0 ? state.elapsed_s / state.samples_done_here : 0;
+      const double frame_s = state.frames_done_here > 0 ? state.elapsed_s / state.frames_done_here : 0;
       if (criteria.time_s > 0 && state.elapsed_s + frame_s > criteria.time_s) return StopReason::time;
     }
-    if (!source.render_frame(state.samples > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
-    state.samples = source.picture_frames();
-    ++state.samples_done_here;
+    if (!source.render_frame(state.frames > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
+    state.frames = source.picture_frames();
+    state.samples = source.picture_samples();
+    ++state.frames_done_here;
+    state.samples_done_here = state.samples - loaded;
     state.elapsed_s = now_s() - start_s;
     frame_done(state);
   }

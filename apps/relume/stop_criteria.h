@@ -14,12 +14,13 @@ namespace relume::cli {
 struct FrameSource {
   std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
   std::function<uint32_t()> picture_frames;           ///< Session::picture_frames
+  std::function<double()> picture_samples;            ///< Session::picture_samples
   std::function<double()> estimated_error;            ///< Session::estimated_error
 };
 
 /// Whichever comes first; 0: does not count.
 struct StopCriteria {
-  uint32_t samples = 0;  ///< a pixel of this picture (frames, where allocation differs), a loaded checkpoint's included
+  uint32_t samples = 0;  ///< a pixel of this image, on average; a loaded checkpoint's included
   double time_s = 0;     ///< of this loop
   double error = 0;
 };
@@ -32,9 +33,11 @@ const char* name_of(StopReason reason);
 
 /// Where the loop stands.
 struct Accumulation {
-  uint32_t samples = 0;
+  uint32_t frames = 0;
+  double samples = 0;  ///< a pixel, on average
   double elapsed_s = 0;
-  uint32_t samples_done_here = 0;                          ///< without those of a loaded checkpoint
+  uint32_t frames_done_here = 0;                           ///< without those of a loaded checkpoint
+  double samples_done_here = 0;                            ///< the same, a pixel
   double error = std::numeric_limits<double>::infinity();  ///< as of the last check; infinite before the first
 };
 

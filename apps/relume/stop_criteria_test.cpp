@@ -15,6 +15,7 @@ struct FakeSession {
   double frame_s = 1;
   double error_of_one = 1;
   std::stop_source stop_source;
+  double samples_a_frame = 1;
   uint32_t interrupt_at = 0;  ///< a stop is requested while this frame is rendered; 0: never
 
   bool render_frame(const std::stop_token& stop) {
@@ -29,6 +30,7 @@ struct FakeSession {
     const FrameSource source{
         .render_frame = [this](std::stop_token stop) { return render_frame(stop); },
         .picture_frames = [this] { return samples; },
+        .picture_samples = [this] { return samples * samples_a_frame; },
         .estimated_error = [this] { return error_of_one / std::sqrt(samples); },
     };
     return render_until(
@@ -44,8 +46,17 @@ TEST(RenderUntil, StopsAtTheSampleCount) {
   EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
   EXPECT_EQ(session.samples, 5u);
   ASSERT_EQ(session.seen.size(), 5u);
-  EXPECT_EQ(session.seen.back().samples_done_here, 5u);
+  EXPECT_EQ(session.seen.back().frames_done_here, 5u);
   EXPECT_DOUBLE_EQ(session.seen.back().elapsed_s, 5);
+}
+
+TEST(RenderUntil, CountsSamplesWhereFramesHaveFewer) {
+  FakeSession session;
+  session.samples_a_frame = 0.25;
+  EXPECT_EQ(session.run({.samples = 5}), StopReason::samples);
+  EXPECT_EQ(session.samples, 20u) << "frames";
+  EXPECT_DOUBLE_EQ(fraction_done(session.seen[9], {.samples = 5}), 0.5);
+  EXPECT_DOUBLE_EQ(remaining_s(session.seen[9], {.samples = 5}), 10);
 }
 
 TEST(RenderUntil, CountsTheSamplesOfACheckpoint) {
@@ -132,7 +143,8 @@ TEST(StopCriteria, ErrorIsCheckedMoreRarelyAsItChangesLess) {
 }
 
 TEST(Progress, FractionFollowsTheNearestCriterion) {
-  const Accumulation state{.samples = 25, .elapsed_s = 10, .samples_done_here = 25, .error = 0.2};
+  const Accumulation state{
+      .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 25, .samples_done_here = 25, .error = 0.2};
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100}), 0.25);
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100, .time_s = 20}), 0.5);
   EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.1}), 0.25);  // a quarter of the samples that it takes
@@ -140,12 +152,14 @@ TEST(Progress, FractionFollowsTheNearestCriterion) {
 }
 
 TEST(Progress, RemainingTimeFollowsTheNearestCriterion) {
-  const Accumulation state{.samples = 25, .elapsed_s = 10, .samples_done_here = 20, .error = 0.2};
+  const Accumulation state{
+      .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 20, .samples_done_here = 20, .error = 0.2};
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100}), 0.5 * 75);
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100, .time_s = 12}), 2);
   EXPECT_NEAR(remaining_s(state, {.error = 0.1}), 0.5 * 75, 1e-9);  // rounding of (0.2 / 0.1)²
   EXPECT_TRUE(std::isinf(remaining_s({}, {.samples = 100})));
-  EXPECT_TRUE(std::isinf(remaining_s({.samples = 1, .elapsed_s = 1, .samples_done_here = 1}, {.error = 0.1})));
+  EXPECT_TRUE(std::isinf(remaining_s(
+      {.frames = 1, .samples = 1, .elapsed_s = 1, .frames_done_here = 1, .samples_done_here = 1}, {.error = 0.1})));
 }
 
 }  // namespace

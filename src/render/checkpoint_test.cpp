@@ -35,6 +35,7 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
          .previous_time_s = 0,
          .stretch_time_s = 3,
          .picture_frames = 6,
+         .sequence_age = 5,
          .paths = 4,
          .rays = 9,
          .picture_paths = 1});
@@ -46,6 +47,7 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
   EXPECT_EQ(counters.previous_time_s, 0.0f);
   EXPECT_EQ(counters.stretch_time_s, 3.0f);
   EXPECT_EQ(counters.picture_frames, 6u);
+  EXPECT_EQ(counters.sequence_age, 5u);
   EXPECT_EQ(counters.picture_paths, 1u);
   EXPECT_EQ(counters.paths, 4u);
   EXPECT_EQ(counters.rays, 9u);

@@ -45,8 +45,7 @@ SettingList describe(StopSettings& s) {
   return {
       {"spp",
        &s.spp,
-       "Samples a pixel, or as many frames where allocation differs from pixel to pixel; 0: 64, or no limit if time or "
-       "error sets one",
+       "Samples a pixel, on average; 0: 64, or no limit if time or error sets one",
        {.min = 0, .max = 1 << 30, .resets_history = false}},
       {"time",
        &s.time_s,

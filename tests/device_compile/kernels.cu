@@ -12,7 +12,9 @@
 #include "film/tone_map.h"
 #include "techniques/accumulate/accumulate.h"
 #include "techniques/adaptive_psf/adaptive_psf.h"
-#include "techniques/adaptive_sampling/adaptive_sampling.h"
+#include "techniques/adaptive_sampling/paper_allocation.h"
+#include "techniques/adaptive_sampling/pilot.h"
+#include "techniques/adaptive_sampling/pooled_deviation.h"
 #include "techniques/bdpt/bdpt.h"
 #include "techniques/bdpt/light_medium.h"
 #include "techniques/bmfr/bmfr.h"
@@ -115,7 +117,10 @@ template __global__ void run(MoveKernel<Rgb>, uint32_t, uint32_t);
 template __global__ void run(MoveKernel<uint32_t>, uint32_t, uint32_t);
 template __global__ void run(LimitKernel, uint32_t, uint32_t);
 template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
-template __global__ void run(AdaptiveAllocationKernel, uint32_t, uint32_t);
+template __global__ void run(PaperAllocationKernel, uint32_t, uint32_t);
+template __global__ void run(PoolRowsKernel, uint32_t, uint32_t);
+template __global__ void run(PooledDeviationKernel, uint32_t, uint32_t);
+template __global__ void run(PooledAllocationKernel, uint32_t, uint32_t);
 template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
 template __global__ void run(FeatureKernel, uint32_t, uint32_t);
 template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);

@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "report": "core film io metrics",
     "pipeline": "core sampling scene backend film",
     "techniques": "core settings sampling lights scene backend pipeline",
-    "render": "core settings materials scene backend io film pipeline techniques",
+    "render": "core settings sampling materials scene backend io film pipeline techniques",
     "compare": "core settings scene io metrics report render",
     "experiments": "core settings scene io metrics report techniques render compare",
 }

@@ -87,22 +87,40 @@ TEST(History, ReprojectionWithoutMovesIsAccumulation) {
 TEST(History, AdaptiveSamplingWithPilotSamplesHasNoBias) {
   constexpr int kFrames = 48;  // half of them decide
   constexpr int kImages = 96;
-  const auto pictures = [](AllocationChoice allocation, bool pilot, int frames, int first_seed) {
+  const auto pictures = [](AllocationChoice allocation, AdaptiveMethod method, bool pilot, int frames, int first_seed) {
     RenderSettings s = settings_of(allocation, HistoryChoice::accumulate, 24);
+    s.adaptive.method = method;
     s.adaptive.pilot = pilot;
     return measure(open_box(), s, frames, kImages, first_seed);
   };
   const ImageTestOptions options{.detectable = 0.02, .detectable_mean = 0.015};
-  const Moments truth = pictures(AllocationChoice::uniform, false, 2 * kFrames, 1001);
-  expect_same_picture("adaptive-pilot", pictures(AllocationChoice::adaptive, true, kFrames, 1), truth, options);
+  const Moments truth = pictures(AllocationChoice::uniform, {}, false, 2 * kFrames, 1001);
+  for (const AdaptiveMethod method : {AdaptiveMethod::pooled, AdaptiveMethod::paper}) {
+    const std::string name = method == AdaptiveMethod::pooled ? "pooled" : "paper";
+    expect_same_picture("adaptive-pilot-" + name, pictures(AllocationChoice::adaptive, method, true, kFrames, 1), truth,
+                        options);
+  }
   // The same comparison tells what a pilot that does nothing would leave.
-  const ImageTest without = compare(pictures(AllocationChoice::adaptive, false, kFrames, 1), truth, options);
+  const ImageTest without =
+      compare(pictures(AllocationChoice::adaptive, AdaptiveMethod::paper, false, kFrames, 1), truth, options);
   EXPECT_GT(without.rejected_means, 0) << without.report();
 }
 
+/// The pixel's own values do not enter its own estimate.
+TEST(History, PooledDeviationsLeaveNoBiasThatShows) {
+  RenderSettings s = settings_of(AllocationChoice::uniform, HistoryChoice::accumulate, 24);
+  const Moments truth = measure(open_box(), s, 96, 96, 1001);
+  s.allocation = AllocationChoice::adaptive;
+  expect_same_picture("adaptive-pooled", measure(open_box(), s, 48, 96, 1), truth,
+                      {.detectable = 0.02, .detectable_mean = 0.015});
+}
+
 TEST(History, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {
-  const RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
-  EXPECT_NEAR(mean_of(measure(cornell(), s, 128, kSeeds, 1)) / mean_of(reference()), 1.0, 0.02);
+  for (const AdaptiveMethod method : {AdaptiveMethod::pooled, AdaptiveMethod::paper}) {
+    RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
+    s.adaptive.method = method;
+    EXPECT_NEAR(mean_of(measure(cornell(), s, 128, kSeeds, 1)) / mean_of(reference()), 1.0, 0.02);
+  }
 }
 
 TEST(History, ReprojectionIsBiasedByLessThanTwoPercent) {

@@ -42,6 +42,7 @@ const Context kContexts[] = {
     {"scene-time", "max-bounces=0", "1", Motion::none, "", build_curtain},  // random numbers depend on it too
     {"texture-filter"},
     {"seed"},
+    {"dither"},
     {"estimator"},
     {"lights", "static-lists.cell-size=2 static-lists.rays=64"},
     {"guide"},
@@ -92,7 +93,8 @@ const Context kContexts[] = {
     {"apg.", "cache=apg"},
 
     {"adaptive.", "allocation=adaptive adaptive.max=6"},
-    {"adaptive.max", "", "32"},
+    {"adaptive.max", "adaptive.method=paper", "32"},
+    {"adaptive.exposure", "adaptive.metric=display", "8"},
     {"reproject.", "history=reproject", "", Motion::camera},
     {"reproject.error", "", "0 1000", Motion::camera},
     {"reproject.light-error", "", "0.0001 1000", Motion::lamp},

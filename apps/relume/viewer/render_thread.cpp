@@ -270,7 +270,7 @@ bool RenderThread::goal_reached(int side) {
   const Session& session = *slots_[static_cast<size_t>(side)].session();
   const bool accurate = error_reached(side);  // first: it follows every frame
   if (!has_final_size(session)) return false;
-  if (goal.spp > 0 && session.frames_since_change() >= static_cast<uint32_t>(goal.spp)) return true;
+  if (goal.spp > 0 && session.picture_samples() >= static_cast<double>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
   return accurate;
 }

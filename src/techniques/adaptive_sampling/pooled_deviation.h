@@ -60,9 +60,10 @@ struct PoolRowsKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const { rows[y * pixels.width + x] = pixels.row(x, y, false); }
 };
 
-/// Slope of the sRGB curve at a luminance: by how much an image changes on a display.
+/// Slope of the sRGB curve at a luminance: by how much an image changes on a display. 0 above white.
 RELUME_HD inline float display_slope(float luminance) {
   constexpr float kLinear = 0.0031308f;  // the curve is a line up to here
+  if (luminance > 1.0f) return 0.0f;
   return 1.055f / 2.4f * std::pow(relume::max(luminance, kLinear), 1.0f / 2.4f - 1.0f);
 }
 

@@ -74,6 +74,7 @@ TEST(PooledDeviation, IsThatOfADisplayIfWanted) {
   pool.mean.assign(25, Rgb(0.05f));
   EXPECT_GT(pool.estimate(true)[12], 3.0f * at_half) << "dark places count more";
   EXPECT_NEAR(pool.estimate(true, 10)[12], 10 * at_half, 1e-3f) << "ten times as bright on the display";
+  EXPECT_EQ(pool.estimate(true, 30)[12], 0.0f) << "above white";
 }
 
 TEST(PooledAllocation, RatesFollowTheDeviationWithinBounds) {

@@ -1,6 +1,8 @@
 #include "techniques/visibility_light_cache/build_cache.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "core/stream_io.h"
 
@@ -104,6 +106,22 @@ size_t LightCaches::region_bytes() const {
 
 size_t LightCaches::entry_bytes() const {
   return (entries_.capacity() + lights_.capacity()) * sizeof(uint32_t) + bucket_weights_.capacity() * sizeof(float);
+}
+
+bool LightCaches::consistent(uint32_t bucket_size, uint32_t light_count) const {
+  if (entries_.size() != size_t{bucket_size} * bucket_weights_.size()) return false;
+  for (const uint32_t entry : entries_)
+    if (entry != CachedLight::kNone && CachedLight::id(entry) >= light_count) return false;
+  return std::all_of(buckets_.begin(), buckets_.end(), [&](const LightBuckets& b) {
+    float sum = 0;
+    for (uint32_t i = 0; i < b.count; ++i) {
+      const float weight = bucket_weights_[b.first / bucket_size + i];
+      const bool empty = entries_[b.first + i * bucket_size] == CachedLight::kNone;
+      if (!(weight >= 0.0f) || (empty && weight > 0.0f)) return false;
+      sum += weight;
+    }
+    return b.count == 0 || (std::fabs(sum - 1.0f) < 1e-3f && std::has_single_bit(b.count));
+  });
 }
 
 void LightCaches::save(std::ostream& out) const {

@@ -58,6 +58,9 @@ class LightCaches {
   size_t entry_bytes() const;
   size_t memory_bytes() const { return region_bytes() + entry_bytes(); }
 
+  /// Whether every bucket holds `bucket_size` of `light_count` lights and is chosen only if it is not empty: a
+  /// checkpoint may be damaged.
+  bool consistent(uint32_t bucket_size, uint32_t light_count) const;
   void save(std::ostream& out) const;
   /// Sets the stream's failbit if it is short or makes no sense.
   void load(std::istream& in);

@@ -9,6 +9,7 @@ namespace relume {
 
 bool VisibilityLightCachePass::run(const FrameContext& frame) {
   const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
+  drop_inconsistent(static_cast<uint32_t>(lights.size()));
   snapshot_.begin_frame(frame.begins_epoch, caches_);
   if (octree_.has_samples()) {
     CacheBuildOptions options;
@@ -97,6 +98,17 @@ void VisibilityLightCachePass::save(std::ostream& out) const {
 void VisibilityLightCachePass::load(std::istream& in) {
   caches_.load(in);
   snapshot_.load(in, {});
+  loaded_ = true;
+}
+
+void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
+  if (!loaded_) return;
+  loaded_ = false;
+  const auto bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  if (caches_.consistent(bucket_size, light_count) && snapshot_.of(caches_).consistent(bucket_size, light_count))
+    return;
+  caches_ = {};
+  snapshot_.reset();
 }
 
 size_t VisibilityLightCachePass::memory_bytes() const {

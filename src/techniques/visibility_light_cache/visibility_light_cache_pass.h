@@ -34,6 +34,8 @@ class VisibilityLightCachePass final : public Pass {
   const LightCaches& caches() const { return caches_; }
 
  private:
+  /// What a damaged checkpoint left is forgotten.
+  void drop_inconsistent(uint32_t light_count);
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
 
   const VisibilityLightCacheSettings& settings_;
@@ -42,6 +44,7 @@ class VisibilityLightCachePass final : public Pass {
   LightSelector selector_;
   LightCaches caches_;
   Snapshot<LightCaches> snapshot_;
+  bool loaded_ = false;  ///< from a checkpoint; not looked at yet
   ExplorationTables all_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;

@@ -284,6 +284,29 @@ TEST_F(Caches, RefuseBucketsBeyondTheirEntries) {
   EXPECT_FALSE(loads({0, 1}, 97, 3));
 }
 
+TEST_F(Caches, KnowWhetherBucketsAreConsistent) {
+  const auto consistent = [](std::vector<uint32_t> entries, std::vector<float> weights) {
+    std::stringstream file;
+    write_vector(file, std::vector<LightBuckets>{{0, 2}});
+    write_vector(file, std::vector<LightList>(1));
+    write_vector(file, std::vector<uint32_t>());
+    write_vector(file, entries);
+    write_vector(file, weights);
+    LightCaches caches;
+    caches.load(file);
+    return file && caches.consistent(2, 10);
+  };
+  const uint32_t none = CachedLight::kNone;
+  const uint32_t nine = CachedLight::pack(9, 0);
+  EXPECT_TRUE(consistent({nine, none, none, none}, {1, 0}));
+  EXPECT_FALSE(consistent({nine, none, none, none}, {0.5f, 0.5f})) << "an empty bucket";
+  EXPECT_FALSE(consistent({CachedLight::pack(10, 0), none, none, none}, {1, 0})) << "no such light";
+  EXPECT_FALSE(consistent({nine, none, nine, none}, {1, 1}));
+  EXPECT_FALSE(consistent({nine, none, nine, none}, {2, -1}));
+  EXPECT_FALSE(consistent({nine, nine, nine, nine}, {std::nanf(""), 1}));
+  EXPECT_FALSE(consistent({nine, none, none, none, none, none}, {1, 0})) << "buckets of three";
+}
+
 TEST_F(Caches, DoNotDependOnThreads) {
   for (int i = 0; i < 2; ++i) {  // eight regions would be one tile, which one thread takes
     const std::vector<uint32_t> counts(tree_.leaf_slots(), 1000);

@@ -1,4 +1,4 @@
-#include "render/sample_schedule.h"
+#include "sampling/sample_schedule.h"
 
 #include <set>
 #include <vector>
