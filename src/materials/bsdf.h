@@ -57,6 +57,19 @@ RELUME_HD constexpr bool is_glossy(LobeKind kind) {
   return kind == LobeKind::reflection || is_rough_transmission(kind);
 }
 
+/// Reflects or transmits an image of the surroundings, sharp or blurred; all other lobes scatter diffusely.
+RELUME_HD constexpr bool is_specular(LobeKind kind) { return is_delta(kind) || is_glossy(kind); }
+
+enum class SpecularLobes : uint8_t { none, some, all };
+
+/// How many of the lobes are specular; none of an empty BSDF.
+RELUME_HD inline SpecularLobes specular_lobes(const Bsdf& bsdf) {
+  int count = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) count += is_specular(bsdf.lobes[i].kind) ? 1 : 0;
+  if (count == 0) return SpecularLobes::none;
+  return count == bsdf.lobe_count ? SpecularLobes::all : SpecularLobes::some;
+}
+
 /// Whether any lobe can be evaluated, so that next event estimation makes sense.
 RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
@@ -208,6 +221,19 @@ RELUME_HD_INLINE BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   if (!is_lambert(bsdf)) return bsdf_detail::eval_pdf_of_mixture<kReverse>(bsdf, wo, wi, mode);
   const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
   return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
+}
+
+/// The part of eval_pdf().f that specular lobes contribute.
+RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
+  Rgb f(0);
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe& lobe = bsdf.lobes[i];
+    if (!is_specular(lobe.kind)) continue;
+    const LobeEval e = eval_lobe(lobe, *bsdf.tables, wo, wi, TransportMode::radiance);
+    f += e.f * (lobe.weight * (bsdf.is_coat(i) ? 1.0f : below_coat));
+  }
+  return f;
 }
 
 /// Factor 1/η² in the value of the BSDF for directions on the viewer's other side; 1 where nothing refracts.

@@ -96,7 +96,8 @@ void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSou
     return;
   }
   if (settings.cache == CacheChoice::none) {
-    add<PathPass>(pipeline, source, needs_first_vertices(settings), octree ? &octree->recording() : nullptr);
+    const PathOutputs outputs{.first_vertices = needs_first_vertices(settings)};
+    add<PathPass>(pipeline, source, outputs, octree ? &octree->recording() : nullptr);
     if (octree) add<RegionViewPass>(pipeline, *octree);
     return;
   }

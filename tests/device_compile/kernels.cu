@@ -31,6 +31,7 @@
 #include "techniques/oidn/oidn.h"
 #include "techniques/path/path_kernel.h"
 #include "techniques/path/recorded_path.h"
+#include "techniques/path/specular_part.h"
 #include "techniques/path_graphs/path_graphs.h"
 #include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/primary_hits/primary_hits.h"
@@ -82,6 +83,7 @@ template __global__ void run(LightMediumKernel, uint32_t, uint32_t);
 template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);
+template __global__ void run(SpecularPathKernel, uint32_t, uint32_t);
 template __global__ void run(IncidentLightKernel, uint32_t, uint32_t);
 template __global__ void run(RegionViewKernel, uint32_t, uint32_t);
 template __global__ void run(CountKnownLightsKernel, uint32_t, uint32_t);

@@ -1,6 +1,7 @@
 #include "techniques/path/path_pass.h"
 
 #include "techniques/path/recorded_path.h"
+#include "techniques/path/specular_part.h"
 #include "techniques/path/trace_paths.h"
 
 namespace relume {
@@ -32,21 +33,35 @@ PassDeclaration PathPass::declaration() const {
                               .owns = estimator_buffers(),
                               .reads = {"primary-hits"},
                               .reads_if_any = {"allocation"}};
-  if (first_vertices_) {
+  if (outputs_.first_vertices) {
     declaration.owns.push_back({.name = "first-vertices",
                                 .type = BufferType::record,
                                 .help = "directions and light of this frame's sample at its first vertex",
                                 .record_bytes = sizeof(FirstVertex)});
   }
+  if (outputs_.specular) {
+    declaration.owns.push_back({.name = "radiance-specular",
+                                .type = BufferType::rgb32f,
+                                .help = "the part of it that specular lobes of the first surface scattered",
+                                .display = BufferDisplay::value});
+  }
   return declaration;
+}
+
+template <typename Observation>
+bool PathPass::trace(const FrameContext& frame, const Observation& observation) const {
+  if (!outputs_.specular) return trace_paths(source_, frame, observation);
+  return trace_paths(source_, frame,
+                     SpecularObservation<Observation>{observation, frame.view<Rgb>("radiance-specular")});
 }
 
 bool PathPass::run(const FrameContext& frame) {
   const View<Rgb> radiance = frame.view<Rgb>("radiance");
-  const View<FirstVertex> vertices = first_vertices_ ? frame.view<FirstVertex>("first-vertices") : View<FirstVertex>{};
-  if (recording_) return trace_paths(source_, frame, RecordingObservation{radiance, *recording_, vertices});
-  if (first_vertices_) return trace_paths(source_, frame, FirstVertexObservation{radiance, vertices});
-  return trace_paths(source_, frame, RadianceObservation{radiance});
+  View<FirstVertex> vertices;
+  if (outputs_.first_vertices) vertices = frame.view<FirstVertex>("first-vertices");
+  if (recording_) return trace(frame, RecordingObservation{radiance, *recording_, vertices});
+  if (outputs_.first_vertices) return trace(frame, FirstVertexObservation{radiance, vertices});
+  return trace(frame, RadianceObservation{radiance});
 }
 
 }  // namespace relume

@@ -21,20 +21,28 @@ struct PathSource {
 /// What paths of this frame have in common.
 PathContext make_path_context(const PathSource& source, const FrameContext& frame);
 
+/// What paths leave for later passes besides estimator_buffers().
+struct PathOutputs {
+  bool first_vertices = false;  ///< "first-vertices": what each path found at its first vertex
+  bool specular = false;        ///< "radiance-specular": the part of "radiance" that came by way of specular lobes
+};
+
 /// Traces one path for each pixel that the allocation gives one.
 class PathPass final : public Pass {
  public:
-  /// `first_vertices`: also leave what each path found at its first vertex, for histories. `recording`: where paths
-  /// leave samples to learn from; nullptr if nobody does.
-  PathPass(const PathSource& source, bool first_vertices, const PathRecording* recording = nullptr)
-      : source_(source), first_vertices_(first_vertices), recording_(recording) {}
+  /// `recording`: where paths leave samples to learn from; nullptr if nobody does.
+  PathPass(const PathSource& source, const PathOutputs& outputs, const PathRecording* recording = nullptr)
+      : source_(source), outputs_(outputs), recording_(recording) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
+  template <typename Observation>
+  bool trace(const FrameContext& frame, const Observation& observation) const;
+
   PathSource source_;
-  bool first_vertices_;
+  PathOutputs outputs_;
   const PathRecording* recording_;
 };
 
