@@ -11,6 +11,7 @@
 #include "techniques/directional_quadtree/direction_view.h"
 #include "techniques/features/edge_emission_pass.h"
 #include "techniques/features/features_pass.h"
+#include "techniques/features/split_light_pass.h"
 #include "techniques/light_selection/light_selection_pass.h"
 #include "techniques/light_tree/light_tree_pass.h"
 #include "techniques/octree/octree_pass.h"
@@ -88,6 +89,13 @@ bool needs_light_film(const RenderSettings& settings) {
   return settings.estimator != EstimatorChoice::path && settings.allocation == AllocationChoice::adaptive;
 }
 
+/// Whether diffuse and specular light are kept apart. Only paths without a radiance cache can tell.
+bool splits_light(const RenderSettings& settings) {
+  const bool filtered = settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
+  return settings.features.split && filtered && settings.estimator == EstimatorChoice::path &&
+         settings.cache == CacheChoice::none;
+}
+
 /// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
 void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
@@ -96,7 +104,7 @@ void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSou
     return;
   }
   if (settings.cache == CacheChoice::none) {
-    const PathOutputs outputs{.first_vertices = needs_first_vertices(settings)};
+    const PathOutputs outputs{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
     add<PathPass>(pipeline, source, outputs, octree ? &octree->recording() : nullptr);
     if (octree) add<RegionViewPass>(pipeline, *octree);
     return;
@@ -140,12 +148,14 @@ void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
 void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
   if (settings.denoise == DenoiseChoice::none) return;
   const bool mirrors = settings.estimator != EstimatorChoice::light;
-  add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors);
+  const bool split = splits_light(settings);
+  add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors, split);
   add<EdgeEmissionPass>(pipeline, settings.features, settings.path.max_bounces, mirrors);
+  if (split) add<SplitLightPass>(pipeline);
   switch (settings.denoise) {
     case DenoiseChoice::none: break;
-    case DenoiseChoice::bmfr: add<BmfrPass>(pipeline, settings.bmfr); break;
-    case DenoiseChoice::svgf: add<SvgfPass>(pipeline, settings.svgf); break;
+    case DenoiseChoice::bmfr: add<BmfrPass>(pipeline, settings.bmfr, split); break;
+    case DenoiseChoice::svgf: add<SvgfPass>(pipeline, settings.svgf, split); break;
     case DenoiseChoice::oidn: add<OidnPass>(pipeline); break;
   }
 }

@@ -25,6 +25,7 @@
 #include "techniques/features/features.h"
 #include "techniques/features/light_change.h"
 #include "techniques/features/picture_history.h"
+#include "techniques/features/split_light.h"
 #include "techniques/hash_grid/maintain.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/region_view.h"
@@ -129,16 +130,19 @@ template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);
 template __global__ void run(CompareBlocksKernel, uint32_t, uint32_t);
 template __global__ void run(DiscountBlocksKernel, uint32_t, uint32_t);
 template __global__ void run(ReplaceEmissionKernel, uint32_t, uint32_t);
+template __global__ void run(SplitLightKernel, uint32_t, uint32_t);
 template __global__ void run(PictureHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(ConvergeKernel, uint32_t, uint32_t);
 template __global__ void run(BlockNoiseKernel, uint32_t, uint32_t);
 template __global__ void run(BmfrAccumulateKernel, uint32_t, uint32_t);
 template __global__ void run(BlockRegressionKernel, uint32_t, uint32_t);
 template __global__ void run(BmfrPresentKernel, uint32_t, uint32_t);
+template __global__ void run(BmfrPresentPartsKernel, uint32_t, uint32_t);
 template __global__ void run(SvgfAccumulateKernel, uint32_t, uint32_t);
 template __global__ void run(SvgfPrepareKernel, uint32_t, uint32_t);
 template __global__ void run(AtrousKernel, uint32_t, uint32_t);
 template __global__ void run(SvgfPresentKernel, uint32_t, uint32_t);
+template __global__ void run(SvgfPresentPartsKernel, uint32_t, uint32_t);
 template __global__ void run(OidnAuxiliaryKernel, uint32_t, uint32_t);
 
 }  // namespace

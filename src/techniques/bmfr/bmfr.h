@@ -28,25 +28,53 @@ struct BmfrAccumulateKernel {
   }
 };
 
-/// Second accumulation, of what was fitted, and the picture that it makes.
+/// Second accumulation, of what was fitted for one part of the light.
+struct FitHistory {
+  View<const Rgb> albedo;
+  View<const uint32_t> age;
+  View<const Rgb> history;
+  View<Rgb> fitted;  ///< of this frame; becomes the accumulated fit
+  uint32_t max_fits = 10;
+
+  RELUME_HD Rgb accumulate(uint32_t pixel) const {
+    uint32_t n = age[pixel];
+    if (n >= max_fits) n = max_fits - 1;
+    const Rgb before = history[pixel];
+    const bool filtered = is_filtered(albedo[pixel]);
+    const Rgb after = filtered ? before + (fitted[pixel] - before) / static_cast<float>(n + 1) : before;
+    fitted[pixel] = after;
+    return after;
+  }
+};
+
+/// Accumulates fits and makes the picture of them.
 struct BmfrPresentKernel {
   SurfaceLight samples;
-  View<const uint32_t> age;
-  View<const Rgb> fitted_history;
-  View<Rgb> fitted;  ///< of this frame; becomes the accumulated fit
+  FitHistory fits;
   View<Rgb> shown;
-  uint32_t max_fits = 10;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    uint32_t n = age[pixel];
-    if (n >= max_fits) n = max_fits - 1;
-    const Rgb before = fitted_history[pixel];
-    const bool filtered = is_filtered(samples.albedo[pixel]);
-    const Rgb after = filtered ? before + (fitted[pixel] - before) / static_cast<float>(n + 1) : before;
-    fitted[pixel] = after;
-    shown[pixel] = samples.picture(pixel, after);
+    shown[pixel] = samples.picture(pixel, fits.accumulate(pixel));
+  }
+};
+
+/// The same where diffuse and specular light are kept apart.
+struct BmfrPresentPartsKernel {
+  SplitLight samples;
+  FitHistory diffuse;
+  FitHistory specular;
+  View<Rgb> shown;
+  View<Rgb> shown_specular;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Rgb light = specular.accumulate(pixel);
+    const Rgb reflected = samples.reflects(pixel) ? samples.specular_part(pixel, light) : Rgb(0);
+    shown_specular[pixel] = reflected;
+    shown[pixel] = samples.picture(pixel, diffuse.accumulate(pixel), reflected);
   }
 };
 

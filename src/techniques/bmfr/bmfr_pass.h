@@ -4,26 +4,37 @@
 #include <vector>
 
 #include "pipeline/pass.h"
+#include "techniques/bmfr/bmfr.h"
 #include "techniques/bmfr/settings.h"
+#include "techniques/features/features_pass.h"
 #include "techniques/features/find_light_change.h"
 
 namespace relume {
 
 class BmfrPass final : public Pass {
  public:
-  explicit BmfrPass(const BmfrSettings& settings) : settings_(settings) {}
+  /// `split`: keep diffuse and specular light apart.
+  BmfrPass(const BmfrSettings& settings, bool split) : settings_(settings), split_(split) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  size_t memory_bytes() const override { return noise_.size() * sizeof(float) + change_.memory_bytes(); }
+  size_t memory_bytes() const override {
+    return noise_.size() * sizeof(float) + change_[0].memory_bytes() + change_[1].memory_bytes();
+  }
 
  private:
-  void accumulate(const FrameContext& frame);
-  void fit(const FrameContext& frame);
+  void accumulate(const FrameContext& frame, LightPart part);
+  void fit(const FrameContext& frame, LightPart part) const;
   void present(const FrameContext& frame) const;
+  void forget_specular(const FrameContext& frame) const;
+  void present_parts(const FrameContext& frame) const;
+  FitHistory fit_history(const FrameContext& frame, LightPart part) const;
 
   const BmfrSettings& settings_;
-  LightChange change_;
+  bool split_;
+  bool reflects_ = true;   ///< some pixel of this frame keeps specular light apart
+  bool reflected_ = true;  ///< the same of the frame before
+  LightChange change_[2];  ///< of light that is not specular, and of light that is
   std::vector<float> noise_;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene/medium.h"
+#include "techniques/features/reflection.h"
 #include "techniques/primary_hits/primary_hits.h"
 
 namespace relume {
@@ -11,8 +12,6 @@ namespace relume {
 inline constexpr uint32_t kMaxFeatureSteps = 8;
 /// Albedos below this are taken for black where radiance is divided by them: less than a display shows.
 inline constexpr float kLeastAlbedo = 1e-3f;
-/// Where the background stands in for a surface, metres.
-inline constexpr float kBackgroundDistance = 1e4f;
 
 /// The way on from a surface that mostly mirrors or lets pass.
 struct NarrowStep {
@@ -122,7 +121,9 @@ struct FeatureTracer {
   const SceneView& scene;
   uint32_t max_steps = kMaxFeatureSteps;
 
-  RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id) const {
+  /// `reflection`: filled in if diffuse and specular light are kept apart; nullptr if they are not.
+  RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id,
+                                 Reflection* reflection = nullptr) const {
     Feature f;
     if (!hit.valid()) {
       reach_background(camera_ray, camera_ray, Rgb(1), 0, f);
@@ -132,7 +133,7 @@ struct FeatureTracer {
     make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
     // Most pixels show a surface directly, and for them there is nothing to follow or to unfold.
     const bool in_body = !sp.front_face || !is_black(scene.camera_medium);
-    if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp);
+    if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
     f.position = sp.position;
     f.previous = sp.previous_position;
     f.normal = sp.frame.n;
@@ -140,12 +141,34 @@ struct FeatureTracer {
     f.emission = sp.emission;
     f.depth = hit.t;
     f.surface = sp.instance;
+    if (reflection) reflect(camera_ray, hit, sp, ray_id, Rgb(1), *reflection);
     return f;
   }
 
  private:
+  /// What specular lobes of the primary hit show. Light passes `let_through` between there and the camera.
+  RELUME_HD void reflect(const Ray& camera_ray, const Hit& hit, const SurfacePoint& sp, uint32_t ray_id,
+                         const Rgb& let_through, Reflection& reflection) const {
+    if (specular_lobes(sp.bsdf) == SpecularLobes::none) return;
+    Rgb albedo;
+    const int chosen = reflection_detail::main_lobe(sp, &albedo);
+    if (chosen < 0) return;
+    const Lobe& lobe = sp.bsdf.lobes[chosen];
+    const float alpha = is_delta(lobe.kind) ? 0.0f : lobe.microfacet.alpha;
+    if (alpha > kWidestReflection) return;
+    Rgb share;
+    float compression = 1;
+    const Vec3 wi_local = feature_detail::main_direction(lobe, sp.wo_local, &share, &compression);
+    const Vec3 wi = sp.frame.to_world(wi_local);
+    if (!(glm::dot(wi, sp.ng) * wi_local.z > 0.0f)) return;
+    reflection.albedo = albedo * let_through;
+    ReflectionTracer{scene, camera_ray, hit, sp}.trace(wi, wi_local.z > 0.0f, alpha, hash(ray_id, kMaxFeatureSteps),
+                                                       reflection);
+  }
+
   /// From the primary hit, of which `sp` is the surface point, on.
-  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp) const {
+  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp,
+                           Reflection* reflection) const {
     Feature f;
     Rgb seen(1);
     Rgb medium = scene.camera_medium;  // of what the way leads through
@@ -159,11 +182,14 @@ struct FeatureTracer {
       f.albedo *= let_through;
       f.emission += seen * sp.emission;
       const NarrowStep next = step < max_steps ? narrow_step(sp) : NarrowStep{};
-      if (!next.valid) break;
+      if (!next.valid) {
+        if (reflection && step == 0) reflect(camera_ray, hit, sp, ray_id, let_through, *reflection);
+        break;
+      }
       seen *= next.emission;
       f.albedo *= next.albedo;
       path_id = hash(sp.instance, path_id + 1);
-      if (next.reflected) unfold = unfold * reflection(sp.frame.n);
+      if (next.reflected) unfold = unfold * mirror_matrix(sp.frame.n);
       const Ray ray = sp.spawn_ray(next.wi);
       medium = medium_along(scene, sp, next.wi, medium);
       hit = intersect(scene.accel, ray, hash(ray_id, step));
@@ -183,7 +209,7 @@ struct FeatureTracer {
   }
 
   /// I − 2 n nᵀ.
-  RELUME_HD static Mat3 reflection(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
+  RELUME_HD static Mat3 mirror_matrix(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
 
   RELUME_HD void reach_background(const Ray& camera_ray, const Ray& ray, const Rgb& seen, uint32_t path_id,
                                   Feature& f) const {
@@ -217,6 +243,17 @@ RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
 /// Whether there is something to filter.
 RELUME_HD inline bool is_filtered(const Rgb& albedo) { return max_component(albedo) >= kLeastAlbedo; }
 
+/// Reflections of every pixel. Those that show none have the features of their surface, and `albedo` is black.
+struct ReflectionViews {
+  View<Rgb> diffuse_albedo;  ///< of all that is not specular; of everything where `albedo` is black
+  View<Rgb> albedo;
+  View<Vec3> position;
+  View<Vec3> previous;
+  View<Vec3> normal;
+  View<float> depth;
+  View<Vec2> motion;  ///< of the image, pixels
+};
+
 /// Features of every pixel.
 struct FeatureKernel {
   SceneView scene;
@@ -233,6 +270,7 @@ struct FeatureKernel {
   uint32_t max_steps = kMaxFeatureSteps;
   bool camera_moved = true;  ///< false: it is where it was in the frame before
   uint32_t width = 0;
+  ReflectionViews reflections = {};  ///< empty: diffuse and specular light stay together
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     Sampler sampler = index.sampler(x, y);
@@ -254,7 +292,9 @@ struct FeatureKernel {
  private:
   RELUME_HD_INLINE void write(uint32_t pixel, const Ray& ray, uint32_t ray_id) const {
     const FeatureTracer tracer{scene, max_steps};
-    const Feature f = tracer.trace(ray, hits[pixel], ray_id);
+    Reflection reflection;
+    const bool split = !reflections.position.empty();
+    const Feature f = tracer.trace(ray, hits[pixel], ray_id, split ? &reflection : nullptr);
     position[pixel] = f.position;
     previous[pixel] = f.previous;
     normal[pixel] = f.normal;
@@ -263,6 +303,26 @@ struct FeatureKernel {
     depth[pixel] = f.depth;
     surface[pixel] = f.surface;
     motion[pixel] = !camera_moved && f.previous == f.position ? Vec2(0) : motion_of(ray, f);
+    if (split) write_reflection(pixel, f, reflection);
+  }
+
+  RELUME_HD void write_reflection(uint32_t pixel, const Feature& f, const Reflection& r) const {
+    const ReflectionViews& to = reflections;
+    const bool shown = is_filtered(r.albedo);
+    const Rgb rest = glm::max(f.albedo - r.albedo, Rgb(0));
+    to.diffuse_albedo[pixel] = !shown ? f.albedo : is_filtered(rest) ? rest : Rgb(0);
+    to.albedo[pixel] = shown ? r.albedo : Rgb(0);
+    to.position[pixel] = shown ? r.position : f.position;
+    to.previous[pixel] = shown ? r.previous : f.previous;
+    to.normal[pixel] = shown ? r.normal : f.normal;
+    to.depth[pixel] = shown ? r.depth : f.depth;
+    if (!shown) {
+      to.motion[pixel] = motion[pixel];
+    } else if (!camera_moved && r.image == r.image_before) {
+      to.motion[pixel] = Vec2(0);
+    } else {
+      to.motion[pixel] = film_motion(scene, r.image, r.image_before);
+    }
   }
 
   RELUME_HD Vec2 motion_of(const Ray& ray, const Feature& f) const {

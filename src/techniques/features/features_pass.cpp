@@ -17,8 +17,16 @@ BufferDescription kept(const char* name, BufferType type, const char* help) {
   return {.name = name, .type = type, .help = help, .persistent = true, .display = BufferDisplay::value};
 }
 
-/// Where pixels were one frame ago, by their features.
-BackwardReprojection feature_reprojection(const FrameContext& frame) {
+/// Where pixels were one frame ago, by their features or by the images in their reflections.
+BackwardReprojection feature_reprojection(const FrameContext& frame, LightPart part) {
+  if (part == LightPart::specular) {
+    return backward_reprojection(frame, {.motion = "specular-motion",
+                                         .previous = "specular-previous",
+                                         .position = "specular-position",
+                                         .normal = "specular-normal",
+                                         .depth = "specular-depth",
+                                         .surface = "feature-surface"});
+  }
   return backward_reprojection(frame, {.motion = "feature-motion",
                                        .previous = "feature-previous",
                                        .position = "feature-position",
@@ -34,10 +42,37 @@ uint32_t history_limit(const FrameContext& frame, const DenoiserHistorySettings&
   return frame.changes == Change::none ? kNoHistoryLimit : static_cast<uint32_t>(settings.max_history);
 }
 
+/// Buffers that hold ReflectionViews.
+std::vector<BufferDescription> reflection_buffers() {
+  return {
+      surface_buffer("diffuse-albedo", BufferType::rgb32f, "the part of feature-albedo that is not specular", false),
+      surface_buffer("specular-albedo", BufferType::rgb32f,
+                     "directional albedo of specular lobes; black: their light is not kept apart", false),
+      surface_buffer("specular-position", BufferType::rgb32f,
+                     "image in a reflection where it is sharp, else the surface that reflects, metres", true, "XYZ"),
+      surface_buffer("specular-previous", BufferType::rgb32f, "where specular-position was one frame ago, metres",
+                     false, "XYZ"),
+      surface_buffer("specular-normal", BufferType::rgb32f, "normal at specular-position", true, "XYZ"),
+      surface_buffer("specular-depth", BufferType::f32,
+                     "distance that bounds how far histories may lie off the plane, metres", false, "Z"),
+      surface_buffer("specular-motion", BufferType::vec2f, "motion of the image since the previous frame, pixels",
+                     false)};
+}
+
+ReflectionViews reflection_views(const FrameContext& frame) {
+  return {.diffuse_albedo = frame.view<Rgb>("diffuse-albedo"),
+          .albedo = frame.view<Rgb>("specular-albedo"),
+          .position = frame.view<Vec3>("specular-position"),
+          .previous = frame.view<Vec3>("specular-previous"),
+          .normal = frame.view<Vec3>("specular-normal"),
+          .depth = frame.view<float>("specular-depth"),
+          .motion = frame.view<Vec2>("specular-motion")};
+}
+
 }  // namespace
 
 PassDeclaration FeaturesPass::declaration() const {
-  return {
+  PassDeclaration declaration{
       .name = "features",
       .stage = Stage::gbuffer,
       .owns = {surface_buffer("feature-position", BufferType::rgb32f, "surface seen, mirrors taken for windows, metres",
@@ -54,6 +89,9 @@ PassDeclaration FeaturesPass::declaration() const {
                               false),
                surface_buffer("feature-surface", BufferType::u32, "a number that tells surfaces apart", true)},
       .reads = {"primary-hits"}};
+  if (!split_) return declaration;
+  for (BufferDescription& buffer : reflection_buffers()) declaration.owns.push_back(std::move(buffer));
+  return declaration;
 }
 
 bool FeaturesPass::run(const FrameContext& frame) {
@@ -69,6 +107,7 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.depth = frame.view<float>("feature-depth");
   kernel.motion = frame.view<Vec2>("feature-motion");
   kernel.surface = frame.view<uint32_t>("feature-surface");
+  if (split_) kernel.reflections = reflection_views(frame);
   kernel.max_steps = followed_steps(max_bounces_, mirrors_);
   kernel.camera_moved = std::memcmp(&frame.scene.camera, &frame.scene.previous_camera, sizeof(CameraView)) != 0;
   kernel.width = frame.width();
@@ -121,16 +160,30 @@ std::vector<std::string_view> feature_buffers() {
           "scattered"};
 }
 
-SurfaceLight surface_light(const FrameContext& frame) {
-  return {frame.view<const Rgb>("radiance"), frame.view<const Rgb>("scattered"),
-          frame.view<const uint32_t>("allocation"), frame.view<const Rgb>("feature-albedo"),
+void add_split_buffers(std::vector<std::string_view>& reads) {
+  reads.insert(reads.end(),
+               {"diffuse-albedo", "diffuse-scattered", "specular-albedo", "specular-scattered", "specular-position",
+                "specular-previous", "specular-normal", "specular-depth", "specular-motion"});
+}
+
+bool shows_reflections(const FrameContext& frame) {
+  const View<const Rgb> albedo = frame.view<const Rgb>("specular-albedo");
+  return std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
+}
+
+SurfaceLight surface_light(const FrameContext& frame, LightPart part) {
+  constexpr std::string_view kScattered[] = {"scattered", "diffuse-scattered", "specular-scattered"};
+  constexpr std::string_view kAlbedo[] = {"feature-albedo", "diffuse-albedo", "specular-albedo"};
+  const auto i = static_cast<size_t>(part);
+  return {frame.view<const Rgb>("radiance"), frame.view<const Rgb>(kScattered[i]),
+          frame.view<const uint32_t>("allocation"), frame.view<const Rgb>(kAlbedo[i]),
           frame.view<const Rgb>("shown-emission")};
 }
 
 LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
-                           const DenoiserHistorySettings& settings) {
-  return {.reprojection = feature_reprojection(frame),
-          .samples = surface_light(frame),
+                           const DenoiserHistorySettings& settings, LightPart part) {
+  return {.reprojection = feature_reprojection(frame, part),
+          .samples = surface_light(frame, part),
           .light_before = frame.previous<const Rgb>(buffers.light),
           .count_before = frame.previous<const uint32_t>(buffers.samples),
           .light = frame.view<Rgb>(buffers.light),
@@ -140,17 +193,19 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .discounts = {}};
 }
 
-bool begins_anew(const FrameContext& frame, std::string_view samples) {
+bool begins_anew(const FrameContext& frame, std::string_view samples, std::string_view specular_samples) {
   if (frame.number > 0 && frame.changes == Change::none) return false;
   const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
   const View<const uint32_t> known = frame.view<const uint32_t>(samples);
+  const View<const uint32_t> known_specular =
+      specular_samples.empty() ? known : frame.view<const uint32_t>(specular_samples);
   constexpr uint32_t kStride = 61;
   uint32_t filtered = 0;
   uint32_t fresh = 0;
   for (uint32_t i = 0; i < frame.pixels(); i += kStride) {
     if (!is_filtered(albedo[i])) continue;
     ++filtered;
-    fresh += known[i] <= 1 ? 1 : 0;
+    fresh += std::max(known[i], known_specular[i]) <= 1 ? 1 : 0;
   }
   return 2 * fresh > filtered;
 }
@@ -168,11 +223,18 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.unfiltered = frame.view<Rgb>(kUnfiltered);
   average.filtered_share = frame.view<float>(kFilteredShare);
   average.picture = frame.view<Rgb>(buffers.history);
+  if (!buffers.specular_shown.empty()) {
+    average.specular.shown = frame.view<const Rgb>(buffers.specular_shown);
+    average.specular.before = frame.previous<const Rgb>(buffers.specular_history);
+    average.specular.motion = frame.view<const Vec2>("specular-motion");
+    average.specular.picture = frame.view<Rgb>(buffers.specular_history);
+  }
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;
   const bool changed = includes(frame.changes, Change::materials | Change::settings);
-  if (frame.number == 0 || changed || begins_anew(frame, buffers.samples)) average.newest = 1.0f;
+  if (frame.number == 0 || changed || begins_anew(frame, buffers.samples, buffers.specular_samples))
+    average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();
   launch(frame.backend, buffers.launch_name, average, frame.width(), frame.height());

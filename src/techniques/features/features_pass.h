@@ -1,6 +1,8 @@
 // The features as a pass; part of a frame if a denoiser is.
 #pragma once
 
+#include <algorithm>
+
 #include "pipeline/pass.h"
 #include "techniques/features/history_settings.h"
 #include "techniques/features/light_history.h"
@@ -10,8 +12,10 @@ namespace relume {
 class FeaturesPass final : public Pass {
  public:
   /// `max_bounces` is read every frame: what the estimator does not reach is not to be seen. `mirrors`: whether the
-  /// estimator shows what is seen in mirrors and through smooth glass.
-  FeaturesPass(const int& max_bounces, bool mirrors) : max_bounces_(max_bounces), mirrors_(mirrors) {}
+  /// estimator shows what is seen in mirrors and through smooth glass. `split`: also find the reflections that specular
+  /// lobes show, for denoisers that keep diffuse and specular light apart.
+  FeaturesPass(const int& max_bounces, bool mirrors, bool split)
+      : max_bounces_(max_bounces), mirrors_(mirrors), split_(split) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -19,6 +23,7 @@ class FeaturesPass final : public Pass {
  private:
   const int& max_bounces_;
   bool mirrors_;
+  bool split_;
 };
 
 /// Mirrors and interfaces that features follow in frames of an estimator with `max_bounces`; `mirrors`: see above.
@@ -40,8 +45,17 @@ BufferDescription filtered_share_buffer();
 /// What a denoiser reads of the features and samples, for its declaration.
 std::vector<std::string_view> feature_buffers();
 
+/// Which part of the light at a surface a history holds.
+enum class LightPart : int { whole, diffuse, specular };
+
+/// What a denoiser reads besides if it keeps diffuse and specular light apart.
+void add_split_buffers(std::vector<std::string_view>& reads);
+
+/// Whether any pixel keeps specular light apart. Where none does, histories of it need no work.
+bool shows_reflections(const FrameContext& frame);
+
 /// This frame's samples beside its features.
-SurfaceLight surface_light(const FrameContext& frame);
+SurfaceLight surface_light(const FrameContext& frame, LightPart part = LightPart::whole);
 
 /// What a denoiser remembers of light, in double-buffered buffers of its own.
 struct LightHistoryBuffers {
@@ -50,7 +64,14 @@ struct LightHistoryBuffers {
 };
 /// What accumulates this frame's samples there. The past counts without a limit where nothing has changed.
 LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
-                           const DenoiserHistorySettings& settings);
+                           const DenoiserHistorySettings& settings, LightPart part = LightPart::whole);
+
+/// Leaves a history of specular light without samples.
+template <typename T>
+void clear_buffer(const FrameContext& frame, std::string_view name) {
+  const View<T> values = frame.view<T>(name);
+  std::fill(values.begin(), values.end(), T(0));
+}
 
 /// The last step of a denoiser, which owns these besides "denoised" and the two above: `shown`, this frame's filtered
 /// picture, and `history`, double-buffered. See picture_history.h.
@@ -59,10 +80,14 @@ struct PictureBuffers {
   std::string_view shown;
   std::string_view history;
   std::string_view samples;  ///< of each pixel's light, this frame's included
+  // The same of the specular part of `shown` and `history`; empty if light is not kept apart.
+  std::string_view specular_shown = {};
+  std::string_view specular_history = {};
+  std::string_view specular_samples = {};
 };
 /// Whether most of what is filtered knows no more than this frame's sample: at the start, and after a cut. A look at
 /// some of the pixels tells.
-bool begins_anew(const FrameContext& frame, std::string_view samples);
+bool begins_anew(const FrameContext& frame, std::string_view samples, std::string_view specular_samples = {});
 
 /// `newest`: weight of this frame where something moves.
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);

@@ -36,6 +36,26 @@ struct SurfaceLight {
   }
 };
 
+/// The two parts of this frame's samples, where they are kept apart.
+struct SplitLight {
+  SurfaceLight diffuse;
+  View<const Rgb> specular_albedo;
+
+  RELUME_HD bool reflects(uint32_t pixel) const { return is_filtered(specular_albedo[pixel]); }
+
+  /// What specular lobes return of filtered light. Only of a pixel that reflects.
+  RELUME_HD Rgb specular_part(uint32_t pixel, const Rgb& light) const {
+    return glm::max(specular_albedo[pixel] * light, Rgb(0));
+  }
+
+  /// The picture from filtered diffuse light and what specular_part() has made of the rest.
+  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light, const Rgb& specular) const {
+    if (is_filtered(diffuse.albedo[pixel])) return diffuse.picture(pixel, light) + specular;
+    if (reflects(pixel)) return diffuse.emission[pixel] + specular;
+    return diffuse.picture(pixel, light);
+  }
+};
+
 /// Pixels along the edge of a block in which changes of light are looked for.
 inline constexpr uint32_t kChangeBlock = 8;
 RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChangeBlock - 1) / kChangeBlock; }

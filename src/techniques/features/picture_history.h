@@ -12,6 +12,14 @@ namespace relume {
 /// Samples from which the variance of their mean counts as known.
 inline constexpr uint32_t kKnownSamples = 4;
 
+/// The specular part of pictures, which moves by its own motion.
+struct SpecularPictures {
+  View<const Rgb> shown;
+  View<const Rgb> before;
+  View<const Vec2> motion;
+  View<Rgb> picture;  ///< empty: it is not kept apart
+};
+
 /// Averages this frame's filtered picture with those before. Where nothing has changed they show the same, the later
 /// ones better; but what no filter has touched, lamps and sky, all show equally well, and so they do how much of a
 /// pixel that covers: at edges other weights than equal ones would add noise. Where something moves, the picture before
@@ -27,6 +35,7 @@ struct PictureHistoryKernel {
   View<Rgb> unfiltered;               ///< what of `picture` was not filtered: a mean since the last change
   View<float> filtered_share;         ///< of the frames since then; updated
   View<Rgb> picture;
+  SpecularPictures specular;
   float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
   uint32_t frames = 1;  ///< since the last change, this one among them
   bool still = false;   ///< nothing has changed
@@ -40,24 +49,52 @@ struct PictureHistoryKernel {
     const Rgb seen = filtered ? emission[pixel] : now;
     if (still && newest < 1.0f) {
       average(pixel, now, seen, filtered);
+      if (apart()) average_specular(pixel);
       return;
     }
     unfiltered[pixel] = seen;
     filtered_share[pixel] = filtered ? 1.0f : 0.0f;
     if (newest >= 1.0f) {
       picture[pixel] = now;
+      if (apart()) specular.picture[pixel] = specular.shown[pixel];
+    } else if (apart()) {
+      blend_parts(x, y);
     } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
       // Many rays have measured the emission, which a picture that was moved along could only blur.
       const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
       const auto scattered_before = [this](uint32_t i) { return before[i] - unfiltered_before[i]; };
-      picture[pixel] = glm::max(emission[pixel] + blended(x, y, scattered, scattered_before), Rgb(0));
+      picture[pixel] = glm::max(emission[pixel] + blended(x, y, motion[pixel], scattered, scattered_before), Rgb(0));
     } else {
       picture[pixel] = blended(
-          x, y, [this](uint32_t i) { return shown[i]; }, [this](uint32_t i) { return before[i]; });
+          x, y, motion[pixel], [this](uint32_t i) { return shown[i]; }, [this](uint32_t i) { return before[i]; });
     }
   }
 
  private:
+  RELUME_HD bool apart() const { return !specular.picture.empty(); }
+
+  RELUME_HD void average_specular(uint32_t pixel) const {
+    const Rgb history = specular.before[pixel];
+    const float share = relume::min(2.0f / static_cast<float>(frames + 1), 1.0f);
+    specular.picture[pixel] = history + (specular.shown[pixel] - history) * share;
+  }
+
+  /// Each part is looked up along its own motion.
+  RELUME_HD void blend_parts(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Rgb reflected = blended(
+        x, y, specular.motion[pixel], [this](uint32_t i) { return specular.shown[i]; },
+        [this](uint32_t i) { return specular.before[i]; });
+    specular.picture[pixel] = reflected;
+    const bool edge = !edge_rays.empty() && edge_rays[pixel] > 0;
+    const auto rest = [&](uint32_t i) { return shown[i] - specular.shown[i] - (edge ? emission[i] : Rgb(0)); };
+    const auto rest_before = [&](uint32_t i) {
+      return before[i] - specular.before[i] - (edge ? unfiltered_before[i] : Rgb(0));
+    };
+    const Rgb blended_rest = blended(x, y, motion[pixel], rest, rest_before);
+    picture[pixel] = glm::max(reflected + blended_rest + (edge ? emission[pixel] : Rgb(0)), Rgb(0));
+  }
+
   /// The picture is what was not filtered + share · what was, the latter with weights that grow with their number.
   RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
     const auto n = static_cast<float>(static_cast<int>(frames));
@@ -84,16 +121,16 @@ struct PictureHistoryKernel {
 
   /// What is seen now and what was seen before where this pixel's surface was then.
   template <typename Now, typename Before>
-  RELUME_HD Rgb blended(uint32_t x, uint32_t y, const Now& now, const Before& past) const {
-    const Rgb history = moved(x, y, now, past);
+  RELUME_HD Rgb blended(uint32_t x, uint32_t y, const Vec2& way, const Now& now, const Before& past) const {
+    const Rgb history = moved(x, y, way, now, past);
     return history + (now(y * width + x) - history) * newest;
   }
 
   template <typename Now, typename Before>
-  RELUME_HD Rgb moved(uint32_t x, uint32_t y, const Now& now, const Before& past) const {
+  RELUME_HD Rgb moved(uint32_t x, uint32_t y, const Vec2& way, const Now& now, const Before& past) const {
     const uint32_t pixel = y * width + x;
-    const float fx = static_cast<float>(x) - motion[pixel].x;
-    const float fy = static_cast<float>(y) - motion[pixel].y;
+    const float fx = static_cast<float>(x) - way.x;
+    const float fy = static_cast<float>(y) - way.y;
     if (!(fx >= 0.0f && fy >= 0.0f && fx <= static_cast<float>(width - 1) && fy <= static_cast<float>(height - 1)))
       return now(pixel);
     const int x0 = static_cast<int>(fx);

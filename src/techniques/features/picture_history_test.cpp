@@ -29,6 +29,7 @@ struct Pictures {
     kernel.unfiltered_before = view_of(unfiltered_before);
     kernel.unfiltered = mutable_view_of(unfiltered);
     kernel.picture = mutable_view_of(picture);
+    kernel.specular = specular;
     kernel.newest = newest;
     kernel.filtered_share = mutable_view_of(filtered_share);
     kernel.frames = frames;
@@ -44,6 +45,7 @@ struct Pictures {
             false,           true,           kWidth,      kHeight};
   }
 
+  SpecularPictures specular;
   std::vector<Rgb> shown = std::vector<Rgb>(kPixels, Rgb(1));
   std::vector<Rgb> before = std::vector<Rgb>(kPixels, Rgb(3));
   std::vector<Rgb> picture = std::vector<Rgb>(kPixels);
@@ -57,6 +59,33 @@ struct Pictures {
   std::vector<float> m2 = std::vector<float>(kPixels, 0.0f);
   std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 16);
 };
+
+/// A step of light on the surface at rest, and another one in its reflection, which moves by four pixels.
+TEST(PictureHistory, PartsMoveByTheirOwnMotion) {
+  Pictures p;
+  std::vector<Rgb> reflected(kPixels);
+  std::vector<Rgb> reflected_before(kPixels);
+  std::vector<Rgb> result(kPixels);
+  const std::vector<Vec2> motion(kPixels, Vec2(4, 0));
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    const uint32_t x = i % kWidth;
+    reflected[i] = Rgb(x < 24 ? 2.0f : 0.0f);
+    reflected_before[i] = Rgb(x < 20 ? 2.0f : 0.0f);
+    p.shown[i] = Rgb(x < 10 ? 1.0f : 3.0f) + reflected[i];
+    p.before[i] = Rgb(x < 10 ? 1.0f : 3.0f) + reflected_before[i];
+  }
+  p.specular = {view_of(reflected), view_of(reflected_before), view_of(motion), mutable_view_of(result)};
+  p.average(false, 0.2f);
+  for (uint32_t y = 0; y < kHeight; ++y) {
+    for (uint32_t x = 5; x < kWidth; ++x) {
+      EXPECT_EQ(p.picture[y * kWidth + x], p.shown[y * kWidth + x]) << x;
+      EXPECT_EQ(result[y * kWidth + x], reflected[y * kWidth + x]) << x;
+    }
+  }
+  p.frames = 7;
+  p.average(true, 0.2f);  // at rest the part is averaged as the picture is: a quarter
+  EXPECT_EQ(result[21], Rgb(0.5f));
+}
 
 TEST(PictureHistory, LaterPicturesWeighMore) {
   Pictures p;

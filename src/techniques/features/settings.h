@@ -7,6 +7,7 @@ namespace relume {
 
 struct FeatureSettings {
   int edge_rays = 16;
+  bool split = true;
 };
 
 SettingList describe(FeatureSettings& settings);

@@ -42,7 +42,7 @@ PassDeclaration PathPass::declaration() const {
   if (outputs_.specular) {
     declaration.owns.push_back({.name = "radiance-specular",
                                 .type = BufferType::rgb32f,
-                                .help = "the part of it that specular lobes of the first surface scattered",
+                                .help = "the part of radiance that specular lobes of the first surface scattered",
                                 .display = BufferDisplay::value});
   }
   return declaration;

@@ -121,7 +121,31 @@ struct SvgfPresentKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    shown[pixel] = samples.picture(pixel, Rgb(*filtered.at(0, x, y), *filtered.at(1, x, y), *filtered.at(2, x, y)));
+    shown[pixel] = samples.picture(pixel, light_at(filtered, x, y));
+  }
+
+  RELUME_HD static Rgb light_at(const AtrousPicture& picture, uint32_t x, uint32_t y) {
+    return {*picture.at(0, x, y), *picture.at(1, x, y), *picture.at(2, x, y)};
+  }
+};
+
+/// The same where diffuse and specular light are kept apart.
+struct SvgfPresentPartsKernel {
+  SplitLight samples;
+  AtrousPicture diffuse;
+  AtrousPicture specular;
+  View<Rgb> shown;
+  View<Rgb> shown_specular;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    Rgb reflected(0);
+    if (samples.reflects(pixel)) {
+      reflected = samples.specular_part(pixel, SvgfPresentKernel::light_at(specular, x, y));
+    }
+    shown_specular[pixel] = reflected;
+    shown[pixel] = samples.picture(pixel, SvgfPresentKernel::light_at(diffuse, x, y), reflected);
   }
 };
 

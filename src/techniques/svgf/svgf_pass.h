@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/pass.h"
+#include "techniques/features/features_pass.h"
 #include "techniques/features/find_light_change.h"
 #include "techniques/svgf/settings.h"
 
@@ -11,24 +12,33 @@ namespace relume {
 
 class SvgfPass final : public Pass {
  public:
-  explicit SvgfPass(const SvgfSettings& settings) : settings_(settings) {}
+  /// `split`: keep diffuse and specular light apart.
+  SvgfPass(const SvgfSettings& settings, bool split) : settings_(settings), split_(split) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
-    return (features_.size() + light_.size() + filtered_.size()) * sizeof(float) + change_.memory_bytes();
+    return (features_.size() + light_[0].size() + light_[1].size() + filtered_.size()) * sizeof(float) +
+           change_[0].memory_bytes() + change_[1].memory_bytes();
   }
 
  private:
-  void accumulate(const FrameContext& frame);
-  void prepare(const FrameContext& frame);
-  void filter(const FrameContext& frame);
+  void accumulate(const FrameContext& frame, LightPart part);
+  void prepare(const FrameContext& frame, LightPart part);
+  void filter(const FrameContext& frame, std::vector<float>& light);
   void present(const FrameContext& frame);
+  void forget_specular(const FrameContext& frame) const;
+  void present_parts(const FrameContext& frame);
+  /// Of light that is not specular, and of light that is.
+  static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
 
   const SvgfSettings& settings_;
-  LightChange change_;
+  bool split_;
+  bool reflects_ = true;   ///< some pixel of this frame keeps specular light apart
+  bool reflected_ = true;  ///< the same of the frame before
+  LightChange change_[2];
   std::vector<float> features_;
-  std::vector<float> light_;
+  std::vector<float> light_[2];
   std::vector<float> filtered_;
 };
 

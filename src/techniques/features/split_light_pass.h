@@ -1,0 +1,14 @@
+// The division of light as a pass; part of a frame if a denoiser keeps diffuse and specular light apart.
+#pragma once
+
+#include "pipeline/pass.h"
+
+namespace relume {
+
+class SplitLightPass final : public Pass {
+ public:
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+};
+
+}  // namespace relume
