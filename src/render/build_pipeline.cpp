@@ -22,6 +22,7 @@
 #include "techniques/path_space_filter/path_space_filter_pass.h"
 #include "techniques/primary_hits/primary_hits_pass.h"
 #include "techniques/reprojection/reprojection_pass.h"
+#include "techniques/reprojection/specular_history_pass.h"
 #include "techniques/static_light_lists/static_light_lists_pass.h"
 #include "techniques/svgf/svgf_pass.h"
 #include "techniques/visibility_light_cache/visibility_light_cache_pass.h"
@@ -90,11 +91,17 @@ bool needs_light_film(const RenderSettings& settings) {
 }
 
 /// Whether diffuse and specular light are kept apart. Only paths without a radiance cache can tell.
-bool splits_light(const RenderSettings& settings) {
-  const bool filtered = settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr;
-  return settings.features.split && filtered && settings.estimator == EstimatorChoice::path &&
-         settings.cache == CacheChoice::none;
+bool can_split(const RenderSettings& settings) {
+  return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
+bool denoiser_splits(const RenderSettings& settings) {
+  return can_split(settings) && (settings.denoise == DenoiseChoice::svgf || settings.denoise == DenoiseChoice::bmfr);
+}
+bool history_splits(const RenderSettings& settings) {
+  return can_split(settings) && settings.history == HistoryChoice::reproject &&
+         settings.reproject.method == ReprojectionMethod::backward;
+}
+bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
 /// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
 void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
@@ -134,7 +141,13 @@ void add_history(Pipeline& pipeline, const RenderSettings& settings) {
   add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none,
                       needs_light_film(settings));
   if (settings.history != HistoryChoice::reproject) return;
+  const bool split = history_splits(settings);
+  if (split) add<DetachSpecularPass>(pipeline, settings.reproject);
   auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject, pixel_count(settings));
+  if (split) {
+    add<AttachSpecularPass>(pipeline);
+    add<AccumulateSpecularPass>(pipeline);
+  }
   if (settings.reproject.method == ReprojectionMethod::forward)
     add<StoreSamplesPass>(pipeline, settings.reproject, reprojection);
 }
@@ -146,10 +159,12 @@ void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
 }
 
 void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
-  if (settings.denoise == DenoiseChoice::none) return;
   const bool mirrors = settings.estimator != EstimatorChoice::light;
-  const bool split = splits_light(settings);
-  add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors, split);
+  const bool denoises = settings.denoise != DenoiseChoice::none;
+  if (denoises || history_splits(settings))
+    add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors, splits_light(settings));
+  if (!denoises) return;
+  const bool split = denoiser_splits(settings);
   add<EdgeEmissionPass>(pipeline, settings.features, settings.path.max_bounces, mirrors);
   if (split) add<SplitLightPass>(pipeline);
   switch (settings.denoise) {
