@@ -27,6 +27,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
   }
   if (min_samples > 0) {
     result.settings.allocation = AllocationChoice::adaptive;
+    result.settings.adaptive.method = AdaptiveMethod::paper;
     result.settings.adaptive.min_samples = min_samples;
     result.settings.adaptive.max_samples = 32;
     result.map = "sampling-probability";

@@ -24,6 +24,9 @@ SettingList describe_picture(RenderSettings& s) {
        &s.seed,
        "Another seed gives independent noise; the same seed gives the same bits",
        {.min = 0, .max = kMostSeed}},
+      {"stratify", &s.stratify,
+       "A pixel's samples are elements of one low-discrepancy sequence; off: independent random numbers, to compare "
+       "with"},
       {"dither", &s.dither,
        "Blue-noise dithered sampling: neighbouring pixels differ in their errors as much as they can, so that filters "
        "and "

@@ -43,6 +43,7 @@ struct RenderSettings {
   int threads = 0;     ///< 0: all
   std::string camera;  ///< name or index; empty: the file's first
   float time_s = 0;    ///< time of the animation
+  bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;
   EstimatorChoice estimator = EstimatorChoice::path;

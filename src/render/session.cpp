@@ -124,31 +124,38 @@ struct Session::State {
     return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.stretch_time_s));
   }
 
+  SampleIndex sample_index(const SampleSchedule& schedule) const {
+    SampleIndex index{.seed = scramble(),
+                      .sequence = counters.frames,
+                      .frame = counters.frames,
+                      .age = counters.sequence_age,
+                      .width = buffers->width(),
+                      .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
+    if (!settings.stratify) return index;  // a sequence of one element in each frame
+    index.sample = schedule.sample(counters.sequence_age, counters.since_change);
+    index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
+    index.taken = buffers->view<const uint32_t>(kSampleCountBuffer);
+    index.camera_runs = schedule.longest_epoch > 0;
+    return index;
+  }
+
   FrameContext frame(const std::stop_token& stop) {
     const SampleSchedule schedule{pipeline.longest_epoch(), pilot_samples(settings)};
-    const uint32_t sample = schedule.sample(counters.sequence_age, counters.since_change);
-    const SampleIndex index{
-        .seed = scramble(),
-        .sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames),
-        .sample = sample,
-        .frame = counters.frames,
-        .age = counters.sequence_age,
-        .taken = buffers->view<const uint32_t>(kSampleCountBuffer),
-        .width = buffers->width(),
-        .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
-    return {scene->view(),
-            *buffers,
-            *backend,
-            index,
-            counters.frames,
-            counters.since_change,
-            changes,
-            pipeline.keeps_state() ? std::stop_token{} : stop,
-            counters.since_change == 0 || counters.picture_frames == counters.frames,
-            schedule.begins_epoch(counters.since_change),
-            sample >= counters.since_change && index.taken.empty() && pipeline.keeps_to_pixels(),
-            nullptr,
-            hurry};
+    const SampleIndex index = sample_index(schedule);
+    return {
+        scene->view(),
+        *buffers,
+        *backend,
+        index,
+        counters.frames,
+        counters.since_change,
+        changes,
+        pipeline.keeps_state() ? std::stop_token{} : stop,
+        counters.since_change == 0 || counters.picture_frames == counters.frames,
+        schedule.begins_epoch(counters.since_change),
+        settings.stratify && index.sample >= counters.since_change && index.taken.empty() && pipeline.keeps_to_pixels(),
+        nullptr,
+        hurry};
   }
 
   void count_frame() {

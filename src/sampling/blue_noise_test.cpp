@@ -121,7 +121,7 @@ TEST(Dithering, FirstPairIsThatOfTheCamera) {
 }
 
 TEST(SampleIndex, TheCameraHasOneSequenceThroughAllEpochs) {
-  const SampleIndex epoch{.seed = 4, .sequence = 12, .sample = 3, .frame = 15, .age = 10};
+  const SampleIndex epoch{.seed = 4, .sequence = 12, .sample = 3, .frame = 15, .age = 10, .camera_runs = true};
   const SampleIndex plain{.seed = 4, .sample = 10, .frame = 15, .age = 10};
   Sampler a = epoch.sampler(7, 8);
   Sampler b = plain.sampler(7, 8);

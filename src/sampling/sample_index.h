@@ -14,6 +14,7 @@ struct SampleIndex {
   uint32_t age = 0;                             ///< frames since the seed last changed
   View<const uint32_t> taken = {};              ///< by pixel: elements that earlier frames took from the sequence
   uint32_t width = 0;                           ///< of `taken`
+  bool camera_runs = false;                     ///< the camera's dimensions have one sequence through all epochs
   View<const uint16_t> tile = {};               ///< of blue noise; empty: each pixel has scrambles of its own
 
   RELUME_HD_INLINE uint32_t sample_of(uint32_t x, uint32_t y) const {
@@ -28,7 +29,7 @@ struct SampleIndex {
   /// Whether all pixels take the same element of a sequence of their own.
   RELUME_HD bool is_plain() const { return taken.empty() && tile.empty() && !runs_through(); }
   /// Whether the camera's dimensions have a sequence of their own.
-  RELUME_HD bool runs_through() const { return taken.empty() && sample != age; }
+  RELUME_HD bool runs_through() const { return camera_runs && taken.empty(); }
 
  private:
   RELUME_HD_INLINE Sampler element(uint32_t x, uint32_t y, uint32_t i, uint32_t number) const {

@@ -42,6 +42,7 @@ const Context kContexts[] = {
     {"scene-time", "max-bounces=0", "1", Motion::none, "", build_curtain},  // random numbers depend on it too
     {"texture-filter"},
     {"seed"},
+    {"stratify"},
     {"dither"},
     {"estimator"},
     {"lights", "static-lists.cell-size=2 static-lists.rays=64"},

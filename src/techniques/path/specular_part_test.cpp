@@ -47,8 +47,8 @@ struct Tracer {
   void trace(const Observation& observation, uint32_t sample, bool tiles) const {
     std::vector<Hit> hits(kPixels);
     std::vector<uint32_t> rays(kPixels);
-    const SampleIndex index{7, 0, sample, false};
-    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), kWidth};
+    const SampleIndex index{.seed = 7, .sample = sample};
+    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
     auto kernel = kernel_of(scene.view(), index, hits, rays, observation);
     kernel.context.max_bounces = max_bounces;
     for (uint32_t y = 0; y < kHeight; ++y) {
