@@ -86,6 +86,8 @@ template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
 template __global__ void run(PathKernel, uint32_t, uint32_t);
 template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);
 template __global__ void run(SpecularPathKernel, uint32_t, uint32_t);
+template __global__ void run(ObservedPathKernel<SpecularObservation<RecordingObservation>>, uint32_t, uint32_t);
+template __global__ void run(ObservedPathKernel<SpecularObservation<FirstVertexObservation>>, uint32_t, uint32_t);
 template __global__ void run(IncidentLightKernel, uint32_t, uint32_t);
 template __global__ void run(RegionViewKernel, uint32_t, uint32_t);
 template __global__ void run(CountKnownLightsKernel, uint32_t, uint32_t);

@@ -238,17 +238,18 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
   const Effort effort{24, 16, 0};
   const RenderSettings plain = plain_settings(GetParam(), effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);
-  constexpr int kRepeats = 16;  // single frames have long tails
+  // Single frames have long tails; in `slit` pixels seldom see a lamp between the blades.
+  const int repeats = GetParam() == "slit" ? 64 : 16;
   ImageTestOptions options = kOptions;
   if (GetParam() == "slit") {  // where the paper's settings leave rare bright samples
     options.detectable = 0.59;
     options.detectable_mean = 0.4;
   }
-  const Moments expected = last_pictures(session, plain, kRepeats, 1001);
+  const Moments expected = last_pictures(session, plain, repeats, 1001);
   for (const Way& way : ways(effort)) {
     if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "paper") continue;
     expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
-                        last_pictures(session, way.settings, kRepeats, 1), expected, options);
+                        last_pictures(session, way.settings, repeats, 1), expected, options);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), scene_name);
