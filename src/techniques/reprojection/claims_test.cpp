@@ -74,6 +74,18 @@ TEST(ReprojectionClaims, LimitKeepsTheVarianceOfASample) {
   EXPECT_EQ(m2_rgb[1], Rgb(5));
 }
 
+TEST(ReprojectionClaims, LimitHoldsForTheFilmOfLightPaths) {
+  std::vector<uint32_t> samples{3, 40};
+  std::vector<float> m2{5, 5};
+  std::vector<float> light_paths{20, 7};
+  LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), {}, {}, 11, 2};
+  kernel.light_paths = mutable_view_of(light_paths);
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(light_paths, (std::vector<float>{11, 7}));
+  EXPECT_EQ(samples, (std::vector<uint32_t>{3, 11}));
+}
+
 TEST(ReprojectionClaims, PixelsOfLargePicturesHaveExactIndices) {
   CameraView camera;
   camera.resolution = {7680, 4320};  // twice as many pixels as floats can number

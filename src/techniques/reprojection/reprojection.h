@@ -316,11 +316,13 @@ struct LimitKernel {
   View<const uint32_t> limits;  ///< of each pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
+  View<float> light_paths = {};  ///< weight of the film of light paths (LightFilm); empty: there is no film
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const uint32_t n = samples[pixel];
     const uint32_t most = limits.empty() ? max_samples : relume::min(limits[pixel], max_samples);
+    if (!light_paths.empty()) light_paths[pixel] = relume::min(light_paths[pixel], static_cast<float>(most));
     if (n <= most) return;
     const float scale = static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
     m2[pixel] *= scale;

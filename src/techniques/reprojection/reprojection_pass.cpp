@@ -67,7 +67,7 @@ PassDeclaration ReprojectionPass::declaration() const {
           .owns = std::move(owns),
           .reads = std::move(reads),
           .writes = {"mean", "m2", "samples"},
-          .writes_if_any = {"adaptive-m2"},
+          .writes_if_any = {"adaptive-m2", "light-paths"},
           .moves_surfaces = true};
 }
 
@@ -227,6 +227,7 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
   if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
   kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
+  kernel.light_paths = frame.view<float>("light-paths");
   kernel.width = frame.width();
   launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
 }
