@@ -75,10 +75,10 @@ void check_stop_settings(const Settings& settings) {
   const StopCriteria criteria = stop_criteria(settings.stop);
   const uint32_t pilot = pilot_samples(settings.render);
   if (criteria.samples > 0 && criteria.samples <= pilot) {
-    throw UsageError(
-        fmt::format("--adaptive.pilot leaves the first {} samples out of the picture; give --spp more, or a "
-                    "smaller --adaptive.max",
-                    pilot));
+    throw UsageError(fmt::format(
+        "--adaptive.pilot leaves the samples of the first {} frames out of the image; give --spp more, or a "
+        "smaller --adaptive.max",
+        pilot));
   }
   if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
   throw UsageError(

@@ -27,6 +27,8 @@ class AdaptiveSamplingPass final : public Pass {
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  /// The frame that ends the pilot clears the image, so it must not be abandoned.
+  bool keeps_state() const override { return settings_.pilot; }
   size_t memory_bytes() const override {
     return rows_.capacity() * sizeof(PooledMoments) + totals_.capacity() * sizeof(double);
   }

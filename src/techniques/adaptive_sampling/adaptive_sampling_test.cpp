@@ -6,6 +6,8 @@
 
 #include "core/error.h"
 #include "render/build_pipeline.h"
+#include "render/session.h"
+#include "scene/builtin.h"
 #include "techniques/adaptive_sampling/pilot.h"
 
 namespace relume {
@@ -138,6 +140,25 @@ TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
   }
   settings.adaptive.max_samples = 65;
   EXPECT_NO_THROW(check_combination(settings));
+}
+
+TEST(AdaptiveSampling, TheFrameThatEndsThePilotIsNotAbandoned) {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.pilot = true;
+  settings.adaptive.max_samples = 6;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  for (int i = 0; i < 6; ++i) session.render_frame();
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(session.render_frame(stop.get_token()));
+  EXPECT_EQ(session.kept_samples(), 1);
+  settings.adaptive.pilot = false;
+  ASSERT_TRUE(session.set_settings(settings));
+  session.render_frame();
+  EXPECT_FALSE(session.render_frame(stop.get_token())) << "without a pilot frames stop at once";
 }
 
 TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
