@@ -32,7 +32,7 @@ struct FrameContext {
   Change changes = Change::none;  ///< since the frame before
   std::stop_token stop;           ///< set only if no pass remembers anything beyond its buffers
   bool begins_picture = false;    ///< the first frame of a picture: of a sequence, or after a change
-  bool begins_epoch = true;       ///< structures that learn may take in what earlier frames found
+  bool begins_epoch = true;       ///< paths sample with all that was learned so far, not with a snapshot of it
   bool stratified = false;  ///< a pixel's samples since the last change are one low-discrepancy sequence, and its own
   const BufferAccess* access = nullptr;  ///< of the pass that runs; nullptr: everything
   std::stop_token hurry =

@@ -17,7 +17,7 @@ std::string refusal(const RenderSettings& settings);
 /// Whether paths leave samples from which light selection or guiding learn.
 bool learns(const RenderSettings& settings);
 
-/// Changes after which pixels start their sequences of samples again: no history continues beyond them.
+/// Changes after which every pixel starts a new sequence of samples.
 Change ends_sequences(const RenderSettings& settings);
 
 /// Frames after a change whose samples leave the picture again (AdaptiveSamplingSettings::pilot); 0: none do.

@@ -160,5 +160,22 @@ TEST(PassTimes, AreWhatHasBeenTakenSince) {
   EXPECT_EQ(since[2].seconds, 0.25);
 }
 
+/// A view that rests keeps the sequence of samples, whatever could take its history along.
+TEST(Session, AStillViewIsReprojectedToTheBitsOfItsMean) {
+  RenderSettings settings = small_settings();
+  Session accumulated(find_builtin_scene("cornell")->build(), settings);
+  settings.history = HistoryChoice::reproject;
+  for (const ReprojectionMethod method : {ReprojectionMethod::forward, ReprojectionMethod::backward}) {
+    settings.reproject.method = method;
+    Session reprojected(find_builtin_scene("cornell")->build(), settings);
+    accumulated.restart(0);
+    for (int frame = 0; frame < 16; ++frame) {
+      accumulated.render_frame();
+      reprojected.render_frame();
+      EXPECT_EQ(accumulated.image().pixels, reprojected.image().pixels) << "frame " << frame;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace relume

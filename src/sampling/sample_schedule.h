@@ -15,7 +15,7 @@ struct SampleSchedule {
   uint32_t longest_epoch = 0;  ///< frames; 0: nothing learns, and one sequence serves all frames
   uint32_t pilot = 0;          ///< frames after a change whose samples leave the image; 0: none do
 
-  /// Whether the frame starts a sequence because of what earlier frames found.
+  /// Whether the frame is the first of its epoch; always true where nothing learns.
   bool begins_epoch(uint32_t since_change) const;
   /// Index of the frame's samples. `age`: frames since a change started the sequence.
   uint32_t sample(uint32_t age, uint32_t since_change) const;

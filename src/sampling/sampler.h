@@ -105,24 +105,13 @@ class Sampler {
       x_[k] = point.x;
       y_[k] = point.y;
     }
+    for (uint32_t k = 0; k < kBlock && !shifts_.tile.empty(); ++k) set(k, shifted({x_[k], y_[k]}, seed_of(start + k)));
     const bool own_camera = camera_scramble_ != scramble_ || camera_index_ != reversed_index_;
-    if (start == 0 && own_camera) fill_camera();
-    if (!shifts_.tile.empty()) shift_block(start);
+    for (uint32_t k = 0; k < kCameraDimensions && start == 0 && own_camera; ++k) set(k, camera_2d(k));
   }
-  RELUME_HD void fill_camera() {
-    for (uint32_t k = 0; k < kCameraDimensions; ++k) {
-      const Vec2 point = owen_sobol_2d(camera_index_, hash(camera_scramble_ + k));
-      x_[k] = point.x;
-      y_[k] = point.y;
-    }
-  }
-  RELUME_HD void shift_block(uint32_t start) {
-    for (uint32_t k = 0; k < kBlock; ++k) {
-      const bool camera = start + k < kCameraDimensions;
-      const Vec2 point = shifted({x_[k], y_[k]}, hash((camera ? camera_scramble_ : scramble_) + start + k));
-      x_[k] = point.x;
-      y_[k] = point.y;
-    }
+  RELUME_HD_INLINE void set(uint32_t k, const Vec2& point) {
+    x_[k] = point.x;
+    y_[k] = point.y;
   }
 
   uint32_t scramble_;

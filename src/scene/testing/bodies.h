@@ -40,6 +40,21 @@ inline Material lambert(const Rgb& albedo) {
   return m;
 }
 
+/// Adds a square of 2 m that emits and faces down, 1.5 m above the plate.
+inline void add_square_lamp(Scene& scene, const Rgb& emission) {
+  Material lamp = lambert(Rgb(0));
+  lamp.emission = emission;
+  Mesh mesh;
+  mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = static_cast<Index>(scene.materials.size());
+  scene.materials.push_back(lamp);
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size())};
+  scene.meshes.push_back(mesh);
+  scene.add_node(node);
+}
+
 /// Absorbs but neither reflects nor refracts.
 inline Material tint(const Rgb& absorption) {
   Material m = lambert(Rgb(1));

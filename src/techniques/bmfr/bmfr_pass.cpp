@@ -91,15 +91,15 @@ bool BmfrPass::run(const FrameContext& frame) {
   const BlockNoiseKernel noise{mutable_view_of(noise_), frame.number};
   launch(frame.backend, "bmfr-fit", noise, kBlockPixels, kBlockFeatures - 1);
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
-  reflected_ = reflects_;
-  reflects_ = split_ && shows_reflections(frame);
-  for (size_t i = 0; i < (reflects_ ? 2 : 1); ++i) accumulate(frame, parts[i]);
-  for (size_t i = 0; i < (reflects_ ? 2 : 1); ++i) fit(frame, parts[i]);
+  if (split_) reflecting_.begin_frame(frame);
+  const size_t count = split_ && reflecting_.now() ? 2 : 1;
+  for (size_t i = 0; i < count; ++i) accumulate(frame, parts[i]);
+  for (size_t i = 0; i < count; ++i) fit(frame, parts[i]);
   if (!split_) {
     present(frame);
     return true;
   }
-  if (!reflects_) forget_specular(frame);
+  if (!reflecting_.now()) forget_specular(frame);
   present_parts(frame);
   return true;
 }
@@ -148,7 +148,8 @@ void BmfrPass::fit(const FrameContext& frame, LightPart part) const {
   // Without fits of earlier frames the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
-  if (begins_anew(frame, "bmfr-samples", reflects_ ? "bmfr-specular-samples" : "")) fits = kFirstFits;
+  if (lacks_history(frame, "bmfr-samples", split_ && reflecting_.now() ? "bmfr-specular-samples" : ""))
+    fits = kFirstFits;
   for (uint32_t i = 0; i < fits; ++i) {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);
@@ -187,11 +188,8 @@ void BmfrPass::present_parts(const FrameContext& frame) const {
   kernel.width = frame.width();
   launch(frame.backend, "bmfr-present", kernel, frame.width(), frame.height());
   PictureBuffers buffers{"bmfr-present", "bmfr-shown", "bmfr-picture", "bmfr-samples"};
-  if (reflects_ || reflected_) {
-    buffers.specular_shown = "bmfr-specular-shown";
-    buffers.specular_history = "bmfr-specular-picture";
-    buffers.specular_samples = "bmfr-specular-samples";
-  }
+  if (reflecting_.recently())
+    buffers.specular = {"bmfr-specular-shown", "bmfr-specular-picture", "bmfr-specular-samples"};
   finish_picture(frame, buffers, settings_.history.newest);
 }
 

@@ -32,8 +32,7 @@ class BmfrPass final : public Pass {
 
   const BmfrSettings& settings_;
   bool split_;
-  bool reflects_ = true;   ///< some pixel of this frame keeps specular light apart
-  bool reflected_ = true;  ///< the same of the frame before
+  ReflectingFrames reflecting_;
   LightChange change_[2];  ///< of light that is not specular, and of light that is
   std::vector<float> noise_;
 };

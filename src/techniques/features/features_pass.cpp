@@ -166,9 +166,10 @@ void add_split_buffers(std::vector<std::string_view>& reads) {
                 "specular-previous", "specular-normal", "specular-depth", "specular-motion"});
 }
 
-bool shows_reflections(const FrameContext& frame) {
+void ReflectingFrames::begin_frame(const FrameContext& frame) {
   const View<const Rgb> albedo = frame.view<const Rgb>("specular-albedo");
-  return std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
+  before_ = now_;
+  now_ = std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
 }
 
 SurfaceLight surface_light(const FrameContext& frame, LightPart part) {
@@ -193,7 +194,7 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
           .discounts = {}};
 }
 
-bool begins_anew(const FrameContext& frame, std::string_view samples, std::string_view specular_samples) {
+bool lacks_history(const FrameContext& frame, std::string_view samples, std::string_view specular_samples) {
   if (frame.number > 0 && frame.changes == Change::none) return false;
   const View<const Rgb> albedo = frame.view<const Rgb>("feature-albedo");
   const View<const uint32_t> known = frame.view<const uint32_t>(samples);
@@ -223,17 +224,17 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.unfiltered = frame.view<Rgb>(kUnfiltered);
   average.filtered_share = frame.view<float>(kFilteredShare);
   average.picture = frame.view<Rgb>(buffers.history);
-  if (!buffers.specular_shown.empty()) {
-    average.specular.shown = frame.view<const Rgb>(buffers.specular_shown);
-    average.specular.before = frame.previous<const Rgb>(buffers.specular_history);
+  if (!buffers.specular.shown.empty()) {
+    average.specular.shown = frame.view<const Rgb>(buffers.specular.shown);
+    average.specular.before = frame.previous<const Rgb>(buffers.specular.history);
     average.specular.motion = frame.view<const Vec2>("specular-motion");
-    average.specular.picture = frame.view<Rgb>(buffers.specular_history);
+    average.specular.picture = frame.view<Rgb>(buffers.specular.history);
   }
   average.still = still;
   average.newest = newest;
   average.frames = frame.since_change + 1;
   const bool changed = includes(frame.changes, Change::materials | Change::settings);
-  if (frame.number == 0 || changed || begins_anew(frame, buffers.samples, buffers.specular_samples))
+  if (frame.number == 0 || changed || lacks_history(frame, buffers.samples, buffers.specular.samples))
     average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();

@@ -51,8 +51,21 @@ enum class LightPart : int { whole, diffuse, specular };
 /// What a denoiser reads besides if it keeps diffuse and specular light apart.
 void add_split_buffers(std::vector<std::string_view>& reads);
 
-/// Whether any pixel keeps specular light apart. Where none does, histories of it need no work.
-bool shows_reflections(const FrameContext& frame);
+/// Whether any pixel keeps specular light apart. A frame without one does no work for its histories.
+class ReflectingFrames {
+ public:
+  /// Call once in each frame in which light is kept apart.
+  void begin_frame(const FrameContext& frame);
+
+  bool now() const { return now_; }
+  /// In this frame or the one before, whose specular light still has to be blended.
+  bool recently() const { return now_ || before_; }
+
+ private:
+  // After a checkpoint the first frame blends empty buffers, which changes nothing.
+  bool now_ = true;
+  bool before_ = true;
+};
 
 /// This frame's samples beside its features.
 SurfaceLight surface_light(const FrameContext& frame, LightPart part = LightPart::whole);
@@ -80,14 +93,16 @@ struct PictureBuffers {
   std::string_view shown;
   std::string_view history;
   std::string_view samples;  ///< of each pixel's light, this frame's included
-  // The same of the specular part of `shown` and `history`; empty if light is not kept apart.
-  std::string_view specular_shown = {};
-  std::string_view specular_history = {};
-  std::string_view specular_samples = {};
+  /// The same of the specular part of `shown` and `history`; empty if light is not kept apart.
+  struct Specular {
+    std::string_view shown;
+    std::string_view history;
+    std::string_view samples;
+  } specular = {};
 };
-/// Whether most of what is filtered knows no more than this frame's sample: at the start, and after a cut. A look at
-/// some of the pixels tells.
-bool begins_anew(const FrameContext& frame, std::string_view samples, std::string_view specular_samples = {});
+/// Whether most filtered pixels have no sample from earlier frames, as at the start and after a cut. Judged by one
+/// pixel in 61.
+bool lacks_history(const FrameContext& frame, std::string_view samples, std::string_view specular_samples = {});
 
 /// `newest`: weight of this frame where something moves.
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);

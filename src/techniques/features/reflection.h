@@ -72,8 +72,8 @@ RELUME_HD inline float curvature(const SceneView& scene, const Hit& hit, const V
   return glm::dot(n[0], normal) < 0.0f ? -mean : mean;
 }
 
-/// Distance behind a surface at which it shows what is `distance` metres away: the equation of a spherical mirror.
-/// Concave surfaces magnify at most fourfold here; real images in front of them are not followed.
+/// Distance of the image behind a spherical mirror, metres, of an object at `distance` metres. The magnification of
+/// concave mirrors is limited to 4; real images in front of them are not followed.
 RELUME_HD inline float image_distance(float distance, float curvature) {
   return distance / relume::max(1.0f + 2.0f * curvature * distance, 0.25f);
 }

@@ -7,6 +7,7 @@
 
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
+#include "techniques/path/testing/run_kernel.h"
 
 namespace relume {
 namespace {
@@ -38,16 +39,7 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   kernel.rays = mutable_view_of(rays);
   kernel.width = kWidth;
   kernel.observation = {mutable_view_of(radiance), mutable_view_of(vertices)};
-  for (uint32_t y = 0; y < kHeight; ++y) {
-    for (uint32_t x = 0; x < kWidth; ++x) {
-      primary(x, y);
-      if (!tiles) kernel(x, y);
-    }
-  }
-  for (uint32_t y = 0; tiles && y < kHeight; y += kTileSize) {
-    for (uint32_t x = 0; x < kWidth; x += kTileSize)
-      kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
-  }
+  testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
   return vertices;
 }
 

@@ -30,7 +30,7 @@ struct PathOutputs {
 /// Traces one path for each pixel that the allocation gives one.
 class PathPass final : public Pass {
  public:
-  /// `recording`: where paths leave samples to learn from; nullptr if nobody does.
+  /// `recording`: where paths store samples for learning; nullptr: they store none.
   PathPass(const PathSource& source, const PathOutputs& outputs, const PathRecording* recording = nullptr)
       : source_(source), outputs_(outputs), recording_(recording) {}
 

@@ -7,7 +7,7 @@
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
-#include "techniques/path/path_kernel.h"
+#include "techniques/path/testing/run_kernel.h"
 
 namespace relume {
 namespace {
@@ -109,17 +109,7 @@ double square_factor(double a, double h) {
 TEST(Path, SquareLightGivesItsFormFactor) {
   for (const bool by_uniform : {false, true}) {
     Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
-    Material lamp = lambert(Rgb(0));
-    lamp.emission = Rgb(3);
-    scene.materials.push_back(lamp);
-    Mesh mesh;
-    mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.material = 1;
-    scene.meshes.push_back(mesh);
-    Node node;
-    node.meshes = {1};
-    scene.add_node(node);
+    testing::add_square_lamp(scene, Rgb(3));
     RenderSettings settings = small(16, 1);
     settings.lights = by_uniform ? LightSelectionChoice::uniform : LightSelectionChoice::power;
     const Rendered r = render(scene, 512, settings);
@@ -296,19 +286,7 @@ Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32
   kernel.observation.radiance = mutable_view_of(traced.radiance);
   kernel.rays = mutable_view_of(traced.rays);
   kernel.width = width;
-  for (uint32_t y = 0; y < height; ++y) {
-    for (uint32_t x = 0; x < width; ++x) primary(x, y);
-  }
-  if (tile_size == 0) {
-    for (uint32_t y = 0; y < height; ++y) {
-      for (uint32_t x = 0; x < width; ++x) kernel(x, y);
-    }
-    return traced;
-  }
-  for (uint32_t y = 0; y < height; y += tile_size) {
-    for (uint32_t x = 0; x < width; x += tile_size)
-      kernel(Tile{x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
-  }
+  testing::run_kernel(primary, kernel, width, height, tile_size);
   return traced;
 }
 

@@ -8,6 +8,7 @@
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
+#include "techniques/path/testing/run_kernel.h"
 
 namespace relume {
 namespace {
@@ -51,16 +52,7 @@ struct Tracer {
     const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
     auto kernel = kernel_of(scene.view(), index, hits, rays, observation);
     kernel.context.max_bounces = max_bounces;
-    for (uint32_t y = 0; y < kHeight; ++y) {
-      for (uint32_t x = 0; x < kWidth; ++x) {
-        primary(x, y);
-        if (!tiles) kernel(x, y);
-      }
-    }
-    for (uint32_t y = 0; tiles && y < kHeight; y += kTileSize) {
-      for (uint32_t x = 0; x < kWidth; x += kTileSize)
-        kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
-    }
+    testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
   }
 
   Parts parts(uint32_t sample, bool tiles) const {
@@ -96,17 +88,7 @@ Means means_of(const Scene& scene, uint32_t max_bounces, uint32_t samples = 1) {
 /// A plate below a lamp and a sky.
 Scene lit_plate(const Material& material) {
   Scene scene = testing::plate(material, 5, 2);
-  Material lamp = testing::lambert(Rgb(0));
-  lamp.emission = Rgb(9, 6, 3);
-  scene.materials.push_back(lamp);
-  Mesh mesh;
-  mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.material = 1;
-  scene.meshes.push_back(mesh);
-  Node node;
-  node.meshes = {1};
-  scene.add_node(node);
+  testing::add_square_lamp(scene, Rgb(9, 6, 3));
   scene.environment.kind = EnvironmentKind::constant;
   scene.environment.color = Rgb(0.1f, 0.2f, 0.3f);
   return scene;

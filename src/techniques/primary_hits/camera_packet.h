@@ -40,27 +40,26 @@ struct CameraPacket {
     float film_x[kPacketSize];
     float film_y[kPacketSize];
     uint32_t all_ids[kPacketSize];
-    if (index.is_plain()) {
-      // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
+    const auto draw = [&](const auto& sampler_of) {
       for (uint32_t k = 0; k < kPacketSize; ++k) {
         const uint32_t column = x0 + k % kColumns;
         const uint32_t row = y0 + k / kColumns;
-        const Sampler sampler = Sampler::sequence(index.seed, column, row, index.sample, index.sequence);
+        const Sampler sampler = sampler_of(column, row);
         const Vec2 u = sampler.first_2d();
         film_x[k] = static_cast<float>(column) + u.x;
         film_y[k] = static_cast<float>(row) + u.y;
         all_ids[k] = sampler.camera_ray_id();
       }
+    };
+    if (index.is_plain()) {
+      // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
+      draw([&](uint32_t column, uint32_t row) {
+        return Sampler::sequence(index.seed, column, row, index.sample, index.sequence);
+      });
     } else {
-      for (uint32_t k = 0; k < kPacketSize; ++k) {
-        const uint32_t column = relume::min(x0 + k % kColumns, tile.x1 - 1);
-        const uint32_t row = relume::min(y0 + k / kColumns, tile.y1 - 1);
-        const Sampler sampler = index.sampler(column, row);
-        const Vec2 u = sampler.first_2d();
-        film_x[k] = static_cast<float>(column) + u.x;
-        film_y[k] = static_cast<float>(row) + u.y;
-        all_ids[k] = sampler.camera_ray_id();
-      }
+      draw([&](uint32_t column, uint32_t row) {
+        return index.sampler(relume::min(column, tile.x1 - 1), relume::min(row, tile.y1 - 1));
+      });
     }
     Directions directions;
     const bool pinhole = camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f);

@@ -66,9 +66,9 @@ PassDeclaration SvgfPass::declaration() const {
 
 bool SvgfPass::run(const FrameContext& frame) {
   const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
-  reflected_ = reflects_;
-  reflects_ = split_ && shows_reflections(frame);
-  for (size_t i = 0; i < (reflects_ ? 2 : 1); ++i) {
+  if (split_) reflecting_.begin_frame(frame);
+  const size_t count = split_ && reflecting_.now() ? 2 : 1;
+  for (size_t i = 0; i < count; ++i) {
     accumulate(frame, parts[i]);
     prepare(frame, parts[i]);
     filter(frame, light_[i]);
@@ -77,7 +77,7 @@ bool SvgfPass::run(const FrameContext& frame) {
     present(frame);
     return true;
   }
-  if (!reflects_) forget_specular(frame);
+  if (!reflecting_.now()) forget_specular(frame);
   present_parts(frame);
   return true;
 }
@@ -158,11 +158,8 @@ void SvgfPass::present_parts(const FrameContext& frame) {
   kernel.width = frame.width();
   launch(frame.backend, "svgf-present", kernel, frame.width(), frame.height());
   PictureBuffers buffers{"svgf-present", "svgf-shown", "svgf-picture", "svgf-samples"};
-  if (reflects_ || reflected_) {
-    buffers.specular_shown = "svgf-specular-shown";
-    buffers.specular_history = "svgf-specular-picture";
-    buffers.specular_samples = "svgf-specular-samples";
-  }
+  if (reflecting_.recently())
+    buffers.specular = {"svgf-specular-shown", "svgf-specular-picture", "svgf-specular-samples"};
   finish_picture(frame, buffers, settings_.history.newest);
 }
 

@@ -34,8 +34,7 @@ class SvgfPass final : public Pass {
 
   const SvgfSettings& settings_;
   bool split_;
-  bool reflects_ = true;   ///< some pixel of this frame keeps specular light apart
-  bool reflected_ = true;  ///< the same of the frame before
+  ReflectingFrames reflecting_;
   LightChange change_[2];
   std::vector<float> features_;
   std::vector<float> light_[2];
