@@ -12,6 +12,7 @@
 #include "techniques/features/edge_emission_pass.h"
 #include "techniques/features/features_pass.h"
 #include "techniques/features/split_light_pass.h"
+#include "techniques/firefly_clamp/firefly_clamp_pass.h"
 #include "techniques/light_selection/light_selection_pass.h"
 #include "techniques/light_tree/light_tree_pass.h"
 #include "techniques/octree/octree_pass.h"
@@ -51,7 +52,7 @@ bool reads_surface(const Pipeline& pipeline) {
 bool only_samples_read_hits(const Pipeline& pipeline) {
   const std::vector<PassDeclaration> list = pipeline.declarations();
   return std::none_of(list.begin(), list.end(), [](const PassDeclaration& pass) {
-    const bool follows = pass.name == "trace" || pass.name == "store";
+    const bool follows = pass.name == "trace" || pass.name == "store" || pass.name == "firefly-clamp";
     return !follows && std::find(pass.reads.begin(), pass.reads.end(), "primary-hits") != pass.reads.end();
   });
 }
@@ -242,6 +243,7 @@ Pipeline build_pipeline(const RenderSettings& settings) {
   const DirectionSampler& directions = add_direction_sampling(pipeline, settings, octree);
   const PathSource source{settings.path, selector, directions};
   add_paths(pipeline, settings, source, octree);
+  if (settings.firefly.limit > 0) add<FireflyClampPass>(pipeline, settings.firefly);
   if (settings.guide == GuideChoice::cdq) add<DirectionViewPass>(pipeline, source, settings.cdq, *octree);
   add_history(pipeline, settings);
   add_allocation(pipeline, settings);

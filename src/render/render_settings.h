@@ -11,6 +11,7 @@
 #include "techniques/bmfr/settings.h"
 #include "techniques/directional_quadtree/settings.h"
 #include "techniques/features/settings.h"
+#include "techniques/firefly_clamp/settings.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/octree/settings.h"
 #include "techniques/path/settings.h"
@@ -68,6 +69,7 @@ struct RenderSettings {
   AdaptiveSamplingSettings adaptive;
   ReprojectionSettings reproject;
   BdptSettings bdpt;
+  FireflySettings firefly;
   FeatureSettings features;
   BmfrSettings bmfr;
   SvgfSettings svgf;

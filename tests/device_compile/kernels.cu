@@ -26,6 +26,7 @@
 #include "techniques/features/light_change.h"
 #include "techniques/features/picture_history.h"
 #include "techniques/features/split_light.h"
+#include "techniques/firefly_clamp/firefly_clamp.h"
 #include "techniques/hash_grid/maintain.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/region_view.h"
@@ -136,6 +137,8 @@ template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);
 template __global__ void run(CompareBlocksKernel, uint32_t, uint32_t);
 template __global__ void run(DiscountBlocksKernel, uint32_t, uint32_t);
 template __global__ void run(ReplaceEmissionKernel, uint32_t, uint32_t);
+template __global__ void run(FireflyFactorKernel, uint32_t, uint32_t);
+template __global__ void run(FireflyScaleKernel, uint32_t, uint32_t);
 template __global__ void run(SplitLightKernel, uint32_t, uint32_t);
 template __global__ void run(PictureHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(ConvergeKernel, uint32_t, uint32_t);

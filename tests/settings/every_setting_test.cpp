@@ -96,6 +96,7 @@ const Context kContexts[] = {
     {"adaptive.", "allocation=adaptive adaptive.max=6"},
     {"adaptive.max", "adaptive.method=paper", "32"},
     {"adaptive.exposure", "adaptive.metric=display", "8"},
+    {"firefly.limit", "", "0.5 2"},
     {"reproject.", "history=reproject", "", Motion::camera},
     {"reproject.error", "", "0 1000", Motion::camera},
     {"reproject.light-error", "", "0.0001 1000", Motion::lamp},
