@@ -24,6 +24,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
   if (samples_per_step > 0) {
     result.settings.history = HistoryChoice::reproject;
     result.settings.reproject.stored = StoredSampleChoice::one;
+    result.settings.reproject.fill = false;  // which the paper does not do
   }
   if (min_samples > 0) {
     result.settings.allocation = AllocationChoice::adaptive;

@@ -55,6 +55,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
   if (samples_per_step == 0) return result;
   result.settings.history = HistoryChoice::reproject;
   result.settings.reproject.stored = stored;
+  result.settings.reproject.fill = false;  // which the paper does not do
   result.settings.reproject.error = error;
   result.name = fmt::format("{} stored, {} a step", stored == StoredSampleChoice::four ? 4 : 1, samples_per_step);
   if (error != kSmallestError) result.name += fmt::format(", ε {}/256", std::lround(error * 256));

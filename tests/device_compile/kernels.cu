@@ -38,6 +38,7 @@
 #include "techniques/path_space_filter/path_space_filter.h"
 #include "techniques/primary_hits/primary_hits.h"
 #include "techniques/reprojection/backward.h"
+#include "techniques/reprojection/look_back.h"
 #include "techniques/reprojection/reprojection.h"
 #include "techniques/reprojection/specular_history.h"
 #include "techniques/static_light_lists/build_lists.h"
@@ -124,6 +125,7 @@ template __global__ void run(MoveKernel<Rgb>, uint32_t, uint32_t);
 template __global__ void run(MoveKernel<uint32_t>, uint32_t, uint32_t);
 template __global__ void run(LimitKernel, uint32_t, uint32_t);
 template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
+template __global__ void run(FillKernel, uint32_t, uint32_t);
 template __global__ void run(DetachSpecularKernel, uint32_t, uint32_t);
 template __global__ void run(AttachSpecularKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateSpecularKernel, uint32_t, uint32_t);

@@ -173,10 +173,8 @@ struct BackwardReprojection {
   }
 };
 
-/// The history "reproject" by looking back: mean and variance are interpolated, counts take the least of the taps. What
-/// else follows the surface need not mean anything in between: it moves from the heaviest tap.
-struct BackwardHistoryKernel {
-  BackwardReprojection reprojection;
+/// Means and variances between pixels of the frame before: they are interpolated, counts are the least of the taps'.
+struct InterpolatedHistory {
   View<const Rgb> mean_before;
   View<const float> m2_before;
   View<const Rgb> m2_rgb_before;
@@ -185,21 +183,15 @@ struct BackwardHistoryKernel {
   View<float> m2;
   View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
   View<uint32_t> samples;
-  View<uint32_t> sources;  ///< heaviest tap, or kNoSource
-  View<uint32_t> kept;
-  View<uint32_t> reasons;  ///< ReprojectionFate
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    const uint32_t pixel = y * reprojection.width + x;
-    const BackwardTaps taps = reprojection.taps(x, y);
+  /// What `taps` know becomes the history of the pixel. Returns the number of samples that it counts for.
+  RELUME_HD uint32_t inherit(uint32_t pixel, const BackwardTaps& taps) const {
     const uint32_t count = taps.least(samples_before);
-    kept[pixel] = count > 0;
-    reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
     samples[pixel] = count;
     mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
     m2[pixel] = squares(taps, m2_before, count);
     if (!m2_rgb.empty()) m2_rgb[pixel] = squares(taps, m2_rgb_before, count);
-    sources[pixel] = count > 0 ? taps.heaviest() : kNoSource;
+    return count;
   }
 
  private:
@@ -214,7 +206,27 @@ struct BackwardHistoryKernel {
     }
     return count > 1 ? variance * static_cast<float>(count - 1u) : variance;
   }
+};
 
+/// The history "reproject" by looking back. What else follows the surface need not mean anything in between: it moves
+/// from the heaviest tap.
+struct BackwardHistoryKernel {
+  BackwardReprojection reprojection;
+  InterpolatedHistory history;
+  View<uint32_t> sources;  ///< heaviest tap, or kNoSource
+  View<uint32_t> kept;
+  View<uint32_t> reasons;  ///< ReprojectionFate
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * reprojection.width + x;
+    const BackwardTaps taps = reprojection.taps(x, y);
+    const uint32_t count = history.inherit(pixel, taps);
+    kept[pixel] = count > 0;
+    reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
+    sources[pixel] = count > 0 ? taps.heaviest() : kNoSource;
+  }
+
+ private:
   RELUME_HD ReprojectionFate reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
     if (count > 0) return ReprojectionFate::kept;
     if (taps.valid) return ReprojectionFate::empty;

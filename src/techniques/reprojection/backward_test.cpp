@@ -4,25 +4,13 @@
 
 #include <vector>
 
+#include "techniques/reprojection/testing/plane.h"
+
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 4;
-
-/// A plane that moves to the right by half a pixel; where pixel 5 was, another surface was seen.
-struct Plane {
-  BackwardReprojection reprojection() const {
-    return {view_of(motion),   view_of(position), view_of(normal), view_of(depth), view_of(instance),
-            view_of(position), view_of(normal),   view_of(before), kWidth,         4};
-  }
-
-  std::vector<Vec2> motion = std::vector<Vec2>(16, Vec2(0.5f, 0));
-  std::vector<Vec3> position = std::vector<Vec3>(16, Vec3(0));
-  std::vector<Vec3> normal = std::vector<Vec3>(16, Vec3(0, 0, 1));
-  std::vector<float> depth = std::vector<float>(16, 1.0f);
-  std::vector<uint32_t> instance = std::vector<uint32_t>(16, 7);
-  std::vector<uint32_t> before = {7, 7, 7, 7, 7, 8, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7};
-};
+using testing::History;
+using testing::Plane;
 
 TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   Plane plane;
@@ -58,13 +46,6 @@ TEST(BackwardReprojection, LeavesOutWhatKnowsNothing) {
   counts[7] = 0;
   EXPECT_FALSE(all.known(view_of(counts)).valid);
 }
-
-struct History {
-  std::vector<Rgb> mean = std::vector<Rgb>(16, Rgb(3));
-  std::vector<float> m2 = std::vector<float>(16, 1.0f);
-  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(1, 2, 3));
-  std::vector<uint32_t> samples = std::vector<uint32_t>(16, 9);
-};
 
 struct NewHistory {
   std::vector<Rgb> mean = std::vector<Rgb>(16);
@@ -110,7 +91,7 @@ TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   History before;
   NewHistory now;
   before.samples[6] = 0;
-  for (uint32_t x = 0; x < kWidth; ++x) kernel_of(plane, before, now)(x, 0);
+  for (uint32_t x = 0; x < 4; ++x) kernel_of(plane, before, now)(x, 0);
   const ReprojectionFate expected[] = {ReprojectionFate::off_screen, ReprojectionFate::empty,
                                        ReprojectionFate::other_surface, ReprojectionFate::kept};
   for (size_t i = 0; i < 4; ++i) {

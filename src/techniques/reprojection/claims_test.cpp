@@ -33,18 +33,21 @@ TEST(ReprojectionClaims, OneRelitSampleEndsTheHistoryThatOthersClaim) {
   std::vector<StoredSample> stored(4);
   std::vector<StoredPixel> pixels(2);
   std::vector<uint32_t> limits(2), sources(2), kept(2), reasons(2);
-  const SourceKernel kernel{view_of(claims),
-                            view_of(stored),
-                            view_of(pixels),
-                            mutable_view_of(stored),
-                            mutable_view_of(pixels),
-                            view_of(limits_before),
-                            mutable_view_of(limits),
-                            mutable_view_of(sources),
-                            mutable_view_of(kept),
-                            mutable_view_of(reasons),
-                            2,
-                            2};
+  const std::vector<Hit> hits(2);
+  SourceKernel kernel;
+  kernel.claims = view_of(claims);
+  kernel.stored_before = view_of(stored);
+  kernel.pixels_before = view_of(pixels);
+  kernel.limits_before = view_of(limits_before);
+  kernel.hits = view_of(hits);
+  kernel.stored = mutable_view_of(stored);
+  kernel.pixels = mutable_view_of(pixels);
+  kernel.limits = mutable_view_of(limits);
+  kernel.sources = mutable_view_of(sources);
+  kernel.kept = mutable_view_of(kept);
+  kernel.reasons = mutable_view_of(reasons);
+  kernel.capacity = 2;
+  kernel.width = 2;
   for (uint32_t x = 0; x < 2; ++x) kernel(x, 0);
   EXPECT_EQ(sources, (std::vector<uint32_t>{kNoSource, 0}));
   EXPECT_EQ(kept, (std::vector<uint32_t>{0, 1}));

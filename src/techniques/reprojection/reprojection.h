@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/fixed_point.h"
+#include "techniques/reprojection/look_back.h"
 #include "techniques/reprojection/reprojection_fate.h"
 #include "techniques/reprojection/stored_sample.h"
 
@@ -106,16 +107,17 @@ struct ClaimKernel {
   /// Whether a stored sample, whose surface is at `p`, may bring its history to where `ray` sees it.
   RELUME_HD ReprojectionFate judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
                                    const Ray& ray) const {
-    if (pixel.mixed) return ReprojectionFate::mixed;
     const StoredSample& sample = stored[index];
     SurfacePoint sp;
     const float depth = ray.t_max;
     make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
-    if (sp.bsdf.empty() || near_specular(sp.bsdf)) return ReprojectionFate::near_specular;
-    if (view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
+    const bool same_view = seen_as_before(p);
+    const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
+    if (mirrors && (!same_view || lights_changed)) return ReprojectionFate::near_specular;
+    if (!same_view && view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
     if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
     if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
-    return ReprojectionFate::kept;
+    return pixel.mixed ? ReprojectionFate::mixed : ReprojectionFate::kept;
   }
 
   /// From the camera to `p`; t_max is the distance, 0 behind the camera.
@@ -136,13 +138,18 @@ struct ClaimKernel {
     return occluded(scene.accel, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
   }
 
+  /// A camera that turns in its place sees what rests from the same direction.
+  RELUME_HD bool seen_as_before(const SurfacePosition& p) const {
+    const CameraView& before = scene.previous_camera;
+    return before.projection != Projection::orthographic && before.position == scene.camera.position &&
+           p.before == p.now;
+  }
+
   /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
   RELUME_HD float view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
                              const StoredPixel& pixel) const {
     const CameraView& c = scene.previous_camera;
     const bool parallel = c.projection == Projection::orthographic;
-    // A camera that turns in its place sees the same side of what rests.
-    if (!parallel && c.position == scene.camera.position && p.before == p.now) return 0.0f;
     const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
     const Mat3 turn = turn_of(scene.instances[sample.hit.instance]);
     float error = 0.0f;
@@ -228,44 +235,85 @@ struct ClaimKernel {
   }
 };
 
-/// The winner of each pixel becomes its source.
+/// The winner of each pixel becomes its source. Pixels without one may look back for histories next to where their
+/// surface was.
 struct SourceKernel {
+  SceneView scene;
   View<const uint64_t> claims;
   View<const StoredSample> stored_before;
   View<const StoredPixel> pixels_before;
+  View<const uint32_t> limits_before;
+  LookBack look_back;    ///< empty: pixels without a claim begin anew
+  View<const Hit> hits;  ///< of this frame
   View<StoredSample> stored;
   View<StoredPixel> pixels;
-  View<const uint32_t> limits_before;
   View<uint32_t> limits;
   View<uint32_t> sources;  ///< pixel of the frame before
   View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
   View<uint32_t> reasons;  ///< ReprojectionFate of the pixel where it is
   uint32_t capacity = 1;
+  float max_distance = 0;  ///< see far_apart()
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
+    forget(pixel);
+    ReprojectionFate reason = judge(pixel);
+    if (reason == ReprojectionFate::kept) {
+      const auto sample = static_cast<uint32_t>(claims[pixel]);
+      take_over(pixel, sample / capacity, stored_before[sample]);
+    } else if (!look_back.empty() && may_look_back(reason)) {
+      const BackwardTaps taps = look_back.taps(x, y);
+      if (taps.valid) {
+        take_over(pixel, taps.heaviest(), near_sample(taps.heaviest(), hits[pixel]));
+        reason = ReprojectionFate::filled;
+      }
+    }
+    reasons[pixel] = static_cast<uint32_t>(reason);
+  }
+
+ private:
+  RELUME_HD void forget(uint32_t pixel) const {
     for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
     pixels[pixel] = StoredPixel{};
     kept[pixel] = 0;
-    reasons[pixel] = static_cast<uint32_t>(reason_of(claims[pixel]));
     sources[pixel] = kNoSource;
     limits[pixel] = 0;
-    if (!is_claim(claims[pixel])) return;
+  }
+
+  /// What is said for or against the best claim on the pixel.
+  RELUME_HD ReprojectionFate judge(uint32_t pixel) const {
+    if (!is_claim(claims[pixel])) return reason_of(claims[pixel]);
     const auto sample = static_cast<uint32_t>(claims[pixel]);
-    if (limits_before[sample / capacity] == 0) {
-      reasons[pixel] = static_cast<uint32_t>(ReprojectionFate::relit);
-      return;
-    }
+    if (limits_before[sample / capacity] == 0) return ReprojectionFate::relit;
+    const bool elsewhere = far_apart(scene, stored_before[sample], hits[pixel], max_distance);
+    return elsewhere ? ReprojectionFate::ended : ReprojectionFate::kept;
+  }
+
+  /// Whether what is known speaks of other surfaces than the pixel's own.
+  RELUME_HD static bool may_look_back(ReprojectionFate reason) {
+    return reason == ReprojectionFate::empty || reason == ReprojectionFate::occluded ||
+           reason == ReprojectionFate::mixed || reason == ReprojectionFate::ended;
+  }
+
+  RELUME_HD void take_over(uint32_t pixel, uint32_t source, const StoredSample& sample) const {
     kept[pixel] = 1;
-    sources[pixel] = sample / capacity;
-    limits[pixel] = limits_before[sample / capacity];
-    stored[pixel * capacity] = stored_before[sample];
-    pixels[pixel] = pixels_before[sample / capacity];
+    sources[pixel] = source;
+    limits[pixel] = limits_before[source];
+    stored[pixel * capacity] = sample;
+    pixels[pixel] = pixels_before[source];
     pixels[pixel].inherited = 1;
     pixels[pixel].fresh = Rgb(0);
-    pixels[pixel].fresh_m2 = 0.0f;
     pixels[pixel].fresh_samples = 0;
+  }
+
+  /// The first sample of the source that lies near this frame's hit; not valid if there is none.
+  RELUME_HD StoredSample near_sample(uint32_t source, const Hit& hit) const {
+    for (uint32_t k = 0; k < capacity; ++k) {
+      const StoredSample& sample = stored_before[source * capacity + k];
+      if (sample.valid() && !far_apart(scene, sample, hit, max_distance)) return sample;
+    }
+    return {};
   }
 };
 

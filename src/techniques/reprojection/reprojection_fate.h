@@ -19,6 +19,7 @@ enum class ReprojectionFate : uint32_t {
   covered,         ///< another one that is nearer, or came first, took its place
   other_surface,   ///< backward: another surface was seen where this one was
   ended,           ///< kept at first, but this frame's sample lies on another surface
+  filled,          ///< forward: nothing came, but next to where its surface was a pixel was fit to go on
 };
 
 /// Where a pixel's content comes from: the index of a pixel of the frame before, or this.

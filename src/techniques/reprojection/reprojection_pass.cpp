@@ -5,6 +5,7 @@
 #include <cstring>
 #include <istream>
 #include <iterator>
+#include <optional>
 #include <ostream>
 
 #include "core/stream_io.h"
@@ -17,6 +18,16 @@ namespace {
 /// What a surface that moves takes along. Materials and settings are another matter: then everything starts anew.
 constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
 constexpr Change kEnds = Change::materials | Change::settings;
+
+/// Then light that comes by way of other surfaces lags, and the fewer pixels begin anew the more so.
+constexpr Change kMovesScene = Change::geometry | Change::lights;
+
+constexpr SurfaceBuffers kSurface{.motion = "surface-motion",
+                                  .previous = "surface-previous",
+                                  .position = "surface-position",
+                                  .normal = "surface-normal",
+                                  .depth = "surface-depth",
+                                  .surface = "surface-instance"};
 
 template <typename T>
 void move_elements(const FrameContext& frame, std::vector<std::byte>& before, const Buffer& buffer,
@@ -39,9 +50,53 @@ bool exists_in(const SceneView& scene, const StoredSample& sample) {
 
 }  // namespace
 
+/// Copies of the buffers that are interpolated, as the frame before left them.
+class ReprojectionPass::HistoryBuffers {
+ public:
+  explicit HistoryBuffers(const FrameContext& frame)
+      : mean_(copy(frame.view<Rgb>("mean"))),
+        m2_(copy(frame.view<float>("m2"))),
+        m2_rgb_(copy(frame.view<Rgb>("adaptive-m2"))),
+        samples_(copy(frame.view<uint32_t>("samples"))) {}
+
+  InterpolatedHistory interpolated(const FrameContext& frame) const {
+    return {.mean_before = view_of(mean_),
+            .m2_before = view_of(m2_),
+            .m2_rgb_before = view_of(m2_rgb_),
+            .samples_before = view_of(samples_),
+            .mean = frame.view<Rgb>("mean"),
+            .m2 = frame.view<float>("m2"),
+            .m2_rgb = frame.view<Rgb>("adaptive-m2"),
+            .samples = frame.view<uint32_t>("samples")};
+  }
+
+ private:
+  template <typename T>
+  static std::vector<T> copy(const View<T>& view) {
+    return {view.begin(), view.end()};
+  }
+
+  std::vector<Rgb> mean_;
+  std::vector<float> m2_;
+  std::vector<Rgb> m2_rgb_;
+  std::vector<uint32_t> samples_;
+};
+
+LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
+  return {.reprojection = backward_reprojection(frame, kSurface),
+          .fates = frame.view<const uint32_t>("history-fate"),
+          .limits = view_of(limits_before_)};
+}
+
+bool ReprojectionPass::fills(const FrameContext& frame) const {
+  return settings_.fill && !includes(frame.changes, kMovesScene);
+}
+
+bool ReprojectionPass::looks_back() const { return settings_.method == ReprojectionMethod::backward || settings_.fill; }
+
 PassDeclaration ReprojectionPass::declaration() const {
   std::vector<std::string_view> reads{"mean", "m2", "samples"};
-  if (settings_.method == ReprojectionMethod::backward)
+  if (looks_back())
     reads.insert(reads.end(), {"surface-motion", "surface-previous", "surface-position", "surface-normal",
                                "surface-depth", "surface-instance"});
   const auto shown = [](const char* name, const char* help) {
@@ -50,18 +105,20 @@ PassDeclaration ReprojectionPass::declaration() const {
   const bool forward = settings_.method == ReprojectionMethod::forward;
   std::vector<BufferDescription> owns{
       shown("history-kept", "1 where this frame's pixel continues a history, 0 where it starts one"),
-      shown("history-reason", forward
-                                  ? "why, of this frame's pixel: 1 kept, 10 kept but ended by a sample elsewhere, 0 "
-                                    "nothing came to lie here; what did was 3 occluded, 4 view dependent, 5 near "
-                                    "specular, 6 several surfaces, 7 relit"
-                                  : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
-                                    "another surface was seen where it was")};
+      shown("history-reason",
+            forward
+                ? "why, of this frame's pixel: 1 kept, 11 filled from where its surface was, 0 nothing came to "
+                  "lie here; what did was 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, "
+                  "10 another surface than this frame's sample hit"
+                : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
+                  "another surface was seen where it was")};
   if (forward) {
     owns.push_back(
         shown("history-fate",
               "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
               "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
+  if (forward) reads.push_back("primary-hits");
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = std::move(owns),
@@ -125,8 +182,11 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   pixels_.swap(pixels_before_);
   claim_places(frame);
   take_over(frame);
-  note_covered(frame);
+  std::optional<HistoryBuffers> before;
+  if (fills(frame)) before.emplace(frame);
   frame.for_each_surface_buffer([&](const Buffer& buffer) { move(frame, buffer); });
+  if (before) fill(frame, *before);
+  note_covered(frame);
 }
 
 /// From `sources_`.
@@ -153,7 +213,7 @@ void ReprojectionPass::claim_places(const FrameContext& frame) {
   claim.max_error = settings_.error;
   claim.max_light_error = settings_.light_error;
   claim.exposure = std::exp2(settings_.exposure);
-  claim.lights_changed = includes(frame.changes, Change::lights | Change::geometry);
+  claim.lights_changed = includes(frame.changes, kMovesScene);
   claim.seed = hash(frame.index.seed, frame.number);
   claim.width = frame.width();
   launch(frame.backend, "reproject", claim, frame.width(), frame.height());
@@ -171,6 +231,10 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
   source.sources = mutable_view_of(sources_);
   source.kept = frame.view<uint32_t>("history-kept");
   source.reasons = frame.view<uint32_t>("history-reason");
+  if (fills(frame)) source.look_back = look_back(frame);
+  source.scene = frame.scene;
+  source.hits = frame.view<const Hit>("primary-hits");
+  source.max_distance = settings_.max_distance;
   source.capacity = capacity_;
   source.width = frame.width();
   launch(frame.backend, "reproject", source, frame.width(), frame.height());
@@ -184,30 +248,20 @@ void ReprojectionPass::note_covered(const FrameContext& frame) {
   launch(frame.backend, "reproject", covered, frame.width(), frame.height());
 }
 
+void ReprojectionPass::fill(const FrameContext& frame, const HistoryBuffers& before) const {
+  FillKernel kernel;
+  kernel.look_back = look_back(frame);
+  kernel.reasons = frame.view<const uint32_t>("history-reason");
+  kernel.history = before.interpolated(frame);
+  kernel.width = frame.width();
+  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+}
+
 void ReprojectionPass::run_backward(const FrameContext& frame) {
+  const HistoryBuffers before(frame);
   BackwardHistoryKernel kernel;
-  kernel.reprojection = backward_reprojection(frame, {.motion = "surface-motion",
-                                                      .previous = "surface-previous",
-                                                      .position = "surface-position",
-                                                      .normal = "surface-normal",
-                                                      .depth = "surface-depth",
-                                                      .surface = "surface-instance"});
-  const auto copy = [](auto view) {
-    using T = std::remove_const_t<std::remove_pointer_t<decltype(view.data)>>;
-    return std::vector<T>(view.begin(), view.end());
-  };
-  const auto mean = copy(frame.view<Rgb>("mean"));
-  const auto m2 = copy(frame.view<float>("m2"));
-  const auto m2_rgb = copy(frame.view<Rgb>("adaptive-m2"));
-  const auto samples = copy(frame.view<uint32_t>("samples"));
-  kernel.mean_before = view_of(mean);
-  kernel.m2_before = view_of(m2);
-  kernel.m2_rgb_before = view_of(m2_rgb);
-  kernel.samples_before = view_of(samples);
-  kernel.mean = frame.view<Rgb>("mean");
-  kernel.m2 = frame.view<float>("m2");
-  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
-  kernel.samples = frame.view<uint32_t>("samples");
+  kernel.reprojection = backward_reprojection(frame, kSurface);
+  kernel.history = before.interpolated(frame);
   kernel.sources = mutable_view_of(sources_);
   kernel.kept = frame.view<uint32_t>("history-kept");
   kernel.reasons = frame.view<uint32_t>("history-reason");
@@ -220,7 +274,7 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
 }
 
 void ReprojectionPass::limit(const FrameContext& frame) const {
-  const bool scene_moved = includes(frame.changes, Change::geometry | Change::lights);
+  const bool scene_moved = includes(frame.changes, kMovesScene);
   LimitKernel kernel;
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.m2 = frame.view<float>("m2");
@@ -277,7 +331,7 @@ PassDeclaration StoreSamplesPass::declaration() const {
   return {.name = "store",
           .stage = Stage::present,
           .reads = {"primary-hits", "first-vertices", "radiance"},
-          .writes = {"mean", "m2", "samples", "history-reason"},
+          .writes = {"mean", "m2", "samples"},
           .reads_if_any = {"allocation", "edge-rays"},
           .writes_if_any = {"adaptive-m2"}};
 }
@@ -289,7 +343,6 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.allocation = frame.view<const uint32_t>("allocation");
   kernel.edge_rays = frame.view<const uint32_t>("edge-rays");
   kernel.radiance = frame.view<const Rgb>("radiance");
-  kernel.reasons = frame.view<uint32_t>("history-reason");
   kernel.samples = frame.view<uint32_t>("samples");
   kernel.mean = frame.view<Rgb>("mean");
   kernel.m2 = frame.view<float>("m2");

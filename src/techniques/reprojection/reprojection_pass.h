@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/pass.h"
+#include "techniques/reprojection/look_back.h"
 #include "techniques/reprojection/settings.h"
 #include "techniques/reprojection/stored_sample.h"
 
@@ -30,11 +31,18 @@ class ReprojectionPass final : public Pass {
   uint32_t capacity() const { return capacity_; }
 
  private:
+  class HistoryBuffers;
+
+  bool looks_back() const;
+  /// Whether pixels to which nothing came look back in this frame.
+  bool fills(const FrameContext& frame) const;
   void allocate(const FrameContext& frame);
   void drop_unknown(const SceneView& scene);
   void run_forward(const FrameContext& frame);
   void claim_places(const FrameContext& frame);
   void take_over(const FrameContext& frame);
+  LookBack look_back(const FrameContext& frame) const;
+  void fill(const FrameContext& frame, const HistoryBuffers& before) const;
   void note_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, const Buffer& buffer);

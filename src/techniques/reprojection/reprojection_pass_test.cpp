@@ -123,6 +123,7 @@ struct MovedPlane {
     for (const char* name : {"m2", "sampling-probability"}) add(name, BufferType::f32, true);
     add("samples", BufferType::u32, true);
     add("surface-motion", BufferType::vec2f, false);
+    if (!buffers.find("primary-hits")) buffers.add({.name = "primary-hits", .type = BufferType::hit});
     for (const char* name : {"surface-previous", "surface-position", "surface-normal"})
       add(name, BufferType::rgb32f, false);
     add("surface-depth", BufferType::f32, false);

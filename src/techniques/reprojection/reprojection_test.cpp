@@ -48,7 +48,6 @@ struct Stage {
     store.hits = view_of(hits);
     store.first_vertices = view_of(vertices);
     store.radiance = view_of(radiance);
-    store.reasons = mutable_view_of(reasons);
     store.samples = mutable_view_of(samples);
     store.mean = mutable_view_of(mean);
     store.m2 = mutable_view_of(m2);
@@ -105,7 +104,6 @@ struct Stage {
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
   std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
   std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
-  std::vector<uint32_t> reasons = std::vector<uint32_t>(kPixels);
   std::vector<uint32_t> limits = std::vector<uint32_t>(kPixels);
 };
 
@@ -172,12 +170,26 @@ TEST(Reprojection, NoticesWhatIsHiddenNow) {
   EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
 }
 
-TEST(Reprojection, MirrorsAreNeverTakenAlong) {
+TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
   Stage stage(cornell_of(0.05f, 1.0f));  // α = 0.0025
   stage.render();
+  stage.shift_camera(0.01f);
   stage.claim(10.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
   EXPECT_GT(stage.count(ReprojectionFate::near_specular), 0);
+}
+
+TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
+  Stage stage(cornell_of(0.05f, 1.0f));
+  stage.render();
+  PlacedCamera camera = stage.scene.camera();
+  camera.to_world = glm::rotate(camera.to_world, 0.1f, Vec3(0, 1, 0));
+  stage.scene.set_camera(camera);
+  stage.claim(0.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::near_specular), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  stage.claim(10.0f, true);  // what they mirror may have moved
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
 }
 
 // The paper refuses materials, not lobes.
@@ -186,6 +198,7 @@ TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
   for (Material& m : scene.materials) m.specular = 1.0f;
   Stage stage(std::move(scene));
   stage.render();
+  stage.shift_camera(0.01f);
   stage.claim(10.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
   EXPECT_GT(stage.count(ReprojectionFate::near_specular), static_cast<int>(kPixels) / 2);
@@ -197,8 +210,11 @@ TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
   };
   Stage mirrors(cornell_of(0.05f, 1.0f));
   mirrors.render();
+  mirrors.shift_camera(0.01f);
   mirrors.claim(10.0f, false);
-  EXPECT_EQ(reasons(mirrors, ReprojectionFate::near_specular), mirrors.count(ReprojectionFate::near_specular));
+  const int refused = mirrors.count(ReprojectionFate::near_specular);
+  EXPECT_LE(reasons(mirrors, ReprojectionFate::near_specular), refused);  // two may come to lie in one pixel
+  EXPECT_GT(reasons(mirrors, ReprojectionFate::near_specular), refused * 9 / 10);
   // From far to the left, the tall box hides a part of the back wall that was seen before.
   Stage stage(cornell());
   stage.render();
@@ -312,7 +328,7 @@ TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
   EXPECT_EQ(std::count(stage.limits.begin(), stage.limits.end(), 0u), stage.count(ReprojectionFate::relit));
 }
 
-TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
+TEST(Reprojection, ASampleOnAnotherSurfaceShortensAnInheritedHistory) {
   Stage stage(cornell());
   stage.render();
   uint32_t other = 1;
@@ -320,17 +336,20 @@ TEST(Reprojection, ASampleOnAnotherSurfaceEndsAnInheritedHistory) {
   stage.render();
   stage.pixels[other].inherited = 1;
   stage.stored[other].hit = stage.hits[0];  // what it inherited lies elsewhere
-  stage.samples[other] = 20;
-  stage.mean[other] = Rgb(77);
-  stage.m2_rgb[other] = Rgb(77);
+  stage.samples[other] = 20;                // 19 of them inherited, with a mean of 7
+  const Rgb value = stage.radiance[other];
+  stage.mean[other] = (Rgb(7) * 19.0f + value) / 20.0f;
+  stage.m2[other] = 38;  // a variance of 2
+  stage.m2_rgb[other] = Rgb(19, 38, 57);
   stage.render();
-  EXPECT_EQ(stage.samples[other], 1u);
-  EXPECT_EQ(stage.mean[other], stage.radiance[other]);
-  EXPECT_EQ(stage.m2_rgb[other], Rgb(0));  // of one sample
+  EXPECT_EQ(stage.samples[other], kMixedSamples + 1);
+  const Rgb expected = (Rgb(7) * static_cast<float>(kMixedSamples) + value) / static_cast<float>(kMixedSamples + 1);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(stage.mean[other][c], expected[c], 1e-4f);
+    EXPECT_FLOAT_EQ(stage.m2_rgb[other][c], static_cast<float>(c + 1) * static_cast<float>(kMixedSamples));
+  }
+  EXPECT_FLOAT_EQ(stage.m2[other], 2.0f * static_cast<float>(kMixedSamples));
   EXPECT_EQ(stage.pixels[other].mixed, 1u);
-  EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::ended));
-  stage.render();
-  EXPECT_EQ(stage.reasons[other], static_cast<uint32_t>(ReprojectionFate::kept));  // it ended a frame before
 }
 
 TEST(FirstVertex, AccountsForWhatThePathReflects) {

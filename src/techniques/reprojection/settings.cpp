@@ -9,6 +9,12 @@ SettingList describe(ReprojectionSettings& s) {
        "pixels "
        "look up where they came from, between four neighbours"},
       {"stored", choice(s.stored, {"1", "4"}), "Samples that a pixel stores, each of which may find a place (forward)"},
+      {"fill",
+       &s.fill,
+       "Pixels to which nothing came look back for a history next to where their surface was, in frames in which only "
+       "the "
+       "camera moves (forward)",
+       {.biases = true}},
       {"error",
        &s.error,
        "Largest change of the picture that another viewpoint may make, in display units (forward)",
@@ -25,7 +31,8 @@ SettingList describe(ReprojectionSettings& s) {
        {.min = -30, .max = 30, .unit = "stops"}},
       {"max-distance",
        &s.max_distance,
-       "Samples of one pixel that lie further apart, as a share of their distance, are not taken along",
+       "Samples of one pixel that lie further apart, as a share of their distance, are not taken along; one that lies "
+       "further from this frame's sample is not, either",
        {.min = 0, .max = 1, .biases = true}},
       {"max-samples",
        &s.max_samples,

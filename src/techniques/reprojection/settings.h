@@ -13,6 +13,7 @@ enum class StoredSampleChoice : int { one, four };
 struct ReprojectionSettings {
   ReprojectionMethod method = ReprojectionMethod::forward;
   StoredSampleChoice stored = StoredSampleChoice::four;
+  bool fill = true;
   float error = 1.0f / 256.0f;
   float light_error = 8.0f / 256.0f;
   float exposure = 0;

@@ -29,7 +29,6 @@ struct StoredPixel {
   uint32_t mixed = 0;      ///< 1: the samples lie further apart than one surface explains
   uint32_t inherited = 0;  ///< 1: some of them come from before the last reprojection
   Rgb fresh{0};            ///< mean of those that do not
-  float fresh_m2 = 0;      ///< sum of squared distances of their luminance from its mean
   uint32_t fresh_samples = 0;
 };
 
@@ -65,15 +64,28 @@ RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
   return false;
 }
 
-/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean. A sample that lies
-/// on another surface than the history which the pixel inherited ends that history.
+/// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
+/// belongs to neither. Surfaces of different instances are told apart however close they are: a lamp lies on its
+/// ceiling. `max_distance`: between samples of one pixel, as a share of the distance to the camera.
+RELUME_HD inline bool far_apart(const SceneView& scene, const StoredSample& stored, const Hit& hit,
+                                float max_distance) {
+  if (!stored.valid() || !hit.valid()) return stored.valid() != hit.valid();
+  if (stored.hit.instance != hit.instance) return true;
+  const Vec3 a = surface_position(scene, stored.hit).now;
+  const Vec3 b = surface_position(scene, hit).now;
+  return length_squared(a - b) > sqr(max_distance * hit.t);
+}
+
+/// Samples that an inherited history counts for at most once its pixel has shown another surface.
+inline constexpr uint32_t kMixedSamples = 8;
+
+/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean.
 struct StoreKernel {
   View<const Hit> hits;  ///< of this frame
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
   View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
   View<const Rgb> radiance;         ///< of this frame
-  View<uint32_t> reasons;           ///< ReprojectionFate
   View<uint32_t> samples;           ///< that the pixel keeps, this one included
   View<Rgb> mean;
   View<float> m2;
@@ -87,24 +99,17 @@ struct StoreKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;
-    constexpr auto kEnded = static_cast<uint32_t>(ReprojectionFate::ended);
-    if (reasons[i] == kEnded) reasons[i] = static_cast<uint32_t>(ReprojectionFate::kept);  // that was a frame before
     if (!allocation.empty() && allocation[i] == 0) return;
     const Hit& hit = hits[i];
     const FirstVertex& vertex = first_vertices[i];
     StoredPixel& pixel = pixels[i];
     StoredSample* const samples_of_pixel = &stored[i * capacity];
-    const bool elsewhere = samples[i] > 1 && far_from(samples_of_pixel[0], hit);
+    // A pixel that looked back may have a history without a stored sample.
+    const bool first = samples[i] <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
+    const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
     if (samples[i] <= 1) forget(pixel, samples_of_pixel);
     if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
-    if (elsewhere && pixel.inherited) {
-      samples[i] = pixel.fresh_samples;
-      mean[i] = pixel.fresh;
-      m2[i] = pixel.fresh_m2;
-      if (!m2_rgb.empty()) m2_rgb[i] = Rgb(pixel.fresh_m2);  // of channels by themselves nothing is known
-      reasons[i] = kEnded;
-      forget(pixel, samples_of_pixel);
-    }
+    if (elsewhere && pixel.inherited) shorten(i);
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
     const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
     if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
@@ -128,21 +133,23 @@ struct StoreKernel {
     for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
   }
 
-  RELUME_HD static void add_fresh(StoredPixel& pixel, const Rgb& value) {
-    const Rgb before = pixel.fresh;
-    pixel.fresh += (value - before) / static_cast<float>(++pixel.fresh_samples);
-    pixel.fresh_m2 += luminance(value - before) * luminance(value - pixel.fresh);
+  /// The past of a pixel that shows several surfaces knows one of them: it counts for few samples from now on.
+  RELUME_HD void shorten(uint32_t i) const {
+    const StoredPixel& pixel = pixels[i];
+    const uint32_t inherited = samples[i] - pixel.fresh_samples;
+    if (inherited <= kMixedSamples) return;
+    const Rgb past =
+        mean[i] + (mean[i] - pixel.fresh) * (static_cast<float>(pixel.fresh_samples) / static_cast<float>(inherited));
+    const uint32_t count = kMixedSamples + pixel.fresh_samples;
+    mean[i] = pixel.fresh + (past - pixel.fresh) * (static_cast<float>(kMixedSamples) / static_cast<float>(count));
+    const float scale = static_cast<float>(count - 1) / static_cast<float>(samples[i] - 1);
+    m2[i] *= scale;
+    if (!m2_rgb.empty()) m2_rgb[i] *= scale;
+    samples[i] = count;
   }
 
-  /// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
-  /// belongs to neither. Surfaces of different instances are told apart however close they are: a lamp lies on its
-  /// ceiling.
-  RELUME_HD bool far_from(const StoredSample& first, const Hit& hit) const {
-    if (!first.valid() || !hit.valid()) return first.valid() != hit.valid();
-    if (first.hit.instance != hit.instance) return true;
-    const Vec3 a = surface_position(scene, first.hit).now;
-    const Vec3 b = surface_position(scene, hit).now;
-    return length_squared(a - b) > sqr(max_distance * hit.t);
+  RELUME_HD static void add_fresh(StoredPixel& pixel, const Rgb& value) {
+    pixel.fresh += (value - pixel.fresh) / static_cast<float>(++pixel.fresh_samples);
   }
 };
 
