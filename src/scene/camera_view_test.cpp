@@ -69,7 +69,9 @@ TEST(Camera, PanoramasEndBeforeTheirResolution) {
 }
 
 TEST(Camera, TheImageIsUprightAndNotMirrored) {
-  for (const auto& [name, c] : cameras()) {
+  for (const NamedCamera& camera : cameras()) {
+    const auto& name = camera.name;
+    const CameraView& c = camera.view;
     const auto looks = [&](float x, float y) {
       const Ray r = generate(c, Vec2(x, y) * c.resolution, Vec2(0.5f));
       return name == "orthographic" ? r.origin - c.position : r.direction;
@@ -119,7 +121,9 @@ TEST(Camera, ImportanceIsTheSamplingDensityPerCosine) {
 /// χ²: film positions that are uniform over the image give the densities that pdf_we() tells.
 TEST(Camera, RaysFollowTheirDensity) {
   constexpr int kSamples = 200000;
-  for (const auto& [name, c] : cameras()) {
+  for (const NamedCamera& camera : cameras()) {
+    const auto& name = camera.name;
+    const CameraView& c = camera.view;
     Random random(96);
     testing::Histogram histogram(16);
     if (c.projection == Projection::orthographic) {

@@ -147,13 +147,13 @@ struct BlockRegressionKernel {
     RELUME_HD_INLINE PixelLanes(const float* positions, const float* normals, const float* albedos, const float* lights,
                                 const float* counts, const float* squares)
         : count(load_lanes(counts)), square(load_lanes(squares)) {
-      Lanes albedo[3];
+      Lanes reflected[3];
       load_vectors(positions, position);
       load_vectors(normals, normal);
-      load_vectors(albedos, albedo);
+      load_vectors(albedos, reflected);
       load_vectors(lights, light);
       const Lanes zero(0.0f);
-      filtered = select(max(max(albedo[0], albedo[1]), albedo[2]) < kLeastAlbedo, zero, 1.0f);
+      filtered = select(max(max(reflected[0], reflected[1]), reflected[2]) < kLeastAlbedo, zero, 1.0f);
       count = count * filtered;
       for (int c = 0; c < 3; ++c) {
         position[c] = position[c] * filtered;

@@ -58,10 +58,18 @@ struct NewHistory {
 };
 
 BackwardHistoryKernel kernel_of(const Plane& plane, const History& before, NewHistory& now) {
-  return {plane.reprojection(),         view_of(before.mean),        view_of(before.m2),
-          view_of(before.m2_rgb),       view_of(before.samples),     mutable_view_of(now.mean),
-          mutable_view_of(now.m2),      mutable_view_of(now.m2_rgb), mutable_view_of(now.samples),
-          mutable_view_of(now.sources), mutable_view_of(now.kept),   mutable_view_of(now.reasons)};
+  return {.reprojection = plane.reprojection(),
+          .history = {.mean_before = view_of(before.mean),
+                      .m2_before = view_of(before.m2),
+                      .m2_rgb_before = view_of(before.m2_rgb),
+                      .samples_before = view_of(before.samples),
+                      .mean = mutable_view_of(now.mean),
+                      .m2 = mutable_view_of(now.m2),
+                      .m2_rgb = mutable_view_of(now.m2_rgb),
+                      .samples = mutable_view_of(now.samples)},
+          .sources = mutable_view_of(now.sources),
+          .kept = mutable_view_of(now.kept),
+          .reasons = mutable_view_of(now.reasons)};
 }
 
 TEST(BackwardReprojection, InterpolatesVariances) {
