@@ -105,9 +105,13 @@ class Sampler {
       x_[k] = point.x;
       y_[k] = point.y;
     }
-    for (uint32_t k = 0; k < kBlock && !shifts_.tile.empty(); ++k) set(k, shifted({x_[k], y_[k]}, seed_of(start + k)));
+    if (!shifts_.tile.empty()) {
+      for (uint32_t k = 0; k < kBlock; ++k) set(k, shifted({x_[k], y_[k]}, seed_of(start + k)));
+    }
     const bool own_camera = camera_scramble_ != scramble_ || camera_index_ != reversed_index_;
-    for (uint32_t k = 0; k < kCameraDimensions && start == 0 && own_camera; ++k) set(k, camera_2d(k));
+    if (start == 0 && own_camera) {
+      for (uint32_t k = 0; k < kCameraDimensions; ++k) set(k, camera_2d(k));
+    }
   }
   RELUME_HD_INLINE void set(uint32_t k, const Vec2& point) {
     x_[k] = point.x;

@@ -1,25 +1,31 @@
 // Plates seen from above, and bodies that absorb around them: scenes whose pictures are known in closed form.
 #pragma once
 
+#include <utility>
+
 #include "scene/scene.h"
 
 namespace relume::testing {
+
+inline void add_mesh(Scene& scene, const Material& material, Mesh mesh) {
+  mesh.material = static_cast<Index>(scene.materials.size());
+  scene.materials.push_back(material);
+  Node node;
+  node.meshes = {static_cast<Index>(scene.meshes.size())};
+  scene.meshes.push_back(std::move(mesh));
+  scene.add_node(node);
+}
 
 /// Camera straight above a square plate of `material` that lies in y = 0 and fills the picture. Orthographic, so that
 /// all pixels see the plate alike.
 inline Scene plate(const Material& material, float half_size, float seen) {
   Scene scene;
   scene.name = "plate";
-  scene.materials.push_back(material);
   Mesh mesh;
   const float h = half_size;
   mesh.positions = {{-h, 0, -h}, {-h, 0, h}, {h, 0, h}, {h, 0, -h}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.material = 0;
-  scene.meshes.push_back(mesh);
-  Node node;
-  node.meshes = {0};
-  scene.add_node(node);
+  add_mesh(scene, material, std::move(mesh));
   Camera camera;
   camera.projection = Projection::orthographic;
   camera.half_height = seen;
@@ -47,12 +53,7 @@ inline void add_square_lamp(Scene& scene, const Rgb& emission) {
   Mesh mesh;
   mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.material = static_cast<Index>(scene.materials.size());
-  scene.materials.push_back(lamp);
-  Node node;
-  node.meshes = {static_cast<Index>(scene.meshes.size())};
-  scene.meshes.push_back(mesh);
-  scene.add_node(node);
+  add_mesh(scene, lamp, std::move(mesh));
 }
 
 /// Absorbs but neither reflects nor refracts.
@@ -78,12 +79,7 @@ inline void add_body(Scene& scene, const Material& material, float top, float bo
     mesh.triangles.emplace_back(first, first + (up ? 2 : 3), first + (up ? 3 : 2));
     if (bottom == top) break;
   }
-  mesh.material = static_cast<Index>(scene.materials.size());
-  scene.materials.push_back(material);
-  Node node;
-  node.meshes = {static_cast<Index>(scene.meshes.size())};
-  scene.meshes.push_back(mesh);
-  scene.add_node(node);
+  add_mesh(scene, material, std::move(mesh));
 }
 
 /// A glowing plate in y = 0, seen from above, from height `eye`.

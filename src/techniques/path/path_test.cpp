@@ -236,12 +236,7 @@ TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
   Mesh mesh;
   mesh.positions = {{0.1f, 0.5f, -3}, {3, 0.5f, -3}, {3, 0.5f, 3}, {0.1f, 0.5f, 3}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.material = static_cast<Index>(scene.materials.size());
-  scene.materials.push_back(lamp);
-  Node node;
-  node.meshes = {static_cast<Index>(scene.meshes.size())};
-  scene.meshes.push_back(mesh);
-  scene.add_node(node);
+  testing::add_mesh(scene, lamp, mesh);
   // The camera's ray passes the surface first: lighting is the second event.
   const Rgb mean = render(scene, 512, small(16, 2)).mean;
   for (int c = 0; c < 3; ++c) {

@@ -29,6 +29,13 @@ struct Stage {
     scene.set_camera(camera);
   }
 
+  /// About the vertical axis, radians.
+  void turn_camera(float angle) {
+    PlacedCamera camera = scene.camera();
+    camera.to_world = glm::rotate(camera.to_world, angle, Vec3(0, 1, 0));
+    scene.set_camera(camera);
+  }
+
   void render() {
     std::fill(hits.begin(), hits.end(), Hit{});
     const SampleIndex index{.seed = 1, .sample = 3};
@@ -153,9 +160,7 @@ TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
 TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
   Stage stage(cornell());
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world = glm::rotate(camera.to_world, kPi, Vec3(0, 1, 0));
-  stage.scene.set_camera(camera);
+  stage.turn_camera(kPi);
   stage.claim(10.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
   EXPECT_GT(stage.count(ReprojectionFate::off_screen), 0);
@@ -182,9 +187,7 @@ TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
 TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
   Stage stage(cornell_of(0.05f, 1.0f));
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world = glm::rotate(camera.to_world, 0.1f, Vec3(0, 1, 0));
-  stage.scene.set_camera(camera);
+  stage.turn_camera(0.1f);
   stage.claim(0.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::near_specular), 0);
   EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
@@ -241,9 +244,7 @@ TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
 TEST(Reprojection, GlossLooksTheSameToACameraThatTurnsInItsPlace) {
   Stage stage(cornell_of(0.3f, 1.0f));
   stage.render();
-  PlacedCamera camera = stage.scene.camera();
-  camera.to_world = glm::rotate(camera.to_world, 0.1f, Vec3(0, 1, 0));
-  stage.scene.set_camera(camera);
+  stage.turn_camera(0.1f);
   stage.claim(0.0f, false);
   EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
   EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
