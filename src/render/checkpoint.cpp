@@ -19,7 +19,7 @@
 namespace relume {
 namespace {
 
-constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', '9'};
+constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', 'A'};
 
 /// Passes bytes on to another buffer and sums them up.
 class SummingBuffer final : public std::streambuf {

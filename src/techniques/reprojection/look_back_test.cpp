@@ -117,7 +117,7 @@ TEST(LookBack, AClaimOfAnotherSurfaceGivesWay) {
   s.kernel.look_back = {};
   s.kernel(3, 1);
   EXPECT_EQ(s.sources[7], kNoSource);
-  EXPECT_EQ(s.reasons[7], number(ended));
+  EXPECT_EQ(s.reasons[7], number(other_surface));
 }
 
 TEST(LookBack, InterpolatesFilledPixelsOnly) {

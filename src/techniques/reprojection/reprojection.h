@@ -243,7 +243,7 @@ struct SourceKernel {
   View<const StoredSample> stored_before;
   View<const StoredPixel> pixels_before;
   View<const uint32_t> limits_before;
-  LookBack look_back;    ///< empty: pixels without a claim begin anew
+  LookBack look_back;    ///< empty: pixels without a claim start without a history
   View<const Hit> hits;  ///< of this frame
   View<StoredSample> stored;
   View<StoredPixel> pixels;
@@ -287,13 +287,13 @@ struct SourceKernel {
     const auto sample = static_cast<uint32_t>(claims[pixel]);
     if (limits_before[sample / capacity] == 0) return ReprojectionFate::relit;
     const bool elsewhere = far_apart(scene, stored_before[sample], hits[pixel], max_distance);
-    return elsewhere ? ReprojectionFate::ended : ReprojectionFate::kept;
+    return elsewhere ? ReprojectionFate::other_surface : ReprojectionFate::kept;
   }
 
   /// Whether what is known speaks of other surfaces than the pixel's own.
   RELUME_HD static bool may_look_back(ReprojectionFate reason) {
     return reason == ReprojectionFate::empty || reason == ReprojectionFate::occluded ||
-           reason == ReprojectionFate::mixed || reason == ReprojectionFate::ended;
+           reason == ReprojectionFate::mixed || reason == ReprojectionFate::other_surface;
   }
 
   RELUME_HD void take_over(uint32_t pixel, uint32_t source, const StoredSample& sample) const {

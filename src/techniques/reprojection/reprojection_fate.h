@@ -17,9 +17,8 @@ enum class ReprojectionFate : uint32_t {
   mixed,           ///< it saw more than one surface
   relit,           ///< its light has moved, or is hidden now, or was and is not
   covered,         ///< another one that is nearer, or came first, took its place
-  other_surface,   ///< backward: another surface was seen where this one was
-  ended,           ///< kept at first, but this frame's sample lies on another surface
-  filled,          ///< forward: nothing came, but next to where its surface was a pixel was fit to go on
+  other_surface,   ///< backward: another surface was seen where this one was; forward: what came lies on another one
+  filled,          ///< forward: no history came that fits, so the pixel looked back for one
 };
 
 /// Where a pixel's content comes from: the index of a pixel of the frame before, or this.

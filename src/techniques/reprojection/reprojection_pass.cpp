@@ -19,7 +19,7 @@ namespace {
 constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
 constexpr Change kEnds = Change::materials | Change::settings;
 
-/// Then light that comes by way of other surfaces lags, and the fewer pixels begin anew the more so.
+/// Changes that nobody verifies for indirect light: it lags in every history that is kept.
 constexpr Change kMovesScene = Change::geometry | Change::lights;
 
 constexpr SurfaceBuffers kSurface{.motion = "surface-motion",
@@ -107,9 +107,9 @@ PassDeclaration ReprojectionPass::declaration() const {
       shown("history-kept", "1 where this frame's pixel continues a history, 0 where it starts one"),
       shown("history-reason",
             forward
-                ? "why, of this frame's pixel: 1 kept, 11 filled from where its surface was, 0 nothing came to "
+                ? "why, of this frame's pixel: 1 kept, 10 filled from where its surface was, 0 nothing came to "
                   "lie here; what did was 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, "
-                  "10 another surface than this frame's sample hit"
+                  "9 another surface than this frame's sample hit"
                 : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
                   "another surface was seen where it was")};
   if (forward) {
