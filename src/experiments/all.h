@@ -6,6 +6,7 @@
 namespace relume {
 
 Experiment adaptive_sampling_experiment();
+Experiment proportional_sampling_experiment();
 Experiment reprojection_experiment();
 Experiment combination_experiment();
 Experiment bdpt_quality_experiment();

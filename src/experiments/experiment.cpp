@@ -13,14 +13,23 @@ namespace relume {
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> list = {
-      adaptive_sampling_experiment(), reprojection_experiment(),
-      combination_experiment(),       psf_error_experiment(),
-      psf_bias_experiment(),          psf_variance_experiment(),
-      psf_frametime_experiment(),     apg_depth_experiment(),
-      light_selection_experiment(),   guiding_experiment(),
-      vlc_adaptation_experiment(),    cdq_adaptation_experiment(),
-      guide_cost_experiment(),        bdpt_quality_experiment(),
-      bdpt_cost_experiment(),         bmfr_experiment(),
+      adaptive_sampling_experiment(),
+      proportional_sampling_experiment(),
+      reprojection_experiment(),
+      combination_experiment(),
+      psf_error_experiment(),
+      psf_bias_experiment(),
+      psf_variance_experiment(),
+      psf_frametime_experiment(),
+      apg_depth_experiment(),
+      light_selection_experiment(),
+      guiding_experiment(),
+      vlc_adaptation_experiment(),
+      cdq_adaptation_experiment(),
+      guide_cost_experiment(),
+      bdpt_quality_experiment(),
+      bdpt_cost_experiment(),
+      bmfr_experiment(),
       interactive_experiment(),
   };
   return list;

@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "core/srgb.h"
 #include "experiments/measure/trace_file.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
@@ -66,8 +67,12 @@ void restart(const ExperimentContext& context, Runner& runner, const ExperimentS
 
 TracePoint point_of(const Runner& runner, const Image& image, const TraceOptions& options) {
   const double mse = compute_metrics(image, *options.reference, {.flip = false}).mse;
-  return {static_cast<double>(runner.frames), runner.session->samples_per_pixel() - runner.samples_before,
-          runner.time_s, without_noise(mse, options.reference_mse), distance_spread(image, *options.reference)};
+  return {static_cast<double>(runner.frames),
+          runner.session->samples_per_pixel() - runner.samples_before,
+          runner.time_s,
+          without_noise(mse, options.reference_mse),
+          distance_spread(image, *options.reference),
+          display_error(image, *options.reference)};
 }
 
 void render(Runner& runner, const TraceOptions& options) {
@@ -113,6 +118,17 @@ double distance_spread(const Image& image, const Image& reference) {
   }
   const double n = static_cast<double>(image.pixels.size());
   return squares / n - sum / n * sum / n;
+}
+
+double display_error(const Image& image, const Image& reference) {
+  check_same_size(image, reference);
+  double sum = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const Rgb a = srgb_from_linear(glm::clamp(image.pixels[i], Rgb(0), Rgb(1)));
+    const Rgb b = srgb_from_linear(glm::clamp(reference.pixels[i], Rgb(0), Rgb(1)));
+    sum += static_cast<double>(glm::dot(a - b, a - b)) / 3;
+  }
+  return sum / static_cast<double>(image.pixels.size());
 }
 
 std::vector<Trace> trace(const ExperimentContext& context, const std::string& stage, const ExperimentScene& scene,
@@ -166,8 +182,8 @@ TracePoints median_points(const std::vector<TracePoints>& repetitions) {
   for (const TracePoints& points : repetitions) count = std::min(count, points.size());
   for (size_t i = 0; i < count; ++i) {
     TracePoint point;
-    for (const TraceValue member :
-         {&TracePoint::frames, &TracePoint::samples, &TracePoint::time_s, &TracePoint::mse, &TracePoint::spread}) {
+    for (const TraceValue member : {&TracePoint::frames, &TracePoint::samples, &TracePoint::time_s, &TracePoint::mse,
+                                    &TracePoint::spread, &TracePoint::display_mse}) {
       std::vector<double> values;
       for (const TracePoints& points : repetitions) values.push_back(points[i].*member);
       point.*member = median(std::move(values));

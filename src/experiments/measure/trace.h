@@ -20,7 +20,8 @@ struct TracePoint {
   double samples = 0;  ///< a pixel
   double time_s = 0;
   double mse = 0;
-  double spread = 0;  ///< distance_spread()
+  double spread = 0;       ///< distance_spread()
+  double display_mse = 0;  ///< display_error()
 };
 
 using TracePoints = std::vector<TracePoint>;
@@ -37,6 +38,9 @@ struct Trace {
 /// Variance over the pixels of the Euclidean distance to the reference's colour, both cut off at 1 as a display does:
 /// what [Schalk18 §4.2] measures.
 double distance_spread(const Image& image, const Image& reference);
+
+/// MSE of what a display shows of an image: of sRGB values, cut off at 1.
+double display_error(const Image& image, const Image& reference);
 
 /// A technique in an experiment.
 struct TraceContender {

@@ -13,11 +13,11 @@ namespace {
 
 constexpr const char* kAttribute = "relume.traces";
 
-nlohmann::json to_json(const TracePoint& p) { return {p.frames, p.samples, p.time_s, p.mse, p.spread}; }
+nlohmann::json to_json(const TracePoint& p) { return {p.frames, p.samples, p.time_s, p.mse, p.spread, p.display_mse}; }
 
 TracePoint point_from(const nlohmann::json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>(), json.at(3).get<double>(),
-          json.at(4).get<double>()};
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>(),
+          json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()};
 }
 
 std::string layer_of(size_t i) { return fmt::format("trace{}", i); }
