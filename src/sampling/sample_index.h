@@ -26,8 +26,8 @@ struct SampleIndex {
     if (runs_through()) sampler.take_camera_from(element(x, y, age, Sampler::kFirstSequence));
     return sampler;
   }
-  /// Whether all pixels take the same element of a sequence of their own.
-  RELUME_HD bool is_plain() const { return taken.empty() && tile.empty() && !runs_through(); }
+  /// Whether sampler(x, y) is element sample_of(x, y) of the pixel's own sequence, camera included.
+  RELUME_HD bool is_plain() const { return tile.empty() && !runs_through(); }
   /// Whether the camera's dimensions have a sequence of their own.
   RELUME_HD bool runs_through() const { return camera_runs && taken.empty(); }
 

@@ -130,6 +130,7 @@ template __global__ void run(DetachSpecularKernel, uint32_t, uint32_t);
 template __global__ void run(AttachSpecularKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateSpecularKernel, uint32_t, uint32_t);
 template __global__ void run(PaperAllocationKernel, uint32_t, uint32_t);
+template __global__ void run(PixelMomentsKernel, uint32_t, uint32_t);
 template __global__ void run(PoolRowsKernel, uint32_t, uint32_t);
 template __global__ void run(PooledDeviationKernel, uint32_t, uint32_t);
 template __global__ void run(PooledAllocationKernel, uint32_t, uint32_t);

@@ -39,14 +39,17 @@ void bm_pooled_deviation(benchmark::State& state) {
   const std::vector<Rgb> mean(kWidth * kHeight, Rgb(0.5f));
   const std::vector<float> m2(mean.size(), 1.5f);
   const std::vector<uint32_t> samples(mean.size(), 9);
+  std::vector<PooledMoments> moments(mean.size());
   std::vector<PooledMoments> rows(mean.size());
   std::vector<float> deviation(mean.size());
-  const PixelMomentsView moments{view_of(mean), view_of(m2), view_of(samples), kWidth, kHeight};
+  const PixelMomentsKernel own{view_of(mean), view_of(m2), view_of(samples), mutable_view_of(moments), kWidth};
+  const PoolRowsKernel along_rows{view_of(moments), mutable_view_of(rows), kWidth};
+  const PooledDeviationKernel pool{view_of(moments), view_of(rows), mutable_view_of(deviation), kWidth, kHeight};
   Backend backend(1);
   for (auto _ : state) {
-    launch(backend, "rows", PoolRowsKernel{moments, mutable_view_of(rows)}, kWidth, kHeight);
-    launch(backend, "deviation", PooledDeviationKernel{moments, view_of(rows), mutable_view_of(deviation)}, kWidth,
-           kHeight);
+    launch(backend, "moments", own, kWidth, kHeight);
+    launch(backend, "rows", along_rows, kWidth, kHeight);
+    launch(backend, "deviation", pool, kWidth, kHeight);
   }
   state.SetItemsProcessed(state.iterations() * kWidth * kHeight);
 }

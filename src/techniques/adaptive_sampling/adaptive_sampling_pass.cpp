@@ -1,6 +1,7 @@
 #include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -8,6 +9,24 @@
 #include "techniques/adaptive_sampling/pilot.h"
 
 namespace relume {
+namespace {
+
+constexpr float kLeastShare = 0.1f;  ///< of the average number of samples, for pixels without noise
+
+/// Σ value(row[x]), in partial sums that vector instructions add side by side.
+template <typename Value>
+double sum_of(const Value& value, const float* row, uint32_t width) {
+  constexpr uint32_t kLanes = 16;
+  float lanes[kLanes] = {};
+  uint32_t x = 0;
+  for (; x + kLanes <= width; x += kLanes) {
+    for (uint32_t i = 0; i < kLanes; ++i) lanes[i] += value(row[x + i]);
+  }
+  for (; x < width; ++x) lanes[0] += value(row[x]);
+  return std::accumulate(std::begin(lanes), std::end(lanes), 0.0);
+}
+
+}  // namespace
 
 PassDeclaration SampleCountPass::declaration() const {
   return {.name = "sequences",
@@ -42,6 +61,7 @@ PassDeclaration AdaptiveSamplingPass::declaration() const {
                 .display = BufferDisplay::value},
                {.name = "sampling-noise",
                 .help = "standard deviation of the samples, as the method estimates it",
+                .persistent = true,
                 .display = BufferDisplay::value}},
       .reads = {"mean", "samples", "m2"},
       .writes = {"mean", "m2", "samples"},
@@ -85,49 +105,89 @@ void AdaptiveSamplingPass::allocate_as_paper(const FrameContext& frame) const {
   launch(frame.backend, "allocate", kernel, frame.width(), frame.height());
 }
 
+bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
+  if (settings_.pilot && frame.since_change > static_cast<uint32_t>(settings_.max_samples)) return false;
+  if (frame.since_change <= static_cast<uint32_t>(settings_.min_samples)) return true;
+  const float frames_per_sample = std::round(1.0f / settings_.rate);
+  return frame.since_change % static_cast<uint32_t>(frames_per_sample) == 0;
+}
+
+void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
+  moments_.resize(frame.pixels());
+  rows_.resize(frame.pixels());
+  const PixelMomentsKernel moments{.mean = frame.view<const Rgb>("mean"),
+                                   .m2 = frame.view<const float>("m2"),
+                                   .samples = frame.view<const uint32_t>("samples"),
+                                   .moments = mutable_view_of(moments_),
+                                   .width = frame.width()};
+  launch(frame.backend, "allocate", moments, frame.width(), frame.height());
+  const PoolRowsKernel rows{view_of(moments_), mutable_view_of(rows_), frame.width()};
+  launch(frame.backend, "allocate", rows, frame.width(), frame.height());
+  const PooledDeviationKernel deviation{.moments = view_of(moments_),
+                                        .rows = view_of(rows_),
+                                        .deviation = frame.view<float>("sampling-noise"),
+                                        .width = frame.width(),
+                                        .height = frame.height(),
+                                        .display = settings_.metric == AdaptiveMetric::display,
+                                        .exposure = std::exp2(settings_.exposure)};
+  launch(frame.backend, "allocate", deviation, frame.width(), frame.height());
+}
+
 void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
   PooledAllocationKernel kernel;
   kernel.samples = frame.view<const uint32_t>("samples");
   kernel.probability = frame.view<float>("sampling-probability");
   kernel.allocation = frame.view<uint32_t>("allocation");
-  kernel.settled = settings_.pilot && frame.since_change > static_cast<uint32_t>(settings_.max_samples);
+  kernel.settled = !estimates_in(frame);
   kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
   kernel.seed = frame.index.seed;
   kernel.frame = frame.number;
   kernel.width = frame.width();
   kernel.deviation = frame.view<const float>("sampling-noise");
   if (!kernel.settled) {
-    rows_.resize(frame.pixels());
-    const PixelMomentsView moments{frame.view<const Rgb>("mean"), frame.view<const float>("m2"), kernel.samples,
-                                   frame.width(), frame.height()};
-    launch(frame.backend, "allocate", PoolRowsKernel{moments, mutable_view_of(rows_)}, frame.width(), frame.height());
-    const PooledDeviationKernel deviation{moments, view_of(rows_), frame.view<float>("sampling-noise"),
-                                          settings_.metric == AdaptiveMetric::display, std::exp2(settings_.exposure)};
-    launch(frame.backend, "allocate", deviation, frame.width(), frame.height());
+    estimate_deviation(frame);
     kernel.rate = rate_for(frame, kernel.deviation);
   }
   launch(frame.backend, "allocate", kernel, frame.width(), frame.height());
 }
 
-SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const float> deviation) {
-  constexpr float kLeastShare = 0.1f;  // of the average, for pixels without noise
-  constexpr int kSteps = 4;            // each comes closer to the average, which the bounds displace
+template <typename Value>
+double AdaptiveSamplingPass::mean_of(const FrameContext& frame, View<const float> values, const Value& value) {
   totals_.resize(frame.height());
-  const auto mean_of = [&](const auto& value) {
-    frame.backend.run("allocate", [&] {
-      parallel_for(frame.height(), [&](size_t y) {
-        const float* row = deviation.data + y * frame.width();
-        totals_[y] = 0;
-        for (uint32_t x = 0; x < frame.width(); ++x) totals_[y] += static_cast<double>(value(row[x]));
-      });
-    });
-    return std::accumulate(totals_.begin(), totals_.end(), 0.0) / frame.pixels();
-  };
-  SampleRate rate{0.0f, kLeastShare * settings_.rate};
-  const double average = mean_of([](float d) { return d; });
-  if (!(average > 0)) return {0.0f, settings_.rate};  // no noise is known: all alike
-  rate.scale = static_cast<float>(settings_.rate / average);
-  for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(rate));
+  frame.backend.run("allocate", [&] {
+    parallel_for(frame.height(),
+                 [&](size_t y) { totals_[y] = sum_of(value, values.data + y * frame.width(), frame.width()); });
+  });
+  return std::accumulate(totals_.begin(), totals_.end(), 0.0) / frame.pixels();
+}
+
+SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const float> deviation) {
+  const double average = mean_of(frame, deviation, [](float d) { return d; });
+  if (!(average > 0)) return {0.0f, 1.0f};  // no noise is known: all alike
+  const SampleRate rate = rate_that_cuts_little(frame, deviation, average);
+  return rate.least >= kLeastShare * settings_.rate ? rate : rate_of_average(frame, deviation, average);
+}
+
+SampleRate AdaptiveSamplingPass::rate_that_cuts_little(const FrameContext& frame, View<const float> deviation,
+                                                       double average) {
+  constexpr double kKept = 0.95;
+  constexpr int kSteps = 6;  // Newton's, which fall to the solution, as the mean of min(s σ, 1) is concave in s
+  double scale = 1 / (kKept * average);
+  for (int i = 0; i < kSteps; ++i) {
+    const SampleRate rate{static_cast<float>(scale), 0.0f};
+    const double cut = mean_of(frame, deviation, [&](float d) { return rate.scale * d > 1.0f ? 1.0f : 0.0f; });
+    const double within = mean_of(frame, deviation, rate) - cut;
+    if (cut == 0) break;
+    scale = cut / (kKept * average - within / scale);
+  }
+  return {static_cast<float>(scale), static_cast<float>(kLeastShare * kKept * scale * average)};
+}
+
+SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View<const float> deviation,
+                                                 double average) {
+  constexpr int kSteps = 4;  // each comes closer to the average, which the bounds displace
+  SampleRate rate{static_cast<float>(settings_.rate / average), kLeastShare * settings_.rate};
+  for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(frame, deviation, rate));
   return rate;
 }
 

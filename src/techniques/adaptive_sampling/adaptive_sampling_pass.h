@@ -30,20 +30,32 @@ class AdaptiveSamplingPass final : public Pass {
   /// The frame that ends the pilot clears the image, so it must not be abandoned.
   bool keeps_state() const override { return settings_.pilot; }
   size_t memory_bytes() const override {
-    return rows_.capacity() * sizeof(PooledMoments) + totals_.capacity() * sizeof(double);
+    return (moments_.capacity() + rows_.capacity()) * sizeof(PooledMoments) + totals_.capacity() * sizeof(double);
   }
 
  private:
   void allocate_as_paper(const FrameContext& frame) const;
   void allocate_by_deviation(const FrameContext& frame);
-  /// The scale that gives `adaptive.rate` samples a pixel.
+  /// Whether probabilities follow the samples in this frame: about once a sample of each pixel, as fewer new samples
+  /// tell little; in every frame while something changes.
+  bool estimates_in(const FrameContext& frame) const;
+  void estimate_deviation(const FrameContext& frame);
   SampleRate rate_for(const FrameContext& frame, View<const float> deviation);
+  /// The scale s at which the bound of one sample a frame cuts 5 % off what proportion asks for: the mean of
+  /// min(s σ, 1) is 0.95 s times the mean of σ, `average`.
+  SampleRate rate_that_cuts_little(const FrameContext& frame, View<const float> deviation, double average);
+  /// The scale that gives `adaptive.rate` samples a pixel.
+  SampleRate rate_of_average(const FrameContext& frame, View<const float> deviation, double average);
+  /// Mean over the pixels of value(values[pixel]).
+  template <typename Value>
+  double mean_of(const FrameContext& frame, View<const float> values, const Value& value);
   void forget_pilot(const FrameContext& frame) const;
 
   const AdaptiveSamplingSettings& settings_;
   Change invalidated_by_;
-  std::vector<PooledMoments> rows_;
-  std::vector<double> totals_;  ///< by row of pixels
+  std::vector<PooledMoments> moments_;  ///< by pixel
+  std::vector<PooledMoments> rows_;     ///< sums over the pixels of a row around each pixel
+  std::vector<double> totals_;          ///< by row of pixels
 };
 
 }  // namespace relume

@@ -161,6 +161,25 @@ TEST(AdaptiveSampling, TheFrameThatEndsThePilotIsNotAbandoned) {
   EXPECT_FALSE(session.render_frame(stop.get_token())) << "without a pilot frames stop at once";
 }
 
+TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.rate = 0.25f;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  std::vector<float> before;
+  std::vector<uint32_t> changed_in;
+  for (uint32_t frame = 0; frame < 17; ++frame) {
+    session.render_frame();
+    const View<const float> view = session.buffers().view<const float>("sampling-probability");
+    const std::vector<float> now(view.begin(), view.end());
+    if (now != before) changed_in.push_back(frame);
+    before = now;
+  }
+  EXPECT_EQ(changed_in, (std::vector<uint32_t>{0, 2, 3, 4, 8, 12, 16})) << "two samples are the first that tell";
+}
+
 TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
   std::vector<Rgb> mean{Rgb(3)};
   std::vector<float> m2{4};

@@ -11,8 +11,8 @@ namespace relume {
 /// Neighbours on each side that share an estimate: 5×5 pixels.
 inline constexpr uint32_t kPoolRadius = 2;
 
-/// Statistics of several pixels' samples.
-struct PooledMoments {
+/// Statistics of the samples of one pixel, or of several.
+struct alignas(16) PooledMoments {
   float squares = 0;    ///< Σ squared distances of luminance from its pixel's mean
   float freedom = 0;    ///< Σ (samples − 1)
   float luminance = 0;  ///< Σ of the pixels' means
@@ -26,38 +26,43 @@ struct PooledMoments {
   }
 };
 
-/// What pixels know of their own samples.
-struct PixelMomentsView {
+/// The pixels of one row or column, at most kPoolRadius away from pixel `center`: [first, last].
+struct PoolSpan {
+  uint32_t first = 0;
+  uint32_t last = 0;
+
+  RELUME_HD PoolSpan(uint32_t center, uint32_t size)
+      : first(center < kPoolRadius ? 0 : center - kPoolRadius), last(relume::min(center + kPoolRadius, size - 1)) {}
+};
+
+/// The statistics of each pixel's own samples.
+struct PixelMomentsKernel {
   View<const Rgb> mean;
   View<const float> m2;
   View<const uint32_t> samples;
+  View<PooledMoments> moments;
   uint32_t width = 0;
-  uint32_t height = 0;
 
-  RELUME_HD PooledMoments at(uint32_t x, uint32_t y) const {
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const uint32_t n = samples[pixel];
-    if (n < 2) return {};
-    return {m2[pixel], static_cast<float>(n - 1), luminance(mean[pixel]), 1.0f};
-  }
-  /// Sum over the row of five pixels around (x, y), without (x, y) if `others_only`.
-  RELUME_HD PooledMoments row(uint32_t x, uint32_t y, bool others_only) const {
-    PooledMoments sum;
-    const uint32_t first = x < kPoolRadius ? 0 : x - kPoolRadius;
-    const uint32_t last = relume::min(x + kPoolRadius, width - 1);
-    for (uint32_t i = first; i <= last; ++i) {
-      if (i != x || !others_only) sum.add(at(i, y));
-    }
-    return sum;
+    moments[pixel] =
+        n < 2 ? PooledMoments{} : PooledMoments{m2[pixel], static_cast<float>(n - 1), luminance(mean[pixel]), 1.0f};
   }
 };
 
 /// The first of two passes over the pool: along rows.
 struct PoolRowsKernel {
-  PixelMomentsView pixels;
+  View<const PooledMoments> moments;
   View<PooledMoments> rows;
+  uint32_t width = 0;
 
-  RELUME_HD void operator()(uint32_t x, uint32_t y) const { rows[y * pixels.width + x] = pixels.row(x, y, false); }
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const PoolSpan span(x, width);
+    PooledMoments sum;
+    for (uint32_t i = span.first; i <= span.last; ++i) sum.add(moments[y * width + i]);
+    rows[y * width + x] = sum;
+  }
 };
 
 /// Slope of the sRGB curve at a luminance: by how much an image changes on a display. 0 above white.
@@ -70,23 +75,34 @@ RELUME_HD inline float display_slope(float luminance) {
 /// The standard deviation of one sample at each pixel, from its pool without the pixel itself: the values that are
 /// averaged then do not decide how many of them there are.
 struct PooledDeviationKernel {
-  PixelMomentsView pixels;
+  View<const PooledMoments> moments;
   View<const PooledMoments> rows;
   View<float> deviation;  ///< 0 where the pool has fewer than two samples a pixel
-  bool display = false;   ///< as a change on a display, not of radiance
-  float exposure = 1;     ///< factor that the display applies
+  uint32_t width = 0;
+  uint32_t height = 0;
+  bool display = false;  ///< as a change on a display, not of radiance
+  float exposure = 1;    ///< factor that the display applies
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
-    PooledMoments sum = pixels.row(x, y, true);
-    const uint32_t first = y < kPoolRadius ? 0 : y - kPoolRadius;
-    const uint32_t last = relume::min(y + kPoolRadius, pixels.height - 1);
-    for (uint32_t i = first; i <= last; ++i) {
-      if (i != y) sum.add(rows[i * pixels.width + x]);
-    }
     constexpr float kLargest = 1e18f;
+    const PooledMoments sum = pool_without(x, y);
     float result = sum.freedom > 0.0f ? relume::min(std::sqrt(sum.squares / sum.freedom), kLargest) : 0.0f;
     if (display && sum.pixels > 0.0f) result *= exposure * display_slope(exposure * sum.luminance / sum.pixels);
-    deviation[y * pixels.width + x] = result;
+    deviation[y * width + x] = result;
+  }
+
+ private:
+  RELUME_HD PooledMoments pool_without(uint32_t x, uint32_t y) const {
+    PooledMoments sum;
+    const PoolSpan columns(x, width);
+    for (uint32_t i = columns.first; i <= columns.last; ++i) {
+      if (i != x) sum.add(moments[y * width + i]);
+    }
+    const PoolSpan lines(y, height);
+    for (uint32_t i = lines.first; i <= lines.last; ++i) {
+      if (i != y) sum.add(rows[i * width + x]);
+    }
+    return sum;
   }
 };
 

@@ -15,18 +15,21 @@ struct Pool {
         mean(w * h, Rgb(0.5f)),
         m2(w * h, 3.0f),
         samples(w * h, 4),
+        moments(w * h),
         rows(w * h),
         deviation(w * h) {}
 
   const std::vector<float>& estimate(bool display = false, float exposure = 1) {
-    const PixelMomentsView moments{view_of(mean), view_of(m2), view_of(samples), width, height};
-    const PoolRowsKernel row{moments, mutable_view_of(rows)};
-    const PooledDeviationKernel pool{moments, view_of(rows), mutable_view_of(deviation), display, exposure};
-    for (uint32_t y = 0; y < height; ++y)
-      for (uint32_t x = 0; x < width; ++x) row(x, y);
-    for (uint32_t y = 0; y < height; ++y)
-      for (uint32_t x = 0; x < width; ++x) pool(x, y);
+    each_pixel(PixelMomentsKernel{view_of(mean), view_of(m2), view_of(samples), mutable_view_of(moments), width});
+    each_pixel(PoolRowsKernel{view_of(moments), mutable_view_of(rows), width});
+    each_pixel(PooledDeviationKernel{view_of(moments), view_of(rows), mutable_view_of(deviation), width, height,
+                                     display, exposure});
     return deviation;
+  }
+  template <typename Kernel>
+  void each_pixel(const Kernel& kernel) const {
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) kernel(x, y);
   }
 
   uint32_t width;
@@ -34,6 +37,7 @@ struct Pool {
   std::vector<Rgb> mean;
   std::vector<float> m2;
   std::vector<uint32_t> samples;
+  std::vector<PooledMoments> moments;
   std::vector<PooledMoments> rows;
   std::vector<float> deviation;
 };

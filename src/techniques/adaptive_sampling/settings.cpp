@@ -15,7 +15,8 @@ SettingList describe(AdaptiveSamplingSettings& s) {
        "What the deviation is of: radiance, or what a display shows of it (pooled)"},
       {"rate",
        &s.rate,
-       "Samples a pixel and frame, on average; fewer follow the noise more closely (pooled)",
+       "Samples a pixel and frame, on average, at the least; frames have more of them where the noise is alike "
+       "everywhere (pooled)",
        {.min = 0.01, .max = 1}},
       {"exposure",
        &s.exposure,

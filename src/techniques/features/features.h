@@ -283,7 +283,8 @@ struct FeatureKernel {
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
       for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
         CameraPacket packet;
-        packet.fill(scene.camera, index, x, y, tile);
+        packet.take_rows(x, y, tile);
+        packet.generate(scene.camera, index);
         for (int i = 0; i < packet.count; ++i) write(packet.y[i] * width + packet.x[i], packet.rays[i], packet.ids[i]);
       }
     }

@@ -25,74 +25,72 @@ RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint3
   return pinhole_camera_ray(camera, x, y, sampler.first_2d());
 }
 
-/// lone_camera_ray() of kPacketSize pixels in two rows, to the bit.
+/// lone_camera_ray() of up to kPacketSize pixels, to the bit.
 struct CameraPacket {
   static constexpr uint32_t kColumns = kPacketSize / 2;
 
-  Ray rays[kPacketSize];
-  uint32_t ids[kPacketSize];  ///< Sampler::camera_ray_id()
   uint32_t x[kPacketSize];
   uint32_t y[kPacketSize];
   int count = 0;
+  Ray rays[kPacketSize];
+  uint32_t ids[kPacketSize];  ///< Sampler::camera_ray_id()
 
-  /// Of the pixels from (x0, y0) on that lie in `tile`.
-  void fill(const CameraView& camera, const SampleIndex& index, uint32_t x0, uint32_t y0, const Tile& tile) {
-    float film_x[kPacketSize];
-    float film_y[kPacketSize];
-    uint32_t all_ids[kPacketSize];
-    const auto draw = [&](const auto& sampler_of) {
-      for (uint32_t k = 0; k < kPacketSize; ++k) {
-        const uint32_t column = x0 + k % kColumns;
-        const uint32_t row = y0 + k / kColumns;
-        const Sampler sampler = sampler_of(column, row);
-        const Vec2 u = sampler.first_2d();
-        film_x[k] = static_cast<float>(column) + u.x;
-        film_y[k] = static_cast<float>(row) + u.y;
-        all_ids[k] = sampler.camera_ray_id();
-      }
-    };
-    if (index.is_plain()) {
-      // All lanes, inside the tile or not, and nothing but hashes: becomes vector code.
-      draw([&](uint32_t column, uint32_t row) {
-        return Sampler::sequence(index.seed, column, row, index.sample, index.sequence);
-      });
-    } else {
-      draw([&](uint32_t column, uint32_t row) {
-        return index.sampler(relume::min(column, tile.x1 - 1), relume::min(row, tile.y1 - 1));
-      });
-    }
-    Directions directions;
-    const bool pinhole = camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f);
-    if (pinhole) directions.fill(camera, film_x, film_y);
-    count = 0;
-    for (uint32_t k = 0; k < kPacketSize; ++k) {
-      const uint32_t column = x0 + k % kColumns;
-      const uint32_t row = y0 + k / kColumns;
-      if (column >= tile.x1 || row >= tile.y1) continue;
-      if (pinhole) {
-        rays[count] = {camera.position, {directions.x[k], directions.y[k], directions.z[k]}, kInfinity};
-      } else {
-        Sampler sampler = index.sampler(column, row);
-        rays[count] = lone_camera_ray(camera, column, row, sampler);
-      }
-      ids[count] = all_ids[k];
-      x[count] = column;
-      y[count] = row;
-      ++count;
-    }
-  }
-
-  /// Adds the ray of one pixel. True if the packet is full.
-  bool add(const CameraView& camera, const SampleIndex& index, uint32_t column, uint32_t row) {
-    Sampler sampler = index.sampler(column, row);
-    rays[count] = lone_camera_ray(camera, column, row, sampler);
-    ids[count] = sampler.camera_ray_id();
+  /// Adds a pixel. True if the packet is full.
+  bool add(uint32_t column, uint32_t row) {
     x[count] = column;
     y[count] = row;
     return ++count == kPacketSize;
   }
+  /// Takes the pixels of two rows, from (x0, y0) on, that lie in `tile`.
+  void take_rows(uint32_t x0, uint32_t y0, const Tile& tile) {
+    count = 0;
+    for (uint32_t row = y0; row < relume::min(y0 + 2, tile.y1); ++row) {
+      for (uint32_t column = x0; column < relume::min(x0 + kColumns, tile.x1); ++column) add(column, row);
+    }
+  }
+  /// Computes the rays of the pixels, of which there is at least one.
+  void generate(const CameraView& camera, const SampleIndex& index) {
+    float film_x[kPacketSize];
+    float film_y[kPacketSize];
+    draw(index, film_x, film_y);
+    if (camera.projection == Projection::perspective && !(camera.lens_radius > 0.0f)) {
+      Directions directions;
+      directions.fill(camera, film_x, film_y);
+      for (int k = 0; k < count; ++k)
+        rays[k] = {camera.position, {directions.x[k], directions.y[k], directions.z[k]}, kInfinity};
+      return;
+    }
+    for (int k = 0; k < count; ++k) {
+      Sampler sampler = index.sampler(x[k], y[k]);
+      rays[k] = lone_camera_ray(camera, x[k], y[k], sampler);
+    }
+  }
 
  private:
+  /// Film positions and ids.
+  void draw(const SampleIndex& index, float (&film_x)[kPacketSize], float (&film_y)[kPacketSize]) {
+    const auto draw_each = [&](int lanes, const auto& sampler_of) {
+      for (int k = 0; k < lanes; ++k) {
+        const Sampler sampler = sampler_of(k);
+        const Vec2 u = sampler.first_2d();
+        film_x[k] = static_cast<float>(x[k]) + u.x;
+        film_y[k] = static_cast<float>(y[k]) + u.y;
+        ids[k] = sampler.camera_ray_id();
+      }
+    };
+    if (!index.is_plain()) return draw_each(count, [&](int k) { return index.sampler(x[k], y[k]); });
+    // All lanes, and nothing but hashes: becomes vector code.
+    uint32_t elements[kPacketSize];
+    for (int k = 0; k < count; ++k) elements[k] = index.sample_of(x[k], y[k]);
+    for (int k = count; k < kPacketSize; ++k) {
+      x[k] = x[0];
+      y[k] = y[0];
+      elements[k] = elements[0];
+    }
+    draw_each(kPacketSize,
+              [&](int k) { return Sampler::sequence(index.seed, x[k], y[k], elements[k], index.sequence); });
+  }
+
   /// Of a perspective camera without a lens: what generate() computes, for all film positions at once.
   struct Directions {
     float x[kPacketSize];

@@ -31,7 +31,7 @@ struct PrimaryHitsKernel {
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
       for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
         CameraPacket packet;
-        packet.fill(camera, index, x, y, tile);
+        packet.take_rows(x, y, tile);
         trace(packet);
       }
     }
@@ -44,7 +44,7 @@ struct PrimaryHitsKernel {
       for (uint32_t x = tile.x0; x < tile.x1; ++x) {
         if (!wanted(x, y)) {
           hits[y * width + x] = {};
-        } else if (packet.add(camera, index, x, y)) {
+        } else if (packet.add(x, y)) {
           trace(packet);
           packet.count = 0;
         }
@@ -52,8 +52,9 @@ struct PrimaryHitsKernel {
     }
     trace(packet);
   }
-  void trace(const CameraPacket& packet) const {
+  void trace(CameraPacket& packet) const {
     if (packet.count == 0) return;
+    packet.generate(camera, index);
     Hit found[kPacketSize];
     intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
     for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];

@@ -68,17 +68,22 @@ TEST(PrimaryHits, TilesHaveTheBitsOfSingleRays) {
 
 TEST(PrimaryHits, PacketsHoldTheRaysOfSinglePixels) {
   const CompiledScene scene = compile("cornell");
-  const SampleIndex index{.seed = 3, .sample = 5};
-  for (int kind = 0; kind < 4; ++kind) {
+  std::vector<uint32_t> taken(kWidth * kHeight);
+  for (uint32_t i = 0; i < taken.size(); ++i) taken[i] = i % 7;
+  for (int kind = 0; kind < 8; ++kind) {
+    SampleIndex index{.seed = 3, .sample = 5};
+    if (kind >= 4) index.taken = view_of(taken);
+    index.width = kWidth;
     CameraView camera = scene.view().camera;
-    if (kind == 1) camera.lens_radius = 0.1f;
-    if (kind == 2) camera.projection = Projection::orthographic;
-    if (kind == 3) camera.projection = Projection::panoramic;
+    if (kind % 4 == 1) camera.lens_radius = 0.1f;
+    if (kind % 4 == 2) camera.projection = Projection::orthographic;
+    if (kind % 4 == 3) camera.projection = Projection::panoramic;
     uint32_t seen = 0;
     for (uint32_t y = 0; y < kHeight; y += 2) {
       for (uint32_t x = 0; x < kWidth; x += CameraPacket::kColumns) {
         CameraPacket packet;
-        packet.fill(camera, index, x, y, Tile{0, 0, kWidth, kHeight});
+        packet.take_rows(x, y, Tile{0, 0, kWidth, kHeight});
+        packet.generate(camera, index);
         for (int i = 0; i < packet.count; ++i, ++seen) {
           Sampler sampler = index.sampler(packet.x[i], packet.y[i]);
           const Ray ray = lone_camera_ray(camera, packet.x[i], packet.y[i], sampler);
