@@ -188,7 +188,8 @@ ExperimentResult run_proportional_sampling(const ExperimentContext& context) {
       std::move(pictures)));
   for (const SceneResult& scene : methods)
     result.blocks.emplace_back(trace_charts(scene.name, "", scene.traces, &TracePoint::mse, "MSE"));
-  result.setup = {{"Size", "three times " + size_text(context) + " along each edge, built-in scenes twice"},
+  result.setup = {{"Size", context.quick ? size_text(context)
+                                         : size_text(context) + ", three times along each edge; built-in scenes twice"},
                   {"Reference", fmt::format("{} samples a pixel, built-in scenes {}", method_reference_spp(context),
                                             built_in_reference_spp(context))},
                   {"Measure", "MSE of linear values, and of sRGB values that are cut off at 1"},

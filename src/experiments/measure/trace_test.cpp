@@ -66,6 +66,16 @@ TEST(Trace, SpreadIsTheVarianceOfDistances) {
   EXPECT_NEAR(distance_spread(image, reference), 0.25, 1e-7);
 }
 
+TEST(Trace, DisplayErrorIsThatOfCutOffSrgbValues) {
+  Image reference(2, 1);
+  Image image(2, 1);
+  image.at(0, 0) = Rgb(0.5f, 0, 0);
+  const double shown = 1.055 * std::pow(0.5, 1 / 2.4) - 0.055;
+  EXPECT_NEAR(display_error(image, reference), shown * shown / 6, 1e-6);
+  image.at(0, 0) = Rgb(50, 0, 0);  // shown as 1
+  EXPECT_NEAR(display_error(image, reference), 1.0 / 6, 1e-6);
+}
+
 /// Measures the box twice as an experiment that was interrupted would.
 TEST(Trace, GoesOnFromWhatWasMeasured) {
   ExperimentContext context;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <vector>
 
 #include "core/error.h"
@@ -179,6 +180,30 @@ TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
   }
   EXPECT_EQ(changed_in, (std::vector<uint32_t>{0, 2, 3, 4, 8, 12, 16})) << "two samples are the first that tell";
 }
+
+/// Mean probability of a sample after some frames of a built-in scene.
+double average_rate(const char* scene, float least) {
+  RenderSettings settings;
+  settings.width = 32;
+  settings.height = 24;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.rate = least;
+  Session session(find_builtin_scene(scene)->build(), settings);
+  for (int i = 0; i < 17; ++i) session.render_frame();
+  const View<const float> view = session.buffers().view<const float>("sampling-probability");
+  return std::accumulate(view.begin(), view.end(), 0.0) / static_cast<double>(view.size);
+}
+
+TEST(AdaptiveSampling, EvenNoiseRaisesTheRate) {
+  EXPECT_GT(average_rate("cornell-closed", 0.05f), 0.4);
+  EXPECT_LT(average_rate("cornell", 0.05f), 0.3) << "its background has no noise";
+}
+
+TEST(AdaptiveSampling, TheSettingIsTheLeastRate) {
+  for (const float least : {0.35f, 0.6f}) EXPECT_NEAR(average_rate("cornell", least), least, 0.02);
+}
+
+TEST(AdaptiveSampling, ImagesWithoutNoiseGetASampleEverywhere) { EXPECT_EQ(average_rate("furnace", 0.25f), 1.0); }
 
 TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
   std::vector<Rgb> mean{Rgb(3)};

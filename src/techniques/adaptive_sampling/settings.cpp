@@ -15,8 +15,8 @@ SettingList describe(AdaptiveSamplingSettings& s) {
        "What the deviation is of: radiance, or what a display shows of it (pooled)"},
       {"rate",
        &s.rate,
-       "Samples a pixel and frame, on average, at the least; frames have more of them where the noise is alike "
-       "everywhere (pooled)",
+       "Lower bound of the average number of samples per pixel and frame, which is higher in images with even noise "
+       "(pooled)",
        {.min = 0.01, .max = 1}},
       {"exposure",
        &s.exposure,

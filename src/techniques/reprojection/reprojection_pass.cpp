@@ -19,7 +19,7 @@ namespace {
 constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
 constexpr Change kEnds = Change::materials | Change::settings;
 
-/// Changes that nobody verifies for indirect light: it lags in every history that is kept.
+/// Changes of indirect light. No validation covers it, so it lags in every kept history.
 constexpr Change kMovesScene = Change::geometry | Change::lights;
 
 constexpr SurfaceBuffers kSurface{.motion = "surface-motion",
