@@ -140,12 +140,11 @@ TableBlock table(const std::string& title, const std::string& what, const std::v
   return block;
 }
 
-Claim claim_gain(const SceneResult& result, std::string id, double most) {
+Claim claim_gain(const SceneResult& result, std::string id, const char* place, double most) {
   const Ratio mse = ratio(result, kPooled, &TracePoint::mse);
   return judged_within(
       std::move(id), kOurs,
-      fmt::format("In {} samples in proportion to the standard deviation have the lower MSE at equal time.",
-                  result.name),
+      fmt::format("In {} samples in proportion to the standard deviation have the lower MSE at equal time.", place),
       fmt::format("{} of path tracing's MSE, {} of that with independent samples; of what a display shows {}",
                   share_text(mse), share_text(ratio(result, kPooled, &TracePoint::mse, kIndependent)),
                   share_text(ratio(result, kPooledDisplay, &TracePoint::display_mse))),
@@ -167,8 +166,8 @@ ExperimentResult run_proportional_sampling(const ExperimentContext& context) {
   std::vector<SceneResult> methods = measure_methods(context);
   const std::vector<SceneResult> built_in_scenes = measure_built_in(context);
   ExperimentResult result;
-  result.claims.push_back(claim_gain(methods.front(), "gain-box", 0.9));
-  if (methods.size() > 1) result.claims.push_back(claim_gain(methods.back(), "gain-sponza", 0.65));
+  result.claims.push_back(claim_gain(methods.front(), "gain-box", "the closed box", 0.9));
+  if (methods.size() > 1) result.claims.push_back(claim_gain(methods.back(), "gain-sponza", "Sponza", 0.65));
   claim_without_sponza(context, kOurs,
                        {{"gain-sponza",
                          "In Sponza samples in proportion to the standard deviation have the lower MSE "
