@@ -11,7 +11,7 @@ enum class AdaptiveMetric : int { linear, display };
 struct AdaptiveSamplingSettings {
   AdaptiveMethod method = AdaptiveMethod::pooled;
   AdaptiveMetric metric = AdaptiveMetric::linear;
-  float rate = 0.25f;
+  float rate = 0.35f;
   float exposure = 0;
   int min_samples = 4;
   int max_samples = 32;
