@@ -8,18 +8,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/change.h"
-#include "core/ray.h"
-#include "core/vec.h"
 #include "core/view.h"
+#include "film/buffer_key.h"
 
 namespace relume {
-
-/// `record`: a struct that the passes agree on, of `record_bytes`.
-enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, hit, fixed_rgb, record };
 
 /// How a buffer is shown.
 enum class BufferDisplay : uint8_t {
@@ -29,20 +26,15 @@ enum class BufferDisplay : uint8_t {
 };
 
 struct BufferDescription {
-  std::string name = {};
-  BufferType type = BufferType::f32;
+  BufferId id = {};
   std::string help = {};         ///< one line, for the inspector and `--aov`
   bool persistent = false;       ///< survives the frame: goes into checkpoints
   bool double_buffered = false;  ///< the frame before stays readable
   Change reset = Change::none;   ///< what makes the content invalid
   bool follows_surface = false;  ///< reprojection carries it along to where the surface is now
   BufferDisplay display = BufferDisplay::hidden;
-  uint32_t record_bytes = 0;       ///< of an element of type `record`
   std::string_view channels = "";  ///< of the EXR layer, one letter each; empty: RGB, XY or Y by type
 };
-
-/// Bytes of one element.
-size_t element_size(const BufferDescription& description);
 
 /// A width × height array; row 0 on top.
 class Buffer {
@@ -50,6 +42,7 @@ class Buffer {
   Buffer(BufferDescription description, uint32_t width, uint32_t height);
 
   const BufferDescription& description() const { return description_; }
+  std::string_view name() const { return description_.id.name; }
   std::span<std::byte> bytes() { return {data_.get(), size_}; }
   std::span<const std::byte> bytes() const { return {data_.get(), size_}; }
   /// Of the frame before; empty unless double-buffered.
@@ -58,17 +51,28 @@ class Buffer {
   void clear();
   void swap() { std::swap(data_, previous_); }
 
-  /// Elements as T; T's size must be the element size.
+  /// Elements as T, which must be of the buffer's type.
   template <typename T>
   View<T> view() const {
+    check_type<T>();
     return {reinterpret_cast<T*>(data_.get()), static_cast<uint32_t>(size_ / sizeof(T))};
   }
+  /// Elements of the frame before; an empty view unless double-buffered.
   template <typename T>
   View<T> previous() const {
+    check_type<T>();
     return {reinterpret_cast<T*>(previous_.get()), static_cast<uint32_t>(previous_ ? size_ / sizeof(T) : 0)};
   }
 
  private:
+  template <typename T>
+  void check_type() const {
+    using Element = std::remove_const_t<T>;
+    if (description_.id != BufferId(BufferKey<Element>{name()})) fail_type();
+  }
+  /// Throws std::logic_error: a mistake in the code, not of a user.
+  [[noreturn]] void fail_type() const;
+
   BufferDescription description_;
   size_t size_;
   std::unique_ptr<std::byte[]> data_;
@@ -89,17 +93,22 @@ class BufferTable {
   Buffer* find(std::string_view name);
   const Buffer* find(std::string_view name) const;
 
-  /// Elements of a buffer; an empty view if there is none of that name.
+  /// Elements of a buffer; an empty view if the table lacks it.
   template <typename T>
-  View<T> view(std::string_view name) const {
-    const Buffer* buffer = find(name);
+  View<const T> view(const BufferKey<T>& key) const {
+    const Buffer* buffer = find(key.name);
+    return buffer ? buffer->view<const T>() : View<const T>{};
+  }
+  template <typename T>
+  View<T> mutable_view(const BufferKey<T>& key) {
+    const Buffer* buffer = find(key.name);
     return buffer ? buffer->view<T>() : View<T>{};
   }
-  /// Its elements one frame ago.
+  /// Elements of a buffer one frame ago.
   template <typename T>
-  View<T> previous(std::string_view name) const {
-    const Buffer* buffer = find(name);
-    return buffer ? buffer->previous<T>() : View<T>{};
+  View<const T> previous(const BufferKey<T>& key) const {
+    const Buffer* buffer = find(key.name);
+    return buffer ? buffer->previous<const T>() : View<const T>{};
   }
 
   std::span<const std::unique_ptr<Buffer>> all() const { return buffers_; }

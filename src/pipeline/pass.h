@@ -28,12 +28,13 @@ enum class Stage : uint8_t {
 struct PassDeclaration {
   std::string_view name;  ///< kebab-case; what timings and messages call it
   Stage stage = Stage::trace;
-  std::vector<BufferDescription> owns = {};          ///< buffers that it brings along and writes
-  std::vector<std::string_view> reads = {};          ///< buffers of passes before it, or of the frame before
-  std::vector<std::string_view> writes = {};         ///< buffers of others that it changes
-  std::vector<std::string_view> reads_if_any = {};   ///< as `reads`, where some pass owns them
-  std::vector<std::string_view> writes_if_any = {};  ///< as `writes`, where some pass owns them
-  bool moves_surfaces = false;                       ///< writes every buffer that follows the surface
+  std::vector<BufferDescription> owns = {};  ///< buffers that it brings along and writes
+  std::vector<BufferId> reads = {};          ///< buffers of passes before it, or of the frame before
+  std::vector<BufferId> writes = {};         ///< buffers of others that it changes
+  std::vector<BufferId> reads_if_any = {};   ///< as `reads`, where some pass owns them
+  std::vector<BufferId> writes_if_any = {};  ///< as `writes`, where some pass owns them
+  bool moves_surfaces = false;               ///< writes every buffer that follows the surface
+  bool only_sampled_pixels = false;          ///< reads no pixel without a sample in this frame
 };
 
 /// A number that a pass reports: how full its structures are, what it had to leave out.

@@ -7,8 +7,8 @@
 namespace relume {
 namespace {
 
-[[noreturn]] void fail(std::string_view pass, std::string_view buffer, const char* problem) {
-  throw std::logic_error("pass '" + std::string(pass) + "', buffer '" + std::string(buffer) + "': " + problem);
+[[noreturn]] void fail(std::string_view pass, const BufferId& buffer, const char* problem) {
+  throw std::logic_error("pass '" + std::string(pass) + "', buffer '" + std::string(buffer.name) + "': " + problem);
 }
 
 /// What a declaration allows.
@@ -16,30 +16,30 @@ class DeclaredAccess final : public BufferAccess {
  public:
   explicit DeclaredAccess(const PassDeclaration& declaration)
       : pass_(declaration.name), moves_surfaces_(declaration.moves_surfaces) {
-    for (const BufferDescription& buffer : declaration.owns) written_.push_back(buffer.name);
+    for (const BufferDescription& buffer : declaration.owns) written_.push_back(buffer.id);
     for (const auto* list : {&declaration.writes, &declaration.writes_if_any})
       written_.insert(written_.end(), list->begin(), list->end());
     for (const auto* list : {&declaration.reads, &declaration.reads_if_any})
       read_.insert(read_.end(), list->begin(), list->end());
   }
-  void check_read(std::string_view buffer) const override {
+  void check_read(const BufferId& buffer) const override {
     if (!has(read_, buffer) && !has(written_, buffer)) fail(pass_, buffer, "it reads what it does not declare");
   }
-  void check_write(std::string_view buffer) const override {
+  void check_write(const BufferId& buffer) const override {
     if (!has(written_, buffer)) fail(pass_, buffer, "it writes what it does not declare");
   }
-  void check_move(std::string_view buffer) const override {
+  void check_move(const BufferId& buffer) const override {
     if (!moves_surfaces_) fail(pass_, buffer, "it moves what it does not declare");
   }
 
  private:
-  static bool has(const std::vector<std::string>& names, std::string_view name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+  static bool has(const std::vector<BufferId>& list, const BufferId& buffer) {
+    return std::find(list.begin(), list.end(), buffer) != list.end();
   }
   std::string pass_;
   bool moves_surfaces_;
-  std::vector<std::string> read_;
-  std::vector<std::string> written_;
+  std::vector<BufferId> read_;
+  std::vector<BufferId> written_;
 };
 
 }  // namespace
@@ -54,41 +54,46 @@ void Pipeline::add(std::unique_ptr<Pass> pass) {
 
 void Pipeline::check() const {
   struct Known {
-    std::string name;
+    BufferId id;
     bool lasting;
     bool written;
   };
   std::vector<Known> known;
-  const auto find = [&](std::string_view name) {
-    return std::find_if(known.begin(), known.end(), [&](const Known& k) { return k.name == name; });
+  const auto find = [&](const BufferId& id) {
+    return std::find_if(known.begin(), known.end(), [&](const Known& k) { return k.id.name == id.name; });
   };
   const std::vector<PassDeclaration> list = declarations();
   for (const PassDeclaration& pass : list) {
     for (const BufferDescription& b : pass.owns) {
-      if (find(b.name) != known.end()) fail(pass.name, b.name, "another pass owns it");
-      known.push_back({b.name, b.persistent || b.double_buffered, false});
+      if (find(b.id) != known.end()) fail(pass.name, b.id, "another pass owns it");
+      known.push_back({b.id, b.persistent || b.double_buffered, false});
     }
   }
   for (const PassDeclaration& pass : list) {
-    const auto read = [&](std::string_view name, bool optional) {
-      const auto buffer = find(name);
-      if (buffer == known.end() && optional) return;
-      if (buffer == known.end()) fail(pass.name, name, "it reads what no pass owns");
-      if (!buffer->lasting && !buffer->written) fail(pass.name, name, "it reads what no earlier pass has written");
+    const auto check_type = [&](const BufferId& id, const BufferId& owned) {
+      if (id != owned) fail(pass.name, id, "its elements are of another type than the owner's");
     };
-    const auto write = [&](std::string_view name, bool optional) {
-      const auto buffer = find(name);
+    const auto read = [&](const BufferId& id, bool optional) {
+      const auto buffer = find(id);
+      if (buffer == known.end() && optional) return;
+      if (buffer == known.end()) fail(pass.name, id, "it reads what no pass owns");
+      check_type(id, buffer->id);
+      if (!buffer->lasting && !buffer->written) fail(pass.name, id, "it reads what no earlier pass has written");
+    };
+    const auto write = [&](const BufferId& id, bool optional) {
+      const auto buffer = find(id);
       if (buffer != known.end()) {
+        check_type(id, buffer->id);
         buffer->written = true;
       } else if (!optional) {
-        fail(pass.name, name, "it writes what no pass owns");
+        fail(pass.name, id, "it writes what no pass owns");
       }
     };
-    for (const std::string_view name : pass.reads) read(name, false);
-    for (const std::string_view name : pass.reads_if_any) read(name, true);
-    for (const std::string_view name : pass.writes) write(name, false);
-    for (const std::string_view name : pass.writes_if_any) write(name, true);
-    for (const BufferDescription& b : pass.owns) find(b.name)->written = true;
+    for (const BufferId& id : pass.reads) read(id, false);
+    for (const BufferId& id : pass.reads_if_any) read(id, true);
+    for (const BufferId& id : pass.writes) write(id, false);
+    for (const BufferId& id : pass.writes_if_any) write(id, true);
+    for (const BufferDescription& b : pass.owns) find(b.id)->written = true;
   }
 }
 
@@ -99,10 +104,8 @@ void Pipeline::add_buffers(BufferTable& table) const {
 }
 
 bool Pipeline::run(const FrameContext& frame) {
-  FrameContext own = frame;
   for (size_t i = 0; i < passes_.size(); ++i) {
-    own.access = access_[i].get();
-    if (!passes_[i]->run(own)) return false;
+    if (!passes_[i]->run(frame.limited_to(*access_[i]))) return false;
   }
   return true;
 }

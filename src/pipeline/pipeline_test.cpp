@@ -9,6 +9,10 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<Vec3> kNormal{"normal"};
+constexpr BufferKey<float> kDepth{"depth"};
+constexpr BufferKey<float> kOther{"other"};
+
 /// A pass that notes its runs and, if asked to, stops the frame.
 class Probe final : public Pass {
  public:
@@ -47,7 +51,7 @@ class PipelineTest : public ::testing::Test {
     SceneView scene;
     BufferTable buffers(2, 2);
     Backend backend(1);
-    return pipeline_.run(FrameContext{scene, buffers, backend, {}, 0, 0, Change::none, {}});
+    return pipeline_.run(FrameContext(scene, buffers, backend, {}));
   }
 
   Pipeline pipeline_;
@@ -71,41 +75,54 @@ TEST_F(PipelineTest, EndsTheFrameWhereAPassWasStopped) {
 }
 
 TEST_F(PipelineTest, AcceptsPassesThatReadWhatEarlierOnesWrite) {
-  add({.name = "trace", .stage = Stage::trace, .owns = {{.name = "radiance"}}});
-  add({.name = "filter", .stage = Stage::resolve, .reads = {"radiance"}, .writes = {"radiance"}});
+  add({.name = "trace", .stage = Stage::trace, .owns = {{.id = kRadiance}}});
+  add({.name = "filter", .stage = Stage::resolve, .reads = {kRadiance}, .writes = {kRadiance}});
   EXPECT_NO_THROW(pipeline_.check());
 }
 
 TEST_F(PipelineTest, AcceptsReadingTheFrameBefore) {
-  add({.name = "history", .stage = Stage::history, .reads = {"mean", "normal"}});
+  add({.name = "history", .stage = Stage::history, .reads = {kMean, kNormal}});
   add({.name = "accumulate",
        .stage = Stage::present,
-       .owns = {{.name = "mean", .persistent = true}, {.name = "normal", .double_buffered = true}}});
+       .owns = {{.id = kMean, .persistent = true}, {.id = kNormal, .double_buffered = true}}});
   EXPECT_NO_THROW(pipeline_.check());
 }
 
 TEST_F(PipelineTest, RefusesReadingWhatIsWrittenLater) {
-  add({.name = "filter", .stage = Stage::resolve, .reads = {"radiance"}});
-  add({.name = "late", .stage = Stage::present, .owns = {{.name = "radiance"}}});
+  add({.name = "filter", .stage = Stage::resolve, .reads = {kRadiance}});
+  add({.name = "late", .stage = Stage::present, .owns = {{.id = kRadiance}}});
   EXPECT_THROW(pipeline_.check(), std::logic_error);
 }
 
 TEST_F(PipelineTest, RefusesBuffersWithoutOwnerOrWithTwo) {
-  add({.name = "a", .stage = Stage::trace, .owns = {{.name = "radiance"}}});
+  add({.name = "a", .stage = Stage::trace, .owns = {{.id = kRadiance}}});
   EXPECT_NO_THROW(pipeline_.check());
-  add({.name = "b", .stage = Stage::trace, .writes = {"nothing"}});
+  add({.name = "b", .stage = Stage::trace, .writes = {kOther}});
   EXPECT_THROW(pipeline_.check(), std::logic_error);
   Pipeline twice;
   for (const char* name : {"a", "b"})
-    twice.add(std::make_unique<Probe>(PassDeclaration{.name = name, .owns = {{.name = "radiance"}}}, &log_));
+    twice.add(std::make_unique<Probe>(PassDeclaration{.name = name, .owns = {{.id = kRadiance}}}, &log_));
   EXPECT_THROW(twice.check(), std::logic_error);
 }
 
+TEST_F(PipelineTest, RefusesBuffersOfAnotherTypeThanTheOwners) {
+  constexpr BufferKey<uint32_t> kRadianceAsIntegers{"radiance"};
+  for (const bool write : {false, true}) {
+    Pipeline pipeline;
+    PassDeclaration declaration{.name = "filter", .stage = Stage::resolve};
+    (write ? declaration.writes : declaration.reads) = {kRadianceAsIntegers};
+    pipeline.add(std::make_unique<Probe>(PassDeclaration{.name = "trace", .owns = {{.id = kRadiance}}}, &log_));
+    EXPECT_NO_THROW(pipeline.check());
+    pipeline.add(std::make_unique<Probe>(std::move(declaration), &log_));
+    EXPECT_THROW(pipeline.check(), std::logic_error);
+  }
+}
+
 TEST_F(PipelineTest, AcceptsWhatIsReadOrWrittenOnlyWhereItExists) {
-  add({.name = "trace", .stage = Stage::trace, .reads_if_any = {"allocation"}});
-  add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {"adaptive-m2"}});
+  add({.name = "trace", .stage = Stage::trace, .reads_if_any = {kAllocation}});
+  add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {kM2Rgb}});
   EXPECT_NO_THROW(pipeline_.check());
-  add({.name = "late", .stage = Stage::present, .owns = {{.name = "allocation"}}});
+  add({.name = "late", .stage = Stage::present, .owns = {{.id = kAllocation}}});
   EXPECT_THROW(pipeline_.check(), std::logic_error);  // it exists, and is written too late
 }
 
@@ -115,7 +132,7 @@ class Reach final : public Pass {
   Reach(PassDeclaration declaration, bool write) : declaration_(std::move(declaration)), write_(write) {}
   PassDeclaration declaration() const override { return declaration_; }
   bool run(const FrameContext& frame) override {
-    return write_ ? !frame.view<float>("radiance").empty() : !frame.view<const float>("radiance").empty();
+    return write_ ? !frame.write(kRadiance).empty() : !frame.read(kRadiance).empty();
   }
 
  private:
@@ -129,19 +146,19 @@ TEST(Pipeline, PassesSeeOnlyWhatTheyDeclare) {
     pipeline.add(std::make_unique<Reach>(std::move(declaration), write));
     SceneView scene;
     BufferTable buffers(2, 2);
-    buffers.add({.name = "radiance"});
+    buffers.add({.id = kRadiance});
     Backend backend(1);
-    return pipeline.run(FrameContext{scene, buffers, backend, {}, 0, 0, Change::none, {}});
+    return pipeline.run(FrameContext(scene, buffers, backend, {}));
   };
   for (const bool write : {false, true}) {
     EXPECT_THROW(run({.name = "nothing"}, write), std::logic_error);
-    EXPECT_TRUE(run({.name = "owner", .owns = {{.name = "radiance"}}}, write));
-    EXPECT_TRUE(run({.name = "writer", .writes = {"radiance"}}, write));
-    EXPECT_TRUE(run({.name = "writer", .writes_if_any = {"radiance"}}, write));
+    EXPECT_TRUE(run({.name = "owner", .owns = {{.id = kRadiance}}}, write));
+    EXPECT_TRUE(run({.name = "writer", .writes = {kRadiance}}, write));
+    EXPECT_TRUE(run({.name = "writer", .writes_if_any = {kRadiance}}, write));
   }
-  EXPECT_TRUE(run({.name = "reader", .reads = {"radiance"}}, false));
-  EXPECT_TRUE(run({.name = "reader", .reads_if_any = {"radiance"}}, false));
-  EXPECT_THROW(run({.name = "reader", .reads = {"radiance"}}, true), std::logic_error);
+  EXPECT_TRUE(run({.name = "reader", .reads = {kRadiance}}, false));
+  EXPECT_TRUE(run({.name = "reader", .reads_if_any = {kRadiance}}, false));
+  EXPECT_THROW(run({.name = "reader", .reads = {kRadiance}}, true), std::logic_error);
 }
 
 TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
@@ -160,10 +177,10 @@ TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
     pipeline.add(std::make_unique<Move>(declares));
     SceneView scene;
     BufferTable buffers(2, 2);
-    buffers.add({.name = "mean", .follows_surface = true});
-    buffers.add({.name = "depth"});
+    buffers.add({.id = kMean, .follows_surface = true});
+    buffers.add({.id = kDepth});
     Backend backend(1);
-    return pipeline.run(FrameContext{scene, buffers, backend, {}, 0, 0, Change::none, {}});
+    return pipeline.run(FrameContext(scene, buffers, backend, {}));
   };
   EXPECT_TRUE(run(true));
   EXPECT_THROW(run(false), std::logic_error);
@@ -203,22 +220,32 @@ TEST_F(PipelineTest, SavesAndLoadsPassByPass) {
 }
 
 TEST(BufferTable, SwapsAndClearsWhatItIsToldTo) {
+  constexpr BufferKey<float> kTwice{"twice"};
+  constexpr BufferKey<float> kSum{"sum"};
+  constexpr BufferKey<float> kKept{"kept"};
   BufferTable table(2, 1);
-  table.add({.name = "twice", .double_buffered = true});
-  table.add({.name = "sum", .reset = Change::camera | Change::settings});
-  table.add({.name = "kept"});
+  table.add({.id = kTwice, .double_buffered = true});
+  table.add({.id = kSum, .reset = Change::camera | Change::settings});
+  table.add({.id = kKept});
   for (const auto& b : table.all()) b->view<float>()[1] = 3.0f;
   table.swap();
-  EXPECT_EQ(table.previous<float>("twice")[1], 3.0f);
-  EXPECT_EQ(table.view<float>("twice")[1], 0.0f);
+  EXPECT_EQ(table.previous(kTwice)[1], 3.0f);
+  EXPECT_EQ(table.view(kTwice)[1], 0.0f);
   EXPECT_EQ(table.memory_bytes(), 4u * 2 * sizeof(float));
   table.reset(Change::lights);
-  EXPECT_EQ(table.view<float>("sum")[1], 3.0f);
+  EXPECT_EQ(table.view(kSum)[1], 3.0f);
   table.reset(Change::camera);
-  EXPECT_EQ(table.view<float>("sum")[1], 0.0f);
-  EXPECT_EQ(table.view<float>("kept")[1], 3.0f);
-  EXPECT_TRUE(table.view<float>("absent").empty());
-  EXPECT_TRUE(table.previous<float>("kept").empty());
+  EXPECT_EQ(table.view(kSum)[1], 0.0f);
+  EXPECT_EQ(table.view(kKept)[1], 3.0f);
+  EXPECT_TRUE(table.view(kOther).empty());
+  EXPECT_TRUE(table.previous(kKept).empty());
+}
+
+TEST(BufferTable, RefusesViewsOfAnotherType) {
+  BufferTable table(2, 1);
+  table.add({.id = kMean});
+  EXPECT_THROW(table.view(BufferKey<uint32_t>{kMean.name}), std::logic_error);
+  EXPECT_THROW(table.mutable_view(BufferKey<uint64_t>{kMean.name}), std::logic_error);
 }
 
 }  // namespace

@@ -13,24 +13,25 @@ namespace {
 
 std::string_view channel_letters(const BufferDescription& b) {
   if (!b.channels.empty()) return b.channels;
-  if (b.type == BufferType::rgb32f) return "RGB";
-  return b.type == BufferType::vec2f ? "XY" : "Y";
+  if (b.id.type == BufferType::rgb32f) return "RGB";
+  return b.id.type == BufferType::vec2f ? "XY" : "Y";
 }
 
 /// Component `c` of element `i`.
 float component(const Buffer& buffer, uint32_t i, int c) {
-  switch (buffer.description().type) {
+  switch (buffer.description().id.type) {
     case BufferType::f32: return buffer.view<const float>()[i];
     case BufferType::rgb32f: return buffer.view<const Rgb>()[i][c];
     case BufferType::vec2f: return buffer.view<const Vec2>()[i][c];
     case BufferType::u32: return static_cast<float>(buffer.view<const uint32_t>()[i]);
-    default: return 0.0f;
+    case BufferType::record: return 0.0f;
   }
+  return 0.0f;
 }
 
 std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
-  const auto m2 = buffers.view<const float>("m2");
-  const auto count = buffers.view<const uint32_t>("samples");
+  const auto m2 = buffers.view(kM2);
+  const auto count = buffers.view(kSamples);
   ExrChannel plane{"variance.Y", std::vector<float>(m2.size)};
   for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i]);
   return {plane};
@@ -42,7 +43,7 @@ std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes) {
   std::vector<AovLayer> layers{{"variance", "variance of the mean of the pixel's samples, luminance"}};
   for (const PassDeclaration& pass : passes) {
     for (const BufferDescription& b : pass.owns) {
-      if (b.display != BufferDisplay::hidden) layers.push_back({b.name, b.help});
+      if (b.display != BufferDisplay::hidden) layers.push_back({std::string(b.id.name), b.help});
     }
   }
   std::sort(layers.begin(), layers.end(), [](const AovLayer& a, const AovLayer& b) { return a.name < b.name; });

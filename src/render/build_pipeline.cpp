@@ -41,10 +41,14 @@ P& add(Pipeline& pipeline, Arguments&&... arguments) {
 }
 
 bool reads_surface(const Pipeline& pipeline) {
+  const std::vector<BufferDescription> surface = SurfacePass().declaration().owns;
+  const auto is_surface = [&](const BufferId& buffer) {
+    return std::any_of(surface.begin(), surface.end(),
+                       [&](const BufferDescription& owned) { return owned.id == buffer; });
+  };
   const std::vector<PassDeclaration> list = pipeline.declarations();
-  return std::any_of(list.begin(), list.end(), [](const PassDeclaration& pass) {
-    return std::any_of(pass.reads.begin(), pass.reads.end(),
-                       [](std::string_view buffer) { return buffer.starts_with("surface-"); });
+  return std::any_of(list.begin(), list.end(), [&](const PassDeclaration& pass) {
+    return std::any_of(pass.reads.begin(), pass.reads.end(), is_surface);
   });
 }
 
@@ -52,8 +56,8 @@ bool reads_surface(const Pipeline& pipeline) {
 bool only_samples_read_hits(const Pipeline& pipeline) {
   const std::vector<PassDeclaration> list = pipeline.declarations();
   return std::none_of(list.begin(), list.end(), [](const PassDeclaration& pass) {
-    const bool follows = pass.name == "trace" || pass.name == "store" || pass.name == "firefly-clamp";
-    return !follows && std::find(pass.reads.begin(), pass.reads.end(), "primary-hits") != pass.reads.end();
+    const bool reads_hits = std::find(pass.reads.begin(), pass.reads.end(), BufferId(kPrimaryHits)) != pass.reads.end();
+    return reads_hits && !pass.only_sampled_pixels;
   });
 }
 

@@ -181,7 +181,7 @@ void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader&
   write_value(out, header.counters);
   for (const auto& buffer : buffers.all()) {
     if (!buffer->description().persistent) continue;
-    write_text(out, buffer->description().name);
+    write_text(out, std::string(buffer->name()));
     write_bytes(out, buffer->bytes());
     write_bytes(out, buffer->previous_bytes());
   }

@@ -15,7 +15,7 @@ namespace {
 /// A checkpoint of one buffer and no passes.
 class CheckpointTest : public ::testing::Test {
  protected:
-  CheckpointTest() { buffers_.add({.name = "mean", .type = BufferType::rgb32f, .persistent = true}); }
+  CheckpointTest() { buffers_.add({.id = kMean, .persistent = true}); }
   ~CheckpointTest() override { std::filesystem::remove(file_); }
 
   void write(const Counters& counters) { write_checkpoint(file_, {1, "settings", counters}, buffers_, pipeline_); }

@@ -40,7 +40,7 @@ bool same_shape(const Pipeline& a, const Pipeline& b) {
   const std::vector<PassDeclaration> one = a.declarations();
   const std::vector<PassDeclaration> other = b.declarations();
   const auto same_buffers = [](const BufferDescription& x, const BufferDescription& y) {
-    return x.name == y.name && x.type == y.type && x.reset == y.reset;
+    return x.id == y.id && x.reset == y.reset;
   };
   return std::equal(one.begin(), one.end(), other.begin(), other.end(), [&](const auto& x, const auto& y) {
     return x.name == y.name && std::equal(x.owns.begin(), x.owns.end(), y.owns.begin(), y.owns.end(), same_buffers);
@@ -134,7 +134,7 @@ struct Session::State {
     if (!settings.stratify) return index;  // a sequence of one element in each frame
     index.sample = schedule.sample(counters.sequence_age, counters.since_change);
     index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
-    index.taken = buffers->view<const uint32_t>(kSampleCountBuffer);
+    index.taken = buffers->view(kSequenceSamples);
     index.camera_runs = schedule.longest_epoch > 0;
     return index;
   }
@@ -142,26 +142,23 @@ struct Session::State {
   FrameContext frame(const std::stop_token& stop) {
     const SampleSchedule schedule{pipeline.longest_epoch(), pilot_samples(settings)};
     const SampleIndex index = sample_index(schedule);
-    return {
-        scene->view(),
-        *buffers,
-        *backend,
-        index,
-        counters.frames,
-        counters.since_change,
-        changes,
-        pipeline.keeps_state() ? std::stop_token{} : stop,
-        counters.since_change == 0 || counters.picture_frames == counters.frames,
-        schedule.begins_epoch(counters.since_change),
-        settings.stratify && index.sample >= counters.since_change && index.taken.empty() && pipeline.keeps_to_pixels(),
-        nullptr,
-        hurry};
+    const bool own_sequence = index.sample >= counters.since_change && index.taken.empty();
+    return FrameContext(scene->view(), *buffers, *backend,
+                        {.index = index,
+                         .number = counters.frames,
+                         .since_change = counters.since_change,
+                         .changes = changes,
+                         .begins_picture = counters.since_change == 0 || counters.picture_frames == counters.frames,
+                         .begins_epoch = schedule.begins_epoch(counters.since_change),
+                         .stratified = settings.stratify && own_sequence && pipeline.keeps_to_pixels(),
+                         .stop = pipeline.keeps_state() ? std::stop_token{} : stop,
+                         .hurry = hurry});
   }
 
   void count_frame() {
-    const View<const uint32_t> allocation = buffers->view<const uint32_t>("allocation");
+    const View<const uint32_t> allocation = buffers->view(kAllocation);
     counters.paths += allocation.empty() ? uint64_t{buffers->width()} * buffers->height() : sum(allocation);
-    counters.rays += sum(buffers->view<const uint32_t>("rays"));
+    counters.rays += sum(buffers->view(kRays));
     ++counters.frames;
     ++counters.since_change;
     ++counters.sequence_age;
@@ -223,7 +220,7 @@ uint32_t Session::frames_since_change() const {
 }
 
 double Session::kept_samples() const {
-  const View<const uint32_t> samples = state_->buffers->view<const uint32_t>("samples");
+  const View<const uint32_t> samples = state_->buffers->view(kSamples);
   return static_cast<double>(sum(samples)) / std::max(samples.size, 1u);
 }
 
@@ -266,8 +263,8 @@ void Session::set_material(Index material, const Material& value) {
 Image Session::image() const {
   const BufferTable& buffers = *state_->buffers;
   Image image(static_cast<int>(buffers.width()), static_cast<int>(buffers.height()));
-  const View<const Rgb> denoised = buffers.view<const Rgb>("denoised");
-  const View<const Rgb> mean = denoised.empty() ? buffers.view<const Rgb>("mean") : denoised;
+  const View<const Rgb> denoised = buffers.view(kDenoised);
+  const View<const Rgb> mean = denoised.empty() ? buffers.view(kMean) : denoised;
   if (frames_since_change() > 0) std::copy(mean.begin(), mean.end(), image.pixels.begin());
   return image;
 }
@@ -277,10 +274,8 @@ double Session::estimated_error() const {
   if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const BufferTable& buffers = *state_->buffers;
-  return relative_error(buffers.view<const Rgb>("mean"), buffers.view<const float>("m2"),
-                        buffers.view<const uint32_t>("samples"),
-                        {buffers.view<const float>("light-m2"), buffers.view<const float>("light-paths"),
-                         buffers.view<const uint32_t>("light-frames")});
+  return relative_error(buffers.view(kMean), buffers.view(kM2), buffers.view(kSamples),
+                        {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)});
 }
 
 const Statistics& Session::statistics() const {
@@ -288,7 +283,7 @@ const Statistics& Session::statistics() const {
   s.statistics.frames = s.counters.frames;
   s.statistics.samples = s.statistics.paths = s.counters.paths;
   s.statistics.rays = s.counters.rays;
-  s.statistics.nonfinite_samples = sum(s.buffers->view<const uint32_t>("nonfinite"));
+  s.statistics.nonfinite_samples = sum(s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes();
   s.statistics.technique_bytes = s.pipeline.memory_bytes();

@@ -108,7 +108,7 @@ TEST_P(AreaLight, InstancedMirroredAndStretched) {
 TEST_P(AreaLight, BlendedOccluderLetsItsShareThrough) {
   Scene scene = irradiance_meter();
   add(scene, ceiling(0.8f, 0.5f, 1), emitter("lamp", Rgb(1)));
-  Material veil = lambert("veil", Rgb(0));
+  Material veil = matte("veil", Rgb(0));
   veil.alpha_mode = AlphaMode::blend;
   veil.alpha = 0.3f;
   add(scene, ceiling(2, 2, 0.8f), veil);

@@ -61,7 +61,7 @@ TEST(Camera, PanoramaShowsTheEnvironmentMapAsItIs) {
     e.map.emplace_back(2 + std::sin(phi), 2 + std::cos(phi), 1 + v);
   }
   const std::vector<Rgb> map = e.map;
-  add(scene, quad({0, -1e5f, 0}, {1e-3f, 0, 0}, {0, 0, 1e-3f}), lambert("far away", Rgb(0)));
+  add(scene, quad({0, -1e5f, 0}, {1e-3f, 0, 0}, {0, 0, 1e-3f}), matte("far away", Rgb(0)));
   add_camera(scene, {.name = "", .projection = Projection::panoramic}, Vec3(0), {0, 0, -1});
   const Image image = render(std::move(scene), small_settings(64, 32), 256);
   double worst = 0;

@@ -81,7 +81,7 @@ TEST_P(OtherLight, ConstantEnvironmentBehindAnOccluder) {
   Scene scene = irradiance_meter();
   set_constant_environment(scene, Rgb(1));
   const Mesh occluder = quad({-0.5f, -0.3f, 0.7f}, {1, 0, 0}, {0, 0.9f, 0});
-  add(scene, occluder, lambert("black", Rgb(0)));
+  add(scene, occluder, matte("black", Rgb(0)));
   const double hidden = polygon_irradiance(
       {occluder.positions[0], occluder.positions[1], occluder.positions[2], occluder.positions[3]}, Vec3(0), {0, 0, 1});
   expect_irradiance(std::move(scene), Rgb(static_cast<float>(M_PI - hidden)));
@@ -90,7 +90,7 @@ TEST_P(OtherLight, ConstantEnvironmentBehindAnOccluder) {
 TEST_P(OtherLight, ConstantEnvironmentBesideAWall) {  // which hides half of it
   Scene scene = irradiance_meter();
   set_constant_environment(scene, Rgb(1));
-  add(scene, quad({0.002f, -400, -400}, {0, 800, 0}, {0, 0, 800}), lambert("black", Rgb(0)));
+  add(scene, quad({0.002f, -400, -400}, {0, 800, 0}, {0, 0, 800}), matte("black", Rgb(0)));
   expect_irradiance(std::move(scene), Rgb(kPi / 2), 4096);
 }
 

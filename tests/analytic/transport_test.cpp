@@ -29,7 +29,7 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing tw
   for (const float albedo : {0.3f, 1.0f}) {
     Scene scene;
     // Flat: interpolated normals lose the light that they send into the surface.
-    add(scene, flat_shaded(icosphere(1, 3)), lambert("sphere", Rgb(albedo)));
+    add(scene, flat_shaded(icosphere(1, 3)), matte("sphere", Rgb(albedo)));
     set_constant_environment(scene, {1, 2, 3});
     add_camera(scene, {.name = "", .fov_y_rad = 0.3f}, {0, 0, 4}, {0, 0, -1});
     for (const int max_bounces : {1, 8}) {
@@ -44,7 +44,7 @@ TEST_P(Transport, ConvexBodyInAFurnace) {  // reflects its albedo and nothing tw
 
 /// The inside of a sphere that shines: L = e · Σ ρ^k, k = 0 … max_bounces.
 Scene closed_sphere(float albedo) {
-  Material wall = lambert("wall", Rgb(albedo));
+  Material wall = matte("wall", Rgb(albedo));
   wall.emission = {1, 0.5f, 2};
   Scene scene;
   add(scene, flipped(icosphere(1, 2)), wall);
@@ -87,7 +87,7 @@ TEST(LightTracing, FloorUnderALargePlate) {
   const float height = 1;
   const Mesh plate = quad({-2, 2, height}, {4, 0, 0}, {0, -4, 0});
   Scene scene;
-  add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), lambert("floor", Rgb(0.8f, 0.4f, 0.2f)));
+  add(scene, quad({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}), matte("floor", Rgb(0.8f, 0.4f, 0.2f)));
   add(scene, plate, emitter("plate", Rgb(1, 2, 3)));
   add_camera(scene, {.name = "", .projection = Projection::orthographic, .half_height = 1}, {0, 0, 0.9f}, {0, 0, -1});
   constexpr int kPlaces = 32;
@@ -108,7 +108,7 @@ TEST(LightTracing, FloorUnderALargePlate) {
 
 TEST_P(Transport, MaxBounces) {  // 0: emitters only; 1: direct light
   Scene scene;
-  add(scene, quad({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}), lambert("floor", Rgb(0.5f)));
+  add(scene, quad({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}), matte("floor", Rgb(0.5f)));
   add(scene, quad({-0.5f, 0.5f, 1}, {1, 0, 0}, {0, -1, 0}), emitter("lamp", Rgb(1)));
   add_spot_meter(scene, {3, 0, 0}, {0, 0, -1}, 2);
   EXPECT_EQ(estimate_of(render(scene, settings(0), 4)).mean, Rgb(0));
@@ -208,7 +208,7 @@ TEST_P(Scattering, GlassAbsorbsByBeersLaw) {
 
 TEST_P(Scattering, ThinGlassTints) {
   const Rgb tint(0.9f, 0.5f, 0.2f);
-  Material pane = lambert("pane", tint);
+  Material pane = matte("pane", tint);
   pane.transmission = 1;
   pane.roughness = 0;
   pane.double_sided = true;
@@ -251,7 +251,7 @@ TEST_P(Scattering, AlphaMaskCutsOut) {
 }
 
 TEST_P(Scattering, ClearcoatReflectsOverBlack) {
-  Material coated = lambert("coated", Rgb(0));
+  Material coated = matte("coated", Rgb(0));
   coated.clearcoat = 0.7f;
   for (const float angle : {0.0f, 1.1f}) {
     Scene scene;

@@ -25,7 +25,7 @@ MAY_INCLUDE = {
     "metrics": "core film io",
     "report": "core film io metrics",
     "pipeline": "core sampling scene backend film",
-    "techniques": "core settings sampling lights scene backend pipeline",
+    "techniques": "core settings sampling lights scene backend film pipeline",
     "render": "core settings sampling materials scene backend io film pipeline techniques",
     "compare": "core settings scene io metrics report render",
     "experiments": "core settings scene io metrics report techniques render compare",

@@ -77,13 +77,13 @@ struct Shown {
       session.render_frame();
     }
     denoised = session.image();
-    noisy = picture(session, "radiance");
-    mean = picture(session, "mean");
+    noisy = picture(session, kRadiance);
+    mean = picture(session, kMean);
   }
 
-  static Image picture(const Session& session, const char* buffer) {
+  static Image picture(const Session& session, const BufferKey<Rgb>& buffer) {
     Image image(kWidth, kHeight);
-    const auto pixels = session.buffers().view<const Rgb>(buffer);
+    const auto pixels = session.buffers().view(buffer);
     std::copy(pixels.begin(), pixels.end(), image.pixels.begin());
     return image;
   }

@@ -145,7 +145,7 @@ TEST(History, NoneShowsTheLatestSampleOnly) {
   const Image first = session.image();
   session.render_frame();
   EXPECT_NE(session.image().pixels, first.pixels);
-  EXPECT_EQ(session.buffers().view<const uint32_t>("samples")[0], 1u);
+  EXPECT_EQ(session.buffers().view(kSamples)[0], 1u);
   EXPECT_EQ(session.frames_since_change(), 2u);
   EXPECT_EQ(session.kept_samples(), 1);
 }

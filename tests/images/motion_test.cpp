@@ -18,6 +18,7 @@
 #include "metrics/temporal.h"
 #include "render/session.h"
 #include "support/measure.h"
+#include "techniques/reprojection/reprojection_pass.h"
 
 namespace relume::support {
 namespace {
@@ -94,8 +95,8 @@ RenderSettings settings_of(HistoryChoice history, int seed, int scale = 1) {
 float time_of(int frame) { return static_cast<float>(frame) / kFps; }
 
 template <typename T>
-std::vector<T> copy_of(const Session& session, const char* buffer) {
-  const View<const T> view = session.buffers().view<const T>(buffer);
+std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
+  const View<const T> view = session.buffers().view(buffer);
   return {view.begin(), view.end()};
 }
 
@@ -112,13 +113,12 @@ struct Frame {
 
 Frame frame_of(const Session& session) {
   return {session.image(),
-          {copy_of<Vec2>(session, "surface-motion"), copy_of<float>(session, "surface-depth"),
-           copy_of<Vec3>(session, "surface-normal")},
-          copy_of<uint32_t>(session, "surface-instance"),
-          copy_of<uint32_t>(session, "samples"),
-          copy_of<uint32_t>(session, "history-kept"),
-          copy_of<uint32_t>(session, "history-reason"),
-          copy_of<uint32_t>(session, "history-fate")};
+          {copy_of(session, kSurface.motion), copy_of(session, kSurface.depth), copy_of(session, kSurface.normal)},
+          copy_of(session, kSurface.surface),
+          copy_of(session, kSamples),
+          copy_of(session, kHistoryKept),
+          copy_of(session, kHistoryReason),
+          copy_of(session, kHistoryFate)};
 }
 
 /// The sequence with one sample a pixel and frame, and at last `rest` more frames in which nothing moves.

@@ -78,7 +78,7 @@ TEST(Nonfinite, AdaptiveSamplingGoesOn) {
 /// A sun so bright and small that its radiance overflows, on a card that covers the right half of the picture.
 TEST(Nonfinite, OverflowOnTheWayIsFoundToo) {
   Scene scene;
-  add(scene, quad({0, -1, 0}, {1, 0, 0}, {0, 2, 0}), lambert("card", Rgb(0.5f)));
+  add(scene, quad({0, -1, 0}, {1, 0, 0}, {0, 2, 0}), matte("card", Rgb(0.5f)));
   add(scene, quad({-1, -1, 0}, {1, 0, 0}, {0, 2, 0}), unlit(Rgb(0.25f)));
   add_light(scene,
             {.name = "", .type = PunctualType::directional, .intensity = Rgb(1e15f), .angular_diameter_rad = 1e-14f},

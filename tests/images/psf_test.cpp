@@ -10,6 +10,7 @@
 #include "support/measure.h"
 #include "support/scenes.h"
 #include "techniques/path_graphs/testing/cache_scenes.h"
+#include "techniques/primary_hits/primary_hits_pass.h"
 
 namespace relume::support {
 namespace {
@@ -28,8 +29,8 @@ RenderSettings settings_of(CacheChoice cache, HistoryChoice history, int width, 
 Scene divided_floor() {
   Scene scene;
   scene.name = "divided floor";
-  add(scene, quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}), lambert("floor", Rgb(0.8f)));
-  add(scene, quad({0, 0, 4}, {0, 8, 0}, {0, 0, -8}), lambert("wall", Rgb(0)));
+  add(scene, quad({-4, 0, 4}, {8, 0, 0}, {0, 0, -8}), matte("floor", Rgb(0.8f)));
+  add(scene, quad({0, 0, 4}, {0, 8, 0}, {0, 0, -8}), matte("wall", Rgb(0)));
   PunctualLight lamp;
   lamp.intensity = Rgb(4);
   add_light(scene, lamp, look_at({-0.5f, 1, 0}, {-0.5f, 0, 0.001f}));
@@ -116,12 +117,12 @@ TEST_P(Caches, LightDoesNotGoThroughAPanel) {
   // A panel without thickness, lit from behind, seen from the front; a mirror beside it shows its back.
   Scene scene;
   scene.name = "panel";
-  add(scene, quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}), lambert("panel", Rgb(0.8f)));
+  add(scene, quad({-0.4f, -0.4f, 0}, {0.8f, 0, 0}, {0, 0.8f, 0}), matte("panel", Rgb(0.8f)));
   PunctualLight lamp;
   lamp.intensity = Rgb(4);
   add_light(scene, lamp, look_at({0, 0, -1}, {0, 0.001f, 0}));
   add_camera(scene, Camera{}, {0, 0, 2}, {0, 0, -1});
-  Material mirror = lambert("mirror", Rgb(1));
+  Material mirror = matte("mirror", Rgb(1));
   mirror.metallic = 1;
   mirror.roughness = 0;
   add(scene, quad({0.782f, -1.5f, -2.207f}, {0.91f, 0, 0.414f}, {0, 3, 0}), mirror);
@@ -151,8 +152,8 @@ std::vector<bool> steady_pixels(Session& before, Session& after) {
   std::vector<bool> steady;
   const Image a = mean_frame(before, 16);
   const Image b = mean_frame(after, 16);
-  const View<const float> depth_a = before.buffers().view<const float>("depth");
-  const View<const float> depth_b = after.buffers().view<const float>("depth");
+  const View<const float> depth_a = before.buffers().view(kDepthAov);
+  const View<const float> depth_b = after.buffers().view(kDepthAov);
   for (size_t i = 0; i < a.pixels.size(); ++i) {
     const float d = depth_a[static_cast<uint32_t>(i)];
     steady.push_back(is_black(a.pixels[i]) && is_black(b.pixels[i]) &&
@@ -246,8 +247,8 @@ TEST_P(Caches, EdgesOfLampsAreSmooth) {
   // A lamp that lies across the pixels' grid, before a dim wall.
   Scene scene;
   scene.name = "edges";
-  add(scene, quad({-4, -4, -0.5f}, {8, 0, 0}, {0, 8, 0}), lambert("wall", Rgb(0.5f)));
-  Material lamp = lambert("lamp", Rgb(0));
+  add(scene, quad({-4, -4, -0.5f}, {8, 0, 0}, {0, 8, 0}), matte("wall", Rgb(0.5f)));
+  Material lamp = matte("lamp", Rgb(0));
   lamp.emission = Rgb(20);
   add(scene, quad({-0.5f, -0.3f, 0}, {0.9f, 0.2f, 0}, {-0.2f, 0.7f, 0}), lamp);
   scene.environment.kind = EnvironmentKind::constant;

@@ -31,7 +31,7 @@ class CachesInTimeSlow : public CachesInTime {};
 Scene open_floor() {
   Scene scene;
   scene.name = "open floor";
-  add(scene, quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}), lambert("floor", Rgb(0.5f)));
+  add(scene, quad({-60, 0, 60}, {120, 0, 0}, {0, 0, -120}), matte("floor", Rgb(0.5f)));
   for (int i = 0; i < 3; ++i) {
     PunctualLight lamp;
     lamp.type = PunctualType::directional;

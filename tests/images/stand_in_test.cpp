@@ -14,7 +14,7 @@ constexpr int kSize = 24;
 
 Scene ball(bool light, bool camera) {
   Scene scene;
-  add(scene, icosphere(2, 3), lambert("ball", Rgb(0.4f)));
+  add(scene, icosphere(2, 3), matte("ball", Rgb(0.4f)));
   if (light) set_constant_environment(scene, Rgb(1));
   if (camera) add_camera(scene, {.name = "front", .fov_y_rad = 0.8f}, {0, 0, 8}, {0, 0, -1});
   return scene;

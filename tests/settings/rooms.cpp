@@ -31,13 +31,13 @@ std::array<int, 4> speckle(int x, int y) {
 void add_walls(SceneBuilder& builder) {
   Texture texture = make_texture(16, 16, PixelFormat::rgba8_srgb, speckle);
   texture.filter = FilterMode::linear;
-  Material floor = lambert("floor", Rgb(0.8f));
+  Material floor = matte("floor", Rgb(0.8f));
   floor.base_color_texture.texture = builder.add_texture(std::move(texture));
   builder.add("floor", quad({-kHalf, 0, kHalf}, {2 * kHalf, 0, 0}, {0, 0, -2 * kHalf}), builder.add_material(floor));
-  const Index white = builder.add_material(lambert("white", Rgb(0.7f)));
+  const Index white = builder.add_material(matte("white", Rgb(0.7f)));
   builder.add("ceiling", quad({-kHalf, kHeight, -kHalf}, {2 * kHalf, 0, 0}, {0, 0, 2 * kHalf}), white);
   builder.add("back wall", quad({-kHalf, 0, -kHalf}, {2 * kHalf, 0, 0}, {0, kHeight, 0}), white);
-  const Index red = builder.add_material(lambert("red", {0.6f, 0.1f, 0.1f}));
+  const Index red = builder.add_material(matte("red", {0.6f, 0.1f, 0.1f}));
   builder.add("left wall", quad({-kHalf, 0, kHalf}, {0, 0, -2 * kHalf}, {0, kHeight, 0}), red);
   builder.add("right wall", quad({kHalf, 0, -kHalf}, {0, 0, 2 * kHalf}, {0, kHeight, 0}), white);
   for (const float x : {-0.7f, 0.6f})
@@ -52,7 +52,7 @@ void add_bodies(SceneBuilder& builder) {
               at({1.2f, 0, -0.4f}, -20));
   builder.add("gloss", block, builder.add_material(glossy("gloss", {0.2f, 0.5f, 0.3f}, 0.35f)), at({0, 0, -1.2f}, 9));
   builder.add("mirror", icosphere(0.4f, 3), builder.add_material(metal("mirror", Rgb(0.9f), 0)), at({-0.5f, 0.4f, 1}));
-  builder.add("ball", icosphere(0.4f, 3), builder.add_material(lambert("ball", {0.3f, 0.4f, 0.7f})),
+  builder.add("ball", icosphere(0.4f, 3), builder.add_material(matte("ball", {0.3f, 0.4f, 0.7f})),
               at({0.5f, 0.4f, 0.8f}));
 }
 

@@ -55,7 +55,7 @@ void add_spot_meter(Scene& scene, const Vec3& target, const Vec3& direction, flo
 Scene irradiance_meter() {
   Scene scene;
   scene.name = "irradiance meter";
-  add(scene, quad({-0.01f, -0.01f, 0}, {0.02f, 0, 0}, {0, 0.02f, 0}), lambert("white", Rgb(1)));
+  add(scene, quad({-0.01f, -0.01f, 0}, {0.02f, 0, 0}, {0, 0.02f, 0}), matte("white", Rgb(1)));
   add_spot_meter(scene, Vec3(0), {0, 0, -1}, 0.5f);
   return scene;
 }
@@ -92,7 +92,7 @@ Index node_named(const Scene& scene, std::string_view name) {
 }
 
 Material unlit(const Rgb& color) {
-  Material material = lambert("unlit", color);
+  Material material = matte("unlit", color);
   material.unlit = true;
   material.double_sided = true;
   return material;

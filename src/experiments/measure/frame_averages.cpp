@@ -10,6 +10,7 @@
 
 #include "metrics/ensemble.h"
 #include "render/session.h"
+#include "techniques/path_space_filter/cells_pass.h"
 
 namespace relume {
 namespace {
@@ -23,7 +24,7 @@ Image mean_image(const std::vector<glm::dvec3>& sums, int count, int width, int 
 double mean_termination(const Session& session) {
   if (session.settings().cache == CacheChoice::none) return 0;
   double sum = 0;
-  const View<const float> layer = session.buffers().view<const float>("cell-termination");
+  const View<const float> layer = session.buffers().view(kCellTermination);
   for (const float bounce : layer) sum += static_cast<double>(bounce);
   return sum / static_cast<double>(layer.size);
 }

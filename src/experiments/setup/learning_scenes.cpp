@@ -29,7 +29,7 @@ ExperimentScene lamp_field() {
   constexpr float kPitch = 2.5f;
   constexpr float kHalf = 0.5f * kSide * kPitch;
   builder.add("ground", quad({-2 * kHalf, 0, 2 * kHalf}, {4 * kHalf, 0, 0}, {0, 0, -4 * kHalf}),
-              builder.add_material(lambert("ground", Rgb(0.5f))));
+              builder.add_material(matte("ground", Rgb(0.5f))));
   Mesh lamps[4];
   for (uint32_t i = 0; i < kSide * kSide; ++i) {
     const Vec3 middle((static_cast<float>(i % kSide) + 0.2f + 0.6f * random(i, 0)) * kPitch - kHalf,

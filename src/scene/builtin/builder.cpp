@@ -30,7 +30,7 @@ CameraKey interpolate(const std::vector<CameraKey>& keys, float time_s) {
 
 }  // namespace
 
-Material lambert(std::string name, const Rgb& albedo) {
+Material matte(std::string name, const Rgb& albedo) {
   Material material;
   material.name = std::move(name);
   material.base_color = albedo;
@@ -40,7 +40,7 @@ Material lambert(std::string name, const Rgb& albedo) {
 }
 
 Material glossy(std::string name, const Rgb& albedo, float roughness) {
-  Material material = lambert(std::move(name), albedo);
+  Material material = matte(std::move(name), albedo);
   material.specular = 1;
   material.roughness = roughness;
   return material;
@@ -68,7 +68,7 @@ Material glass(std::string name, float ior, const Rgb& attenuation_color, float 
 }
 
 Material emitter(std::string name, const Rgb& radiance) {
-  Material material = lambert(std::move(name), Rgb(0));
+  Material material = matte(std::move(name), Rgb(0));
   material.emission = radiance;
   return material;
 }

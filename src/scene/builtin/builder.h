@@ -10,7 +10,7 @@
 namespace relume {
 
 /// Purely Lambert: no specular lobe.
-Material lambert(std::string name, const Rgb& albedo);
+Material matte(std::string name, const Rgb& albedo);
 /// Lambert under a dielectric coat of IOR 1.5 with perceptual roughness `roughness`.
 Material glossy(std::string name, const Rgb& albedo, float roughness);
 /// Conductor; `color` is its reflectance at normal incidence. Roughness 0 is a mirror.

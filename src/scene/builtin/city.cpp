@@ -149,7 +149,7 @@ void add_buildings(SceneBuilder& builder, Lots& lots) {
   for (int k = 0; k < kDesigns; ++k) {
     const std::string name = "building " + std::to_string(k);
     Facade facade = building(kBuildings[k]);
-    const Index wall = builder.add_material(lambert(name, kBuildings[k].albedo));
+    const Index wall = builder.add_material(matte(name, kBuildings[k].albedo));
     builder.add_instances(name, builder.add_mesh(name, std::move(facade.wall), wall), lots.buildings[k]);
     builder.add_instances(name + " windows", builder.add_mesh(name + " windows", std::move(facade.glass), glass),
                           lots.buildings[k]);
@@ -161,10 +161,10 @@ void add_buildings(SceneBuilder& builder, Lots& lots) {
 Scene build_city() {
   SceneBuilder builder("city");
   Lots lots = plan_lots();
-  const Index asphalt = builder.add_material(lambert("asphalt", Rgb(0.13f)));
-  const Index stone = builder.add_material(lambert("pavement", {0.4f, 0.39f, 0.37f}));
-  const Index leaves = builder.add_material(lambert("leaves", {0.12f, 0.25f, 0.06f}));
-  const Index bark = builder.add_material(lambert("bark", {0.22f, 0.15f, 0.1f}));
+  const Index asphalt = builder.add_material(matte("asphalt", Rgb(0.13f)));
+  const Index stone = builder.add_material(matte("pavement", {0.4f, 0.39f, 0.37f}));
+  const Index leaves = builder.add_material(matte("leaves", {0.12f, 0.25f, 0.06f}));
+  const Index bark = builder.add_material(matte("bark", {0.22f, 0.15f, 0.1f}));
   const float ground = kExtent / 2 + 400;
   builder.add("ground", quad({-ground, 0, ground}, {2 * ground, 0, 0}, {0, 0, -2 * ground}), asphalt);
   const float half = kPavement / 2;

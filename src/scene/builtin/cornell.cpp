@@ -21,9 +21,9 @@ Mesh back_wall() { return quad({-kHalf, 0, -kHalf}, {kSize, 0, 0}, {0, kSize, 0}
 
 /// Floor, ceiling and side walls from the back to z = `front`, and the white material.
 Index add_walls(SceneBuilder& builder, float front) {
-  const Index white = builder.add_material(lambert("white", kWhite));
-  const Index red = builder.add_material(lambert("red", kRed));
-  const Index green = builder.add_material(lambert("green", kGreen));
+  const Index white = builder.add_material(matte("white", kWhite));
+  const Index red = builder.add_material(matte("red", kRed));
+  const Index green = builder.add_material(matte("green", kGreen));
   const float depth = front + kHalf;
   builder.add("floor", quad({-kHalf, 0, front}, {kSize, 0, 0}, {0, 0, -depth}), white);
   builder.add("ceiling", quad({-kHalf, kSize, -kHalf}, {kSize, 0, 0}, {0, 0, depth}), white);
@@ -110,7 +110,7 @@ Scene build_cornell() {
 Scene build_cornell_closed() {
   SceneBuilder builder("cornell-closed");
   add_open_box(builder);
-  const Index blue = builder.add_material(lambert("blue", {0.2f, 0.3f, 0.55f}));
+  const Index blue = builder.add_material(matte("blue", {0.2f, 0.3f, 0.55f}));
   builder.add("front wall", quad({kHalf, 0, kHalf}, {-kSize, 0, 0}, {0, kSize, 0}), blue);
   add_boxes(builder);
   add_lamp(builder, 1.3f, 1.05f);
@@ -157,7 +157,7 @@ Scene build_cornell_water() {
   add_open_box(builder);
   const Index water = builder.add_material(glass("water", 1.33f, {0.75f, 0.9f, 0.95f}, 5.0f));
   builder.add("water", water_body(), water);
-  const Index stone = builder.add_material(lambert("stone", {0.55f, 0.5f, 0.42f}));
+  const Index stone = builder.add_material(matte("stone", {0.55f, 0.5f, 0.42f}));
   builder.add("stone", icosphere(0.85f, 5), stone, at({-0.9f, 0.7f, -0.6f}));
   add_lamp(builder, 0.15f, 0.15f);
   add_front_camera(builder);

@@ -22,7 +22,7 @@ const FloorPlan kPlan{{"########",  //
 
 void add_furniture(SceneBuilder& builder) {
   const Index wood = builder.add_material(glossy("wood", {0.45f, 0.28f, 0.15f}, 0.4f));
-  const Index cloth = builder.add_material(lambert("cloth", {0.2f, 0.32f, 0.55f}));
+  const Index cloth = builder.add_material(matte("cloth", {0.2f, 0.32f, 0.55f}));
   Mesh bench = box({-0.2f, 0.42f, -0.8f}, {0.2f, 0.48f, 0.8f});
   append(bench, box({-0.18f, -0.01f, -0.7f}, {0.18f, 0.42f, -0.62f}));
   append(bench, box({-0.18f, -0.01f, 0.62f}, {0.18f, 0.42f, 0.7f}));
@@ -32,7 +32,7 @@ void add_furniture(SceneBuilder& builder) {
   transform.translation += Vec3(0, 0.48f, 0.3f);
   builder.add("cushion", box({-0.18f, 0, -0.2f}, {0.18f, 0.1f, 0.2f}), cloth, transform);
 
-  const Index clay = builder.add_material(lambert("clay", {0.6f, 0.33f, 0.22f}));
+  const Index clay = builder.add_material(matte("clay", {0.6f, 0.33f, 0.22f}));
   const std::vector<Vec2> pot = {{0, 0}, {0.16f, 0}, {0.26f, 0.25f}, {0.22f, 0.5f}, {0.16f, 0.62f}, {0.2f, 0.7f}};
   transform.translation = kPlan.middle(3, 6, -0.005f) + Vec3(0.7f, 0, -0.7f);
   Mesh vase = lathe(pot, 48);
@@ -45,7 +45,7 @@ void add_furniture(SceneBuilder& builder) {
 Scene build_corridor() {
   SceneBuilder builder("corridor");
   const Index floor = builder.add_material(glossy("floor", {0.58f, 0.53f, 0.47f}, 0.5f));
-  const Index white = builder.add_material(lambert("ceiling", Rgb(0.85f)));
+  const Index white = builder.add_material(matte("ceiling", Rgb(0.85f)));
   builder.add("floor", plan_floor(kPlan), floor);
   builder.add("ceiling", plan_ceiling(kPlan), white);
   const std::pair<char, Rgb> legs[] = {{'a', {0.82f, 0.8f, 0.76f}},
@@ -54,7 +54,7 @@ Scene build_corridor() {
                                        {'d', {0.7f, 0.8f, 0.84f}}};
   for (const auto& [mark, albedo] : legs) {
     const std::string name = std::string("walls ") + mark;
-    builder.add(name, plan_walls(kPlan, mark), builder.add_material(lambert(name, albedo)));
+    builder.add(name, plan_walls(kPlan, mark), builder.add_material(matte(name, albedo)));
   }
   add_furniture(builder);
 

@@ -54,7 +54,7 @@ void add_lamps(SceneBuilder& builder) {
 
 Scene build_cover() {
   SceneBuilder builder("cover");
-  const Index grey = builder.add_material(lambert("floor and wall", {0.55f, 0.54f, 0.52f}));
+  const Index grey = builder.add_material(matte("floor and wall", {0.55f, 0.54f, 0.52f}));
   const Index steel = builder.add_material(metal("steel", {0.55f, 0.56f, 0.58f}, 0.45f));
   const Index jade = builder.add_material(glossy("jade", {0.32f, 0.55f, 0.38f}, 0.25f));
   builder.add("floor", quad({-7, 0, 6}, {14, 0, 0}, {0, 0, -10}), grey);

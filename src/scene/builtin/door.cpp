@@ -130,7 +130,7 @@ void add_door(SceneBuilder& builder) {
 
 Scene build_door() {
   SceneBuilder builder("door");
-  const Index plaster = builder.add_material(lambert("plaster", {0.7f, 0.68f, 0.62f}));
+  const Index plaster = builder.add_material(matte("plaster", {0.7f, 0.68f, 0.62f}));
   Material planked = glossy("planks", Rgb(0.9f), 0.35f);
   planked.base_color_texture.texture = builder.add_texture(planks());
   planked.base_color_texture.scale = {5, 6};
@@ -145,7 +145,7 @@ Scene build_door() {
   add_table(builder);
 
   const Index frame = builder.add_material(glossy("frame", {0.12f, 0.1f, 0.08f}, 0.3f));
-  const Index canvas = builder.add_material(lambert("canvas", {0.25f, 0.4f, 0.45f}));
+  const Index canvas = builder.add_material(matte("canvas", {0.25f, 0.4f, 0.45f}));
   builder.add("frame", box({-1.7f, 1.25f, -2.96f}, {-0.7f, 2.05f, -2.92f}), frame);
   builder.add("canvas", quad({-1.63f, 1.32f, -2.915f}, {0.86f, 0, 0}, {0, 0.66f, 0}), canvas);
 

@@ -7,7 +7,7 @@ namespace relume {
 
 Scene build_furnace() {
   SceneBuilder builder("furnace");
-  const Index white = builder.add_material(lambert("white", Rgb(1)));
+  const Index white = builder.add_material(matte("white", Rgb(1)));
   // Flat: an interpolated normal would send some directions into the surface, and their light would be missing.
   builder.add("sphere", flat_shaded(icosphere(1.0f, 4)), white);
   builder.add_camera({0, 0, 4}, {0, 0, 0}, 40);

@@ -35,7 +35,7 @@ void add_floor_lamp(SceneBuilder& builder, const Vec3& foot) {
 
 /// A shade that opens towards its +Y, with the lamp deep inside.
 void add_spotlight(SceneBuilder& builder, const Vec3& position, float tilt_deg) {
-  const Index black = builder.add_material(lambert("shade", Rgb(0.06f)));
+  const Index black = builder.add_material(matte("shade", Rgb(0.06f)));
   const Index light = builder.add_material(emitter("spot bulb", {4500, 4050, 3300}));
   Transform place = at(position);
   place.rotation = glm::quat_cast(Mat3(rotation(tilt_deg, Vec3(0, 0, 1))));
@@ -62,14 +62,14 @@ void add_table(SceneBuilder& builder) {
 
 Scene build_lamp_room() {
   SceneBuilder builder("lamp-room");
-  const Index plaster = builder.add_material(lambert("plaster", {0.75f, 0.72f, 0.66f}));
-  const Index carpet = builder.add_material(lambert("carpet", {0.33f, 0.2f, 0.17f}));
+  const Index plaster = builder.add_material(matte("plaster", {0.75f, 0.72f, 0.66f}));
+  const Index carpet = builder.add_material(matte("carpet", {0.33f, 0.2f, 0.17f}));
   builder.add("walls", room({-2.2f, -0.002f, -2}, {2.2f, 2.7f, 2.4f}), plaster);
   builder.add("floor", quad({-2.2f, 0, 2.4f}, {4.4f, 0, 0}, {0, 0, -4.4f}), carpet);
   add_floor_lamp(builder, {-1.3f, 0, -1.2f});
   // Hangs from the ceiling beside the table and looks down at the egg.
   add_spotlight(builder, {1.25f, 1.75f, -0.35f}, 135);
-  const Index black = builder.add_material(lambert("rod", Rgb(0.06f)));
+  const Index black = builder.add_material(matte("rod", Rgb(0.06f)));
   builder.add("rod", transformed(cylinder(0.012f, 1.0f, 24, false), translation({1.26f, 1.76f, -0.35f})), black);
   add_table(builder);
   builder.add_camera({0.0f, 1.55f, 2.3f}, {-0.15f, 1.05f, -0.8f}, 58);

@@ -62,7 +62,7 @@ Mesh stone(uint32_t seed) {
 }
 
 void add_stones(SceneBuilder& builder) {
-  const Index material = builder.add_material(lambert("stones", {0.4f, 0.34f, 0.28f}));
+  const Index material = builder.add_material(matte("stones", {0.4f, 0.34f, 0.28f}));
   std::vector<Mat4> places[2];
   for (uint32_t i = 0; i < 90; ++i) {
     const auto random = [i](uint32_t what) { return to_unit_float(hash(i, what, 23u)); };
@@ -77,7 +77,7 @@ void add_stones(SceneBuilder& builder) {
 }
 
 void add_timber(SceneBuilder& builder) {
-  const Index wood = builder.add_material(lambert("timber", {0.42f, 0.28f, 0.16f}));
+  const Index wood = builder.add_material(matte("timber", {0.42f, 0.28f, 0.16f}));
   Mesh frame = box({-0.1f, -0.2f, -1.45f}, {0.1f, 2.35f, -1.25f});
   append(frame, box({-0.1f, -0.2f, 1.25f}, {0.1f, 2.35f, 1.45f}));
   append(frame, box({-0.12f, 2.34f, -1.7f}, {0.12f, 2.58f, 1.7f}));
@@ -120,16 +120,16 @@ void add_track(SceneBuilder& builder) {
   Transform transform;
   transform.translation = Vec3(place[3]);
   transform.rotation = glm::quat_cast(Mat3(place));
-  builder.add("cart", std::move(cart), builder.add_material(lambert("cart", {0.33f, 0.23f, 0.16f})), transform);
+  builder.add("cart", std::move(cart), builder.add_material(matte("cart", {0.33f, 0.23f, 0.16f})), transform);
 }
 
 }  // namespace
 
 Scene build_mine() {
   SceneBuilder builder("mine");
-  const Index stone_material = builder.add_material(lambert("rock", {0.6f, 0.52f, 0.43f}));
+  const Index stone_material = builder.add_material(matte("rock", {0.6f, 0.52f, 0.43f}));
   builder.add("rock", rock(), stone_material);
-  const Index earth = builder.add_material(lambert("earth", {0.45f, 0.4f, 0.3f}));
+  const Index earth = builder.add_material(matte("earth", {0.45f, 0.4f, 0.3f}));
   builder.add("ground outside",
               height_field({kMouth - 1.5f, -40}, {90, 40}, 160, 160,
                            [](float x, float z) {

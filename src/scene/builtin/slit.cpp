@@ -31,16 +31,16 @@ AnimationChannel sway(Index node, const Vec3& centre, float amplitude, float cyc
 
 Scene build_slit() {
   SceneBuilder builder("slit");
-  const Index plaster = builder.add_material(lambert("plaster", {0.75f, 0.74f, 0.71f}));
-  const Index floor = builder.add_material(lambert("floor", {0.55f, 0.5f, 0.44f}));
-  const Index dark = builder.add_material(lambert("screen", {0.3f, 0.31f, 0.33f}));
+  const Index plaster = builder.add_material(matte("plaster", {0.75f, 0.74f, 0.71f}));
+  const Index floor = builder.add_material(matte("floor", {0.55f, 0.5f, 0.44f}));
+  const Index dark = builder.add_material(matte("screen", {0.3f, 0.31f, 0.33f}));
   constexpr float height = 3.2f;
   builder.add("walls", room({-4, 0, -6}, {4, height, 4}), plaster);
   builder.add("floor", quad({-4, 0.002f, 4}, {8, 0, 0}, {0, 0, -10}), floor);
   builder.add("screen", wall({-4, -2}, {4, -2}, 0.1f, height, {{{3.86f, 4.14f}, {0.2f, 2.9f}}}), dark);
 
   const Index blue = builder.add_material(glossy("column", {0.25f, 0.35f, 0.5f}, 0.3f));
-  const Index ochre = builder.add_material(lambert("ball", {0.65f, 0.45f, 0.15f}));
+  const Index ochre = builder.add_material(matte("ball", {0.65f, 0.45f, 0.15f}));
   builder.add("column", transformed(cylinder(0.22f, 2.0f, 64, true), translation({-1.3f, -0.01f, 0.5f})), blue);
   builder.add("low column", transformed(cylinder(0.3f, 0.7f, 64, true), translation({0.9f, -0.01f, -0.4f})), blue);
   builder.add("ball", transformed(icosphere(0.4f, 5), translation({0.35f, 0.4f, 1.2f})), ochre);

@@ -147,8 +147,8 @@ void add_shelves(SceneBuilder& builder) {
   builder.add_instances("shelves", builder.add_mesh("shelves", shelf_frame(), steel), places);
   Mesh load[3];
   shelf_load(load);
-  const Material materials[3] = {lambert("cardboard", {0.52f, 0.38f, 0.24f}),
-                                 glossy("crates", {0.55f, 0.16f, 0.1f}, 0.4f), lambert("paper", {0.7f, 0.68f, 0.62f})};
+  const Material materials[3] = {matte("cardboard", {0.52f, 0.38f, 0.24f}),
+                                 glossy("crates", {0.55f, 0.16f, 0.1f}, 0.4f), matte("paper", {0.7f, 0.68f, 0.62f})};
   for (int k = 0; k < 3; ++k) {
     const std::string name = materials[k].name;
     builder.add_instances(name, builder.add_mesh(name, std::move(load[k]), builder.add_material(materials[k])), places);
@@ -159,8 +159,8 @@ void add_shelves(SceneBuilder& builder) {
 
 Scene build_warehouse() {
   SceneBuilder builder("warehouse");
-  const Index concrete = builder.add_material(lambert("concrete", {0.2f, 0.19f, 0.18f}));
-  const Index plaster = builder.add_material(lambert("plaster", {0.2f, 0.2f, 0.19f}));
+  const Index concrete = builder.add_material(matte("concrete", {0.2f, 0.19f, 0.18f}));
+  const Index plaster = builder.add_material(matte("plaster", {0.2f, 0.2f, 0.19f}));
   const Index floor = builder.add_material(glossy("floor", {0.2f, 0.2f, 0.21f}, 0.45f));
   constexpr float width = kWidth + kHall;
   builder.add("floor", quad({0, 0, kDepth}, {width, 0, 0}, {0, 0, -kDepth}), floor);

@@ -38,7 +38,7 @@ inline Scene plate(const Material& material, float half_size, float seen) {
   return scene;
 }
 
-inline Material lambert(const Rgb& albedo) {
+inline Material matte(const Rgb& albedo) {
   Material m;
   m.base_color = albedo;
   m.metallic = 0;
@@ -48,7 +48,7 @@ inline Material lambert(const Rgb& albedo) {
 
 /// Adds a square of 2 m that emits and faces down, 1.5 m above the plate.
 inline void add_square_lamp(Scene& scene, const Rgb& emission) {
-  Material lamp = lambert(Rgb(0));
+  Material lamp = matte(Rgb(0));
   lamp.emission = emission;
   Mesh mesh;
   mesh.positions = {{-1, 1.5f, -1}, {1, 1.5f, -1}, {1, 1.5f, 1}, {-1, 1.5f, 1}};
@@ -58,7 +58,7 @@ inline void add_square_lamp(Scene& scene, const Rgb& emission) {
 
 /// Absorbs but neither reflects nor refracts.
 inline Material tint(const Rgb& absorption) {
-  Material m = lambert(Rgb(1));
+  Material m = matte(Rgb(1));
   m.transmission = 1;
   m.roughness = 0;
   m.ior = 1;
@@ -84,7 +84,7 @@ inline void add_body(Scene& scene, const Material& material, float top, float bo
 
 /// A glowing plate in y = 0, seen from above, from height `eye`.
 inline Scene glowing_plate(float eye) {
-  Material material = lambert(Rgb(1));
+  Material material = matte(Rgb(1));
   material.unlit = true;
   Scene scene = plate(material, 3, 1);
   scene.nodes[1].transform.translation.y = eye;

@@ -8,26 +8,27 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<uint32_t> kHeatmap{"heatmap"};
+
 void add_film(PassDeclaration& declaration, Change reset) {
-  const auto add = [&](const char* name, BufferType type, const char* help) {
-    declaration.owns.push_back(
-        {.name = name, .type = type, .help = help, .persistent = true, .reset = reset, .follows_surface = true});
+  const auto add = [&](const BufferId& id, const char* help) {
+    declaration.owns.push_back({.id = id, .help = help, .persistent = true, .reset = reset, .follows_surface = true});
   };
-  add("light-mean", BufferType::rgb32f, "mean radiance that light paths brought");
-  add("light-m2", BufferType::f32, "weighted sum of squared distances of their luminance from its mean");
-  add("light-paths", BufferType::f32, "light paths a pixel behind that mean");
-  add("light-frames", BufferType::u32, "frames behind it");
-  declaration.reads.push_back("light-radiance");
+  add(kLightMean, "mean radiance that light paths brought");
+  add(kLightM2, "weighted sum of squared distances of their luminance from its mean");
+  add(kLightPaths, "light paths a pixel behind that mean");
+  add(kLightFrames, "frames behind it");
+  declaration.reads.push_back(kLightRadiance);
 }
 
 LightFilm film_of(const FrameContext& frame) {
-  const View<const uint32_t> allocation = frame.view<const uint32_t>("allocation");
+  const View<const uint32_t> allocation = frame.read(kAllocation);
   const uint64_t traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
-  return {.splats = frame.view<const Rgb>("light-radiance"),
-          .mean = frame.view<Rgb>("light-mean"),
-          .m2 = frame.view<float>("light-m2"),
-          .weight = frame.view<float>("light-paths"),
-          .frames = frame.view<uint32_t>("light-frames"),
+  return {.splats = frame.read(kLightRadiance),
+          .mean = frame.write(kLightMean),
+          .m2 = frame.write(kLightM2),
+          .weight = frame.write(kLightPaths),
+          .frames = frame.write(kLightFrames),
           .paths = static_cast<float>(traced) / static_cast<float>(frame.pixels())};
 }
 
@@ -37,60 +38,56 @@ PassDeclaration AccumulatePass::declaration() const {
   const Change reset = invalidated_by_;
   PassDeclaration declaration{.name = "accumulate",
                               .stage = Stage::present,
-                              .owns = {{.name = "mean",
-                                        .type = BufferType::rgb32f,
+                              .owns = {{.id = kMean,
                                         .help = "mean radiance of the samples that the pixel keeps",
                                         .persistent = true,
                                         .reset = reset,
                                         .follows_surface = true},
-                                       {.name = "m2",
-                                        .type = BufferType::f32,
+                                       {.id = kM2,
                                         .help = "sum of squared distances of their luminance from its mean",
                                         .persistent = true,
                                         .reset = reset,
                                         .follows_surface = true},
-                                       {.name = "samples",
-                                        .type = BufferType::u32,
+                                       {.id = kSamples,
                                         .help = "samples that the pixel keeps",
                                         .persistent = true,
                                         .reset = reset,
                                         .follows_surface = true,
                                         .display = BufferDisplay::value},
-                                       {.name = "heatmap",
-                                        .type = BufferType::u32,
+                                       {.id = kHeatmap,
                                         .help = "rays traced for the pixel, a frame",
                                         .persistent = true,
                                         .reset = Change::any,
                                         .display = BufferDisplay::mean},
-                                       {.name = "nonfinite",
-                                        .type = BufferType::u32,
+                                       {.id = kNonfinite,
                                         .help = "samples that were not finite",
                                         .persistent = true,
                                         .display = BufferDisplay::value}},
-                              .reads = {"radiance", "rays"},
-                              .reads_if_any = {"allocation"},
-                              .writes_if_any = {"adaptive-m2", "sequence-samples"}};
+                              .reads = {kRadiance, kRays},
+                              .reads_if_any = {kAllocation},
+                              .writes_if_any = {kM2Rgb, kSequenceSamples}};
   if (film_) add_film(declaration, reset);
   return declaration;
 }
 
 bool AccumulatePass::run(const FrameContext& frame) {
   AccumulateKernel kernel;
-  kernel.radiance = frame.view<const Rgb>("radiance");
-  kernel.rays = frame.view<const uint32_t>("rays");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.mean = frame.view<Rgb>("mean");
-  kernel.m2 = frame.view<float>("m2");
-  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
-  kernel.count = frame.view<uint32_t>("samples");
-  kernel.taken = frame.view<uint32_t>("sequence-samples");
-  kernel.ray_sum = frame.view<uint32_t>("heatmap");
-  kernel.nonfinite = frame.view<uint32_t>("nonfinite");
+  kernel.radiance = frame.read(kRadiance);
+  kernel.rays = frame.read(kRays);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.mean = frame.write(kMean);
+  kernel.m2 = frame.write(kM2);
+  kernel.m2_rgb = frame.write(kM2Rgb);
+  kernel.count = frame.write(kSamples);
+  kernel.taken = frame.write(kSequenceSamples);
+  kernel.ray_sum = frame.write(kHeatmap);
+  kernel.nonfinite = frame.write(kNonfinite);
   if (film_) kernel.film = film_of(frame);
   kernel.keep = keep_;
   kernel.width = frame.width();
   // Not to be stopped: sums change only after a complete frame, so that one that is stopped leaves nothing behind.
-  return launch(frame.backend, "accumulate", kernel, frame.width(), frame.height());
+  frame.launch("accumulate", kernel);
+  return true;
 }
 
 double relative_error(View<const Rgb> mean, View<const float> m2, View<const uint32_t> samples,

@@ -11,6 +11,8 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<float> kSamplingNoise{"sampling-noise"};
+
 constexpr float kLeastShare = 0.1f;  ///< of the average number of samples, for pixels without noise
 
 /// Σ value(row[x]), in partial sums that vector instructions add side by side.
@@ -31,8 +33,7 @@ double sum_of(const Value& value, const float* row, uint32_t width) {
 PassDeclaration SampleCountPass::declaration() const {
   return {.name = "sequences",
           .stage = Stage::prepare,
-          .owns = {{.name = kSampleCountBuffer,
-                    .type = BufferType::u32,
+          .owns = {{.id = kSequenceSamples,
                     .help = "samples that the pixel took from its sequence",
                     .persistent = true,
                     .display = BufferDisplay::value}}};
@@ -40,7 +41,7 @@ PassDeclaration SampleCountPass::declaration() const {
 
 bool SampleCountPass::run(const FrameContext& frame) {
   if (frame.index.sample > 0) return true;
-  const View<uint32_t> counts = frame.view<uint32_t>(kSampleCountBuffer);
+  const View<uint32_t> counts = frame.write(kSequenceSamples);
   std::fill(counts.begin(), counts.end(), 0u);
   return true;
 }
@@ -49,26 +50,22 @@ PassDeclaration AdaptiveSamplingPass::declaration() const {
   PassDeclaration declaration{
       .name = "allocate",
       .stage = Stage::allocate,
-      .owns = {{.name = "allocation",
-                .type = BufferType::u32,
-                .help = "samples of this frame",
-                .display = BufferDisplay::value},
-               {.name = "sampling-probability",
+      .owns = {{.id = kAllocation, .help = "samples of this frame", .display = BufferDisplay::value},
+               {.id = kSamplingProbability,
                 .help = "probability of a further sample; 0 while it is not known",
                 .persistent = true,
                 .reset = invalidated_by_,
                 .follows_surface = true,
                 .display = BufferDisplay::value},
-               {.name = "sampling-noise",
+               {.id = kSamplingNoise,
                 .help = "standard deviation of the samples, as the method estimates it",
                 .persistent = true,
                 .display = BufferDisplay::value}},
-      .reads = {"mean", "samples", "m2"},
-      .writes = {"mean", "m2", "samples"},
-      .writes_if_any = {"adaptive-m2", "light-mean", "light-m2", "light-paths", "light-frames"}};
+      .reads = {kMean, kSamples, kM2},
+      .writes = {kMean, kM2, kSamples},
+      .writes_if_any = {kM2Rgb, kLightMean, kLightM2, kLightPaths, kLightFrames}};
   if (settings_.method == AdaptiveMethod::paper) {
-    declaration.owns.push_back({.name = "adaptive-m2",
-                                .type = BufferType::rgb32f,
+    declaration.owns.push_back({.id = kM2Rgb,
                                 .help = "sum of squared distances from the mean, a channel",
                                 .persistent = true,
                                 .reset = invalidated_by_,
@@ -89,12 +86,12 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
 
 void AdaptiveSamplingPass::allocate_as_paper(const FrameContext& frame) const {
   PaperAllocationKernel kernel;
-  kernel.mean = frame.view<const Rgb>("mean");
-  kernel.m2 = frame.view<const Rgb>("adaptive-m2");
-  kernel.samples = frame.view<const uint32_t>("samples");
-  kernel.probability = frame.view<float>("sampling-probability");
-  kernel.noise = frame.view<float>("sampling-noise");
-  kernel.allocation = frame.view<uint32_t>("allocation");
+  kernel.mean = frame.read(kMean);
+  kernel.m2 = frame.read(kM2Rgb);
+  kernel.samples = frame.read(kSamples);
+  kernel.probability = frame.write(kSamplingProbability);
+  kernel.noise = frame.write(kSamplingNoise);
+  kernel.allocation = frame.write(kAllocation);
   kernel.iteration = frame.since_change;
   kernel.scene_changed = includes(frame.changes, Change::lights | Change::geometry);
   kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
@@ -102,7 +99,7 @@ void AdaptiveSamplingPass::allocate_as_paper(const FrameContext& frame) const {
   kernel.seed = frame.index.seed;
   kernel.frame = frame.number;
   kernel.width = frame.width();
-  launch(frame.backend, "allocate", kernel, frame.width(), frame.height());
+  frame.launch("allocate", kernel);
 }
 
 bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
@@ -115,40 +112,40 @@ bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
 void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
   moments_.resize(frame.pixels());
   rows_.resize(frame.pixels());
-  const PixelMomentsKernel moments{.mean = frame.view<const Rgb>("mean"),
-                                   .m2 = frame.view<const float>("m2"),
-                                   .samples = frame.view<const uint32_t>("samples"),
+  const PixelMomentsKernel moments{.mean = frame.read(kMean),
+                                   .m2 = frame.read(kM2),
+                                   .samples = frame.read(kSamples),
                                    .moments = mutable_view_of(moments_),
                                    .width = frame.width()};
-  launch(frame.backend, "allocate", moments, frame.width(), frame.height());
+  frame.launch("allocate", moments);
   const PoolRowsKernel rows{view_of(moments_), mutable_view_of(rows_), frame.width()};
-  launch(frame.backend, "allocate", rows, frame.width(), frame.height());
+  frame.launch("allocate", rows);
   const PooledDeviationKernel deviation{.moments = view_of(moments_),
                                         .rows = view_of(rows_),
-                                        .deviation = frame.view<float>("sampling-noise"),
+                                        .deviation = frame.write(kSamplingNoise),
                                         .width = frame.width(),
                                         .height = frame.height(),
                                         .display = settings_.metric == AdaptiveMetric::display,
                                         .exposure = std::exp2(settings_.exposure)};
-  launch(frame.backend, "allocate", deviation, frame.width(), frame.height());
+  frame.launch("allocate", deviation);
 }
 
 void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
   PooledAllocationKernel kernel;
-  kernel.samples = frame.view<const uint32_t>("samples");
-  kernel.probability = frame.view<float>("sampling-probability");
-  kernel.allocation = frame.view<uint32_t>("allocation");
+  kernel.samples = frame.read(kSamples);
+  kernel.probability = frame.write(kSamplingProbability);
+  kernel.allocation = frame.write(kAllocation);
   kernel.settled = !estimates_in(frame);
   kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
   kernel.seed = frame.index.seed;
   kernel.frame = frame.number;
   kernel.width = frame.width();
-  kernel.deviation = frame.view<const float>("sampling-noise");
+  kernel.deviation = frame.read(kSamplingNoise);
   if (!kernel.settled) {
     estimate_deviation(frame);
     kernel.rate = rate_for(frame, kernel.deviation);
   }
-  launch(frame.backend, "allocate", kernel, frame.width(), frame.height());
+  frame.launch("allocate", kernel);
 }
 
 template <typename Value>
@@ -193,17 +190,17 @@ SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View
 
 void AdaptiveSamplingPass::forget_pilot(const FrameContext& frame) const {
   ForgetPilotKernel forget;
-  forget.mean = frame.view<Rgb>("mean");
-  forget.m2 = frame.view<float>("m2");
-  forget.m2_rgb = frame.view<Rgb>("adaptive-m2");
-  forget.samples = frame.view<uint32_t>("samples");
-  forget.light_mean = frame.view<Rgb>("light-mean");
-  forget.light_m2 = frame.view<float>("light-m2");
-  forget.light_paths = frame.view<float>("light-paths");
-  forget.light_frames = frame.view<uint32_t>("light-frames");
-  forget.allocation = frame.view<uint32_t>("allocation");
+  forget.mean = frame.write(kMean);
+  forget.m2 = frame.write(kM2);
+  forget.m2_rgb = frame.write(kM2Rgb);
+  forget.samples = frame.write(kSamples);
+  forget.light_mean = frame.write(kLightMean);
+  forget.light_m2 = frame.write(kLightM2);
+  forget.light_paths = frame.write(kLightPaths);
+  forget.light_frames = frame.write(kLightFrames);
+  forget.allocation = frame.write(kAllocation);
   forget.width = frame.width();
-  launch(frame.backend, "allocate", forget, frame.width(), frame.height());
+  frame.launch("allocate", forget);
 }
 
 }  // namespace relume

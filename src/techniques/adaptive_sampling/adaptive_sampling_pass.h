@@ -16,8 +16,8 @@ class SampleCountPass final : public Pass {
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 };
-/// The buffer that it owns and that the present stage adds to.
-inline constexpr const char* kSampleCountBuffer = "sequence-samples";
+/// Probability with which a pixel gets a sample.
+inline constexpr BufferKey<float> kSamplingProbability{"sampling-probability"};
 
 class AdaptiveSamplingPass final : public Pass {
  public:

@@ -9,6 +9,7 @@
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/builtin.h"
+#include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/adaptive_sampling/pilot.h"
 
 namespace relume {
@@ -173,7 +174,7 @@ TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
   std::vector<uint32_t> changed_in;
   for (uint32_t frame = 0; frame < 17; ++frame) {
     session.render_frame();
-    const View<const float> view = session.buffers().view<const float>("sampling-probability");
+    const View<const float> view = session.buffers().view(kSamplingProbability);
     const std::vector<float> now(view.begin(), view.end());
     if (now != before) changed_in.push_back(frame);
     before = now;
@@ -190,7 +191,7 @@ double average_rate(const char* scene, float least) {
   settings.adaptive.rate = least;
   Session session(find_builtin_scene(scene)->build(), settings);
   for (int i = 0; i < 17; ++i) session.render_frame();
-  const View<const float> view = session.buffers().view<const float>("sampling-probability");
+  const View<const float> view = session.buffers().view(kSamplingProbability);
   return std::accumulate(view.begin(), view.end(), 0.0) / static_cast<double>(view.size);
 }
 

@@ -1,5 +1,6 @@
 #include "techniques/bdpt/bdpt_pass.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -9,23 +10,27 @@
 #include "techniques/bdpt/light_medium.h"
 
 namespace relume {
+namespace {
+
+constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
+
+}  // namespace
 
 PassDeclaration BdptPass::declaration() const {
   std::vector<BufferDescription> owns = estimator_buffers();
-  owns.push_back({.name = "splats",
-                  .type = BufferType::fixed_rgb,
+  owns.push_back({.id = kSplats,
                   .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
   if (film_) {
-    owns.push_back({.name = "light-radiance",
-                    .type = BufferType::rgb32f,
+    owns.push_back({.id = kLightRadiance,
                     .help = "radiance that this frame's light paths brought",
                     .display = BufferDisplay::value});
   }
   return {.name = "trace",
           .stage = Stage::trace,
           .owns = std::move(owns),
-          .reads = {"primary-hits"},
-          .reads_if_any = {"allocation"}};
+          .reads = {kPrimaryHits},
+          .reads_if_any = {kAllocation},
+          .only_sampled_pixels = true};
 }
 
 void BdptPass::prepare_lights(const FrameContext& frame) {
@@ -50,29 +55,29 @@ bool BdptPass::run(const FrameContext& frame) {
   c.emission = {{view_of(emission_)}};
   c.connection = {{view_of(connection_)}};
   c.light_medium = view_of(light_medium_);
-  c.splats = frame.view<FixedPointRgb>("splats");
+  c.splats = frame.write(kSplats);
   c.width = frame.width();
   c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
   c.connection_roulette = settings_.connection_roulette;
   c.light_only = mode_ == BdptMode::light_only;
   kernel.index = frame.index;
-  kernel.hits = frame.view<const Hit>("primary-hits");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.radiance = frame.view<Rgb>("radiance");
-  kernel.rays = frame.view<uint32_t>("rays");
+  kernel.hits = frame.read(kPrimaryHits);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.radiance = frame.write(kRadiance);
+  kernel.rays = frame.write(kRays);
   uint64_t saturated = 0;
   uint64_t nonfinite = 0;
   kernel.saturated = {&saturated, 1};
   kernel.nonfinite = {&nonfinite, 1};
 
   AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
-  if (film_) add.brought = frame.view<Rgb>("light-radiance");
+  if (film_) add.brought = frame.write(kLightRadiance);
   if (!kernel.allocation.empty()) {
     const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
     add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
   }
-  if (!frame.launch("trace", kernel) || !frame.launch("splats", add)) {
-    frame.buffers.find("splats")->clear();  // those of a frame that is abandoned
+  if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
+    std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{});  // those of a frame that is abandoned
     return false;
   }
   saturated_ += saturated;

@@ -227,13 +227,13 @@ TEST(Bdpt, LampsHalfInABodyKnowWhichHalf) {
 
 /// A plate and a ceiling with a sheet between them that half of all rays pass; the lamp, below it, shines up.
 Scene make_sheet_below_ceiling() {
-  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
-  Material sheet = lambert(Rgb(0));
+  Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
+  Material sheet = matte(Rgb(0));
   sheet.alpha_mode = AlphaMode::blend;
   sheet.alpha = 0.5f;
   sheet.double_sided = true;
   add_body(scene, sheet, 1, 1);
-  Material ceiling = lambert(Rgb(0.8f));
+  Material ceiling = matte(Rgb(0.8f));
   ceiling.double_sided = true;
   add_body(scene, ceiling, 2, 2);
   add_light_node(scene, {"up", PunctualType::spot, Rgb(50), 0.5f, 0.6f}, Vec3(0, 0.6f, 0), Vec3(0, 2, 0.01f));
@@ -253,7 +253,7 @@ TEST(Bdpt, ShadowRaysMeetSheetsAnew) {
 }
 
 TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
-  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
+  Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
   add_body(scene, tint(Rgb(0.5f, 1, 2)), 2, 2);
   Node& sheet = scene.nodes.back();
   sheet.transform.rotation = glm::angleAxis(kPi, Vec3(1, 0, 0));  // its inner side up
@@ -270,8 +270,8 @@ TEST(Bdpt, LightFromInfinityIsNotAbsorbedBeforeItIsSeen) {
 TEST(Bdpt, LampsBroughtFromAfarShineFromTheirSurface) {
   // Vertices in the space of the mesh are rounded to 0.5 mm there, which the light's origin has to leave behind.
   const auto mean = [](float away, const BdptOptions& options) {
-    Scene scene = plate(lambert(Rgb(0.5f)), 3, 1);
-    Material lamp = lambert(Rgb(0));
+    Scene scene = plate(matte(Rgb(0.5f)), 3, 1);
+    Material lamp = matte(Rgb(0));
     lamp.emission = Rgb(10);
     add_body(scene, lamp, 1, 1);
     const glm::quat turn = glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3)));

@@ -22,7 +22,7 @@ uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& 
 /// Writes an octahedral map into the left (0) or right (1) half of the picture, unscaled, in the middle.
 template <typename Value>
 void draw_map(const FrameContext& frame, uint32_t half, uint32_t edge, const Value& value) {
-  const View<float> out = frame.view<float>("directions");
+  const View<float> out = frame.write(kDirections);
   const uint32_t x0 = half * (frame.width() / 2) + (frame.width() / 2 - edge) / 2;
   const uint32_t y0 = (frame.height() - edge) / 2;
   for (uint32_t y = 0; y < edge; ++y) {
@@ -36,24 +36,23 @@ PassDeclaration DirectionViewPass::declaration() const {
   return {
       .name = "cdq-view",
       .stage = Stage::present,
-      .owns = {{.name = "directions",
-                .type = BufferType::f32,
+      .owns = {{.id = kDirections,
                 .help = "with cdq.view on: densities over the sphere of directions at one point, per steradian; the "
                         "quadtree's, and beside it that of the light which comes in",
                 .display = BufferDisplay::value}},
-      .reads = {"primary-hits"}};
+      .reads = {kPrimaryHits}};
 }
 
 bool DirectionViewPass::run(const FrameContext& frame) {
   const uint32_t edge = std::min(frame.width() / 2, frame.height());
-  const View<float> out = frame.view<float>("directions");
+  const View<float> out = frame.write(kDirections);
   if (!settings_.view || edge == 0) {
     if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // until now it was shown
     sums_.clear();
     return true;
   }
   const uint32_t pixel = chosen_pixel(settings_, frame);
-  const Hit hit = frame.view<const Hit>("primary-hits")[pixel];
+  const Hit hit = frame.read(kPrimaryHits)[pixel];
   std::fill(out.begin(), out.end(), 0.0f);
   if (!hit.valid()) return true;
   const CameraView& camera = frame.scene.camera;
@@ -71,7 +70,7 @@ bool DirectionViewPass::run(const FrameContext& frame) {
     sums_.assign(size_t{edge} * edge, 0.0f);
   pixel_ = pixel;
   kernel.sums = mutable_view_of(sums_);
-  launch(frame.backend, "cdq-view", kernel, edge, edge);
+  frame.launch("cdq-view", kernel, {edge, edge});
 
   const auto direction = [&](uint32_t x, uint32_t y) {
     const Vec2 middle(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);

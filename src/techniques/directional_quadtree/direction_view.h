@@ -6,6 +6,8 @@
 
 namespace relume {
 
+inline constexpr BufferKey<float> kDirections{"directions"};
+
 /// Shows the point at the first hit of one pixel (`cdq.view-x`, `cdq.view-y`), if `cdq.view` asks for it. The left half
 /// of the buffer "directions" has the quadtree's density over the directions, the right half that which follows the
 /// light that comes in there, without what next event estimation finds. Each texel of the latter traces a path a frame.

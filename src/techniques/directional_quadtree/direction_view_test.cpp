@@ -12,6 +12,9 @@
 #include "render/session.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"
+#include "techniques/directional_quadtree/direction_view.h"
+#include "techniques/octree/octree_pass.h"
+#include "techniques/visibility_light_cache/visibility_light_cache_pass.h"
 
 namespace relume {
 namespace {
@@ -22,7 +25,7 @@ constexpr float kSide = 8;  // metres
 Scene floor_scene(int lamps) {
   SceneBuilder builder("floor");
   builder.add("floor", quad({-kSide / 2, 0, kSide / 2}, {kSide, 0, 0}, {0, 0, -kSide}),
-              builder.add_material(lambert("floor", Rgb(0.5f))));
+              builder.add_material(matte("floor", Rgb(0.5f))));
   for (int i = 0; i < lamps; ++i) {
     const float x = 2 * static_cast<float>(i) - static_cast<float>(lamps - 1);
     builder.add("lamp", quad({x, 2, -4}, {0.5f, 0, 0}, {0, 0, 0.5f}), builder.add_material(emitter("lamp", Rgb(10))));
@@ -62,7 +65,7 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
   s.cdq.view = true;
   Session session(floor_scene(0), s);
   render(session, 32);
-  const View<const float> shown = session.buffers().view<const float>("directions");
+  const View<const float> shown = session.buffers().view(kDirections);
   double known = 0;
   double light = 0;
   for (int y = 0; y < kEdge; ++y) {
@@ -93,7 +96,7 @@ TEST(DirectionView, ShowsNothingOnceItIsOff) {
   s.cdq.view = true;
   Session session(floor_scene(0), s);
   render(session, 2);
-  const View<const float> shown = session.buffers().view<const float>("directions");
+  const View<const float> shown = session.buffers().view(kDirections);
   const auto any = [&] { return std::any_of(shown.begin(), shown.end(), [](float v) { return v != 0.0f; }); };
   EXPECT_TRUE(any());
   s.cdq.view = false;
@@ -108,7 +111,7 @@ TEST(DirectionView, GoesOnFromACheckpoint) {
   s.guide = GuideChoice::cdq;
   s.cdq.view = true;
   const auto shown_by = [](const Session& session) {
-    const View<const float> shown = session.buffers().view<const float>("directions");
+    const View<const float> shown = session.buffers().view(kDirections);
     return std::vector<float>(shown.begin(), shown.end());
   };
   Session whole(floor_scene(0), s);
@@ -127,9 +130,9 @@ TEST(RegionView, ShowsLeavesThatAreAsLargeAsTheirDepthSays) {
   s.lights = LightSelectionChoice::vlc;
   Session session(floor_scene(3), s);
   render(session, 8);
-  const View<const uint32_t> regions = session.buffers().view<const uint32_t>("region");
-  const View<const uint32_t> depths = session.buffers().view<const uint32_t>("region-depth");
-  const View<const Hit> hits = session.buffers().view<const Hit>("primary-hits");
+  const View<const uint32_t> regions = session.buffers().view(kRegion);
+  const View<const uint32_t> depths = session.buffers().view(kRegionDepth);
+  const View<const Hit> hits = session.buffers().view(kPrimaryHits);
   std::map<uint32_t, std::pair<Vec2, Vec2>> boxes;
   std::map<uint32_t, uint32_t> depth_of;
   const float pixel = 2 * 5 * std::tan(glm::radians(30.0f)) / 48;  // on the floor
@@ -155,7 +158,7 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   s.lights = LightSelectionChoice::vlc;
   Session session(floor_scene(3), s);
   render(session, 12);
-  const View<const uint32_t> known = session.buffers().view<const uint32_t>("known-lights");
+  const View<const uint32_t> known = session.buffers().view(kKnownLights);
   uint32_t all = 0;
   for (const uint32_t count : known) {
     EXPECT_LE(count, 6u);  // two triangles a lamp
@@ -164,7 +167,7 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   EXPECT_GT(all, known.size / 2);
   Session single(floor_scene(1), s);
   render(single, 4);
-  for (const uint32_t count : single.buffers().view<const uint32_t>("known-lights")) EXPECT_LE(count, 2u);
+  for (const uint32_t count : single.buffers().view(kKnownLights)) EXPECT_LE(count, 2u);
 }
 
 }  // namespace

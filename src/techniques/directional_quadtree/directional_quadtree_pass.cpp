@@ -64,14 +64,10 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
     const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
                                    settings_.spread};
     if (remembers) weights_.resize(trees_.size());
-    launch(frame.backend, "cdq.adapt",
-           AdaptQuadtreesKernel{octree_.groups(),
-                                trees_.view(),
-                                options,
-                                sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
-                                mutable_view_of(weights_),
-                                {&moved_, 1}},
-           octree_.previous().leaf_slots(), 1);
+    const AdaptQuadtreesKernel adapt{
+        octree_.groups(),          trees_.view(), options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
+        mutable_view_of(weights_), {&moved_, 1}};
+    frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1});
   }
   frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
   directions_.quadtrees = snapshot_.of(trees_).view();

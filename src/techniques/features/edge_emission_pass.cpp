@@ -9,47 +9,44 @@ namespace relume {
 PassDeclaration EdgeEmissionPass::declaration() const {
   return {.name = "edges",
           .stage = Stage::resolve,
-          .owns = {{.name = "edge-rays",
-                    .type = BufferType::u32,
+          .owns = {{.id = kEdgeRays,
                     .help = "camera rays that the emission at the edge of a lamp or the sky is the mean of",
                     .persistent = true,
                     .reset = Change::any,
                     .display = BufferDisplay::value},
-                   surface_buffer("shown-emission", BufferType::rgb32f, "emission that the picture shows", false),
-                   {.name = "scattered",
-                    .type = BufferType::rgb32f,
-                    .help = "radiance of this frame's sample without the emission that it saw"}},
-          .reads = {"feature-albedo", "feature-emission"},
-          .writes = {"radiance", "rays"},
-          .reads_if_any = {"allocation"}};
+                   surface_buffer(kShownEmission, "emission that the picture shows", false),
+                   {.id = kScattered, .help = "radiance of this frame's sample without the emission that it saw"}},
+          .reads = {kFeatureAlbedo, kFeatureEmission},
+          .writes = {kRadiance, kRays},
+          .reads_if_any = {kAllocation}};
 }
 
 bool EdgeEmissionPass::run(const FrameContext& frame) {
   MeasureEdgesKernel measure;
   measure.scene = frame.scene;
   measure.index = frame.index;
-  measure.radiance = frame.view<const Rgb>("radiance");
-  measure.allocation = frame.view<const uint32_t>("allocation");
-  measure.albedo = frame.view<const Rgb>("feature-albedo");
-  measure.emission = frame.view<const Rgb>("feature-emission");
-  measure.shown_emission = frame.view<Rgb>("shown-emission");
-  measure.edge_rays = frame.view<uint32_t>("edge-rays");
+  measure.radiance = frame.read(kRadiance);
+  measure.allocation = frame.read(kAllocation);
+  measure.albedo = frame.read(kFeatureAlbedo);
+  measure.emission = frame.read(kFeatureEmission);
+  measure.shown_emission = frame.write(kShownEmission);
+  measure.edge_rays = frame.write(kEdgeRays);
   measure.rays = static_cast<uint32_t>(settings_.edge_rays);
   measure.max_steps = followed_steps(max_bounces_, mirrors_);
   measure.width = frame.width();
   measure.height = frame.height();
-  if (!frame.launch("edges", measure)) return false;
+  if (!frame.launch_or_stop("edges", measure)) return false;
 
   ReplaceEmissionKernel replace;
   replace.emission = measure.emission;
-  replace.shown_emission = frame.view<const Rgb>("shown-emission");
-  replace.edge_rays = frame.view<const uint32_t>("edge-rays");
+  replace.shown_emission = frame.read(kShownEmission);
+  replace.edge_rays = frame.read(kEdgeRays);
   replace.allocation = measure.allocation;
-  replace.radiance = frame.view<Rgb>("radiance");
-  replace.scattered = frame.view<Rgb>("scattered");
-  replace.rays = frame.view<uint32_t>("rays");
+  replace.radiance = frame.write(kRadiance);
+  replace.scattered = frame.write(kScattered);
+  replace.rays = frame.write(kRays);
   replace.width = frame.width();
-  return frame.launch("edges", replace);
+  return frame.launch_or_stop("edges", replace);
 }
 
 }  // namespace relume

@@ -9,6 +9,11 @@
 
 namespace relume {
 
+inline constexpr BufferKey<Rgb> kShownEmission{"shown-emission"};        ///< emission that the image shows
+inline constexpr BufferKey<Rgb> kScattered{"scattered"};                 ///< radiance of a sample without it
+inline constexpr BufferKey<Rgb> kDiffuseScattered{"diffuse-scattered"};  ///< the part from diffuse lobes
+inline constexpr BufferKey<Rgb> kSpecularScattered{"specular-scattered"};
+
 class FeaturesPass final : public Pass {
  public:
   /// `max_bounces` is read every frame: what the estimator does not reach is not to be seen. `mirrors`: whether the
@@ -33,7 +38,7 @@ uint32_t followed_steps(int max_bounces, bool mirrors);
 inline constexpr Change kEndsDenoiserHistory = Change::materials | Change::settings;
 
 /// A double-buffered history of a denoiser.
-BufferDescription denoiser_history(const char* name, BufferType type, const char* help);
+BufferDescription denoiser_history(const BufferId& id, const char* help);
 
 /// Where every denoiser leaves its picture.
 BufferDescription denoised_buffer();
@@ -43,13 +48,13 @@ BufferDescription unfiltered_buffer();
 BufferDescription filtered_share_buffer();
 
 /// What a denoiser reads of the features and samples, for its declaration.
-std::vector<std::string_view> feature_buffers();
+std::vector<BufferId> feature_buffers();
 
 /// Which part of the light at a surface a history holds.
 enum class LightPart : int { whole, diffuse, specular };
 
 /// What a denoiser reads besides if it keeps diffuse and specular light apart.
-void add_split_buffers(std::vector<std::string_view>& reads);
+void add_split_buffers(std::vector<BufferId>& reads);
 
 /// Whether any pixel keeps specular light apart. A frame without one does no work for its histories.
 class ReflectingFrames {
@@ -72,8 +77,8 @@ SurfaceLight surface_light(const FrameContext& frame, LightPart part = LightPart
 
 /// What a denoiser remembers of light, in double-buffered buffers of its own.
 struct LightHistoryBuffers {
-  std::string_view light;
-  std::string_view samples;
+  BufferKey<Rgb> light;
+  BufferKey<uint32_t> samples;
 };
 /// What accumulates this frame's samples there. The past counts without a limit where nothing has changed.
 LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers& buffers,
@@ -81,28 +86,29 @@ LightHistory light_history(const FrameContext& frame, const LightHistoryBuffers&
 
 /// Leaves a history of specular light without samples.
 template <typename T>
-void clear_buffer(const FrameContext& frame, std::string_view name) {
-  const View<T> values = frame.view<T>(name);
+void clear_buffer(const FrameContext& frame, const BufferKey<T>& key) {
+  const View<T> values = frame.write(key);
   std::fill(values.begin(), values.end(), T(0));
 }
 
-/// The last step of a denoiser, which owns these besides "denoised" and the two above: `shown`, this frame's filtered
+/// The last step of a denoiser, which owns these besides kDenoised and the two above: `shown`, this frame's filtered
 /// picture, and `history`, double-buffered. See picture_history.h.
 struct PictureBuffers {
   std::string_view launch_name;
-  std::string_view shown;
-  std::string_view history;
-  std::string_view samples;  ///< of each pixel's light, this frame's included
-  /// The same of the specular part of `shown` and `history`; empty if light is not kept apart.
+  BufferKey<Rgb> shown;
+  BufferKey<Rgb> history;
+  BufferKey<uint32_t> samples;  ///< of each pixel's light, this frame's included
+  /// The same of the specular part of `shown` and `history`; without names if light is not kept apart.
   struct Specular {
-    std::string_view shown;
-    std::string_view history;
-    std::string_view samples;
+    BufferKey<Rgb> shown;
+    BufferKey<Rgb> history;
+    BufferKey<uint32_t> samples;
   } specular = {};
 };
 /// Whether most filtered pixels have no sample from earlier frames, as at the start and after a cut. Judged by one
 /// pixel in 61.
-bool lacks_history(const FrameContext& frame, std::string_view samples, std::string_view specular_samples = {});
+bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples,
+                   const BufferKey<uint32_t>& specular_samples = {});
 
 /// `newest`: weight of this frame where something moves.
 void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);

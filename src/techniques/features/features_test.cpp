@@ -10,6 +10,7 @@
 #include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
+#include "techniques/features/features_pass.h"
 
 namespace relume {
 namespace {
@@ -40,13 +41,11 @@ struct Frame {
   }
 
   template <typename T>
-  View<const T> view(const char* name) const {
-    return session.buffers().view<const T>(name);
+  View<const T> view(const BufferKey<T>& key) const {
+    return session.buffers().view(key);
   }
   /// Whether the pixel shows its surface by way of a mirror or interface.
-  bool indirect(uint32_t pixel) const {
-    return view<uint32_t>("feature-surface")[pixel] != view<Hit>("primary-hits")[pixel].instance;
-  }
+  bool indirect(uint32_t pixel) const { return view(kFeature.surface)[pixel] != view(kPrimaryHits)[pixel].instance; }
 
   Session session;
 };
@@ -54,23 +53,23 @@ struct Frame {
 TEST(Features, AMirrorIsAWindow) {
   const Frame frame("cornell-mirror", 8);
   const float mirror_z = -2.75f;
-  const uint32_t mirror = frame.view<Hit>("primary-hits")[12 * kWidth + 22].instance;
+  const uint32_t mirror = frame.view(kPrimaryHits)[12 * kWidth + 22].instance;
   const uint32_t instances = 16;  // more than there are
   int seen = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
     // By way of the mirror alone.
-    const uint32_t instance = frame.view<uint32_t>("feature-surface")[i] ^ hash(mirror, 1u);
-    const bool on_a_wall = max_component(abs(frame.view<Vec3>("feature-normal")[i])) > 0.999f;
-    if (frame.view<Hit>("primary-hits")[i].instance != mirror || instance >= instances || !on_a_wall) continue;
+    const uint32_t instance = frame.view(kFeature.surface)[i] ^ hash(mirror, 1u);
+    const bool on_a_wall = max_component(abs(frame.view(kFeature.normal)[i])) > 0.999f;
+    if (frame.view(kPrimaryHits)[i].instance != mirror || instance >= instances || !on_a_wall) continue;
     // Folded back, the place lies on a wall of the room.
-    Vec3 p = frame.view<Vec3>("feature-position")[i];
+    Vec3 p = frame.view(kFeature.position)[i];
     ASSERT_LT(p.z, mirror_z);
     p.z = 2.0f * mirror_z - p.z;
     const float off = relume::min(relume::min(std::fabs(std::fabs(p.x) - 2.75f), std::fabs(p.z - 11.0f)),
                                   relume::min(std::fabs(p.y), std::fabs(p.y - 5.5f)));
     EXPECT_LT(off, 0.011f) << i;  // the lamp hangs 1 cm below the ceiling
-    EXPECT_GT(frame.view<float>("feature-depth")[i], frame.view<Hit>("primary-hits")[i].t);
-    EXPECT_EQ(frame.view<Vec2>("feature-motion")[i], Vec2(0));
+    EXPECT_GT(frame.view(kFeature.depth)[i], frame.view(kPrimaryHits)[i].t);
+    EXPECT_EQ(frame.view(kFeature.motion)[i], Vec2(0));
     ++seen;
   }
   EXPECT_GT(seen, 200);
@@ -81,8 +80,8 @@ TEST(Features, EmissionInMirrorsIsWhatPathsFindThere) {
   int lamps = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (!frame.indirect(i)) continue;
-    const Rgb radiance = frame.view<Rgb>("radiance")[i];
-    const Rgb emission = frame.view<Rgb>("shown-emission")[i];
+    const Rgb radiance = frame.view(kRadiance)[i];
+    const Rgb emission = frame.view(kShownEmission)[i];
     EXPECT_LE(max_component(abs(radiance - emission)), 1e-5f * max_component(radiance)) << i;
     lamps += emission.r > 1.0f ? 1 : 0;
   }
@@ -94,7 +93,7 @@ TEST(Features, GlassIsSeenThrough) {
   int through = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (!frame.indirect(i)) continue;
-    EXPECT_GT(frame.view<float>("feature-depth")[i], frame.view<Hit>("primary-hits")[i].t);
+    EXPECT_GT(frame.view(kFeature.depth)[i], frame.view(kPrimaryHits)[i].t);
     ++through;
   }
   EXPECT_GT(through, 50);
@@ -109,9 +108,9 @@ void expect_seen_through(const Scene& glowing, float metres, const char* what) {
   reflecting.materials[0].unlit = false;
   const Frame plate(reflecting, 8);
   for (uint32_t i = 0; i < kPixels; ++i) {
-    const Rgb radiance = glow.view<Rgb>("radiance")[i];
-    const Rgb emission = glow.view<Rgb>("feature-emission")[i];
-    const Rgb albedo = plate.view<Rgb>("feature-albedo")[i];
+    const Rgb radiance = glow.view(kRadiance)[i];
+    const Rgb emission = glow.view(kFeatureEmission)[i];
+    const Rgb albedo = plate.view(kFeatureAlbedo)[i];
     for (int c = 0; c < 3; ++c) {
       const float share = std::exp(-kAbsorption[c] * metres);
       ASSERT_NEAR(radiance[c], share, 1e-4f) << what;
@@ -143,12 +142,12 @@ TEST(Features, BodiesAbsorbAsAlongPaths) {
 TEST(Features, DirectSurfacesAreTheFirstHits) {
   const Frame frame("cornell", 8);
   for (uint32_t i = 0; i < kPixels; ++i) {
-    const Hit hit = frame.view<Hit>("primary-hits")[i];
+    const Hit hit = frame.view(kPrimaryHits)[i];
     if (!hit.valid()) continue;
     EXPECT_FALSE(frame.indirect(i));
-    EXPECT_EQ(frame.view<float>("feature-depth")[i], hit.t);
-    EXPECT_NEAR(glm::length(frame.view<Vec3>("feature-normal")[i]), 1.0f, 1e-5f);
-    EXPECT_LE(max_component(frame.view<Rgb>("feature-albedo")[i]), 1.0f);
+    EXPECT_EQ(frame.view(kFeature.depth)[i], hit.t);
+    EXPECT_NEAR(glm::length(frame.view(kFeature.normal)[i]), 1.0f, 1e-5f);
+    EXPECT_LE(max_component(frame.view(kFeatureAlbedo)[i]), 1.0f);
   }
 }
 
@@ -156,11 +155,11 @@ TEST(Features, TheBackgroundIsEmission) {
   const Frame frame("mine", 8);
   int background = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
-    if (frame.view<Hit>("primary-hits")[i].valid()) continue;
-    EXPECT_EQ(frame.view<Rgb>("feature-albedo")[i], Rgb(0));
-    EXPECT_EQ(frame.view<Rgb>("shown-emission")[i], frame.view<Rgb>("radiance")[i]);
-    EXPECT_EQ(frame.view<Rgb>("scattered")[i], Rgb(0));
-    EXPECT_EQ(frame.view<uint32_t>("feature-surface")[i], kNoSurface);
+    if (frame.view(kPrimaryHits)[i].valid()) continue;
+    EXPECT_EQ(frame.view(kFeatureAlbedo)[i], Rgb(0));
+    EXPECT_EQ(frame.view(kShownEmission)[i], frame.view(kRadiance)[i]);
+    EXPECT_EQ(frame.view(kScattered)[i], Rgb(0));
+    EXPECT_EQ(frame.view(kFeature.surface)[i], kNoSurface);
     ++background;
   }
   EXPECT_GT(background, 0);

@@ -13,9 +13,9 @@ View<const float> LightChange::discounts(const FrameContext& frame, const LightH
   // Few blocks, and dear ones: a task for some of them.
   constexpr uint32_t kTasks = 4;
   const CompareBlocksKernel compare{history, mutable_view_of(departures_), frame.width(), frame.height()};
-  launch(frame.backend, "light-change", compare, columns, rows, {}, kTasks);
+  frame.launch("light-change", compare, {columns, rows, kTasks});
   const DiscountBlocksKernel discount{view_of(departures_), mutable_view_of(discounts_), columns, rows};
-  launch(frame.backend, "light-change", discount, columns, rows);
+  frame.launch("light-change", discount, {columns, rows});
   return view_of(discounts_);
 }
 

@@ -21,7 +21,7 @@ constexpr uint32_t kPixels = kWidth * kHeight;
 constexpr float kCeiling = 3;
 
 void add_ceiling(Scene& scene) {
-  scene.materials.push_back(testing::lambert(Rgb(0.5f)));
+  scene.materials.push_back(testing::matte(Rgb(0.5f)));
   Mesh mesh;
   mesh.positions = {{-50, 0, -50}, {50, 0, -50}, {50, 0, 50}, {-50, 0, 50}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -36,7 +36,7 @@ void add_ceiling(Scene& scene) {
 
 /// A floor of `roughness` in y = 0 below a ceiling, seen at an angle.
 Scene room(float roughness) {
-  Material floor = testing::lambert(Rgb(0.3f));
+  Material floor = testing::matte(Rgb(0.3f));
   floor.specular = 1;
   floor.roughness = roughness;
   Scene scene = testing::plate(floor, 40, 1);
@@ -62,8 +62,8 @@ RenderSettings settings_of(bool split = true) {
 }
 
 template <typename T>
-View<const T> view(const Session& session, const char* name) {
-  return session.buffers().view<const T>(name);
+View<const T> view(const Session& session, const BufferKey<T>& key) {
+  return session.buffers().view(key);
 }
 
 /// The node that the camera is on, moved by `way`.
@@ -78,11 +78,11 @@ TEST(Reflection, SharpImagesLieAsFarBehindTheFloor) {
   Session session(scene, settings_of());
   session.render_frame();
   for (uint32_t i = 0; i < kPixels; ++i) {
-    EXPECT_NEAR(view<Vec3>(session, "specular-position")[i].y, -kCeiling, 0.3f) << i;
-    EXPECT_NEAR(view<Vec3>(session, "feature-position")[i].y, 0, 1e-5f);
-    EXPECT_LT(max_component(view<Rgb>(session, "specular-albedo")[i]), 0.3f);
-    const Rgb parts = view<Rgb>(session, "specular-albedo")[i] + view<Rgb>(session, "diffuse-albedo")[i];
-    EXPECT_NEAR(parts.r, view<Rgb>(session, "feature-albedo")[i].r, 1e-6f);
+    EXPECT_NEAR(view(session, kReflection.position)[i].y, -kCeiling, 0.3f) << i;
+    EXPECT_NEAR(view(session, kFeature.position)[i].y, 0, 1e-5f);
+    EXPECT_LT(max_component(view(session, kSpecularAlbedo)[i]), 0.3f);
+    const Rgb parts = view(session, kSpecularAlbedo)[i] + view(session, kDiffuseAlbedo)[i];
+    EXPECT_NEAR(parts.r, view(session, kFeatureAlbedo)[i].r, 1e-6f);
   }
 }
 
@@ -90,8 +90,8 @@ TEST(Reflection, WideLobesShowTheirSurface) {
   Session session(room(0.5f), settings_of());
   session.render_frame();
   for (uint32_t i = 0; i < kPixels; ++i) {
-    EXPECT_NEAR(view<Vec3>(session, "specular-position")[i].y, 0, 0.02f) << i;
-    EXPECT_EQ(view<Vec3>(session, "specular-normal")[i], view<Vec3>(session, "feature-normal")[i]);
+    EXPECT_NEAR(view(session, kReflection.position)[i].y, 0, 0.02f) << i;
+    EXPECT_EQ(view(session, kReflection.normal)[i], view(session, kFeature.normal)[i]);
   }
 }
 
@@ -104,8 +104,8 @@ TEST(Reflection, ImagesMoveLikeImages) {
     walk(session, scene, Vec3(0.05f, 0, 0));
     session.render_frame();
     for (uint32_t i = 0; i < kPixels; ++i) {
-      const float floor = view<Vec2>(session, "feature-motion")[i].x;
-      const float image = view<Vec2>(session, "specular-motion")[i].x;
+      const float floor = view(session, kFeature.motion)[i].x;
+      const float image = view(session, kReflection.motion)[i].x;
       ASSERT_LT(floor, -0.1f);
       // Along a camera ray the image lies as much further as it lies lower: 1.5 m against 1.5 + 3 m.
       EXPECT_NEAR(image / floor, 1.5f / (1.5f + kCeiling), 0.01f) << i << " " << roughness;
@@ -122,10 +122,10 @@ TEST(Reflection, ImagesOfWhatMovesMove) {
   session.set_transform(2, lower);
   session.render_frame();
   for (uint32_t i = 0; i < kPixels; ++i) {
-    const float image = view<Vec3>(session, "specular-position")[i].y;
-    const float before = view<Vec3>(session, "specular-previous")[i].y;
+    const float image = view(session, kReflection.position)[i].y;
+    const float before = view(session, kReflection.previous)[i].y;
     EXPECT_NEAR(before - image, -0.25f, 0.03f) << i;  // the image was lower
-    EXPECT_EQ(view<Vec2>(session, "feature-motion")[i], Vec2(0));
+    EXPECT_EQ(view(session, kFeature.motion)[i], Vec2(0));
   }
 }
 
@@ -152,8 +152,8 @@ TEST(Reflection, ConvexMirrorsShowImagesCloser) {
 TEST(Reflection, IsNotLookedForUnlessAskedFor) {
   Session session(room(0.2f), settings_of(false));
   session.render_frame();
-  EXPECT_EQ(view<Rgb>(session, "specular-albedo").size, 0u);
-  EXPECT_EQ(view<Rgb>(session, "radiance-specular").size, 0u);
+  EXPECT_EQ(view(session, kSpecularAlbedo).size, 0u);
+  EXPECT_EQ(view(session, kRadianceSpecular).size, 0u);
 }
 
 TEST(SplitLight, PartsMakeTheWhole) {

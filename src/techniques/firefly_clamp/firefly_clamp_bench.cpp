@@ -12,7 +12,7 @@ namespace {
 
 void bm_firefly_factor(benchmark::State& state) {
   constexpr uint32_t kSize = 64;
-  const CompiledScene scene(testing::plate(testing::lambert(Rgb(0.5f)), 5, 1e-3f),
+  const CompiledScene scene(testing::plate(testing::matte(Rgb(0.5f)), 5, 1e-3f),
                             {.camera = {}, .width = kSize, .height = kSize});
   Hit hit;
   hit.instance = 0;

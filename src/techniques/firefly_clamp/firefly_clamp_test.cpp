@@ -39,32 +39,32 @@ struct Neighbourhood {
 };
 
 TEST(FireflyClamp, TakesASampleDownToAMultipleOfItsNeighboursMean) {
-  Neighbourhood n(testing::lambert(Rgb(0.5f)));
+  Neighbourhood n(testing::matte(Rgb(0.5f)));
   n.radiance[kMiddle] = Rgb(32);
   const std::vector<float> factors = n.factors(4);
   for (uint32_t i = 0; i < kSize * kSize; ++i) EXPECT_FLOAT_EQ(factors[i], i == kMiddle ? 4.0f / 32 : 1.0f) << i;
 }
 
 TEST(FireflyClamp, LeavesWhatDiffersLess) {
-  Neighbourhood n(testing::lambert(Rgb(0.5f)));
+  Neighbourhood n(testing::matte(Rgb(0.5f)));
   for (uint32_t i = 0; i < kSize * kSize; ++i) n.radiance[i] = Rgb(i % 2 ? 0.0f : 3.0f);
   EXPECT_EQ(n.factors(4), std::vector<float>(kSize * kSize, 1.0f));
 }
 
 TEST(FireflyClamp, KeepsEmittersAndTheBackground) {
-  Material lamp = testing::lambert(Rgb(0));
+  Material lamp = testing::matte(Rgb(0));
   lamp.emission = Rgb(32);
   Neighbourhood emits(lamp);
   emits.radiance[kMiddle] = Rgb(32);
   EXPECT_EQ(emits.factors(4)[kMiddle], 1.0f);
-  Neighbourhood open(testing::lambert(Rgb(0.5f)));
+  Neighbourhood open(testing::matte(Rgb(0.5f)));
   open.radiance[kMiddle] = Rgb(32);
   open.hits[kMiddle] = Hit{};
   EXPECT_EQ(open.factors(4)[kMiddle], 1.0f);
 }
 
 TEST(FireflyClamp, ComparesOnlyWithSamplesOfThisFrame) {
-  Neighbourhood n(testing::lambert(Rgb(0.5f)));
+  Neighbourhood n(testing::matte(Rgb(0.5f)));
   n.radiance[kMiddle] = Rgb(32);
   n.radiance[kMiddle + 1] = Rgb(std::numeric_limits<float>::quiet_NaN());
   n.allocation.assign(kSize * kSize, 1);
@@ -77,7 +77,7 @@ TEST(FireflyClamp, ComparesOnlyWithSamplesOfThisFrame) {
 }
 
 TEST(FireflyClamp, LeavesASampleWithoutNeighbours) {
-  Neighbourhood n(testing::lambert(Rgb(0.5f)));
+  Neighbourhood n(testing::matte(Rgb(0.5f)));
   n.radiance.assign(kSize * kSize, Rgb(0));
   n.radiance[kMiddle] = Rgb(32);
   EXPECT_EQ(n.factors(4)[kMiddle], 1.0f) << "among black ones";

@@ -59,23 +59,19 @@ bool OctreePass::run(const FrameContext& frame) {
 }
 
 PassDeclaration RegionViewPass::declaration() const {
-  return {.name = "octree-view",
-          .stage = Stage::present,
-          .owns = {{.name = "region",
-                    .type = BufferType::u32,
-                    .help = "number of the octree's leaf at the first hit",
-                    .display = BufferDisplay::value},
-                   {.name = "region-depth",
-                    .type = BufferType::u32,
-                    .help = "its level; each has an eighth of the volume of the one above",
-                    .display = BufferDisplay::value}}};
+  return {
+      .name = "octree-view",
+      .stage = Stage::present,
+      .owns = {{.id = kRegion, .help = "number of the octree's leaf at the first hit", .display = BufferDisplay::value},
+               {.id = kRegionDepth,
+                .help = "its level; each has an eighth of the volume of the one above",
+                .display = BufferDisplay::value}}};
 }
 
 bool RegionViewPass::run(const FrameContext& frame) {
-  launch(frame.backend, "octree-view",
-         RegionViewKernel{octree_.samples(), octree_.depths(), frame.view<uint32_t>("region"),
-                          frame.view<uint32_t>("region-depth"), frame.width()},
-         frame.width(), frame.height());
+  const RegionViewKernel kernel{octree_.samples(), octree_.depths(), frame.write(kRegion), frame.write(kRegionDepth),
+                                frame.width()};
+  frame.launch("octree-view", kernel);
   return true;
 }
 

@@ -56,6 +56,9 @@ class OctreePass final : public Pass {
   std::vector<uint8_t> depths_;
 };
 
+inline constexpr BufferKey<uint32_t> kRegion{"region"};
+inline constexpr BufferKey<uint32_t> kRegionDepth{"region-depth"};
+
 /// Fills buffers that show the regions.
 class RegionViewPass final : public Pass {
  public:

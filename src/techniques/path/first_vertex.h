@@ -2,6 +2,7 @@
 // Histories need it to judge what a sample is worth from another viewpoint or under moved lights.
 #pragma once
 
+#include "film/buffer_key.h"
 #include "techniques/path/path_kernel.h"
 
 namespace relume {
@@ -16,6 +17,9 @@ struct FirstVertex {
   float light_value = 0;  ///< luminance of radiance · cos / pdf_w of that point, 0 if hidden
   float light_scale = 0;  ///< MIS weight / pmf: direct = light_value · light_scale in luminance
 };
+
+/// What each pixel's path found at its first vertex.
+inline constexpr BufferKey<FirstVertex> kFirstVertices{"first-vertices"};
 
 /// Fills an empty one while a path is traced; none if there is none.
 struct FirstVertexObserver {

@@ -1,5 +1,6 @@
 #include "techniques/path/path_pass.h"
 
+#include "techniques/path/first_vertex.h"
 #include "techniques/path/recorded_path.h"
 #include "techniques/path/specular_part.h"
 #include "techniques/path/trace_paths.h"
@@ -7,14 +8,8 @@
 namespace relume {
 
 std::vector<BufferDescription> estimator_buffers() {
-  return {{.name = "radiance",
-           .type = BufferType::rgb32f,
-           .help = "radiance of this frame's sample",
-           .display = BufferDisplay::value},
-          {.name = "rays",
-           .type = BufferType::u32,
-           .help = "rays traced for this frame's sample",
-           .display = BufferDisplay::value}};
+  return {{.id = kRadiance, .help = "radiance of this frame's sample", .display = BufferDisplay::value},
+          {.id = kRays, .help = "rays traced for this frame's sample", .display = BufferDisplay::value}};
 }
 
 PathContext make_path_context(const PathSource& source, const FrameContext& frame) {
@@ -31,17 +26,15 @@ PassDeclaration PathPass::declaration() const {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
                               .owns = estimator_buffers(),
-                              .reads = {"primary-hits"},
-                              .reads_if_any = {"allocation"}};
+                              .reads = {kPrimaryHits},
+                              .reads_if_any = {kAllocation},
+                              .only_sampled_pixels = true};
   if (outputs_.first_vertices) {
-    declaration.owns.push_back({.name = "first-vertices",
-                                .type = BufferType::record,
-                                .help = "directions and light of this frame's sample at its first vertex",
-                                .record_bytes = sizeof(FirstVertex)});
+    declaration.owns.push_back(
+        {.id = kFirstVertices, .help = "directions and light of this frame's sample at its first vertex"});
   }
   if (outputs_.specular) {
-    declaration.owns.push_back({.name = "radiance-specular",
-                                .type = BufferType::rgb32f,
+    declaration.owns.push_back({.id = kRadianceSpecular,
                                 .help = "the part of radiance that specular lobes of the first surface scattered",
                                 .display = BufferDisplay::value});
   }
@@ -51,14 +44,13 @@ PassDeclaration PathPass::declaration() const {
 template <typename Observation>
 bool PathPass::trace(const FrameContext& frame, const Observation& observation) const {
   if (!outputs_.specular) return trace_paths(source_, frame, observation);
-  return trace_paths(source_, frame,
-                     SpecularObservation<Observation>{observation, frame.view<Rgb>("radiance-specular")});
+  return trace_paths(source_, frame, SpecularObservation<Observation>{observation, frame.write(kRadianceSpecular)});
 }
 
 bool PathPass::run(const FrameContext& frame) {
-  const View<Rgb> radiance = frame.view<Rgb>("radiance");
+  const View<Rgb> radiance = frame.write(kRadiance);
   View<FirstVertex> vertices;
-  if (outputs_.first_vertices) vertices = frame.view<FirstVertex>("first-vertices");
+  if (outputs_.first_vertices) vertices = frame.write(kFirstVertices);
   if (recording_) return trace(frame, RecordingObservation{radiance, *recording_, vertices});
   if (outputs_.first_vertices) return trace(frame, FirstVertexObservation{radiance, vertices});
   return trace(frame, RadianceObservation{radiance});

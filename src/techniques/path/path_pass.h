@@ -23,8 +23,8 @@ PathContext make_path_context(const PathSource& source, const FrameContext& fram
 
 /// What paths leave for later passes besides estimator_buffers().
 struct PathOutputs {
-  bool first_vertices = false;  ///< "first-vertices": what each path found at its first vertex
-  bool specular = false;        ///< "radiance-specular": the part of "radiance" that came by way of specular lobes
+  bool first_vertices = false;  ///< fill kFirstVertices
+  bool specular = false;        ///< fill kRadianceSpecular
 };
 
 /// Traces one path for each pixel that the allocation gives one.
@@ -46,7 +46,7 @@ class PathPass final : public Pass {
   const PathRecording* recording_;
 };
 
-/// Buffers that every estimator owns: "radiance" and "rays" of this frame's sample.
+/// Buffers that every estimator owns: kRadiance and kRays of this frame's sample.
 std::vector<BufferDescription> estimator_buffers();
 
 }  // namespace relume

@@ -64,7 +64,7 @@ TEST(Path, FurnaceIsWhite) {
 }
 
 TEST(Path, PlateUnderConstantSkyReflectsItsAlbedo) {
-  Scene scene = plate(lambert(Rgb(0.8f, 0.5f, 0.2f)), 5, 1);
+  Scene scene = plate(matte(Rgb(0.8f, 0.5f, 0.2f)), 5, 1);
   scene.environment.kind = EnvironmentKind::constant;
   scene.environment.color = Rgb(1, 2, 3);
   RenderSettings settings = small(8, 4);
@@ -78,7 +78,7 @@ TEST(Path, PlateUnderConstantSkyReflectsItsAlbedo) {
 
 TEST(Path, DirectionalLightsGiveTheirIrradiance) {
   for (const float diameter : {0.0f, 0.00925f, 0.5f}) {
-    Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+    Scene scene = plate(matte(Rgb(0.5f)), 5, 1);
     PunctualLight sun{"sun", PunctualType::directional, Rgb(2, 3, 4)};
     sun.angular_diameter_rad = diameter;
     add_light(scene, sun, Vec3(0, 3, 0));
@@ -90,10 +90,10 @@ TEST(Path, DirectionalLightsGiveTheirIrradiance) {
 
 TEST(Path, PointLightFollowsTheInverseSquareAndTheCosine) {
   // Seen area tiny, so that the light is 2 m above all of it: E = I / d².
-  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   add_light(scene, {"point", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
   EXPECT_NEAR(render(scene, 2, small(4, 2)).mean.r, 2.0f * 0.5f / kPi, 1e-4f);
-  Scene slanted = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  Scene slanted = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   add_light(slanted, {"point", PunctualType::point, Rgb(8)}, Vec3(2, 2, 0));
   EXPECT_NEAR(render(slanted, 2, small(4, 2)).mean.r, 8.0f / 8.0f * std::sqrt(0.5f) * 0.5f / kPi, 1e-4f);
 }
@@ -108,7 +108,7 @@ double square_factor(double a, double h) {
 
 TEST(Path, SquareLightGivesItsFormFactor) {
   for (const bool by_uniform : {false, true}) {
-    Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+    Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
     testing::add_square_lamp(scene, Rgb(3));
     RenderSettings settings = small(16, 1);
     settings.lights = by_uniform ? LightSelectionChoice::uniform : LightSelectionChoice::power;
@@ -118,7 +118,7 @@ TEST(Path, SquareLightGivesItsFormFactor) {
 }
 
 TEST(Path, BouncesCountScatteringEvents) {
-  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+  Scene scene = plate(matte(Rgb(0.5f)), 5, 1);
   scene.environment.kind = EnvironmentKind::constant;
   RenderSettings settings = small(4, 0);
   settings.path.russian_roulette = false;
@@ -199,7 +199,7 @@ TEST(Path, BodiesAbsorbWhereverThePathIsInside) {
 }
 
 TEST(Path, BodiesAbsorbTheLightOfLampsInside) {
-  Scene scene = plate(lambert(Rgb(0.5f)), 3, 1e-3f);
+  Scene scene = plate(matte(Rgb(0.5f)), 3, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
   add_body(scene, tint(kAbsorption), 4, -1);
   add_light(scene, {"lamp", PunctualType::point, Rgb(8)}, Vec3(0, 2, 0));
@@ -227,11 +227,11 @@ double absorbed_irradiance(double x0, double x1, double half_z, double h, double
 }
 
 TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
-  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1e-3f);
+  Scene scene = plate(matte(Rgb(0.5f)), 5, 1e-3f);
   scene.nodes[1].transform.translation.y = 5;
   add_body(scene, tint(kAbsorption), 4, -1);
   // So wide and near that neither strategy does the work alone; not above the point that is seen.
-  Material lamp = lambert(Rgb(0));
+  Material lamp = matte(Rgb(0));
   lamp.emission = Rgb(1);
   Mesh mesh;
   mesh.positions = {{0.1f, 0.5f, -3}, {3, 0.5f, -3}, {3, 0.5f, 3}, {0.1f, 0.5f, 3}};
@@ -247,7 +247,7 @@ TEST(Path, BothStrategiesFindLampsInsideABodyAlike) {
 }
 
 TEST(Path, ThroughputThatIsNotANumberIsReported) {
-  Scene scene = plate(lambert(Rgb(0.5f)), 5, 1);
+  Scene scene = plate(matte(Rgb(0.5f)), 5, 1);
   const CompiledScene compiled(scene, {.width = 4, .height = 4});
   PathContext context;
   context.scene = compiled.view();

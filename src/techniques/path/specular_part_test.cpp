@@ -95,7 +95,7 @@ Scene lit_plate(const Material& material) {
 }
 
 Material plastic(const Rgb& base, float roughness) {
-  Material material = testing::lambert(base);
+  Material material = testing::matte(base);
   material.specular = 1;
   material.roughness = roughness;
   return material;
@@ -131,13 +131,13 @@ TEST(SpecularPart, LeavesRadianceAsItIs) {
 }
 
 TEST(SpecularPart, MirrorsAreSpecularAndLambertSurfacesAreNot) {
-  Material mirror = testing::lambert(Rgb(0.9f));
+  Material mirror = testing::matte(Rgb(0.9f));
   mirror.metallic = 1;
   mirror.roughness = 0;
   const Means of_mirror = means_of(lit_plate(mirror), 2);
   EXPECT_GT(of_mirror.radiance.r, 0.01);
   EXPECT_NEAR(of_mirror.specular.r / of_mirror.radiance.r, 1, 1e-6);
-  const Means of_lambert = means_of(lit_plate(testing::lambert(Rgb(0.5f))), 2);
+  const Means of_lambert = means_of(lit_plate(testing::matte(Rgb(0.5f))), 2);
   EXPECT_GT(of_lambert.radiance.r, 0.01);
   EXPECT_EQ(of_lambert.specular, glm::dvec3(0));
 }
@@ -157,7 +157,7 @@ TEST(SpecularPart, AgreesWithTheInterfaceAlone) {
 
 /// A coat's light is specular, and what it lets through is split by the lobes below.
 TEST(SpecularPart, CoatsAreSpecular) {
-  Material coated = testing::lambert(Rgb(0.5f));
+  Material coated = testing::matte(Rgb(0.5f));
   coated.clearcoat = 1;
   coated.clearcoat_roughness = 0.3f;
   Material coat = coated;

@@ -12,12 +12,12 @@ template <typename Observation>
 bool trace_paths(const PathSource& source, const FrameContext& frame, const Observation& observation) {
   const ObservedPathKernel<Observation> kernel{.context = make_path_context(source, frame),
                                                .index = frame.index,
-                                               .hits = frame.view<const Hit>("primary-hits"),
-                                               .allocation = frame.view<const uint32_t>("allocation"),
-                                               .rays = frame.view<uint32_t>("rays"),
+                                               .hits = frame.read(kPrimaryHits),
+                                               .allocation = frame.read(kAllocation),
+                                               .rays = frame.write(kRays),
                                                .width = frame.width(),
                                                .observation = observation};
-  return frame.launch("trace", kernel);
+  return frame.launch_or_stop("trace", kernel);
 }
 
 }  // namespace relume

@@ -14,6 +14,15 @@ constexpr float kCellsPerPatch = 4;
 /// Light goes from cell to cell, so that what has changed shows here or there for some frames.
 constexpr uint32_t kWatchedFrames = 24;
 
+constexpr BufferKey<uint32_t> kCellIdentity{"cell-identity"};
+constexpr BufferKey<float> kCellLevel{"cell-level"};
+constexpr BufferKey<float> kCellCount{"cell-count"};
+constexpr BufferKey<float> kCellAge{"cell-age"};
+constexpr BufferKey<float> kCellVariance{"cell-variance"};
+constexpr BufferKey<float> kCellSurvival{"cell-survival"};
+constexpr BufferKey<float> kCellBlend{"cell-blend"};
+constexpr BufferKey<float> kCellOccupancy{"cell-occupancy"};
+
 uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels, uint32_t depths) {
   const float patches = static_cast<float>(pixels) / relume::max(1.0f, sqr(settings.grid.cell_size));
   return static_cast<uint64_t>(patches * kCellsPerPatch) * depths;
@@ -90,22 +99,22 @@ void CellsPass::load(std::istream& in) {
 }
 
 PassDeclaration ResolveCellsPass::declaration() const {
-  const auto layer = [](const char* name, const char* help, BufferType type = BufferType::f32) {
-    return BufferDescription{.name = name, .type = type, .help = help, .display = BufferDisplay::value};
+  const auto layer = [](const BufferId& id, const char* help) {
+    return BufferDescription{.id = id, .help = help, .display = BufferDisplay::value};
   };
   return {.name = "resolve",
           .stage = Stage::resolve,
-          .owns = {layer("cell-identity", "a number that differs from cell to cell", BufferType::u32),
-                   layer("cell-level", "log2 of the edge of the pixel's cell, metres"),
-                   layer("cell-count", "samples in the pixel's cell"),
-                   layer("cell-age", "frames with samples since the pixel's cell began"),
-                   layer("cell-variance", "variance of a sample's luminance in the pixel's cell"),
-                   layer("cell-survival", "probability with which the pixel's path was followed"),
-                   layer("cell-blend", "share of the cell in the pixel; the rest is its path's"),
-                   layer("cell-termination", "bounce, from 1, at which the pixel's path ceased to count"),
-                   layer("cell-occupancy", "share of taken slots around the pixel's cell")},
-          .reads = {"filtered-pixels"},
-          .writes = {"radiance", "rays"}};
+          .owns = {layer(kCellIdentity, "a number that differs from cell to cell"),
+                   layer(kCellLevel, "log2 of the edge of the pixel's cell, metres"),
+                   layer(kCellCount, "samples in the pixel's cell"),
+                   layer(kCellAge, "frames with samples since the pixel's cell began"),
+                   layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
+                   layer(kCellSurvival, "probability with which the pixel's path was followed"),
+                   layer(kCellBlend, "share of the cell in the pixel; the rest is its path's"),
+                   layer(kCellTermination, "bounce, from 1, at which the pixel's path ceased to count"),
+                   layer(kCellOccupancy, "share of taken slots around the pixel's cell")},
+          .reads = {kFilteredPixels},
+          .writes = {kRadiance, kRays}};
 }
 
 std::vector<PassFigure> ResolveCellsPass::figures() const {
@@ -122,12 +131,10 @@ PassDeclaration cell_paths_declaration() {
   PassDeclaration declaration{.name = "trace",
                               .stage = Stage::trace,
                               .owns = estimator_buffers(),
-                              .reads = {"primary-hits"},
-                              .reads_if_any = {"allocation"}};
-  declaration.owns.push_back({.name = "filtered-pixels",
-                              .type = BufferType::record,
-                              .help = "what each pixel leaves for the cells",
-                              .record_bytes = sizeof(FilteredPixel)});
+                              .reads = {kPrimaryHits},
+                              .reads_if_any = {kAllocation},
+                              .only_sampled_pixels = true};
+  declaration.owns.push_back({.id = kFilteredPixels, .help = "what each pixel leaves for the cells"});
   return declaration;
 }
 
@@ -135,18 +142,16 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   cells_.advance(frame);
   ResolveCellsKernel kernel;
   kernel.grid = cells_.filter().grid;
-  kernel.pixels = pixels_ = frame.view<const FilteredPixel>("filtered-pixels");
-  kernel.radiance = frame.view<Rgb>("radiance");
-  kernel.layers = {frame.view<uint32_t>("cell-identity"), frame.view<float>("cell-level"),
-                   frame.view<float>("cell-count"),       frame.view<float>("cell-age"),
-                   frame.view<float>("cell-variance"),    frame.view<float>("cell-survival"),
-                   frame.view<float>("cell-blend"),       frame.view<float>("cell-termination"),
-                   frame.view<float>("cell-occupancy")};
+  kernel.pixels = pixels_ = frame.read(kFilteredPixels);
+  kernel.radiance = frame.write(kRadiance);
+  kernel.layers = {frame.write(kCellIdentity), frame.write(kCellLevel),       frame.write(kCellCount),
+                   frame.write(kCellAge),      frame.write(kCellVariance),    frame.write(kCellSurvival),
+                   frame.write(kCellBlend),    frame.write(kCellTermination), frame.write(kCellOccupancy)};
   kernel.width = frame.width();
-  kernel.rays = frame.view<uint32_t>("rays");
+  kernel.rays = frame.write(kRays);
   kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
                   sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
-  if (!frame.launch("resolve", kernel)) return false;
+  if (!frame.launch_or_stop("resolve", kernel)) return false;
   cells_.adjust_size(frame.backend);
   return true;
 }

@@ -14,6 +14,11 @@
 
 namespace relume {
 
+/// Per pixel, what its path leaves for the cells.
+inline constexpr BufferKey<FilteredPixel> kFilteredPixels{"filtered-pixels"};
+/// Per pixel, the bounce, from 1, at which its path ceased to count.
+inline constexpr BufferKey<float> kCellTermination{"cell-termination"};
+
 /// Owns the cells. Does not adapt() in the sense of Pass: frames go on with one low-discrepancy sequence a pixel, whose
 /// evenness one sample a pixel lives on; a pixel's earlier samples are one in hundreds of those that its cell knows.
 class CellsPass final : public Pass {
@@ -72,7 +77,7 @@ PassDeclaration cell_paths_declaration();
 /// Traces paths and fills cells; `cache` as for CellObservation.
 template <typename Cache>
 bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache) {
-  return trace_paths(source, frame, CellObservation<Cache>{cache, frame.view<FilteredPixel>("filtered-pixels")});
+  return trace_paths(source, frame, CellObservation<Cache>{cache, frame.write(kFilteredPixels)});
 }
 
 }  // namespace relume

@@ -5,6 +5,13 @@
 
 namespace relume {
 
+/// Means over the frames since the last change, for AOVs.
+inline constexpr BufferKey<Rgb> kAlbedoAov{"albedo"};
+inline constexpr BufferKey<Vec3> kNormalAov{"normal"};
+inline constexpr BufferKey<float> kDepthAov{"depth"};
+/// Of the last frame.
+inline constexpr BufferKey<Vec2> kMotionAov{"motion"};
+
 /// Traces the camera rays.
 class PrimaryHitsPass final : public Pass {
  public:
@@ -18,7 +25,7 @@ class PrimaryHitsPass final : public Pass {
 };
 
 /// A buffer of what camera rays met; double-buffered ones keep the previous frame.
-BufferDescription surface_buffer(const char* name, BufferType type, const char* help, bool double_buffered,
+BufferDescription surface_buffer(const BufferId& id, const char* help, bool double_buffered,
                                  std::string_view channels = "");
 
 /// What they met, for whoever filters, reprojects or shows it. Part of a frame only if another pass reads it.

@@ -9,6 +9,7 @@
 #include <ostream>
 
 #include "core/stream_io.h"
+#include "techniques/path/first_vertex.h"
 #include "techniques/reprojection/backward_buffers.h"
 #include "techniques/reprojection/reprojection.h"
 
@@ -22,21 +23,14 @@ constexpr Change kEnds = Change::materials | Change::settings;
 /// Changes of indirect light. No validation covers it, so it lags in every kept history.
 constexpr Change kMovesScene = Change::geometry | Change::lights;
 
-constexpr SurfaceBuffers kSurface{.motion = "surface-motion",
-                                  .previous = "surface-previous",
-                                  .position = "surface-position",
-                                  .normal = "surface-normal",
-                                  .depth = "surface-depth",
-                                  .surface = "surface-instance"};
-
 template <typename T>
-void move_elements(const FrameContext& frame, std::vector<std::byte>& before, const Buffer& buffer,
+void move_elements(const FrameContext& frame, std::vector<std::byte>& before, Buffer& buffer,
                    const std::vector<uint32_t>& sources) {
   const auto bytes = buffer.bytes();
   before.assign(bytes.begin(), bytes.end());
   const View<const T> old{reinterpret_cast<const T*>(before.data()), frame.pixels()};
-  launch(frame.backend, "reproject", MoveKernel<T>{old, buffer.view<T>(), view_of(sources), frame.width()},
-         frame.width(), frame.height());
+  const View<T> moved{reinterpret_cast<T*>(bytes.data()), frame.pixels()};
+  frame.launch("reproject", MoveKernel<T>{old, moved, view_of(sources), frame.width()});
 }
 
 /// Whether kernels may look the sample up in the scene.
@@ -54,20 +48,20 @@ bool exists_in(const SceneView& scene, const StoredSample& sample) {
 class ReprojectionPass::HistoryBuffers {
  public:
   explicit HistoryBuffers(const FrameContext& frame)
-      : mean_(copy(frame.view<Rgb>("mean"))),
-        m2_(copy(frame.view<float>("m2"))),
-        m2_rgb_(copy(frame.view<Rgb>("adaptive-m2"))),
-        samples_(copy(frame.view<uint32_t>("samples"))) {}
+      : mean_(copy(frame.write(kMean))),
+        m2_(copy(frame.write(kM2))),
+        m2_rgb_(copy(frame.write(kM2Rgb))),
+        samples_(copy(frame.write(kSamples))) {}
 
   InterpolatedHistory interpolated(const FrameContext& frame) const {
     return {.mean_before = view_of(mean_),
             .m2_before = view_of(m2_),
             .m2_rgb_before = view_of(m2_rgb_),
             .samples_before = view_of(samples_),
-            .mean = frame.view<Rgb>("mean"),
-            .m2 = frame.view<float>("m2"),
-            .m2_rgb = frame.view<Rgb>("adaptive-m2"),
-            .samples = frame.view<uint32_t>("samples")};
+            .mean = frame.write(kMean),
+            .m2 = frame.write(kM2),
+            .m2_rgb = frame.write(kM2Rgb),
+            .samples = frame.write(kSamples)};
   }
 
  private:
@@ -84,7 +78,7 @@ class ReprojectionPass::HistoryBuffers {
 
 LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
   return {.reprojection = backward_reprojection(frame, kSurface),
-          .fates = frame.view<const uint32_t>("history-fate"),
+          .fates = frame.read(kHistoryFate),
           .limits = view_of(limits_before_)};
 }
 
@@ -95,17 +89,17 @@ bool ReprojectionPass::fills(const FrameContext& frame) const {
 bool ReprojectionPass::looks_back() const { return settings_.method == ReprojectionMethod::backward || settings_.fill; }
 
 PassDeclaration ReprojectionPass::declaration() const {
-  std::vector<std::string_view> reads{"mean", "m2", "samples"};
+  std::vector<BufferId> reads{kMean, kM2, kSamples};
   if (looks_back())
-    reads.insert(reads.end(), {"surface-motion", "surface-previous", "surface-position", "surface-normal",
-                               "surface-depth", "surface-instance"});
-  const auto shown = [](const char* name, const char* help) {
-    return BufferDescription{.name = name, .type = BufferType::u32, .help = help, .display = BufferDisplay::value};
+    reads.insert(reads.end(), {kSurface.motion, kSurface.previous, kSurface.position, kSurface.normal, kSurface.depth,
+                               kSurface.surface});
+  const auto shown = [](const BufferId& id, const char* help) {
+    return BufferDescription{.id = id, .help = help, .display = BufferDisplay::value};
   };
   const bool forward = settings_.method == ReprojectionMethod::forward;
   std::vector<BufferDescription> owns{
-      shown("history-kept", "1 where this frame's pixel continues a history, 0 where it starts one"),
-      shown("history-reason",
+      shown(kHistoryKept, "1 where this frame's pixel continues a history, 0 where it starts one"),
+      shown(kHistoryReason,
             forward
                 ? "why, of this frame's pixel: 1 kept, 10 filled from where its surface was, 0 nothing came to "
                   "lie here; what did was 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, "
@@ -114,17 +108,17 @@ PassDeclaration ReprojectionPass::declaration() const {
                   "another surface was seen where it was")};
   if (forward) {
     owns.push_back(
-        shown("history-fate",
+        shown(kHistoryFate,
               "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
               "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
-  if (forward) reads.push_back("primary-hits");
+  if (forward) reads.push_back(kPrimaryHits);
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = std::move(owns),
           .reads = std::move(reads),
-          .writes = {"mean", "m2", "samples"},
-          .writes_if_any = {"adaptive-m2", "light-paths"},
+          .writes = {kMean, kM2, kSamples},
+          .writes_if_any = {kM2Rgb, kLightPaths},
           .moves_surfaces = true};
 }
 
@@ -184,14 +178,14 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   take_over(frame);
   std::optional<HistoryBuffers> before;
   if (fills(frame)) before.emplace(frame);
-  frame.for_each_surface_buffer([&](const Buffer& buffer) { move(frame, buffer); });
+  frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
   if (before) fill(frame, *before);
   note_covered(frame);
 }
 
 /// From `sources_`.
-void ReprojectionPass::move(const FrameContext& frame, const Buffer& buffer) {
-  if (buffer.description().type == BufferType::rgb32f) {
+void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
+  if (buffer.description().id.type == BufferType::rgb32f) {
     move_elements<Rgb>(frame, before_, buffer, sources_);
   } else {
     move_elements<uint32_t>(frame, before_, buffer, sources_);
@@ -205,8 +199,8 @@ void ReprojectionPass::claim_places(const FrameContext& frame) {
   claim.stored = view_of(stored_before_);
   claim.pixels = view_of(pixels_before_);
   claim.claims = mutable_view_of(claims_);
-  claim.fates = frame.view<uint32_t>("history-fate");
-  claim.mean = frame.view<const Rgb>("mean");
+  claim.fates = frame.write(kHistoryFate);
+  claim.mean = frame.read(kMean);
   claim.limits = mutable_view_of(limits_before_);
   claim.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
   claim.capacity = capacity_;
@@ -216,7 +210,7 @@ void ReprojectionPass::claim_places(const FrameContext& frame) {
   claim.lights_changed = includes(frame.changes, kMovesScene);
   claim.seed = hash(frame.index.seed, frame.number);
   claim.width = frame.width();
-  launch(frame.backend, "reproject", claim, frame.width(), frame.height());
+  frame.launch("reproject", claim);
 }
 
 void ReprojectionPass::take_over(const FrameContext& frame) {
@@ -229,32 +223,32 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
   source.limits_before = view_of(limits_before_);
   source.limits = mutable_view_of(limits_);
   source.sources = mutable_view_of(sources_);
-  source.kept = frame.view<uint32_t>("history-kept");
-  source.reasons = frame.view<uint32_t>("history-reason");
+  source.kept = frame.write(kHistoryKept);
+  source.reasons = frame.write(kHistoryReason);
   if (fills(frame)) source.look_back = look_back(frame);
   source.scene = frame.scene;
-  source.hits = frame.view<const Hit>("primary-hits");
+  source.hits = frame.read(kPrimaryHits);
   source.max_distance = settings_.max_distance;
   source.capacity = capacity_;
   source.width = frame.width();
-  launch(frame.backend, "reproject", source, frame.width(), frame.height());
+  frame.launch("reproject", source);
 }
 
 void ReprojectionPass::note_covered(const FrameContext& frame) {
   std::fill(winners_.begin(), winners_.end(), 0u);
   const WinnerKernel winner{view_of(sources_), mutable_view_of(winners_), frame.width()};
-  launch(frame.backend, "reproject", winner, frame.width(), frame.height());
-  const CoveredKernel covered{view_of(winners_), frame.view<uint32_t>("history-fate"), frame.width()};
-  launch(frame.backend, "reproject", covered, frame.width(), frame.height());
+  frame.launch("reproject", winner);
+  const CoveredKernel covered{view_of(winners_), frame.write(kHistoryFate), frame.width()};
+  frame.launch("reproject", covered);
 }
 
 void ReprojectionPass::fill(const FrameContext& frame, const HistoryBuffers& before) const {
   FillKernel kernel;
   kernel.look_back = look_back(frame);
-  kernel.reasons = frame.view<const uint32_t>("history-reason");
+  kernel.reasons = frame.read(kHistoryReason);
   kernel.history = before.interpolated(frame);
   kernel.width = frame.width();
-  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+  frame.launch("reproject", kernel);
 }
 
 void ReprojectionPass::run_backward(const FrameContext& frame) {
@@ -263,12 +257,12 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
   kernel.reprojection = backward_reprojection(frame, kSurface);
   kernel.history = before.interpolated(frame);
   kernel.sources = mutable_view_of(sources_);
-  kernel.kept = frame.view<uint32_t>("history-kept");
-  kernel.reasons = frame.view<uint32_t>("history-reason");
-  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
-  constexpr std::string_view kMoved[] = {"mean", "m2", "adaptive-m2", "samples"};
-  frame.for_each_surface_buffer([&](const Buffer& buffer) {
-    if (std::find(std::begin(kMoved), std::end(kMoved), buffer.description().name) == std::end(kMoved))
+  kernel.kept = frame.write(kHistoryKept);
+  kernel.reasons = frame.write(kHistoryReason);
+  frame.launch("reproject", kernel);
+  constexpr BufferId kMoved[] = {kMean, kM2, kM2Rgb, kSamples};
+  frame.for_each_surface_buffer([&](Buffer& buffer) {
+    if (std::find(std::begin(kMoved), std::end(kMoved), buffer.description().id) == std::end(kMoved))
       move(frame, buffer);
   });
 }
@@ -276,23 +270,26 @@ void ReprojectionPass::run_backward(const FrameContext& frame) {
 void ReprojectionPass::limit(const FrameContext& frame) const {
   const bool scene_moved = includes(frame.changes, kMovesScene);
   LimitKernel kernel;
-  kernel.samples = frame.view<uint32_t>("samples");
-  kernel.m2 = frame.view<float>("m2");
-  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
+  kernel.samples = frame.write(kSamples);
+  kernel.m2 = frame.write(kM2);
+  kernel.m2_rgb = frame.write(kM2Rgb);
   if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
   kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
-  kernel.light_paths = frame.view<float>("light-paths");
+  kernel.light_paths = frame.write(kLightPaths);
   kernel.width = frame.width();
-  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+  frame.launch("reproject", kernel);
 }
 
 void ReprojectionPass::tell_all(const FrameContext& frame, bool kept) const {
   static_assert(static_cast<uint32_t>(ReprojectionFate::empty) == 0 &&
                 static_cast<uint32_t>(ReprojectionFate::kept) == 1);  // what is kept, why, and what became of it
-  for (const BufferDescription& buffer : declaration().owns) {
-    const View<uint32_t> values = frame.view<uint32_t>(buffer.name);
+  const auto tell = [&](const BufferKey<uint32_t>& key) {
+    const View<uint32_t> values = frame.write(key);
     std::fill(values.begin(), values.end(), kept ? 1u : 0u);
-  }
+  };
+  tell(kHistoryKept);
+  tell(kHistoryReason);
+  if (settings_.method == ReprojectionMethod::forward) tell(kHistoryFate);
 }
 
 size_t ReprojectionPass::memory_bytes() const {
@@ -330,30 +327,32 @@ void ReprojectionPass::load(std::istream& in) {
 PassDeclaration StoreSamplesPass::declaration() const {
   return {.name = "store",
           .stage = Stage::present,
-          .reads = {"primary-hits", "first-vertices", "radiance"},
-          .writes = {"mean", "m2", "samples"},
-          .reads_if_any = {"allocation", "edge-rays"},
-          .writes_if_any = {"adaptive-m2"}};
+          .reads = {kPrimaryHits, kFirstVertices, kRadiance},
+          .writes = {kMean, kM2, kSamples},
+          .reads_if_any = {kAllocation, kEdgeRays},
+          .writes_if_any = {kM2Rgb},
+          .only_sampled_pixels = true};
 }
 
 bool StoreSamplesPass::run(const FrameContext& frame) {
   StoreKernel kernel;
-  kernel.hits = frame.view<const Hit>("primary-hits");
-  kernel.first_vertices = frame.view<const FirstVertex>("first-vertices");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.edge_rays = frame.view<const uint32_t>("edge-rays");
-  kernel.radiance = frame.view<const Rgb>("radiance");
-  kernel.samples = frame.view<uint32_t>("samples");
-  kernel.mean = frame.view<Rgb>("mean");
-  kernel.m2 = frame.view<float>("m2");
-  kernel.m2_rgb = frame.view<Rgb>("adaptive-m2");
+  kernel.hits = frame.read(kPrimaryHits);
+  kernel.first_vertices = frame.read(kFirstVertices);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.edge_rays = frame.read(kEdgeRays);
+  kernel.radiance = frame.read(kRadiance);
+  kernel.samples = frame.write(kSamples);
+  kernel.mean = frame.write(kMean);
+  kernel.m2 = frame.write(kM2);
+  kernel.m2_rgb = frame.write(kM2Rgb);
   kernel.scene = frame.scene;
   kernel.stored = mutable_view_of(history_.stored());
   kernel.pixels = mutable_view_of(history_.pixels());
   kernel.capacity = history_.capacity();
   kernel.max_distance = settings_.max_distance;
   kernel.width = frame.width();
-  return launch(frame.backend, "store", kernel, frame.width(), frame.height());
+  frame.launch("store", kernel);
+  return true;
 }
 
 }  // namespace relume

@@ -10,6 +10,11 @@
 
 namespace relume {
 
+// What happened to histories; docs of the values with the declaration.
+inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
+inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
+inline constexpr BufferKey<uint32_t> kHistoryFate{"history-fate"};
+
 /// Moves every buffer that follows the surface to where the surface is now, if anything but materials and settings has
 /// changed.
 class ReprojectionPass final : public Pass {
@@ -45,7 +50,7 @@ class ReprojectionPass final : public Pass {
   void fill(const FrameContext& frame, const HistoryBuffers& before) const;
   void note_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
-  void move(const FrameContext& frame, const Buffer& buffer);
+  void move(const FrameContext& frame, Buffer& buffer);
   void limit(const FrameContext& frame) const;
   /// Says of all pixels that they go on with what they have, or begin anew.
   void tell_all(const FrameContext& frame, bool kept) const;

@@ -14,6 +14,8 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<float> kProbability{"sampling-probability"};
+
 constexpr uint32_t kSize = 4;
 constexpr uint32_t kPixels = kSize * kSize;
 
@@ -106,7 +108,7 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
 
   BufferTable buffers(kSize, kSize);
   Backend backend(1);
-  pass.run(FrameContext{scene.view(), buffers, backend, {}, 1, 1, Change::none, {}});
+  pass.run(FrameContext(scene.view(), buffers, backend, {.number = 1, .since_change = 1}));
   EXPECT_TRUE(pass.stored()[0].valid());
   for (const size_t i : {4, 8, 12, 16, 20}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
 }
@@ -115,27 +117,24 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
 /// pixel.
 struct MovedPlane {
   explicit MovedPlane(const ReprojectionPass& pass) {
-    const auto add = [&](const char* name, BufferType type, bool follows) {
-      buffers.add({.name = name, .type = type, .double_buffered = !follows, .follows_surface = follows});
-    };
     for (const BufferDescription& buffer : pass.declaration().owns) buffers.add(buffer);
-    for (const char* name : {"mean", "adaptive-m2"}) add(name, BufferType::rgb32f, true);
-    for (const char* name : {"m2", "sampling-probability"}) add(name, BufferType::f32, true);
-    add("samples", BufferType::u32, true);
-    add("surface-motion", BufferType::vec2f, false);
-    if (!buffers.find("primary-hits")) buffers.add({.name = "primary-hits", .type = BufferType::hit});
-    for (const char* name : {"surface-previous", "surface-position", "surface-normal"})
-      add(name, BufferType::rgb32f, false);
-    add("surface-depth", BufferType::f32, false);
-    add("surface-instance", BufferType::u32, false);
+    for (const BufferId& id :
+         {BufferId(kMean), BufferId(kM2Rgb), BufferId(kM2), BufferId(kProbability), BufferId(kSamples)})
+      buffers.add({.id = id, .follows_surface = true});
+    for (const BufferId& id : {BufferId(kSurface.motion), BufferId(kSurface.previous), BufferId(kSurface.position),
+                               BufferId(kSurface.normal), BufferId(kSurface.depth), BufferId(kSurface.surface)})
+      buffers.add({.id = id, .double_buffered = true});
+    if (!buffers.find(kPrimaryHits.name)) buffers.add({.id = kPrimaryHits});
+    std::fill_n(buffers.mutable_view(kSurface.normal).data, kPixels, Vec3(0, 0, 1));
+    buffers.swap();
     for (uint32_t i = 0; i < kPixels; ++i) {
-      buffers.view<Rgb>("adaptive-m2")[i] = Rgb(1, 2, 3) * number(i);
-      buffers.view<float>("m2")[i] = number(i);
-      buffers.view<float>("sampling-probability")[i] = 0.01f * number(i);
-      buffers.view<uint32_t>("samples")[i] = 1000;
-      buffers.view<Vec2>("surface-motion")[i] = Vec2(1, 0);
-      buffers.view<Vec3>("surface-normal")[i] = buffers.previous<Vec3>("surface-normal")[i] = Vec3(0, 0, 1);
-      buffers.view<float>("surface-depth")[i] = 1;
+      buffers.mutable_view(kM2Rgb)[i] = Rgb(1, 2, 3) * number(i);
+      buffers.mutable_view(kM2)[i] = number(i);
+      buffers.mutable_view(kProbability)[i] = 0.01f * number(i);
+      buffers.mutable_view(kSamples)[i] = 1000;
+      buffers.mutable_view(kSurface.motion)[i] = Vec2(1, 0);
+      buffers.mutable_view(kSurface.normal)[i] = Vec3(0, 0, 1);
+      buffers.mutable_view(kSurface.depth)[i] = 1;
     }
   }
   /// Some value for pixel i.
@@ -153,7 +152,7 @@ struct Backward {
   Backend backend{1};
 
   void run(uint32_t number, Change changes) {
-    pass.run(FrameContext{scene.view(), plane.buffers, backend, {}, number, 0, changes, {}});
+    pass.run(FrameContext(scene.view(), plane.buffers, backend, {.number = number, .changes = changes}));
   }
 };
 
@@ -161,10 +160,10 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
   Backward b;
   b.settings.max_samples_changed = 16;
   b.run(1, Change::camera | Change::lights);
-  const View<const Rgb> m2_rgb = b.plane.buffers.view<const Rgb>("adaptive-m2");
-  const View<const float> m2 = b.plane.buffers.view<const float>("m2");
-  const View<const float> probability = b.plane.buffers.view<const float>("sampling-probability");
-  const View<const uint32_t> samples = b.plane.buffers.view<const uint32_t>("samples");
+  const View<const Rgb> m2_rgb = b.plane.buffers.view(kM2Rgb);
+  const View<const float> m2 = b.plane.buffers.view(kM2);
+  const View<const float> probability = b.plane.buffers.view(kProbability);
+  const View<const uint32_t> samples = b.plane.buffers.view(kSamples);
   for (uint32_t i = 0; i < kPixels; ++i) {
     const bool known = i % kSize > 0;  // or it comes from outside
     const float number = known ? MovedPlane::number(i - 1) : 0.0f;
@@ -183,9 +182,8 @@ TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
     b.run(number++, changes);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < kPixels; ++i) {
-      EXPECT_EQ(b.plane.buffers.view<uint32_t>("history-reason")[i] == 1,
-                b.plane.buffers.view<uint32_t>("history-kept")[i] == 1);
-      kept += b.plane.buffers.view<uint32_t>("history-kept")[i];
+      EXPECT_EQ(b.plane.buffers.view(kHistoryReason)[i] == 1, b.plane.buffers.view(kHistoryKept)[i] == 1);
+      kept += b.plane.buffers.view(kHistoryKept)[i];
     }
     return kept;
   };

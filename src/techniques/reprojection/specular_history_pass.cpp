@@ -6,6 +6,9 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<Rgb> kMeanSpecular{"mean-specular"};
+constexpr BufferKey<uint32_t> kSamplesSpecular{"samples-specular"};
+
 constexpr Change kEnds = Change::materials | Change::settings;
 constexpr Change kMovesScene = Change::geometry | Change::lights;
 
@@ -16,76 +19,71 @@ bool moves(const FrameContext& frame) {
 }  // namespace
 
 PassDeclaration DetachSpecularPass::declaration() const {
-  const auto kept = [](const char* name, BufferType type, const char* help) {
+  const auto kept = [](const BufferId& id, const char* help) {
     return BufferDescription{
-        .name = name, .type = type, .help = help, .persistent = true, .reset = kEnds, .display = BufferDisplay::value};
+        .id = id, .help = help, .persistent = true, .reset = kEnds, .display = BufferDisplay::value};
   };
   return {.name = "reproject",
           .stage = Stage::history,
-          .owns = {kept("mean-specular", BufferType::rgb32f, "specular part of mean"),
-                   kept("samples-specular", BufferType::u32, "samples in mean-specular")},
-          .reads = {"specular-motion", "specular-previous", "specular-position", "specular-normal", "specular-depth",
-                    "feature-surface"},
-          .writes = {"mean"}};
+          .owns = {kept(kMeanSpecular, "specular part of mean"), kept(kSamplesSpecular, "samples in mean-specular")},
+          .reads = {kReflection.motion, kReflection.previous, kReflection.position, kReflection.normal,
+                    kReflection.depth, kReflection.surface},
+          .writes = {kMean}};
 }
 
 bool DetachSpecularPass::run(const FrameContext& frame) {
   if (!moves(frame)) return true;
   DetachSpecularKernel kernel;
-  kernel.reflections = backward_reprojection(frame, {.motion = "specular-motion",
-                                                     .previous = "specular-previous",
-                                                     .position = "specular-position",
-                                                     .normal = "specular-normal",
-                                                     .depth = "specular-depth",
-                                                     .surface = "feature-surface"});
-  kernel.specular = frame.view<Rgb>("mean-specular");
-  kernel.samples = frame.view<uint32_t>("samples-specular");
+  kernel.reflections = backward_reprojection(frame, kReflection);
+  kernel.specular = frame.write(kMeanSpecular);
+  kernel.samples = frame.write(kSamplesSpecular);
   specular_before_.assign(kernel.specular.begin(), kernel.specular.end());
   samples_before_.assign(kernel.samples.begin(), kernel.samples.end());
   kernel.specular_before = view_of(specular_before_);
   kernel.samples_before = view_of(samples_before_);
-  kernel.mean = frame.view<Rgb>("mean");
+  kernel.mean = frame.write(kMean);
   kernel.max_samples = static_cast<uint32_t>(includes(frame.changes, kMovesScene) ? settings_.max_samples_changed
                                                                                   : settings_.max_samples);
-  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+  frame.launch("reproject", kernel);
   return true;
 }
 
 PassDeclaration AttachSpecularPass::declaration() const {
-  return {.name = "reproject", .stage = Stage::history, .reads = {"mean-specular"}, .writes = {"mean"}};
+  return {.name = "reproject", .stage = Stage::history, .reads = {kMeanSpecular}, .writes = {kMean}};
 }
 
 bool AttachSpecularPass::run(const FrameContext& frame) {
   if (!moves(frame)) return true;
   AttachSpecularKernel kernel;
-  kernel.specular = frame.view<const Rgb>("mean-specular");
-  kernel.mean = frame.view<Rgb>("mean");
+  kernel.specular = frame.read(kMeanSpecular);
+  kernel.mean = frame.write(kMean);
   kernel.width = frame.width();
-  launch(frame.backend, "reproject", kernel, frame.width(), frame.height());
+  frame.launch("reproject", kernel);
   return true;
 }
 
 PassDeclaration AccumulateSpecularPass::declaration() const {
   return {.name = "accumulate",
           .stage = Stage::present,
-          .reads = {"radiance", "radiance-specular", "specular-albedo", "samples"},
-          .writes = {"mean", "mean-specular", "samples-specular"},
-          .reads_if_any = {"allocation"}};
+          .reads = {kRadiance, kRadianceSpecular, kSpecularAlbedo, kSamples},
+          .writes = {kMean, kMeanSpecular, kSamplesSpecular},
+          .reads_if_any = {kAllocation}};
 }
 
 bool AccumulateSpecularPass::run(const FrameContext& frame) {
   AccumulateSpecularKernel kernel;
-  kernel.radiance = frame.view<const Rgb>("radiance");
-  kernel.found = frame.view<const Rgb>("radiance-specular");
-  kernel.albedo = frame.view<const Rgb>("specular-albedo");
-  kernel.allocation = frame.view<const uint32_t>("allocation");
-  kernel.samples = frame.view<const uint32_t>("samples");
-  kernel.specular = frame.view<Rgb>("mean-specular");
-  kernel.specular_samples = frame.view<uint32_t>("samples-specular");
-  kernel.mean = frame.view<Rgb>("mean");
+  kernel.radiance = frame.read(kRadiance);
+  kernel.found = frame.read(kRadianceSpecular);
+  kernel.albedo = frame.read(kSpecularAlbedo);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.samples = frame.read(kSamples);
+  kernel.specular = frame.write(kMeanSpecular);
+  kernel.specular_samples = frame.write(kSamplesSpecular);
+  kernel.mean = frame.write(kMean);
   kernel.width = frame.width();
   // Not to be stopped: sums change only after a complete frame.
-  return launch(frame.backend, "accumulate", kernel, frame.width(), frame.height());
+  frame.launch("accumulate", kernel);
+  return true;
 }
 
 }  // namespace relume

@@ -118,7 +118,7 @@ TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
   StaticLightListsPass pass(settings, selection);
   BufferTable buffers(4, 4);
   Backend backend(1);
-  pass.run(FrameContext{scene.view(), buffers, backend, {}, 0, 0, Change::none, {}});
+  pass.run(FrameContext(scene.view(), buffers, backend, {}));
   const StaticLightLists& lists = pass.selector().lists;
   ASSERT_FALSE(lists.all.empty());
   EXPECT_GT(lists.all.pmf(2), 0.0f);
@@ -133,14 +133,14 @@ TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
   BufferTable buffers(4, 4);
   Backend backend(2);
   const auto lists_in_frame = [&](uint32_t seed) {
-    pass.run(FrameContext{scene.view(), buffers, backend, {.seed = seed}, 0, 0, Change::camera, {}});
+    pass.run(FrameContext(scene.view(), buffers, backend, {.index = {.seed = seed}, .changes = Change::camera}));
     const View<const LightId> ids = pass.selector().lists.ids;
     return std::vector<LightId>(ids.data, ids.data + ids.size);
   };
   const std::vector<LightId> first = lists_in_frame(1);
   EXPECT_EQ(first, lists_in_frame(2));
   StaticLightListsPass another(settings, selection);
-  another.run(FrameContext{scene.view(), buffers, backend, {.seed = 2}, 0, 0, Change::camera, {}});
+  another.run(FrameContext(scene.view(), buffers, backend, {.index = {.seed = 2}, .changes = Change::camera}));
   const View<const LightId> ids = another.selector().lists.ids;
   EXPECT_NE(first, std::vector<LightId>(ids.data, ids.data + ids.size));
 }
@@ -153,8 +153,7 @@ TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
   BufferTable buffers(4, 4);
   Backend backend(2);
   const auto run = [&](StaticLightListsPass& p, std::stop_token hurry) {
-    FrameContext frame{scene.view(), buffers, backend, {.seed = 3}, 0, 0, Change::none, {}};
-    frame.hurry = std::move(hurry);
+    const FrameContext frame(scene.view(), buffers, backend, {.index = {.seed = 3}, .hurry = std::move(hurry)});
     EXPECT_TRUE(p.run(frame)) << "the frame goes on";
   };
   const auto checkpoint = [&] {

@@ -6,37 +6,47 @@
 namespace relume {
 namespace {
 
+constexpr BufferKey<Rgb> kSvgfLight{"svgf-light"};
+constexpr BufferKey<Vec2> kSvgfMoments{"svgf-moments"};
+constexpr BufferKey<uint32_t> kSvgfSamples{"svgf-samples"};
+constexpr BufferKey<Rgb> kSvgfPicture{"svgf-picture"};
+constexpr BufferKey<Rgb> kSvgfShown{"svgf-shown"};
+
+constexpr BufferKey<Rgb> kSvgfSpecular{"svgf-specular"};
+constexpr BufferKey<Vec2> kSvgfSpecularMoments{"svgf-specular-moments"};
+constexpr BufferKey<uint32_t> kSvgfSpecularSamples{"svgf-specular-samples"};
+constexpr BufferKey<Rgb> kSvgfSpecularPicture{"svgf-specular-picture"};
+constexpr BufferKey<Rgb> kSvgfSpecularShown{"svgf-specular-shown"};
+
 /// What one part of the light is filtered by: features, and the pass's own buffers.
 struct PartBuffers {
-  std::string_view light;
-  std::string_view moments;
-  std::string_view samples;
-  std::string_view position;
-  std::string_view normal;
-  std::string_view albedo;
-  std::string_view depth;
+  BufferKey<Rgb> light;
+  BufferKey<Vec2> moments;
+  BufferKey<uint32_t> samples;
+  BufferKey<Vec3> position;
+  BufferKey<Vec3> normal;
+  BufferKey<Rgb> albedo;
+  BufferKey<float> depth;
 };
 
 PartBuffers buffers_of(LightPart part) {
   if (part == LightPart::specular) {
-    return {"svgf-specular",   "svgf-specular-moments", "svgf-specular-samples", "specular-position",
-            "specular-normal", "specular-albedo",       "specular-depth"};
+    return {kSvgfSpecular,      kSvgfSpecularMoments, kSvgfSpecularSamples, kReflection.position,
+            kReflection.normal, kSpecularAlbedo,      kReflection.depth};
   }
-  return {"svgf-light",       "svgf-moments",   "svgf-samples",
-          "feature-position", "feature-normal", part == LightPart::diffuse ? "diffuse-albedo" : "feature-albedo",
-          "feature-depth"};
+  return {kSvgfLight,        kSvgfMoments,    kSvgfSamples,
+          kFeature.position, kFeature.normal, part == LightPart::diffuse ? kDiffuseAlbedo : kFeatureAlbedo,
+          kFeature.depth};
 }
 
 void add_parts(PassDeclaration& declaration) {
+  declaration.owns.push_back(denoiser_history(kSvgfSpecular, "specular light, as far as samples tell"));
   declaration.owns.push_back(
-      denoiser_history("svgf-specular", BufferType::rgb32f, "specular light, as far as samples tell"));
-  declaration.owns.push_back(denoiser_history("svgf-specular-moments", BufferType::vec2f,
-                                              "mean of the luminance of svgf-specular and of its square"));
-  declaration.owns.push_back(denoiser_history("svgf-specular-samples", BufferType::u32, "samples in svgf-specular"));
-  declaration.owns.push_back(denoiser_history("svgf-specular-picture", BufferType::rgb32f,
-                                              "specular part of the filtered pictures, averaged"));
+      denoiser_history(kSvgfSpecularMoments, "mean of the luminance of svgf-specular and of its square"));
+  declaration.owns.push_back(denoiser_history(kSvgfSpecularSamples, "samples in svgf-specular"));
   declaration.owns.push_back(
-      {.name = "svgf-specular-shown", .type = BufferType::rgb32f, .help = "specular part of this frame's picture"});
+      denoiser_history(kSvgfSpecularPicture, "specular part of the filtered pictures, averaged"));
+  declaration.owns.push_back({.id = kSvgfSpecularShown, .help = "specular part of this frame's picture"});
   add_split_buffers(declaration.reads);
 }
 
@@ -50,16 +60,16 @@ PassDeclaration SvgfPass::declaration() const {
   PassDeclaration declaration{
       .name = "svgf",
       .stage = Stage::denoise,
-      .owns = {denoiser_history("svgf-light", BufferType::rgb32f, "light at the surface, as far as samples tell"),
-               denoiser_history("svgf-moments", BufferType::vec2f, "mean of its luminance and of the square of that"),
-               denoiser_history("svgf-samples", BufferType::u32, "samples in it"),
-               denoiser_history("svgf-picture", BufferType::rgb32f, "filtered pictures, averaged"),
+      .owns = {denoiser_history(kSvgfLight, "light at the surface, as far as samples tell"),
+               denoiser_history(kSvgfMoments, "mean of its luminance and of the square of that"),
+               denoiser_history(kSvgfSamples, "samples in it"),
+               denoiser_history(kSvgfPicture, "filtered pictures, averaged"),
                denoised_buffer(),
                unfiltered_buffer(),
                filtered_share_buffer(),
-               {.name = "svgf-shown", .type = BufferType::rgb32f, .help = "this frame's picture"}},
+               {.id = kSvgfShown, .help = "this frame's picture"}},
       .reads = feature_buffers(),
-      .reads_if_any = {"allocation"}};
+      .reads_if_any = {kAllocation}};
   if (split_) add_parts(declaration);
   return declaration;
 }
@@ -83,9 +93,9 @@ bool SvgfPass::run(const FrameContext& frame) {
 }
 
 void SvgfPass::forget_specular(const FrameContext& frame) const {
-  clear_buffer<uint32_t>(frame, "svgf-specular-samples");
-  clear_buffer<Rgb>(frame, "svgf-specular-shown");
-  clear_buffer<Rgb>(frame, "svgf-specular-picture");
+  clear_buffer(frame, kSvgfSpecularSamples);
+  clear_buffer(frame, kSvgfSpecularShown);
+  clear_buffer(frame, kSvgfSpecularPicture);
 }
 
 // None of these is to be stopped: the frame's samples have joined the mean by now.
@@ -95,9 +105,9 @@ void SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
   SvgfAccumulateKernel kernel;
   kernel.history = light_history(frame, {buffers.light, buffers.samples}, settings_.history, part);
   kernel.history.discounts = change_[place_of(part)].discounts(frame, kernel.history);
-  kernel.moments_before = frame.previous<const Vec2>(buffers.moments);
-  kernel.moments = frame.view<Vec2>(buffers.moments);
-  launch(frame.backend, "svgf-accumulate", kernel, frame.width(), frame.height());
+  kernel.moments_before = frame.previous(buffers.moments);
+  kernel.moments = frame.write(buffers.moments);
+  frame.launch("svgf-accumulate", kernel);
 }
 
 void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
@@ -107,20 +117,20 @@ void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   light.resize(AtrousPicture::size(kAtrousChannels, frame.width(), frame.height()));
   filtered_.resize(light.size());
   SvgfPrepareKernel kernel;
-  kernel.position = frame.view<const Vec3>(buffers.position);
-  kernel.normal = frame.view<const Vec3>(buffers.normal);
-  kernel.albedo = frame.view<const Rgb>(buffers.albedo);
-  kernel.depth = frame.view<const float>(buffers.depth);
-  kernel.light = frame.view<const Rgb>(buffers.light);
-  kernel.moments = frame.view<const Vec2>(buffers.moments);
-  kernel.count = frame.view<const uint32_t>(buffers.samples);
+  kernel.position = frame.read(buffers.position);
+  kernel.normal = frame.read(buffers.normal);
+  kernel.albedo = frame.read(buffers.albedo);
+  kernel.depth = frame.read(buffers.depth);
+  kernel.light = frame.read(buffers.light);
+  kernel.moments = frame.read(buffers.moments);
+  kernel.count = frame.read(buffers.samples);
   kernel.features = picture_of(features_, frame);
   kernel.planes = picture_of(light, frame);
   kernel.cone_width = frame.scene.camera.cone_width();
   kernel.cone_spread = frame.scene.camera.cone_spread();
   kernel.width = frame.width();
   kernel.height = frame.height();
-  launch(frame.backend, "svgf-prepare", kernel, frame.width(), frame.height());
+  frame.launch("svgf-prepare", kernel);
 }
 
 /// Leaves the result in `light`.
@@ -133,7 +143,7 @@ void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
     kernel.step = 1u << level;
     kernel.plane_tolerance = settings_.plane_tolerance;
     kernel.light_tolerance = settings_.light_tolerance;
-    launch(frame.backend, "svgf-filter", kernel, frame.width(), frame.height());
+    frame.launch("svgf-filter", kernel);
     light.swap(filtered_);
   }
 }
@@ -142,24 +152,23 @@ void SvgfPass::present(const FrameContext& frame) {
   SvgfPresentKernel kernel;
   kernel.samples = surface_light(frame);
   kernel.filtered = picture_of(light_[0], frame);
-  kernel.shown = frame.view<Rgb>("svgf-shown");
+  kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
-  launch(frame.backend, "svgf-present", kernel, frame.width(), frame.height());
-  finish_picture(frame, {"svgf-present", "svgf-shown", "svgf-picture", "svgf-samples"}, settings_.history.newest);
+  frame.launch("svgf-present", kernel);
+  finish_picture(frame, {"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples}, settings_.history.newest);
 }
 
 void SvgfPass::present_parts(const FrameContext& frame) {
   SvgfPresentPartsKernel kernel;
-  kernel.samples = {surface_light(frame, LightPart::diffuse), frame.view<const Rgb>("specular-albedo")};
+  kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
   kernel.diffuse = picture_of(light_[0], frame);
   kernel.specular = picture_of(light_[1], frame);
-  kernel.shown = frame.view<Rgb>("svgf-shown");
-  kernel.shown_specular = frame.view<Rgb>("svgf-specular-shown");
+  kernel.shown = frame.write(kSvgfShown);
+  kernel.shown_specular = frame.write(kSvgfSpecularShown);
   kernel.width = frame.width();
-  launch(frame.backend, "svgf-present", kernel, frame.width(), frame.height());
-  PictureBuffers buffers{"svgf-present", "svgf-shown", "svgf-picture", "svgf-samples"};
-  if (reflecting_.recently())
-    buffers.specular = {"svgf-specular-shown", "svgf-specular-picture", "svgf-specular-samples"};
+  frame.launch("svgf-present", kernel);
+  PictureBuffers buffers{"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples};
+  if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularPicture, kSvgfSpecularSamples};
   finish_picture(frame, buffers, settings_.history.newest);
 }
 

@@ -30,8 +30,7 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
 PassDeclaration KnownLightsPass::declaration() const {
   return {.name = "vlc-view",
           .stage = Stage::present,
-          .owns = {{.name = "known-lights",
-                    .type = BufferType::u32,
+          .owns = {{.id = kKnownLights,
                     .help = "lights that the cache knew at the first hit",
                     .display = BufferDisplay::value}}};
 }
@@ -39,13 +38,11 @@ PassDeclaration KnownLightsPass::declaration() const {
 bool KnownLightsPass::run(const FrameContext& frame) {
   const LightCaches& caches = cache_.caches();
   std::vector<uint32_t> known(caches.buckets().size);
-  launch(frame.backend, "vlc-view",
-         CountKnownLightsKernel{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
-                                mutable_view_of(known)},
-         caches.buckets().size, 1);
-  launch(frame.backend, "vlc-view",
-         KnownLightsKernel{octree_.samples(), view_of(known), frame.view<uint32_t>("known-lights"), frame.width()},
-         frame.width(), frame.height());
+  const CountKnownLightsKernel count{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
+                                     mutable_view_of(known)};
+  frame.launch("vlc-view", count, {caches.buckets().size, 1});
+  const KnownLightsKernel show{octree_.samples(), view_of(known), frame.write(kKnownLights), frame.width()};
+  frame.launch("vlc-view", show);
   return true;
 }
 

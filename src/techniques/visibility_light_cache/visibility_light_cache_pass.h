@@ -50,6 +50,8 @@ class VisibilityLightCachePass final : public Pass {
   std::vector<float> columns_;
 };
 
+inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};
+
 /// Fills a buffer that shows how many lights the regions know.
 class KnownLightsPass final : public Pass {
  public:

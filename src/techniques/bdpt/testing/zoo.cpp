@@ -51,28 +51,28 @@ void add_zoo_surfaces(SceneBuilder& b, bool smooth, bool bent) {
   Material floor = glossy("floor", {0.7f, 0.6f, 0.5f}, 0.4f);
   use_bumps(floor);
   b.add("floor", quad({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}), b.add_material(floor));
-  Material wall = lambert("wall", {0.4f, 0.6f, 0.7f});
+  Material wall = matte("wall", {0.4f, 0.6f, 0.7f});
   use_bumps(wall);
   b.add("wall", quad({-2, 0, -2}, {4, 0, 0}, {0, 3, 0}), b.add_material(wall));
-  b.add("ball", sphere(0.45f, 1), b.add_material(lambert("ball", {0.8f, 0.5f, 0.4f})), at({-1.1f, 0.5f, 0.3f}));
+  b.add("ball", sphere(0.45f, 1), b.add_material(matte("ball", {0.8f, 0.5f, 0.4f})), at({-1.1f, 0.5f, 0.3f}));
   b.add("metal", sphere(0.4f, 3), b.add_material(metal("metal", {0.9f, 0.8f, 0.5f}, 0.5f)), at({0, 0.4f, -0.7f}));
 
   Material rough = glass("rough glass", 1.5f, {0.7f, 0.9f, 0.6f}, 0.5f);
   rough.roughness = 0.5f;
   b.add("rough glass", sphere(0.35f, 3), b.add_material(rough), at({1.1f, 0.36f, 0.4f}));
 
-  Material pane = lambert("pane", {0.9f, 0.7f, 0.4f});
+  Material pane = matte("pane", {0.9f, 0.7f, 0.4f});
   pane.specular = 1;
   pane.transmission = 0.8f;
   pane.roughness = 0.6f;
   b.add("pane", quad({-0.5f, 0.02f, 0.9f}, {0.7f, 0, 0.3f}, {0, 0.8f, 0}), b.add_material(pane));
 
-  Material veil = lambert("veil", {0.5f, 0.8f, 0.5f});
+  Material veil = matte("veil", {0.5f, 0.8f, 0.5f});
   veil.alpha = 0.5f;
   veil.alpha_mode = AlphaMode::blend;
   b.add("veil", quad({0.6f, 0.3f, 0.9f}, {0.8f, 0, 0}, {0, 0.8f, 0}), b.add_material(veil));
 
-  Material coated = lambert("coated", {0.6f, 0.2f, 0.3f});
+  Material coated = matte("coated", {0.6f, 0.2f, 0.3f});
   coated.clearcoat = 0.8f;
   coated.clearcoat_roughness = 0.4f;
   b.add("coated", box({-1.9f, 0.01f, -1.4f}, {-1.3f, 0.9f, -0.8f}), b.add_material(coated));
@@ -177,7 +177,7 @@ Scene make_zoo(ZooLight light, ZooCamera camera, bool smooth, bool bent) {
 
 Scene make_closed_sphere(float albedo) {
   SceneBuilder b("closed sphere");
-  Material wall = lambert("wall", Rgb(albedo));
+  Material wall = matte("wall", Rgb(albedo));
   wall.emission = Rgb(1);
   b.add("wall", flat_shaded(flipped(icosphere(1, 3))), b.add_material(wall));
   Scene scene = b.take();
@@ -194,7 +194,7 @@ namespace {
 Scene make_block_of_glass(Mesh lamp, bool from_within) {
   SceneBuilder b("lamp in glass");
   const Index dark = b.add_material(glass("dark", 1.3f, {0.3f, 0.4f, 0.5f}, 1.0f));
-  const Index white = b.add_material(lambert("white", Rgb(0.8f)));
+  const Index white = b.add_material(matte("white", Rgb(0.8f)));
   b.add("block", box({-2, -2, -2}, {2, 2, 2}), dark);
   b.add("floor", quad({-1.8f, -1.5f, 1.8f}, {3.6f, 0, 0}, {0, 0, -3.6f}), white);
   b.add("back", quad({-1.8f, -1.5f, -1.8f}, {3.6f, 0, 0}, {0, 3.3f, 0}), white);

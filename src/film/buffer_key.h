@@ -1,0 +1,44 @@
+// Names of per-pixel buffers, typed by their elements. A key is declared once, as a constant, by whoever owns the
+// buffer; keys that several techniques use are in shared_buffers.h.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+#include "core/vec.h"
+
+namespace relume {
+
+/// What the elements of a buffer are. `record`: a struct that only kernels read.
+enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, record };
+
+/// The buffer type of elements T.
+template <typename T>
+constexpr BufferType buffer_type() {
+  if constexpr (std::is_same_v<T, float>) return BufferType::f32;
+  if constexpr (std::is_same_v<T, Rgb>) return BufferType::rgb32f;
+  if constexpr (std::is_same_v<T, Vec2>) return BufferType::vec2f;
+  if constexpr (std::is_same_v<T, uint32_t>) return BufferType::u32;
+  return BufferType::record;
+}
+
+/// A key without its type parameter, for lists of buffers.
+struct BufferId {
+  std::string_view name = {};  ///< unique, in kebab case
+  BufferType type = BufferType::f32;
+  uint32_t element_bytes = sizeof(float);
+
+  friend bool operator==(const BufferId&, const BufferId&) = default;
+};
+
+/// The name of a buffer whose elements are of type T.
+template <typename T>
+struct BufferKey {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::string_view name = {};  ///< empty: no buffer
+
+  constexpr operator BufferId() const { return {name, buffer_type<T>(), sizeof(T)}; }
+};
+
+}  // namespace relume
