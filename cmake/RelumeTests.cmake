@@ -5,11 +5,11 @@ if(RELUME_BUILD_TESTS)
 endif()
 
 # Seconds that a test may take. Sanitizers take about ten times as long.
-set(RELUME_TEST_TIMEOUT 300)
-set(RELUME_SLOW_TEST_TIMEOUT 1200)
+set(RELUME_TEST_TIMEOUT 900)
+set(RELUME_SLOW_TEST_TIMEOUT 2400)
 if(RELUME_SANITIZE)
-  set(RELUME_TEST_TIMEOUT 3000)
-  set(RELUME_SLOW_TEST_TIMEOUT 12000)
+  set(RELUME_TEST_TIMEOUT 6000)
+  set(RELUME_SLOW_TEST_TIMEOUT 20000)
 endif()
 
 # relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it

@@ -14,7 +14,7 @@ namespace {
 
 using testing::add_body;
 using testing::glowing_plate;
-using testing::lambert;
+using testing::matte;
 using testing::plate;
 using testing::tint;
 
