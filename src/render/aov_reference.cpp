@@ -23,7 +23,7 @@ using Layers = std::map<std::string, Layer>;
 
 /// Adds what a frame has with `settings` that it does not have by default.
 void add_layers(const RenderSettings& settings, const std::string& choice, Layers& layers) {
-  for (const AovLayer& layer : aov_layers(build_pipeline(settings).declarations())) {
+  for (const AovLayer& layer : aov_layers(plan(settings))) {
     const auto [at, is_new] = layers.try_emplace(layer.name, Layer{layer.help, {}});
     if (choice.empty() || (!is_new && at->second.choices.empty())) continue;
     at->second.choices.push_back(choice);

@@ -1,6 +1,7 @@
 #include "render/build_pipeline.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "core/error.h"
 #include "techniques/accumulate/accumulate_pass.h"
@@ -31,14 +32,39 @@
 namespace relume {
 namespace {
 
-/// Adds the pass and hands it back, for the passes that read what it makes.
-template <typename P, typename... Arguments>
-P& add(Pipeline& pipeline, Arguments&&... arguments) {
-  auto pass = std::make_unique<P>(std::forward<Arguments>(arguments)...);
-  P& added = *pass;
-  pipeline.add(std::move(pass));
-  return added;
-}
+/// Lists the passes of a frame.
+class Builder {
+ public:
+  Builder(const RenderSettings& settings, FramePasses& passes) : settings_(settings), passes_(passes) {}
+
+  /// Adds the pass and returns it, for the passes that read its results. Its constructor takes the settings that
+  /// `members` name, then `arguments`; its configure() follows these settings.
+  template <typename P, auto... members, typename... Arguments>
+  P& add(Arguments&&... arguments) {
+    auto pass = std::make_unique<P>(settings_.*members..., std::forward<Arguments>(arguments)...);
+    P& added = *pass;
+    passes_.pipeline.add(std::move(pass));
+    (follow<members>(added), ...);
+    return added;
+  }
+  /// Adds a pass that traces paths, and lets it follow their settings.
+  template <typename P, auto... members, typename... Arguments>
+  P& add_tracing(Arguments&&... arguments) {
+    P& added = add<P, members...>(std::forward<Arguments>(arguments)...);
+    follow<&RenderSettings::path>(added);
+    return added;
+  }
+  const Pipeline& pipeline() const { return passes_.pipeline; }
+
+ private:
+  template <auto member, typename P>
+  void follow(P& pass) {
+    passes_.followers.push_back([&pass](const RenderSettings& now) { pass.configure(now.*member); });
+  }
+
+  const RenderSettings& settings_;
+  FramePasses& passes_;
+};
 
 bool reads_surface(const Pipeline& pipeline) {
   const std::vector<BufferDescription> surface = SurfacePass().declaration().owns;
@@ -61,29 +87,31 @@ bool only_samples_read_hits(const Pipeline& pipeline) {
   });
 }
 
-const LightSelector& add_light_selection(Pipeline& pipeline, const RenderSettings& settings, const OctreePass* octree) {
-  const LightSelectionSettings& common = settings.light_selection;
+const LightSelector& add_light_selection(Builder& builder, const RenderSettings& settings, const OctreePass* octree) {
   switch (settings.lights) {
     case LightSelectionChoice::uniform:
-      return add<LightSelectionPass>(pipeline, LightSelectorKind::uniform, common).selector();
+      return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::uniform).selector();
     case LightSelectionChoice::power: break;
-    case LightSelectionChoice::light_tree: return add<LightTreePass>(pipeline, common).selector();
+    case LightSelectionChoice::light_tree:
+      return builder.add<LightTreePass, &RenderSettings::light_selection>().selector();
     case LightSelectionChoice::static_lists:
-      return add<StaticLightListsPass>(pipeline, settings.static_lists, common).selector();
+      return builder.add<StaticLightListsPass, &RenderSettings::static_lists, &RenderSettings::light_selection>()
+          .selector();
     case LightSelectionChoice::vlc: {
-      auto& cache = add<VisibilityLightCachePass>(pipeline, settings.vlc, common, *octree);
-      add<KnownLightsPass>(pipeline, *octree, cache);
+      auto& cache =
+          builder.add<VisibilityLightCachePass, &RenderSettings::vlc, &RenderSettings::light_selection>(*octree);
+      builder.add<KnownLightsPass>(*octree, cache);
       return cache.selector();
     }
   }
-  return add<LightSelectionPass>(pipeline, LightSelectorKind::power, common).selector();
+  return builder.add<LightSelectionPass, &RenderSettings::light_selection>(LightSelectorKind::power).selector();
 }
 
-const DirectionSampler& add_direction_sampling(Pipeline& pipeline, const RenderSettings& settings,
+const DirectionSampler& add_direction_sampling(Builder& builder, const RenderSettings& settings,
                                                const OctreePass* octree) {
   static const DirectionSampler bsdf_directions;
   if (settings.guide == GuideChoice::bsdf) return bsdf_directions;
-  return add<DirectionalQuadtreePass>(pipeline, settings.cdq, *octree).directions();
+  return builder.add<DirectionalQuadtreePass, &RenderSettings::cdq>(*octree).directions();
 }
 
 bool needs_first_vertices(const RenderSettings& settings) {
@@ -109,28 +137,32 @@ bool history_splits(const RenderSettings& settings) {
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
 /// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
-void add_paths(Pipeline& pipeline, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
+void add_paths(Builder& builder, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
-    add<BdptPass>(pipeline, mode, settings.bdpt, settings.light_selection, source, needs_light_film(settings));
+    builder.add_tracing<BdptPass, &RenderSettings::bdpt, &RenderSettings::light_selection>(mode, source,
+                                                                                           needs_light_film(settings));
     return;
   }
   if (settings.cache == CacheChoice::none) {
     const PathOutputs outputs{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
-    add<PathPass>(pipeline, source, outputs, octree ? &octree->recording() : nullptr);
-    if (octree) add<RegionViewPass>(pipeline, *octree);
+    builder.add_tracing<PathPass>(source, outputs, octree ? &octree->recording() : nullptr);
+    if (octree) builder.add<RegionViewPass>(*octree);
     return;
   }
   const bool every_vertex = settings.cache == CacheChoice::apg || settings.cache == CacheChoice::apsf_apg;
-  CellsPass& cells = add<CellsPass>(pipeline, settings.psf, every_vertex ? kGraphDepths : 1u);
+  CellsPass& cells = builder.add<CellsPass, &RenderSettings::psf>(every_vertex ? kGraphDepths : 1u);
   switch (settings.cache) {
     case CacheChoice::none: break;
-    case CacheChoice::psf: add<PathSpaceFilterPass>(pipeline, source, cells); break;
-    case CacheChoice::apsf: add<AdaptivePsfPass>(pipeline, settings.apsf, source, cells); break;
-    case CacheChoice::apg: add<PathGraphPass>(pipeline, settings.apg, nullptr, source, cells); break;
-    case CacheChoice::apsf_apg: add<PathGraphPass>(pipeline, settings.apg, &settings.apsf, source, cells); break;
+    case CacheChoice::psf: builder.add_tracing<PathSpaceFilterPass>(source, cells); break;
+    case CacheChoice::apsf: builder.add_tracing<AdaptivePsfPass, &RenderSettings::apsf>(source, cells); break;
+    case CacheChoice::apg:
+    case CacheChoice::apsf_apg:
+      builder.add_tracing<PathGraphPass, &RenderSettings::apg, &RenderSettings::apsf>(
+          settings.cache == CacheChoice::apsf_apg, source, cells);
+      break;
   }
-  add<ResolveCellsPass>(pipeline, source, cells, settings.denoise == DenoiseChoice::none);
+  builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none);
 }
 
 /// Changes that the history does not survive.
@@ -142,41 +174,41 @@ uint32_t pixel_count(const RenderSettings& settings) {
   return static_cast<uint32_t>(settings.width) * static_cast<uint32_t>(settings.height);
 }
 
-void add_history(Pipeline& pipeline, const RenderSettings& settings) {
-  add<AccumulatePass>(pipeline, ends_history(settings), settings.history != HistoryChoice::none,
-                      needs_light_film(settings));
+void add_history(Builder& builder, const RenderSettings& settings) {
+  builder.add<AccumulatePass>(ends_history(settings), settings.history != HistoryChoice::none,
+                              needs_light_film(settings));
   if (settings.history != HistoryChoice::reproject) return;
   const bool split = history_splits(settings);
-  if (split) add<DetachSpecularPass>(pipeline, settings.reproject);
-  auto& reprojection = add<ReprojectionPass>(pipeline, settings.reproject, pixel_count(settings));
+  if (split) builder.add<DetachSpecularPass, &RenderSettings::reproject>();
+  auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings));
   if (split) {
-    add<AttachSpecularPass>(pipeline);
-    add<AccumulateSpecularPass>(pipeline);
+    builder.add<AttachSpecularPass>();
+    builder.add<AccumulateSpecularPass>();
   }
   if (settings.reproject.method == ReprojectionMethod::forward)
-    add<StoreSamplesPass>(pipeline, settings.reproject, reprojection);
+    builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);
 }
 
-void add_allocation(Pipeline& pipeline, const RenderSettings& settings) {
+void add_allocation(Builder& builder, const RenderSettings& settings) {
   if (settings.allocation != AllocationChoice::adaptive) return;
-  add<SampleCountPass>(pipeline);
-  add<AdaptiveSamplingPass>(pipeline, settings.adaptive, ends_history(settings));
+  builder.add<SampleCountPass>();
+  builder.add<AdaptiveSamplingPass, &RenderSettings::adaptive>(ends_history(settings));
 }
 
-void add_denoiser(Pipeline& pipeline, const RenderSettings& settings) {
+void add_denoiser(Builder& builder, const RenderSettings& settings) {
   const bool mirrors = settings.estimator != EstimatorChoice::light;
   const bool denoises = settings.denoise != DenoiseChoice::none;
   if (denoises || history_splits(settings))
-    add<FeaturesPass>(pipeline, settings.path.max_bounces, mirrors, splits_light(settings));
+    builder.add<FeaturesPass, &RenderSettings::path>(mirrors, splits_light(settings));
   if (!denoises) return;
   const bool split = denoiser_splits(settings);
-  add<EdgeEmissionPass>(pipeline, settings.features, settings.path.max_bounces, mirrors);
-  if (split) add<SplitLightPass>(pipeline);
+  builder.add<EdgeEmissionPass, &RenderSettings::features, &RenderSettings::path>(mirrors);
+  if (split) builder.add<SplitLightPass>();
   switch (settings.denoise) {
     case DenoiseChoice::none: break;
-    case DenoiseChoice::bmfr: add<BmfrPass>(pipeline, settings.bmfr, split); break;
-    case DenoiseChoice::svgf: add<SvgfPass>(pipeline, settings.svgf, split); break;
-    case DenoiseChoice::oidn: add<OidnPass>(pipeline); break;
+    case DenoiseChoice::bmfr: builder.add<BmfrPass, &RenderSettings::bmfr>(split); break;
+    case DenoiseChoice::svgf: builder.add<SvgfPass, &RenderSettings::svgf>(split); break;
+    case DenoiseChoice::oidn: builder.add<OidnPass>(); break;
   }
 }
 
@@ -238,25 +270,34 @@ std::string refusal(const RenderSettings& settings) {
   }
 }
 
-Pipeline build_pipeline(const RenderSettings& settings) {
+FramePasses build_passes(const RenderSettings& settings) {
   check_combination(settings);
-  Pipeline pipeline;
+  FramePasses passes;
+  Builder builder(settings, passes);
   const bool adds_up = settings.history != HistoryChoice::none;
-  const OctreePass* octree = learns(settings) ? &add<OctreePass>(pipeline, settings.octree, adds_up) : nullptr;
-  const LightSelector& selector = add_light_selection(pipeline, settings, octree);
-  const DirectionSampler& directions = add_direction_sampling(pipeline, settings, octree);
+  const OctreePass* octree = learns(settings) ? &builder.add<OctreePass, &RenderSettings::octree>(adds_up) : nullptr;
+  const LightSelector& selector = add_light_selection(builder, settings, octree);
+  const DirectionSampler& directions = add_direction_sampling(builder, settings, octree);
   const PathSource source{settings.path, selector, directions};
-  add_paths(pipeline, settings, source, octree);
-  if (settings.firefly.limit > 0) add<FireflyClampPass>(pipeline, settings.firefly);
-  if (settings.guide == GuideChoice::cdq) add<DirectionViewPass>(pipeline, source, settings.cdq, *octree);
-  add_history(pipeline, settings);
-  add_allocation(pipeline, settings);
-  if (settings.auxiliary) add<AuxiliaryPass>(pipeline);
-  add_denoiser(pipeline, settings);
-  if (reads_surface(pipeline)) add<SurfacePass>(pipeline);
-  add<PrimaryHitsPass>(pipeline, only_samples_read_hits(pipeline));
-  pipeline.check();
-  return pipeline;
+  add_paths(builder, settings, source, octree);
+  if (settings.firefly.limit > 0) builder.add<FireflyClampPass, &RenderSettings::firefly>();
+  if (settings.guide == GuideChoice::cdq) builder.add_tracing<DirectionViewPass, &RenderSettings::cdq>(source, *octree);
+  add_history(builder, settings);
+  add_allocation(builder, settings);
+  if (settings.auxiliary) builder.add<AuxiliaryPass>();
+  add_denoiser(builder, settings);
+  if (reads_surface(builder.pipeline())) builder.add<SurfacePass>();
+  builder.add<PrimaryHitsPass>(only_samples_read_hits(builder.pipeline()));
+  passes.pipeline.check();
+  return passes;
+}
+
+void configure(const FramePasses& passes, const RenderSettings& settings) {
+  for (const auto& follow : passes.followers) follow(settings);
+}
+
+std::vector<PassDeclaration> plan(const RenderSettings& settings) {
+  return build_passes(settings).pipeline.declarations();
 }
 
 }  // namespace relume

@@ -35,15 +35,15 @@ uint64_t sum(View<const uint32_t> values) {
   return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
 }
 
-/// Whether two pipelines have the same passes with the same buffers.
-bool same_shape(const Pipeline& a, const Pipeline& b) {
-  const std::vector<PassDeclaration> one = a.declarations();
-  const std::vector<PassDeclaration> other = b.declarations();
+/// Whether two plans have the same passes with the same buffers.
+bool same_plan(const std::vector<PassDeclaration>& a, const std::vector<PassDeclaration>& b) {
   const auto same_buffers = [](const BufferDescription& x, const BufferDescription& y) {
     return x.id == y.id && x.reset == y.reset;
   };
-  return std::equal(one.begin(), one.end(), other.begin(), other.end(), [&](const auto& x, const auto& y) {
-    return x.name == y.name && std::equal(x.owns.begin(), x.owns.end(), y.owns.begin(), y.owns.end(), same_buffers);
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const PassDeclaration& x, const PassDeclaration& y) {
+    return x.name == y.name && x.reads == y.reads && x.writes == y.writes && x.reads_if_any == y.reads_if_any &&
+           x.writes_if_any == y.writes_if_any &&
+           std::equal(x.owns.begin(), x.owns.end(), y.owns.begin(), y.owns.end(), same_buffers);
   });
 }
 
@@ -82,18 +82,18 @@ struct Session::State {
 
   struct Fresh {
     std::unique_ptr<BufferTable> buffers;
-    Pipeline pipeline;
+    FramePasses passes;
   };
   Fresh empty_pipeline() const {
     Fresh fresh{
         std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height)),
-        build_pipeline(settings)};
-    fresh.pipeline.add_buffers(*fresh.buffers);
+        build_passes(settings)};
+    fresh.passes.pipeline.add_buffers(*fresh.buffers);
     return fresh;
   }
   void take(Fresh fresh) {
     buffers = std::move(fresh.buffers);
-    pipeline = std::move(fresh.pipeline);
+    passes = std::move(fresh.passes);
   }
 
   /// Takes pending changes on: what they make invalid is cleared, and where no history survives them, new sequences of
@@ -140,7 +140,7 @@ struct Session::State {
   }
 
   FrameContext frame(const std::stop_token& stop) {
-    const SampleSchedule schedule{pipeline.longest_epoch(), pilot_samples(settings)};
+    const SampleSchedule schedule{passes.pipeline.longest_epoch(), pilot_samples(settings)};
     const SampleIndex index = sample_index(schedule);
     const bool own_sequence = index.sample >= counters.since_change && index.taken.empty();
     return FrameContext(scene->view(), *buffers, *backend,
@@ -150,8 +150,8 @@ struct Session::State {
                          .changes = changes,
                          .begins_picture = counters.since_change == 0 || counters.picture_frames == counters.frames,
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
-                         .stratified = settings.stratify && own_sequence && pipeline.keeps_to_pixels(),
-                         .stop = pipeline.keeps_state() ? std::stop_token{} : stop,
+                         .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
+                         .stop = passes.pipeline.keeps_state() ? std::stop_token{} : stop,
                          .hurry = hurry});
   }
 
@@ -168,7 +168,7 @@ struct Session::State {
   uint64_t hash;
   std::unique_ptr<Backend> backend;
   std::unique_ptr<BufferTable> buffers;
-  Pipeline pipeline;
+  FramePasses passes;
   std::unique_ptr<CompiledScene> scene;
   Change changes = Change::none;
   bool edited = false;  ///< some of them are not the animation's
@@ -193,7 +193,7 @@ bool Session::render_frame(std::stop_token stop) {
   s.buffers->swap();
   bool complete = false;
   try {
-    complete = s.pipeline.run(s.frame(stop));
+    complete = s.passes.pipeline.run(s.frame(stop));
   } catch (...) {
     // Passes before the one that failed have added to the picture: what there is of it is not the mean of its samples.
     s.buffers->swap();
@@ -213,7 +213,7 @@ bool Session::render_frame(std::stop_token stop) {
 }
 
 void Session::shorten_preparation_on(std::stop_token token) { state_->hurry = std::move(token); }
-bool Session::prepared() const { return state_->pipeline.prepared(); }
+bool Session::prepared() const { return state_->passes.pipeline.prepared(); }
 
 uint32_t Session::frames_since_change() const {
   return state_->changes == Change::none ? state_->counters.since_change : 0;
@@ -286,24 +286,24 @@ const Statistics& Session::statistics() const {
   s.statistics.nonfinite_samples = sum(s.buffers->view(kNonfinite));
   s.statistics.scene_bytes = s.scene->memory_bytes();
   s.statistics.buffer_bytes = s.buffers->memory_bytes();
-  s.statistics.technique_bytes = s.pipeline.memory_bytes();
+  s.statistics.technique_bytes = s.passes.pipeline.memory_bytes();
   s.statistics.threads = s.backend->threads();
   s.statistics.passes.clear();
   for (const LaunchTime& t : s.backend->times()) s.statistics.passes.push_back({t.name, t.seconds});
-  s.statistics.figures = s.pipeline.figures();
+  s.statistics.figures = s.passes.pipeline.figures();
   return s.statistics;
 }
 
 const RenderSettings& Session::settings() const { return state_->settings; }
 const std::vector<std::string>& Session::notes() const { return state_->scene->notes(); }
-std::vector<std::string> Session::warnings() const { return state_->pipeline.warnings(); }
+std::vector<std::string> Session::warnings() const { return state_->passes.pipeline.warnings(); }
 uint64_t Session::scene_hash() const { return state_->hash; }
 const CompiledScene& Session::scene() const { return *state_->scene; }
 const BufferTable& Session::buffers() const { return *state_->buffers; }
-std::vector<PassDeclaration> Session::passes() const { return state_->pipeline.declarations(); }
+std::vector<PassDeclaration> Session::passes() const { return state_->passes.pipeline.declarations(); }
 
 std::vector<std::string> Session::aov_names(const RenderSettings& settings) {
-  return names_of(aov_layers(build_pipeline(settings).declarations()));
+  return names_of(aov_layers(plan(settings)));
 }
 
 std::vector<ExrChannel> Session::aov(const std::string& name) const {
@@ -317,7 +317,7 @@ bool Session::set_settings(const RenderSettings& wanted) {
   if (settings.texture_filter != current.texture_filter || settings.camera != current.camera) return false;
   check_size(settings);
   // Throws for what does not combine, before anything changes.
-  const bool same_passes = same_shape(build_pipeline(settings), s.pipeline);
+  const bool same_passes = same_plan(plan(settings), plan(current));
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
   const bool resized = settings.width != current.width || settings.height != current.height;
@@ -334,6 +334,8 @@ bool Session::set_settings(const RenderSettings& wanted) {
   if (resized || !same_slots || !same_passes) {
     s.rebuild_pipeline();
     s.edit(Change::settings);  // its buffers are empty, whether a described setting asked for that or `auxiliary`
+  } else {
+    configure(s.passes, current);
   }
   return true;
 }
@@ -352,7 +354,7 @@ void Session::restart(int seed) {
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {
   write_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), state_->counters}, *state_->buffers,
-                   state_->pipeline);
+                   state_->passes.pipeline);
 }
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
@@ -360,7 +362,7 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   // Into passes that have not run: others remember the scene at the time that they were run for.
   State::Fresh fresh = s.empty_pipeline();
   const Counters counters =
-      read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.pipeline);
+      read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.passes.pipeline);
   s.scene->set_time(counters.previous_time_s);  // before the rest: it may refuse
   s.counters = counters;
   s.take(std::move(fresh));

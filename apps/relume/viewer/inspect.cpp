@@ -17,7 +17,7 @@ std::string number(float x) { return std::isnan(x) ? "nan" : fmt::format("{:.5g}
 std::vector<AovLayer> inspectable_buffers(const RenderSettings& settings) {
   RenderSettings all = settings;
   all.auxiliary = true;
-  return aov_layers(build_pipeline(all).declarations());
+  return aov_layers(plan(all));
 }
 
 bool needs_auxiliary(const RenderSettings& settings, const std::string& buffer) {

@@ -13,11 +13,13 @@ class AdaptivePsfPass final : public Pass {
   AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells)
       : settings_(settings), source_(source), cells_(cells) {}
 
+  void configure(const AdaptivePsfSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const AdaptivePsfSettings& settings_;
+  AdaptivePsfSettings settings_;
   PathSource source_;
   const CellsPass& cells_;
 };

@@ -25,6 +25,7 @@ class AdaptiveSamplingPass final : public Pass {
   AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by)
       : settings_(settings), invalidated_by_(invalidated_by) {}
 
+  void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   /// The frame that ends the pilot clears the image, so it must not be abandoned.
@@ -51,7 +52,7 @@ class AdaptiveSamplingPass final : public Pass {
   double mean_of(const FrameContext& frame, View<const float> values, const Value& value);
   void forget_pilot(const FrameContext& frame) const;
 
-  const AdaptiveSamplingSettings& settings_;
+  AdaptiveSamplingSettings settings_;
   Change invalidated_by_;
   std::vector<PooledMoments> moments_;  ///< by pixel
   std::vector<PooledMoments> rows_;     ///< sums over the pixels of a row around each pixel

@@ -15,15 +15,17 @@ enum class BdptMode : uint8_t {
   light_only,  ///< light tracing
 };
 
-/// Traces one light and one camera subpath for each pixel that the allocation gives a path. The settings and the
-/// choices of the other slots stay with their owners and are read each frame.
+/// Traces one light and one camera subpath for each pixel that the allocation gives a path.
 class BdptPass final : public Pass {
  public:
   /// `film`: splats also go into a buffer of their own, for a history that keeps them apart.
-  BdptPass(BdptMode mode, const BdptSettings& settings, const LightSelectionSettings& selection,
+  BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
            const PathSource& source, bool film)
-      : mode_(mode), settings_(settings), selection_(selection), source_(source), film_(film) {}
+      : settings_(settings), selection_(selection), mode_(mode), source_(source), film_(film) {}
 
+  void configure(const BdptSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   bool keeps_to_pixels() const override { return false; }
@@ -38,9 +40,9 @@ class BdptPass final : public Pass {
  private:
   void prepare_lights(const FrameContext& frame);
 
+  BdptSettings settings_;
+  LightSelectionSettings selection_;
   BdptMode mode_;
-  const BdptSettings& settings_;
-  const LightSelectionSettings& selection_;
   PathSource source_;
   bool film_;
   std::vector<AliasEntry> emission_;    ///< by power; light tracing has no other way to find a constant environment

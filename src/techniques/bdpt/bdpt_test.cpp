@@ -345,7 +345,7 @@ TEST(Bdpt, DoesNotCombineWithStoredFirstVertices) {
     settings.reproject.method = ReprojectionMethod::forward;
     EXPECT_THROW(check_combination(settings), Error);
     settings.reproject.method = ReprojectionMethod::backward;
-    EXPECT_NO_THROW(build_pipeline(settings));
+    EXPECT_NO_THROW(plan(settings));
   }
 }
 

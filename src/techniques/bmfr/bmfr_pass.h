@@ -16,6 +16,7 @@ class BmfrPass final : public Pass {
   /// `split`: keep diffuse and specular light apart.
   BmfrPass(const BmfrSettings& settings, bool split) : settings_(settings), split_(split) {}
 
+  void configure(const BmfrSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
@@ -30,7 +31,7 @@ class BmfrPass final : public Pass {
   void present_parts(const FrameContext& frame) const;
   FitHistory fit_history(const FrameContext& frame, LightPart part) const;
 
-  const BmfrSettings& settings_;
+  BmfrSettings settings_;
   bool split_;
   ReflectingFrames reflecting_;
   LightChange change_[2];  ///< of light that is not specular, and of light that is

@@ -14,9 +14,11 @@ inline constexpr BufferKey<float> kDirections{"directions"};
 /// Both are per steradian, so their colours compare; integrals are 1.
 class DirectionViewPass final : public Pass {
  public:
-  DirectionViewPass(const PathSource& source, const DirectionalQuadtreeSettings& settings, const OctreePass& octree)
-      : source_(source), settings_(settings), octree_(octree) {}
+  DirectionViewPass(const DirectionalQuadtreeSettings& settings, const PathSource& source, const OctreePass& octree)
+      : settings_(settings), source_(source), octree_(octree) {}
 
+  void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return sums_.size() * sizeof(float); }
@@ -24,8 +26,8 @@ class DirectionViewPass final : public Pass {
   void load(std::istream& in) override;
 
  private:
+  DirectionalQuadtreeSettings settings_;
   PathSource source_;
-  const DirectionalQuadtreeSettings& settings_;
   const OctreePass& octree_;
   std::vector<float> sums_;  ///< of what the texels' paths found since the point was chosen
   uint32_t pixel_ = 0;

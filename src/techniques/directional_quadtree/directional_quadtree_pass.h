@@ -41,6 +41,7 @@ class DirectionalQuadtreePass final : public Pass {
     directions_.kind = DirectionSamplerKind::quadtree;
   }
 
+  void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
@@ -64,7 +65,7 @@ class DirectionalQuadtreePass final : public Pass {
   void populate(bool keep, bool remembers);
   uint32_t bit_count() const { return 32 * (1 + static_cast<uint32_t>(settings_.bits)); }
 
-  const DirectionalQuadtreeSettings& settings_;
+  DirectionalQuadtreeSettings settings_;
   const OctreePass& octree_;
   DirectionSampler directions_;
   Quadtrees trees_;

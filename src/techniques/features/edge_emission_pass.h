@@ -8,16 +8,18 @@ namespace relume {
 
 class EdgeEmissionPass final : public Pass {
  public:
-  /// `max_bounces`, `mirrors`: as for FeaturesPass.
-  EdgeEmissionPass(const FeatureSettings& settings, const int& max_bounces, bool mirrors)
-      : settings_(settings), max_bounces_(max_bounces), mirrors_(mirrors) {}
+  /// `path`, `mirrors`: as for FeaturesPass.
+  EdgeEmissionPass(const FeatureSettings& settings, const PathSettings& path, bool mirrors)
+      : settings_(settings), max_bounces_(path.max_bounces), mirrors_(mirrors) {}
+  void configure(const PathSettings& path) { max_bounces_ = path.max_bounces; }
 
+  void configure(const FeatureSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const FeatureSettings& settings_;
-  const int& max_bounces_;
+  FeatureSettings settings_;
+  int max_bounces_;
   bool mirrors_;
 };
 

@@ -6,6 +6,7 @@
 #include "pipeline/pass.h"
 #include "techniques/features/history_settings.h"
 #include "techniques/features/light_history.h"
+#include "techniques/path/settings.h"
 
 namespace relume {
 
@@ -16,17 +17,18 @@ inline constexpr BufferKey<Rgb> kSpecularScattered{"specular-scattered"};
 
 class FeaturesPass final : public Pass {
  public:
-  /// `max_bounces` is read every frame: what the estimator does not reach is not to be seen. `mirrors`: whether the
-  /// estimator shows what is seen in mirrors and through smooth glass. `split`: also find the reflections that specular
-  /// lobes show, for denoisers that keep diffuse and specular light apart.
-  FeaturesPass(const int& max_bounces, bool mirrors, bool split)
-      : max_bounces_(max_bounces), mirrors_(mirrors), split_(split) {}
+  /// `path`: features follow specular paths for as many bounces as the estimator does. `mirrors`: whether the estimator
+  /// shows what is seen in mirrors and through smooth glass. `split`: also find the reflections that specular lobes
+  /// show, for denoisers that keep diffuse and specular light apart.
+  FeaturesPass(const PathSettings& path, bool mirrors, bool split)
+      : max_bounces_(path.max_bounces), mirrors_(mirrors), split_(split) {}
+  void configure(const PathSettings& path) { max_bounces_ = path.max_bounces; }
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const int& max_bounces_;
+  int max_bounces_;
   bool mirrors_;
   bool split_;
 };

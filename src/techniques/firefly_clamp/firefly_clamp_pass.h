@@ -9,14 +9,14 @@ namespace relume {
 /// Scales this frame's samples down before anything is made of them.
 class FireflyClampPass final : public Pass {
  public:
-  /// `settings` outlives this.
   explicit FireflyClampPass(const FireflySettings& settings) : settings_(settings) {}
 
+  void configure(const FireflySettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const FireflySettings& settings_;
+  FireflySettings settings_;
 };
 
 }  // namespace relume

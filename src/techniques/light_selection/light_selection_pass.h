@@ -11,10 +11,11 @@ namespace relume {
 
 class LightSelectionPass final : public Pass {
  public:
-  LightSelectionPass(LightSelectorKind kind, const LightSelectionSettings& settings) : settings_(settings) {
+  LightSelectionPass(const LightSelectionSettings& settings, LightSelectorKind kind) : settings_(settings) {
     selector_.kind = kind;
   }
 
+  void configure(const LightSelectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return power_.capacity() * sizeof(AliasEntry); }
@@ -23,7 +24,7 @@ class LightSelectionPass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
-  const LightSelectionSettings& settings_;
+  LightSelectionSettings settings_;
   LightSelector selector_;
   std::vector<AliasEntry> power_;
   bool built_ = false;

@@ -15,6 +15,7 @@ class LightTreePass final : public Pass {
     selector_.kind = LightSelectorKind::light_tree;
   }
 
+  void configure(const LightSelectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "light-tree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return data_.memory_bytes(); }
@@ -23,7 +24,7 @@ class LightTreePass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
-  const LightSelectionSettings& settings_;
+  LightSelectionSettings settings_;
   LightSelector selector_;
   LightTreeData data_;
   bool built_ = false;

@@ -22,6 +22,7 @@ class OctreePass final : public Pass {
   /// `epochs`: several frames may sample with the same tree, as a history adds them up.
   OctreePass(const OctreeSettings& settings, bool epochs) : settings_(settings), epochs_(epochs) {}
 
+  void configure(const OctreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
@@ -46,7 +47,7 @@ class OctreePass final : public Pass {
   View<const uint8_t> depths() const { return view_of(depths_); }
 
  private:
-  const OctreeSettings& settings_;
+  OctreeSettings settings_;
   bool epochs_;
   std::optional<OctreeTree> tree_;
   Snapshot<OctreeTree> snapshot_;

@@ -11,9 +11,9 @@ namespace relume {
 
 struct PathContext;
 
-/// Where paths get their settings and samplers from; what they refer to stays with its owners and is read each frame.
+/// What paths are traced with. The samplers belong to passes that prepare them in each frame.
 struct PathSource {
-  const PathSettings& settings;
+  PathSettings settings;
   const LightSelector& selector;
   const DirectionSampler& directions;
 };
@@ -34,6 +34,7 @@ class PathPass final : public Pass {
   PathPass(const PathSource& source, const PathOutputs& outputs, const PathRecording* recording = nullptr)
       : source_(source), outputs_(outputs), recording_(recording) {}
 
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 

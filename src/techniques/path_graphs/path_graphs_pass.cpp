@@ -9,8 +9,8 @@ PassDeclaration PathGraphPass::declaration() const { return cell_paths_declarati
 bool PathGraphPass::run(const FrameContext& frame) {
   PathGraphContext graph;
   graph.filter = cells_.filter();
-  graph.primary = make_adaptive_psf(primary_ ? *primary_ : AdaptivePsfSettings{}, BlendFunction::zero);
-  graph.primary.enabled = primary_ != nullptr;
+  graph.primary = make_adaptive_psf(primary_, BlendFunction::zero);
+  graph.primary.enabled = adapts_primary_;
   graph.variance_constant = settings_.variance_constant;
   graph.measure = settings_.variance;
   graph.feed = settings_.feed;

@@ -15,17 +15,21 @@ inline constexpr uint32_t kGraphDepths = 8;
 /// Traces one path for each pixel that the allocation gives one, lets cells take over, and feeds them.
 class PathGraphPass final : public Pass {
  public:
-  /// `primary`: survival and blend at the first vertex; nullptr: none.
-  PathGraphPass(const PathGraphSettings& settings, const AdaptivePsfSettings* primary, const PathSource& source,
-                const CellsPass& cells)
-      : settings_(settings), primary_(primary), source_(source), cells_(cells) {}
+  /// `primary`: survival and blend at the first vertex, if `adapts_primary`.
+  PathGraphPass(const PathGraphSettings& settings, const AdaptivePsfSettings& primary, bool adapts_primary,
+                const PathSource& source, const CellsPass& cells)
+      : settings_(settings), primary_(primary), adapts_primary_(adapts_primary), source_(source), cells_(cells) {}
+  void configure(const AdaptivePsfSettings& primary) { primary_ = primary; }
 
+  void configure(const PathGraphSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const PathGraphSettings& settings_;
-  const AdaptivePsfSettings* primary_;
+  PathGraphSettings settings_;
+  AdaptivePsfSettings primary_;
+  bool adapts_primary_;
   PathSource source_;
   const CellsPass& cells_;
 };

@@ -26,6 +26,7 @@ class CellsPass final : public Pass {
   /// `depths`: vertices of a path that have cells of their own; for the table's first size.
   CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths) : settings_(settings), depths_(depths) {}
 
+  void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
@@ -45,7 +46,7 @@ class CellsPass final : public Pass {
   void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
 
  private:
-  const PathSpaceFilterSettings& settings_;
+  PathSpaceFilterSettings settings_;
   uint32_t depths_;
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< for which cells still look for changes
@@ -60,6 +61,7 @@ class ResolveCellsPass final : public Pass {
   ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges)
       : source_(source), cells_(cells), sharpens_edges_(sharpens_edges) {}
 
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   std::vector<PassFigure> figures() const override;

@@ -11,6 +11,7 @@ class PathSpaceFilterPass final : public Pass {
  public:
   PathSpaceFilterPass(const PathSource& source, const CellsPass& cells) : source_(source), cells_(cells) {}
 
+  void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 

@@ -23,6 +23,7 @@ class ReprojectionPass final : public Pass {
   ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count)
       : settings_(settings), pixel_count_(pixel_count) {}
 
+  void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
@@ -55,7 +56,7 @@ class ReprojectionPass final : public Pass {
   /// Says of all pixels that they go on with what they have, or begin anew.
   void tell_all(const FrameContext& frame, bool kept) const;
 
-  const ReprojectionSettings& settings_;
+  ReprojectionSettings settings_;
   const uint32_t pixel_count_;
   uint32_t capacity_ = 0;
   bool loaded_ = false;  ///< from a file, and not looked through yet
@@ -78,11 +79,12 @@ class StoreSamplesPass final : public Pass {
   StoreSamplesPass(const ReprojectionSettings& settings, ReprojectionPass& history)
       : settings_(settings), history_(history) {}
 
+  void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  const ReprojectionSettings& settings_;
+  ReprojectionSettings settings_;
   ReprojectionPass& history_;
 };
 

@@ -152,6 +152,7 @@ struct Backward {
   Backend backend{1};
 
   void run(uint32_t number, Change changes) {
+    pass.configure(settings);
     pass.run(FrameContext(scene.view(), plane.buffers, backend, {.number = number, .changes = changes}));
   }
 };

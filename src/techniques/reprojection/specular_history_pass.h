@@ -14,6 +14,7 @@ class DetachSpecularPass final : public Pass {
  public:
   explicit DetachSpecularPass(const ReprojectionSettings& settings) : settings_(settings) {}
 
+  void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
@@ -21,7 +22,7 @@ class DetachSpecularPass final : public Pass {
   }
 
  private:
-  const ReprojectionSettings& settings_;
+  ReprojectionSettings settings_;
   std::vector<Rgb> specular_before_;
   std::vector<uint32_t> samples_before_;
 };

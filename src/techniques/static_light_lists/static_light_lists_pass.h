@@ -20,6 +20,8 @@ class StaticLightListsPass final : public Pass {
     selector_.kind = LightSelectorKind::static_lists;
   }
 
+  void configure(const StaticLightListsSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
   PassDeclaration declaration() const override { return {.name = "static-lists", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool prepared() const override { return !builder_; }
@@ -32,8 +34,8 @@ class StaticLightListsPass final : public Pass {
   const LightSelector& selector() const { return selector_; }
 
  private:
-  const StaticLightListsSettings& settings_;
-  const LightSelectionSettings& selection_;
+  StaticLightListsSettings settings_;
+  LightSelectionSettings selection_;
   LightSelector selector_;
   std::optional<LightListBuilder> builder_;  ///< while lists are not complete
   LightListData lists_;

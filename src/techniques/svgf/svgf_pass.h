@@ -15,6 +15,7 @@ class SvgfPass final : public Pass {
   /// `split`: keep diffuse and specular light apart.
   SvgfPass(const SvgfSettings& settings, bool split) : settings_(settings), split_(split) {}
 
+  void configure(const SvgfSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override {
@@ -32,7 +33,7 @@ class SvgfPass final : public Pass {
   /// Of light that is not specular, and of light that is.
   static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
 
-  const SvgfSettings& settings_;
+  SvgfSettings settings_;
   bool split_;
   ReflectingFrames reflecting_;
   LightChange change_[2];

@@ -20,6 +20,8 @@ class VisibilityLightCachePass final : public Pass {
     selector_.kind = LightSelectorKind::cache;
   }
 
+  void configure(const VisibilityLightCacheSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
   PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
@@ -38,8 +40,8 @@ class VisibilityLightCachePass final : public Pass {
   void drop_inconsistent(uint32_t light_count);
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
 
-  const VisibilityLightCacheSettings& settings_;
-  const LightSelectionSettings& selection_;
+  VisibilityLightCacheSettings settings_;
+  LightSelectionSettings selection_;
   const OctreePass& octree_;
   LightSelector selector_;
   LightCaches caches_;
