@@ -4,9 +4,9 @@ include(CMakePackageConfigHelpers)
 
 set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
 
-install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+install(TARGETS relume relume_lab EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT library)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume COMPONENT library
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ ${PROJECT_SOURCE_DIR}/lab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume COMPONENT library
   FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in

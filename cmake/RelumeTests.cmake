@@ -19,7 +19,7 @@ function(relume_add_tests name)
     return()
   endif()
   add_executable(${name}_tests ${ARGN})
-  target_link_libraries(${name}_tests PRIVATE relume relume_testing relume_flags GTest::gtest_main)
+  target_link_libraries(${name}_tests PRIVATE relume_lab relume relume_testing relume_flags GTest::gtest_main)
   target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER Slow* TEST_LIST ${name}_slow

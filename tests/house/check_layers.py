@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Layers: which folder of src/ may include which, and which folders may use which library (docs/architecture.md).
+"""Layers: which folder of src/ and lab/ may include which, and which folders may use which library (docs/architecture.md).
 
-Tests and benchmarks beside the code, and everything outside src/, may include anything; only libraries that belong to one folder
-are kept from apps/, too. What the tables allow and nobody does is reported, for it would let the next violation through.
+Tests and benchmarks beside the code, and everything outside src/ and lab/, may include anything; only libraries that belong to one
+folder are kept from apps/, too. The check reports permissions that no code uses, as these would let the next violation through.
 """
 
 import re
 
 import house
+
+# The roots of includes. Those of lab/ build on those of src/, never the reverse.
+ROOTS = ("src", "lab")
 
 # Folder -> the folders it may include, besides itself. No cycles.
 MAY_INCLUDE = {
@@ -37,7 +40,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "bdpt": "path",
     "directional_quadtree": "octree path",
     "visibility_light_cache": "octree",
-    "features": "primary_hits reprojection",
+    "features": "path primary_hits reprojection",
     "bmfr": "features",
     "svgf": "features",
     "reprojection": "path",
@@ -86,7 +89,7 @@ def check_include(folder, technique, target):
     """What is wrong with an include of `target`, a path below src/, or None."""
     parts = target.split("/")
     if len(parts) < 2 or parts[0] not in MAY_INCLUDE:
-        return "is not a path from src/"
+        return "is not a path from src/ or lab/"
     if parts[0] != folder and parts[0] not in MAY_INCLUDE[folder].split():
         return f"breaks the layers: {folder} may include {MAY_INCLUDE[folder] or 'nothing'}"
     if technique and parts[0] == "techniques" and parts[1] != technique and not {technique, parts[1]} & set(SLOTS):
@@ -103,9 +106,9 @@ def includes(path):
 
 def check_file(root, path):
     parts = path.relative_to(root).parts
-    in_src = parts[0] == "src" and len(parts) > 2
+    in_src = parts[0] in ROOTS and len(parts) > 2
     if in_src and parts[1] not in MAY_INCLUDE:
-        return [f"{path}:1: src/{parts[1]} is not in the table of layers"]
+        return [f"{path}:1: {parts[0]}/{parts[1]} is not in the table of layers"]
     folder = parts[1] if in_src else parts[0]
     technique = parts[2] if folder == "techniques" and len(parts) > 3 else None
     problems = []
@@ -129,7 +132,7 @@ def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLU
     used = set()
     for path in house.code_files(root):
         parts = path.relative_to(root).parts
-        if parts[0] != "src" or house.is_test_or_benchmark(path):
+        if parts[0] not in ROOTS or house.is_test_or_benchmark(path):
             continue
         for match, _ in includes(path):
             target = match[2].split("/")

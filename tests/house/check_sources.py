@@ -103,7 +103,7 @@ def check_functions(name, text):
 
 def check_code(name, text, bibliography):
     problems = check_functions(name, text)
-    if name.startswith("src/") and not name.startswith(TARGET_FOLDERS):
+    if name.startswith(("src/", "lab/")) and not name.startswith(TARGET_FOLDERS):
         code = house.without_comments(text)
         for match in TARGET_CONDITIONAL.finditer(code):
             line = code.count("\n", 0, match.start()) + 1

@@ -22,7 +22,7 @@ CALQUES = {
 PATTERN = re.compile("|".join(rf"(?P<c{i}>\b{calque}(?!\w))" for i, calque in enumerate(CALQUES)), re.IGNORECASE | re.MULTILINE)
 
 # The pages of experiments quote stored results; they are worded with those.
-NOT_MESSAGES = ("src/experiments/",)
+NOT_MESSAGES = ("lab/experiments/",)
 
 
 def calques(text):
@@ -54,7 +54,7 @@ def check(root):
     problems = []
     for path in house.code_files(root):
         name = path.relative_to(root).as_posix()
-        if not name.startswith(("src/", "apps/")) or name.startswith(NOT_MESSAGES) or house.is_test_or_benchmark(path) or "/testing/" in name:
+        if not name.startswith(("src/", "lab/", "apps/")) or name.startswith(NOT_MESSAGES) or house.is_test_or_benchmark(path) or "/testing/" in name:
             continue
         text = path.read_text(encoding="utf-8")
         for offset, content in literals(text):

@@ -66,10 +66,12 @@ class Repository(unittest.TestCase):
         self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/light_selection/a.h"\n')
         self.write("src/techniques/light_selection/a.h", '#include "techniques/bdpt/b.h"\n')
         self.write("src/other/a.h", "\n")
+        self.write("src/render/a.h", '#include "compare/a.h"\n')
+        self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
-            check_layers.check, "only accel may use", "breaks the layers", "not a path from src/", "slow to compile", "not in the table",
-            "only io may use", "know another technique")
+            check_layers.check, "only accel may use", "compare may include", "core may include nothing", "not a path from src/ or lab/", "slow to compile",
+            "not in the table", "render may include", "only io may use", "know another technique")
 
     def test_table_of_layers(self):
         self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])

@@ -1,4 +1,4 @@
-// The files of src/report/page, compiled in.
+// The files of lab/report/page, compiled in.
 #pragma once
 
 #include <string_view>
