@@ -13,7 +13,7 @@
 #include "core/clock.h"
 #include "experiments/output/results.h"
 #include "file_roles.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "machine.h"
 #include "platform.h"
 #include "progress.h"

@@ -6,8 +6,8 @@
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
-#include "io/extension.h"
-#include "io/scene_io.h"
+#include "files/extension.h"
+#include "scene_io/scene_io.h"
 #include "scene_source.h"
 
 namespace relume::cli {

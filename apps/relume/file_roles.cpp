@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "platform.h"
 
 namespace relume::cli {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "command.h"
-#include "io/atomic_file.h"
-#include "io/testing/temp_folder.h"
+#include "files/atomic_file.h"
+#include "files/testing/temp_folder.h"
 
 namespace relume::cli {
 namespace {

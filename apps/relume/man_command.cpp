@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "man_page.h"
 #include "settings/nearest_name.h"
 

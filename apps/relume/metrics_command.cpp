@@ -6,7 +6,7 @@
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "metrics/metrics.h"
 #include "picture.h"
 #include "reports.h"

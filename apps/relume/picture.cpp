@@ -9,9 +9,9 @@
 
 #include "command.h"
 #include "file_roles.h"
+#include "files/extension.h"
 #include "film/tone_map.h"
-#include "io/extension.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "render/session.h"
 #include "reports.h"
 #include "settings/nearest_name.h"

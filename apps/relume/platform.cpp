@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "command.h"
-#include "io/temporary_file.h"
+#include "files/temporary_file.h"
 
 namespace relume::cli {
 namespace {

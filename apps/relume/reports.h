@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 struct Metrics;

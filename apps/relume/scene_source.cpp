@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "io/scene_io.h"
 #include "scene/builtin.h"
+#include "scene_io/scene_io.h"
 #include "settings/nearest_name.h"
 
 namespace relume::cli {

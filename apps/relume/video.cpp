@@ -5,7 +5,7 @@
 #include "command.h"
 #include "core/srgb.h"
 #include "file_roles.h"
-#include "io/extension.h"
+#include "files/extension.h"
 #include "picture.h"
 
 namespace relume::cli {

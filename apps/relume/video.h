@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "child_pipe.h"
-#include "io/atomic_file.h"
-#include "io/image.h"
+#include "files/atomic_file.h"
+#include "image/image.h"
 
 namespace relume::cli {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "io/extension.h"
+#include "files/extension.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
 #include "settings/text_list.h"

@@ -9,7 +9,7 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/fnv1a.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "metrics/metrics.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"

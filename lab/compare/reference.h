@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <string>
 
-#include "io/image.h"
+#include "image/image.h"
 #include "metrics/temporal.h"
 #include "render/session.h"
 

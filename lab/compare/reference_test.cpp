@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "metrics/metrics.h"
 #include "scene/builtin.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

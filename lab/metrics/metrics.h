@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "film/tone_map.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "metrics/flip.h"
 
 namespace relume {

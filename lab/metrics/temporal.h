@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "film/tone_map.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "report/page.h"
 
 namespace relume {

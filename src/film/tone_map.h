@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/vec.h"
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

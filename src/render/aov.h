@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "film/buffer_table.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "pipeline/pass.h"
 
 namespace relume {

@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/fnv1a.h"
 #include "core/stream_io.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "settings/settings_json.h"
 
 namespace relume {

@@ -12,7 +12,7 @@
 
 #include "core/change.h"
 #include "film/buffer_table.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "pipeline/pass.h"
 #include "render/render_settings.h"
 #include "scene/compiled_scene.h"

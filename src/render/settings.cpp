@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "io/extension.h"
-#include "io/image.h"
+#include "files/extension.h"
+#include "image/image.h"
 #include "render/aov_reference.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"

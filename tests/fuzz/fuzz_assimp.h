@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "io/assimp/assimp_loader.h"
 #include "rendered.h"
+#include "scene_io/assimp/assimp_loader.h"
 
 /// Reports at the end of the run on how many files assimp crashed.
 class CrashCount {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "render/settings.h"
 #include "settings/settings_json.h"
 

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "core/error.h"
-#include "io/gltf/gltf_loader.h"
 #include "rendered.h"
+#include "scene_io/gltf/gltf_loader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);

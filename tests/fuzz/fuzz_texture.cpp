@@ -5,8 +5,8 @@
 #include <span>
 
 #include "core/error.h"
-#include "io/image.h"
-#include "io/texture_decode.h"
+#include "image/image.h"
+#include "scene_io/texture_decode.h"
 
 namespace {
 

@@ -11,10 +11,10 @@
 #include "checkpoint_case.h"
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
-#include "io/image.h"
-#include "io/testing/example_files.h"
+#include "image/image.h"
 #include "record_case.h"
 #include "render/settings.h"
+#include "scene_io/testing/example_files.h"
 #include "settings/settings_json.h"
 #include "viewer/camera_path.h"
 

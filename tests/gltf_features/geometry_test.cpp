@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "gltf_features/stage.h"
-#include "io/testing/compressed_files.h"
+#include "scene_io/testing/compressed_files.h"
 
 namespace relume::support {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "io/testing/scene_files.h"
+#include "scene_io/testing/scene_files.h"
 #include "support/measure.h"
 #include "techniques/path/settings.h"
 

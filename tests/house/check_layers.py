@@ -23,15 +23,17 @@ MAY_INCLUDE = {
     "scene": "core sampling materials lights accel",
     "backend": "core",
     "accel": "core",
-    "io": "core scene",
-    "film": "core io",
-    "metrics": "core film io",
-    "report": "core film io metrics",
+    "files": "core",
+    "image": "core files",
+    "scene_io": "core scene files image",
+    "film": "core image",
+    "metrics": "core film image",
+    "report": "core film image metrics",
     "pipeline": "core sampling scene backend film",
     "techniques": "core settings sampling lights scene backend film pipeline",
-    "render": "core settings sampling materials scene backend io film pipeline techniques",
-    "compare": "core settings scene io metrics report render",
-    "experiments": "core settings scene io metrics report techniques render compare",
+    "render": "core settings sampling materials scene backend files image scene_io film pipeline techniques",
+    "compare": "core settings scene files image metrics report render",
+    "experiments": "core settings scene files image scene_io metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
@@ -55,13 +57,13 @@ SLOTS = ("direction_sampling", "light_selection")
 # Start of an include -> the folders that may use that library.
 LIBRARY_USERS = {
     "embree": "accel",
-    "tiny_gltf": "io",
-    "assimp/": "io",
-    "draco/": "io",
-    "meshoptimizer": "io",
-    "stb_": "io",
-    "OpenEXR/": "io",
-    "Imf": "io",
+    "tiny_gltf": "scene_io",
+    "assimp/": "scene_io",
+    "draco/": "scene_io",
+    "meshoptimizer": "scene_io",
+    "stb_": "image scene_io",
+    "OpenEXR/": "image",
+    "Imf": "image",
     "CLI/": "apps",
 }
 

@@ -57,11 +57,11 @@ class Repository(unittest.TestCase):
             self.assertIn(part, problem)
 
     def test_layers(self):
-        self.write("src/core/a.h", '#include <cmath>\n#include "core/b.h"\n// #include "io/image.h"\n')
+        self.write("src/core/a.h", '#include <cmath>\n#include "core/b.h"\n// #include "image/image.h"\n')
         self.write("src/core/b.h", '#include "scene/scene.h"\n#include "b.h"\n')
         self.write("src/core/b_test.cpp", '#include "scene/scene.h"\n')
-        self.write("src/io/a.cpp", "#include <tiny_gltf.h>\n")
-        self.write("src/io/a.h", "#include <tiny_gltf.h>\n")
+        self.write("src/scene_io/a.cpp", "#include <tiny_gltf.h>\n")
+        self.write("src/scene_io/a.h", "#include <tiny_gltf.h>\n")
         self.write("src/scene/a.cpp", "#include <assimp/scene.h>\n")
         self.write("src/techniques/path/a.h", '#include "techniques/bdpt/b.h"\n#include "techniques/light_selection/a.h"\n')
         self.write("src/techniques/light_selection/a.h", '#include "techniques/bdpt/b.h"\n')
@@ -70,8 +70,8 @@ class Repository(unittest.TestCase):
         self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
-            check_layers.check, "only accel may use", "compare may include", "core may include nothing", "not a path from src/ or lab/", "slow to compile",
-            "not in the table", "render may include", "only io may use", "know another technique")
+            check_layers.check, "only accel may use", "compare may include", "core may include nothing", "not a path from src/ or lab/",
+            "not in the table", "render may include", "only scene_io may use", "slow to compile", "know another technique")
 
     def test_table_of_layers(self):
         self.assertEqual(check_layers.check_table({"a": "b", "b": ""}), [])
@@ -79,8 +79,8 @@ class Repository(unittest.TestCase):
         self.assertIn("does not know", check_layers.check_table({"a": "b"})[0])
 
     def test_permissions_that_nobody_needs(self):
-        self.write("src/io/a.h", '#include "core/a.h"\n')
-        self.write("src/io/a_test.cpp", '#include "scene/a.h"\n')
+        self.write("src/scene_io/a.h", '#include "core/a.h"\n')
+        self.write("src/scene_io/a_test.cpp", '#include "scene/a.h"\n')
         self.write("src/techniques/bdpt/a.h", '#include "techniques/path/a.h"\n')
         unused = check_layers.unused_permissions(self.root, {"io": "core scene", "techniques": ""}, {"bdpt": "path octree"})
         self.assertEqual([problem.split(",")[0] for problem in unused], ["the table lets io include scene", "the table lets bdpt include octree"])

@@ -6,9 +6,9 @@
 #include <string>
 #include <tuple>
 
-#include "io/scene_io.h"
 #include "metrics/metrics.h"
 #include "scene/builtin.h"
+#include "scene_io/scene_io.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
 #include "support/test_name.h"

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "io/atomic_file.h"
-#include "io/scene_io.h"
-#include "io/testing/temp_folder.h"
+#include "files/atomic_file.h"
+#include "files/testing/temp_folder.h"
 #include "render/session.h"
+#include "scene_io/scene_io.h"
 #include "support/measure.h"
 
 namespace relume::support {

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "io/atomic_file.h"
-#include "io/scene_io.h"
-#include "io/testing/temp_folder.h"
+#include "files/atomic_file.h"
+#include "files/testing/temp_folder.h"
 #include "metrics/metrics.h"
 #include "metrics/temporal.h"
 #include "render/session.h"
+#include "scene_io/scene_io.h"
 #include "support/measure.h"
 #include "techniques/reprojection/reprojection_pass.h"
 

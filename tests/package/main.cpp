@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <iostream>
 
-#include <io/image.h>
-#include <io/scene_io.h>
+#include <image/image.h>
 #include <render/session.h>
+#include <scene_io/scene_io.h>
 
 namespace {
 

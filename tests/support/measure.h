@@ -1,7 +1,7 @@
 // Renders small scenes and says what was measured, for tests that know the answer.
 #pragma once
 
-#include "io/image.h"
+#include "image/image.h"
 #include "render/render_settings.h"
 #include "scene/scene.h"
 

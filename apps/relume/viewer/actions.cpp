@@ -9,7 +9,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/error.h"
-#include "io/extension.h"
+#include "files/extension.h"
 #include "picture.h"
 #include "reports.h"
 #include "viewer/panels.h"

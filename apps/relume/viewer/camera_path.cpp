@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 
 namespace relume::viewer {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
-#include "io/testing/temp_folder.h"
+#include "files/atomic_file.h"
+#include "files/testing/temp_folder.h"
 #include "scene/scene.h"
 
 namespace relume::viewer {

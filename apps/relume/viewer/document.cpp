@@ -5,7 +5,7 @@
 
 #include <glm/matrix.hpp>
 
-#include "io/decompose.h"
+#include "scene_io/decompose.h"
 
 namespace relume::viewer {
 namespace {

@@ -5,10 +5,10 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "io/image.h"
-#include "io/scene_io.h"
-#include "io/testing/temp_folder.h"
+#include "files/testing/temp_folder.h"
+#include "image/image.h"
 #include "scene/builtin.h"
+#include "scene_io/scene_io.h"
 #include "viewer/save_view.h"
 
 namespace relume::viewer {

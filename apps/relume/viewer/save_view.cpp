@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
-#include "io/extension.h"
-#include "io/relume_json/write_view.h"
+#include "files/atomic_file.h"
+#include "files/extension.h"
 #include "scene/builtin.h"
+#include "scene_io/relume_json/write_view.h"
 #include "settings/settings_json.h"
 
 namespace relume::viewer {

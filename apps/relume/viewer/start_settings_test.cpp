@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 

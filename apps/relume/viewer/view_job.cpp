@@ -9,7 +9,7 @@
 #include "console.h"
 #include "core/clock.h"
 #include "file_roles.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 #include "picture.h"
 #include "platform.h"
 #include "render/settings.h"

@@ -14,7 +14,7 @@
 
 #include "core/error.h"
 #include "core/srgb.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "viewer/gl.h"
 #include "viewer/theme.h"
 

@@ -11,7 +11,7 @@
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/scenes.h"
-#include "io/image.h"
+#include "image/image.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
 #include "report/page.h"

@@ -9,7 +9,7 @@
 #include "experiments/measure/adaptation.h"
 #include "experiments/measure/adapted_file.h"
 #include "experiments/setup/learning_scenes.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 
 namespace relume {
 namespace {

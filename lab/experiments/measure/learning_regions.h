@@ -6,7 +6,7 @@
 #include "experiments/experiment.h"
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/setup/scenes.h"
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

@@ -7,7 +7,7 @@
 #include "compare/timed_session.h"
 #include "experiments/experiment.h"
 #include "experiments/setup/scenes.h"
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

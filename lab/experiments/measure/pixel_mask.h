@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compare/reference.h"
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume {
 

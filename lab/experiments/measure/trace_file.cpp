@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "experiments/measure/parts.h"
-#include "io/json_parse.h"
+#include "files/json_parse.h"
 #include "settings/settings_json.h"
 
 namespace relume {

@@ -6,7 +6,7 @@
 
 #include "experiments/measure/trace_file.h"
 #include "experiments/setup/references.h"
-#include "io/atomic_file.h"
+#include "files/atomic_file.h"
 
 namespace relume {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "io/json_parse.h"
+#include "files/json_parse.h"
 
 namespace relume {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "experiments/setup/named.h"
-#include "io/scene_io.h"
+#include "scene_io/scene_io.h"
 #include "scene/builtin.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"

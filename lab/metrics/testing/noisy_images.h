@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/hash.h"
-#include "io/image.h"
+#include "image/image.h"
 
 namespace relume::testing {
 

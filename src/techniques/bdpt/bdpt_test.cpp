@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/error.h"
-#include "io/testing/temp_folder.h"
+#include "files/testing/temp_folder.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/builtin.h"

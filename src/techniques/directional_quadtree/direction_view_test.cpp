@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/octahedral.h"
-#include "io/testing/temp_folder.h"
+#include "files/testing/temp_folder.h"
 #include "render/session.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/shapes.h"

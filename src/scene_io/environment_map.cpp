@@ -1,0 +1,39 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "image/image.h"
+#include "scene_io/scene_io.h"
+
+namespace relume {
+namespace {
+
+/// Maps come with stray pixels that are no radiance: NaN and negative values become 0, infinite ones the largest finite
+/// value of the map, and none is brighter than kMaxRadiance.
+void clean(std::vector<Rgb>& pixels) {
+  float largest = 0;
+  for (const Rgb& pixel : pixels) {
+    for (int c = 0; c < 3; ++c) largest = is_finite(pixel[c]) ? std::max(largest, pixel[c]) : largest;
+  }
+  largest = std::min(largest, kMaxRadiance);
+  for (Rgb& pixel : pixels) {
+    for (int c = 0; c < 3; ++c) pixel[c] = pixel[c] > 0 ? std::min(pixel[c], largest) : 0.0f;
+  }
+}
+
+}  // namespace
+
+void load_environment_map(const std::filesystem::path& file, Environment& environment) {
+  Image image = read_image(file);
+  if (image.width < 1 || image.height < 1)
+    throw Error(fmt::format("{}: the environment map has no pixels", file.string()));
+  clean(image.pixels);
+  environment.kind = EnvironmentKind::map;
+  environment.color = Rgb(1);
+  environment.width = image.width;
+  environment.height = image.height;
+  environment.map = std::move(image.pixels);
+}
+
+}  // namespace relume

@@ -1,0 +1,55 @@
+#include "scene_io/gltf/gltf_extras.h"
+
+#include <algorithm>
+
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "files/json_parse.h"
+#include "scene_io/gltf/gltf_value.h"
+#include "scene_io/relume_json/overrides.h"
+
+namespace relume::gltf {
+namespace {
+
+/// The member `key` of extras.relume as a positive length or angle; `fallback` if it is absent or no such thing.
+float positive(const tinygltf::Value& extras, const char* key, float fallback) {
+  const tinygltf::Value* relume = object_member(extras, "relume");
+  const float value = relume ? to_float(number_member(*relume, key, 0)) : 0.0f;
+  return value > 0 ? value : fallback;
+}
+
+std::string text(const tinygltf::Value& extras, const char* key) {
+  const tinygltf::Value* relume = object_member(extras, "relume");
+  return relume ? string_member(*relume, key) : std::string();
+}
+
+}  // namespace
+
+void apply_scene_extras(const Document& document, Scene& scene) {
+  if (document.scene_extras.empty()) return;
+  const nlohmann::json json = parse_json(document.scene_extras, document.place);
+  const JsonObject root(json, "extras.relume", document.place, {"environment", "settings"});
+  apply_environment(root, document.base_dir, scene);
+  if (root.has("settings")) scene.settings_json = root.at("settings").dump();
+}
+
+void apply_camera_extras(const tinygltf::Value& extras, Camera& camera) {
+  if (text(extras, "projection") == "panoramic") camera.projection = Projection::panoramic;
+  camera.lens_radius = positive(extras, "lens_radius", camera.lens_radius);
+  camera.focus_distance = positive(extras, "focus_distance", camera.focus_distance);
+}
+
+void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light) {
+  if (light.type != PunctualType::directional) return;
+  constexpr float kWidest_deg = 180;
+  light.angular_diameter_rad = glm::radians(std::min(positive(extras, "angular_diameter_deg", 0), kWidest_deg));
+}
+
+void apply_material_extras(const tinygltf::Value& extras, Material& material) {
+  if (text(extras, "microfacet_model") == "beckmann") material.microfacet_model = MicrofacetModel::beckmann;
+}
+
+std::string texture_image(const tinygltf::Value& extras) { return text(extras, "image"); }
+
+}  // namespace relume::gltf

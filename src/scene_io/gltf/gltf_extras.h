@@ -1,0 +1,21 @@
+// What relume adds to glTF in `extras.relume` (docs/scenes.md), read back: gltf_writer.cpp writes it.
+#pragma once
+
+#include "scene/scene.h"
+#include "scene_io/gltf/gltf_document.h"
+
+namespace relume::gltf {
+
+/// "environment" and "settings" of the scene. Throws Error for values that make no sense.
+void apply_scene_extras(const Document& document, Scene& scene);
+
+/// "projection", "lens_radius" and "focus_distance"; what is out of range is ignored.
+void apply_camera_extras(const tinygltf::Value& extras, Camera& camera);
+/// "angular_diameter_deg" of a directional light.
+void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
+/// "microfacet_model".
+void apply_material_extras(const tinygltf::Value& extras, Material& material);
+/// URI of the image whose texels are too precise or too bright for glTF's own; empty: none.
+std::string texture_image(const tinygltf::Value& extras);
+
+}  // namespace relume::gltf

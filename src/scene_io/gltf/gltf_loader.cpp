@@ -1,0 +1,32 @@
+#include "scene_io/gltf/gltf_loader.h"
+
+#include "scene_io/gltf/gltf_extras.h"
+#include "scene_io/gltf/gltf_nodes.h"
+#include "scene_io/scene_io.h"
+
+namespace relume {
+
+Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesystem::path& base_dir,
+                            const std::string& place) {
+  gltf::Document document(place);
+  gltf::read_document(file, base_dir, document);
+  Scene scene;
+  scene.name = std::filesystem::path(place).stem().string();
+  gltf::MaterialImporter materials(document, scene);
+  gltf::MeshImporter meshes(document, scene, materials);
+  const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);
+  gltf::import_animation(document, node_of, scene);
+  meshes.finish();
+  materials.finish();
+  gltf::apply_scene_extras(document, scene);
+  scene.warnings = document.warnings.take();
+  validate(scene, place);
+  return scene;
+}
+
+Scene load_gltf(const std::filesystem::path& file) {
+  const Bytes bytes = read_file_bytes(file);
+  return load_gltf_from_memory(bytes, file.parent_path(), file.string());
+}
+
+}  // namespace relume

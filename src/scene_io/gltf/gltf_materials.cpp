@@ -1,0 +1,185 @@
+#include "scene_io/gltf/gltf_materials.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "scene_io/gltf/gltf_extras.h"
+#include "scene_io/gltf/gltf_value.h"
+
+namespace relume::gltf {
+namespace {
+
+constexpr float kLargest = 1e30f;
+/// KHR_materials_ior: 0 asks for a Fresnel reflectance of 1 at every angle, which a large index approaches.
+constexpr float kIorOfZero = 1000;
+
+const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
+  const auto it = extensions.find(name);
+  return it == extensions.end() ? nullptr : &it->second;
+}
+
+AlphaMode alpha_mode(const std::string& name) {
+  if (name == "MASK") return AlphaMode::mask;
+  if (name == "BLEND") return AlphaMode::blend;
+  return AlphaMode::opaque;
+}
+
+/// Whether a normal texture of an extension says what that of the material says, if both name the same texture.
+bool bends_alike(const tinygltf::NormalTextureInfo& base, const tinygltf::Value& other) {
+  const tinygltf::Value* extensions = object_member(other, "extensions");
+  const tinygltf::Value* a = find_extension(base.extensions, "KHR_texture_transform");
+  const tinygltf::Value* b = extensions ? object_member(*extensions, "KHR_texture_transform") : nullptr;
+  const bool same_place = a && b ? *a == *b : !a && !b;
+  return same_place && base.texCoord == integer_member(other, "texCoord", 0) &&
+         base.scale == number_member(other, "scale", 1);
+}
+
+}  // namespace
+
+Index MaterialImporter::import(int material) {
+  if (material < 0) return kNone;
+  const auto& materials = document_.model.materials;
+  if (static_cast<size_t>(material) >= materials.size()) {
+    document_.warnings.add(
+        fmt::format("a mesh refers to material {}, which does not exist; it gets the default material", material));
+    return kNone;
+  }
+  const auto [entry, is_new] = known_.try_emplace(material, static_cast<Index>(scene_.materials.size()));
+  if (is_new) scene_.materials.push_back(convert(materials[static_cast<size_t>(material)]));
+  return entry->second;
+}
+
+Material MaterialImporter::convert(const tinygltf::Material& source) {
+  Material material;
+  material.name = source.name;
+  convert_core(source, material);
+  convert_surface_extensions(source, material);
+  convert_volume_extensions(source, material);
+  return material;
+}
+
+void MaterialImporter::convert_core(const tinygltf::Material& source, Material& m) {
+  const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+  m.base_color = limited(to_vec3(pbr.baseColorFactor, Vec3(1)), 1, "base colour", m.name);
+  m.alpha = pbr.baseColorFactor.size() > 3 ? limited(pbr.baseColorFactor[3], 0, 1, "alpha", m.name) : 1.0f;
+  m.base_color_texture = reference(pbr.baseColorTexture, TextureUse::color);
+  m.metallic = limited(pbr.metallicFactor, 0, 1, "metallic", m.name);
+  m.roughness = limited(pbr.roughnessFactor, 0, 1, "roughness", m.name);
+  m.metallic_roughness_texture = reference(pbr.metallicRoughnessTexture, TextureUse::data);
+  m.normal_texture = reference(source.normalTexture, TextureUse::normal);
+  m.normal_scale = limited(source.normalTexture.scale, -kLargest, kLargest, "normal scale", m.name);
+  m.emission = limited(to_vec3(source.emissiveFactor, Vec3(0)), kMaxRadiance, "emission", m.name);
+  m.emission_texture = reference(source.emissiveTexture, TextureUse::color);
+  m.alpha_mode = alpha_mode(source.alphaMode);
+  m.alpha_cutoff = limited(source.alphaCutoff, 0, kLargest, "alpha cutoff", m.name);
+  m.double_sided = source.doubleSided;
+  if (source.occlusionTexture.index >= 0)
+    document_.warnings.add("occlusion textures are ignored; occlusion is computed");
+}
+
+/// A coat is bent as the base below it.
+void MaterialImporter::warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
+                                            const Material& m) {
+  if (!(m.clearcoat > 0)) return;
+  const tinygltf::Value* own = object_member(clearcoat, "clearcoatNormalTexture");
+  const tinygltf::NormalTextureInfo& base = source.normalTexture;
+  const int coat = own ? integer_member(*own, "index", -1) : -1;
+  if (coat == base.index && (!own || bends_alike(base, *own))) return;
+  document_.warnings.add(fmt::format("material '{}': its clearcoat {}", m.name,
+                                     coat >= 0 ? "has a normal texture of its own, which is ignored"
+                                               : "is smooth over a normal texture; here it is bent by that, too"));
+}
+
+void MaterialImporter::convert_surface_extensions(const tinygltf::Material& source, Material& m) {
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength")) {
+    m.emission *= limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name);
+    m.emission = limited(m.emission, kMaxRadiance, "emission", m.name);
+  }
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_specular")) {
+    m.specular = limited(number_member(*e, "specularFactor", 1), 0, 1, "specular", m.name);
+    m.specular_texture = reference(*e, "specularTexture", TextureUse::data);
+    m.specular_color = limited(vec3_member(*e, "specularColorFactor", Vec3(1)), kLargest, "specular colour", m.name);
+    m.specular_color_texture = reference(*e, "specularColorTexture", TextureUse::color);
+  }
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_clearcoat")) {
+    m.clearcoat = limited(number_member(*e, "clearcoatFactor", 0), 0, 1, "clearcoat", m.name);
+    m.clearcoat_texture = reference(*e, "clearcoatTexture", TextureUse::data);
+    m.clearcoat_roughness =
+        limited(number_member(*e, "clearcoatRoughnessFactor", 0), 0, 1, "clearcoat roughness", m.name);
+    m.clearcoat_roughness_texture = reference(*e, "clearcoatRoughnessTexture", TextureUse::data);
+    warn_of_coat_normals(source, *e, m);
+  }
+  apply_material_extras(source.extras, m);
+  m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
+  if (!m.unlit && m.clearcoat > 0 && m.emission != Vec3(0))
+    document_.warnings.add("material '" + m.name + "' emits below a clearcoat, which does not dim its light");
+}
+
+void MaterialImporter::convert_volume_extensions(const tinygltf::Material& source, Material& m) {
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_transmission")) {
+    m.transmission = limited(number_member(*e, "transmissionFactor", 0), 0, 1, "transmission", m.name);
+    m.transmission_texture = reference(*e, "transmissionTexture", TextureUse::data);
+  }
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_ior")) {
+    const double ior = number_member(*e, "ior", 1.5);
+    m.ior = ior == 0 ? kIorOfZero : limited(ior, 1, kIorOfZero, "index of refraction", m.name);
+  }
+  if (const auto* e = find_extension(source.extensions, "KHR_materials_volume")) {
+    m.thickness = limited(number_member(*e, "thicknessFactor", 0), 0, kLargest, "thickness", m.name);
+    m.attenuation_color = limited(vec3_member(*e, "attenuationColor", Vec3(1)), 1, "attenuation colour", m.name);
+    const double distance = number_member(*e, "attenuationDistance", 0);
+    if (distance > 0) m.attenuation_distance = limited(distance, 1e-6, kLargest, "attenuation distance", m.name);
+    if (object_member(*e, "thicknessTexture"))
+      document_.warnings.add("thickness textures are ignored; rays measure the thickness");
+  }
+}
+
+TextureRef MaterialImporter::reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use) {
+  TextureRef ref;
+  ref.texture = textures_.request(texture, use);
+  ref.uv_set = uv_set;
+  if (transform) {
+    ref.offset = vec2_member(*transform, "offset", Vec2(0));
+    ref.scale = vec2_member(*transform, "scale", Vec2(1));
+    ref.rotation_rad = to_float(number_member(*transform, "rotation", 0));
+    ref.uv_set = integer_member(*transform, "texCoord", uv_set);
+  }
+  if (ref.uv_set < 0 || ref.uv_set > 1) {
+    document_.warnings.add(
+        fmt::format("texture coordinate set {} is not supported; set 0 takes its place", ref.uv_set));
+    ref.uv_set = 0;
+  }
+  return ref;
+}
+
+/// For tinygltf's TextureInfo and NormalTextureInfo.
+template <typename Info>
+TextureRef MaterialImporter::reference(const Info& info, TextureUse use) {
+  if (info.index < 0) return {};
+  return reference(info.index, info.texCoord, find_extension(info.extensions, "KHR_texture_transform"), use);
+}
+
+/// For the texture info at `key` of a material extension.
+TextureRef MaterialImporter::reference(const tinygltf::Value& extension, const char* key, TextureUse use) {
+  const tinygltf::Value* info = object_member(extension, key);
+  if (!info) return {};
+  const tinygltf::Value* extensions = object_member(*info, "extensions");
+  const tinygltf::Value* transform = extensions ? object_member(*extensions, "KHR_texture_transform") : nullptr;
+  return reference(integer_member(*info, "index", -1), integer_member(*info, "texCoord", 0), transform, use);
+}
+
+float MaterialImporter::limited(double value, double low, double high, const char* what, const std::string& material) {
+  if (value >= low && value <= high) return static_cast<float>(value);
+  const double nearest = std::clamp(value, low, high);
+  document_.warnings.add(
+      fmt::format("material '{}': {} {} is out of range; {} takes its place", material, what, value, nearest));
+  return static_cast<float>(nearest);
+}
+
+Vec3 MaterialImporter::limited(const Vec3& value, float high, const char* what, const std::string& material) {
+  return {limited(value.x, 0, high, what, material), limited(value.y, 0, high, what, material),
+          limited(value.z, 0, high, what, material)};
+}
+
+}  // namespace relume::gltf

@@ -1,0 +1,41 @@
+// Materials of a glTF file with the KHR extensions that Material knows.
+#pragma once
+
+#include <map>
+
+#include "scene_io/gltf/gltf_textures.h"
+
+namespace relume::gltf {
+
+class MaterialImporter {
+ public:
+  MaterialImporter(Document& document, Scene& scene) : document_(document), scene_(scene), textures_(document, scene) {}
+
+  /// Index in Scene::materials of glTF material `material` (imported at its first use); kNone for -1 and, with a
+  /// warning, for a material that does not exist.
+  Index import(int material);
+
+  /// Decodes the textures of all imported materials.
+  void finish() { textures_.decode_all(); }
+
+ private:
+  Material convert(const tinygltf::Material& source);
+  void convert_core(const tinygltf::Material& source, Material& material);
+  void convert_surface_extensions(const tinygltf::Material& source, Material& material);
+  void warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
+                            const Material& material);
+  void convert_volume_extensions(const tinygltf::Material& source, Material& material);
+  TextureRef reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use);
+  template <typename Info>
+  TextureRef reference(const Info& info, TextureUse use);
+  TextureRef reference(const tinygltf::Value& extension, const char* key, TextureUse use);
+  float limited(double value, double low, double high, const char* what, const std::string& material);
+  Vec3 limited(const Vec3& value, float high, const char* what, const std::string& material);
+
+  Document& document_;
+  Scene& scene_;
+  TextureImporter textures_;
+  std::map<int, Index> known_;
+};
+
+}  // namespace relume::gltf

@@ -1,0 +1,144 @@
+#include "scene_io/gltf/gltf_meshes.h"
+
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "core/parallel.h"
+#include "scene_io/gltf/gltf_primitive.h"
+#include "scene_io/mesh_repair.h"
+
+namespace relume::gltf {
+namespace {
+
+/// Bound on the vertices that all primitives of a file read together, so that a small file in which many primitives
+/// share a large accessor ends in an error rather than in hours of reading.
+constexpr size_t kMaxVerticesRead = size_t{1} << 32;
+
+/// Whether attribute `name` is there and fits the other attributes.
+bool usable(const PrimitiveReader& reader, const std::string& name, size_t vertex_count, int low, int high,
+            const std::string& mesh, Warnings& warnings) {
+  const int components = reader.components(name);
+  if (components == 0) return false;
+  if (components >= low && components <= high && reader.count(name) == vertex_count) return true;
+  warnings.add(
+      fmt::format("mesh '{}': attribute {} ({} elements of {} components) does not fit its {} vertices and is ignored",
+                  mesh, name, reader.count(name), components, vertex_count));
+  return false;
+}
+
+std::vector<Vec4> read_colors(const PrimitiveReader& reader) {
+  if (reader.components("COLOR_0") == 4) return reader.vec4("COLOR_0");
+  std::vector<Vec4> colors;
+  for (const Vec3& rgb : reader.vec3("COLOR_0")) colors.emplace_back(rgb, 1.0f);
+  return colors;
+}
+
+bool is_surface(const tinygltf::Primitive& primitive) {
+  return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+}  // namespace
+
+std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int mode) {
+  std::vector<UVec3> triangles;
+  if (indices.size() < 3) return triangles;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    triangles.reserve(indices.size() / 3);
+    for (size_t i = 0; i + 2 < indices.size(); i += 3)
+      triangles.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
+    return triangles;
+  }
+  triangles.reserve(indices.size() - 2);
+  for (size_t i = 0; i + 2 < indices.size(); ++i) {
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+      triangles.emplace_back(indices[i + 1], indices[i + 2], indices[0]);
+    } else {
+      // glTF 2.0, §3.7.2.1: every other triangle of a strip swaps two vertices to keep its orientation.
+      triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+    }
+  }
+  return triangles;
+}
+
+void MeshImporter::count_vertices(size_t count) {
+  if (vertices_read_ += count; vertices_read_ > kMaxVerticesRead)
+    document_.fail(fmt::format("its primitives read more than {} vertices", kMaxVerticesRead));
+}
+
+/// Fills `mesh`, whose name and material are known; it keeps no triangles if the primitive has none.
+void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings) {
+  const PrimitiveReader reader(document_, primitive);
+  const size_t count = reader.count("POSITION");
+  if (count == 0) return warnings.add(fmt::format("mesh '{}': a primitive without positions is skipped", mesh.name));
+  count_vertices(count);
+  if (!primitive.targets.empty()) warnings.add("morph targets are not supported; meshes keep their rest shape");
+  const auto has = [&](const char* attribute, int low, int high) {
+    return usable(reader, attribute, count, low, high, mesh.name, warnings);
+  };
+  mesh.positions = reader.vec3("POSITION");
+  if (has("NORMAL", 3, 3)) mesh.normals = reader.vec3("NORMAL");
+  if (!mesh.normals.empty() && has("TANGENT", 4, 4)) mesh.tangents = reader.vec4("TANGENT");
+  if (has("TEXCOORD_0", 2, 2)) mesh.uv0 = reader.vec2("TEXCOORD_0");
+  if (has("TEXCOORD_1", 2, 2)) mesh.uv1 = reader.vec2("TEXCOORD_1");
+  if (has("COLOR_0", 3, 4)) mesh.colors = read_colors(reader);
+  // Draco yields separate triangles whatever the mode says.
+  mesh.triangles = assemble_triangles(reader.indices(count),
+                                      is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
+  repair_mesh(mesh, warnings);
+  if (mesh.triangles.empty())
+    warnings.add(fmt::format("mesh '{}': a primitive without triangles is skipped", mesh.name));
+}
+
+const std::vector<Index>& MeshImporter::import(int mesh) {
+  const auto [entry, is_new] = known_.try_emplace(mesh);
+  if (!is_new) return entry->second;
+  if (mesh < 0 || static_cast<size_t>(mesh) >= document_.model.meshes.size())
+    document_.fail(fmt::format("a node refers to mesh {}, which does not exist; the file is damaged", mesh));
+  const tinygltf::Mesh& source = document_.model.meshes[static_cast<size_t>(mesh)];
+  const std::string name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
+  for (const tinygltf::Primitive& primitive : source.primitives) {
+    if (!is_surface(primitive)) {
+      document_.warnings.add(fmt::format("mesh '{}': points and lines are skipped", name));
+      continue;
+    }
+    entry->second.push_back(static_cast<Index>(scene_.meshes.size()));
+    Mesh& target = scene_.meshes.emplace_back();
+    target.name = name;
+    target.material = materials_.import(primitive.material);
+    requests_.push_back(&primitive);
+  }
+  return entry->second;
+}
+
+void MeshImporter::finish() {
+  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
+  std::vector<std::exception_ptr> problems(requests_.size());
+  parallel_for(requests_.size(), [&](size_t i) {
+    try {
+      convert(*requests_[i], scene_.meshes[i], warnings[i]);
+    } catch (...) {
+      problems[i] = std::current_exception();
+    }
+  });
+  // The first of them, so that a file always fails in the same way.
+  for (const std::exception_ptr& problem : problems) {
+    if (problem) std::rethrow_exception(problem);
+  }
+  for (const Warnings& part : warnings) document_.warnings.add(part);
+  leave_out_empty_meshes();
+}
+
+void MeshImporter::leave_out_empty_meshes() {
+  std::vector<Index> place;  // kNone: left out
+  Index kept = 0;
+  for (const Mesh& mesh : scene_.meshes) place.push_back(mesh.triangles.empty() ? kNone : kept++);
+  std::erase_if(scene_.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  for (Node& node : scene_.nodes) {
+    for (Index& mesh : node.meshes) mesh = place[static_cast<size_t>(mesh)];
+    std::erase(node.meshes, kNone);
+  }
+}
+
+}  // namespace relume::gltf

@@ -1,0 +1,41 @@
+// Meshes of a glTF file: each primitive becomes one Mesh.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <vector>
+
+#include "scene_io/gltf/gltf_materials.h"
+
+namespace relume::gltf {
+
+class MeshImporter {
+ public:
+  MeshImporter(Document& document, Scene& scene, MaterialImporter& materials)
+      : document_(document), scene_(scene), materials_(materials) {}
+
+  /// Indices in Scene::meshes of the primitives of glTF mesh `mesh`; they are read by finish(). Throws Error if there
+  /// is no such mesh.
+  const std::vector<Index>& import(int mesh);
+
+  /// Reads all primitives that were asked for, many at a time, and takes those without triangles out of the scene.
+  /// Throws Error if data go beyond their buffers.
+  void finish();
+
+ private:
+  void convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings);
+  void count_vertices(size_t count);
+  void leave_out_empty_meshes();
+
+  Document& document_;
+  Scene& scene_;
+  MaterialImporter& materials_;
+  std::map<int, std::vector<Index>> known_;
+  std::vector<const tinygltf::Primitive*> requests_;  ///< as Scene::meshes
+  std::atomic<size_t> vertices_read_ = 0;
+};
+
+/// Triangles of an index list by glTF's primitive mode (triangles, strip or fan); incomplete triangles are left out.
+std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int mode);
+
+}  // namespace relume::gltf

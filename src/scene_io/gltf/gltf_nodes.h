@@ -1,0 +1,18 @@
+// Nodes, cameras and lights of a glTF file.
+#pragma once
+
+#include <vector>
+
+#include "scene_io/gltf/gltf_meshes.h"
+
+namespace relume::gltf {
+
+/// Imports the nodes of the default scene (the first one if the file names none, all nodes if it has no scenes) with
+/// what they carry. Returns the index in Scene::nodes of each glTF node, kNone for those outside. Throws Error for
+/// cyclic trees, nodes with two parents and children that do not exist.
+std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes);
+
+/// Imports the animation of nodes, all clips on one time line.
+void import_animation(Document& document, const std::vector<Index>& node_of, Scene& scene);
+
+}  // namespace relume::gltf

@@ -1,0 +1,43 @@
+// Textures of a glTF file: one for each image, sampler and pixel format in use.
+#pragma once
+
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene_io/gltf/gltf_document.h"
+
+namespace relume::gltf {
+
+/// What a texture is for; decides its pixel format and what stands in for it if it is broken.
+enum class TextureUse { color, data, normal };
+
+class TextureImporter {
+ public:
+  TextureImporter(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+
+  /// Index in Scene::textures of glTF texture `texture`, kNone (with a warning) if the file has no such texture. Its
+  /// texels come with decode_all().
+  Index request(int texture, TextureUse use);
+
+  /// Decodes what was requested, in parallel. A missing or broken image becomes a stand-in of one texel, with a
+  /// warning.
+  void decode_all();
+
+ private:
+  struct Request {
+    int image = -1;
+    TextureUse use = TextureUse::color;
+    std::string float_image;  ///< URI of what replaces the image; empty: nothing
+  };
+
+  std::string decode(const Request& request, Texture& texture, std::string& repair) const;
+
+  Document& document_;
+  Scene& scene_;
+  std::map<std::tuple<int, int, TextureUse>, Index> known_;
+  std::vector<Request> requests_;  ///< parallel to Scene::textures
+};
+
+}  // namespace relume::gltf

@@ -1,0 +1,225 @@
+#include "scene_io/gltf/gltf_write_materials.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <stb_image_write.h>
+
+#include "core/srgb.h"
+#include "files/atomic_file.h"
+#include "image/image.h"
+
+namespace relume::gltf {
+namespace {
+
+/// Eight bits a channel, with the RGB channels mapped by `curve`; alpha stays.
+template <typename Curve>
+std::vector<std::byte> mapped(const std::vector<std::byte>& texels, Curve curve) {
+  std::array<std::byte, 256> table;
+  for (size_t i = 0; i < 256; ++i) table[i] = std::byte{quantise_unorm8(curve(static_cast<float>(i) / 255))};
+  std::vector<std::byte> result(texels.size());
+  for (size_t i = 0; i < texels.size(); ++i) result[i] = i % 4 == 3 ? texels[i] : table[static_cast<size_t>(texels[i])];
+  return result;
+}
+
+std::vector<float> float_texels(const Texture& texture) {
+  std::vector<float> values(texture.texels.size() / sizeof(float));
+  std::copy_n(texture.texels.data(), texture.texels.size(), std::as_writable_bytes(std::span(values)).data());
+  return values;
+}
+
+/// The four planes of a texture of 32-bit floats.
+ExrFile exr_of(const Texture& texture) {
+  const std::vector<float> values = float_texels(texture);
+  ExrFile exr;
+  exr.width = texture.width;
+  exr.height = texture.height;
+  for (size_t c = 0; c < 4; ++c) {
+    ExrChannel channel;
+    channel.name = std::string(1, "RGBA"[c]);
+    for (size_t i = c; i < values.size(); i += 4) channel.values.push_back(values[i]);
+    exr.channels.push_back(std::move(channel));
+  }
+  return exr;
+}
+
+/// Texels as a PNG stores them for the given use.
+std::vector<std::byte> png_texels(const Texture& texture, bool color) {
+  switch (texture.format) {
+    case PixelFormat::rgba8_srgb:
+      return color ? texture.texels : mapped(texture.texels, [](float x) { return linear_from_srgb(x); });
+    case PixelFormat::rgba8_linear:
+      return color ? mapped(texture.texels, [](float x) { return srgb_from_linear(x); }) : texture.texels;
+    case PixelFormat::rgba32_float: break;
+  }
+  std::vector<std::byte> result;
+  const std::vector<float> values = float_texels(texture);
+  for (size_t i = 0; i < values.size(); ++i) {
+    result.push_back(std::byte{quantise_unorm8(color && i % 4 != 3 ? srgb_from_linear(values[i]) : values[i])});
+  }
+  return result;
+}
+
+std::string png_file(int width, int height, const std::vector<std::byte>& texels) {
+  std::string bytes;
+  const auto write = [](void* context, void* data, int size) {
+    static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));
+  };
+  stbi_write_png_to_func(write, &bytes, width, height, 4, texels.data(), 4 * width);
+  return bytes;
+}
+
+}  // namespace
+
+void MaterialWriter::write() {
+  for (const Material& m : scene_.materials) output_.add("materials", material(m));
+}
+
+OutputJson MaterialWriter::material(const Material& m) {
+  OutputJson json = OutputJson::object();
+  if (!m.name.empty()) json["name"] = m.name;
+  json["pbrMetallicRoughness"] = metallic_roughness(m);
+  add_normal_texture(json, "normalTexture", m);
+  const float strength = std::fmax(1.0f, max_component(m.emission));
+  if (!is_black(m.emission)) json["emissiveFactor"] = numbers(m.emission / strength);
+  add_texture(json, "emissiveTexture", m.emission_texture, Use::color);
+  if (m.alpha_mode != AlphaMode::opaque) json["alphaMode"] = m.alpha_mode == AlphaMode::mask ? "MASK" : "BLEND";
+  if (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff != 0.5f) json["alphaCutoff"] = number(m.alpha_cutoff);
+  if (m.double_sided) json["doubleSided"] = true;
+
+  OutputJson extensions;
+  if (strength > 1)
+    add_extension(extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", number(strength)}});
+  add_surface_extensions(m, extensions);
+  add_volume_extensions(m, extensions);
+  if (!extensions.is_null()) json["extensions"] = std::move(extensions);
+  if (m.microfacet_model == MicrofacetModel::beckmann) json["extras"]["relume"]["microfacet_model"] = "beckmann";
+  return json;
+}
+
+OutputJson MaterialWriter::metallic_roughness(const Material& m) {
+  if (max_component(m.base_color) > 1)
+    output_.warn(fmt::format("material '{}': its base colour exceeds 1, which other programs may clamp", m.name));
+  OutputJson json = OutputJson::object();
+  if (m.base_color != Rgb(1) || m.alpha != 1) {
+    json["baseColorFactor"] = numbers(m.base_color);
+    json["baseColorFactor"].push_back(number(m.alpha));
+  }
+  add_texture(json, "baseColorTexture", m.base_color_texture, Use::color);
+  if (m.metallic != 1) json["metallicFactor"] = number(m.metallic);
+  if (m.roughness != 1) json["roughnessFactor"] = number(m.roughness);
+  add_texture(json, "metallicRoughnessTexture", m.metallic_roughness_texture, Use::data);
+  return json;
+}
+
+void MaterialWriter::add_surface_extensions(const Material& m, OutputJson& extensions) {
+  if (m.unlit) add_extension(extensions, "KHR_materials_unlit", OutputJson::object());
+  if (m.ior != 1.5f) add_extension(extensions, "KHR_materials_ior", {{"ior", number(m.ior)}});
+
+  OutputJson specular = OutputJson::object();
+  if (m.specular != 1) specular["specularFactor"] = number(m.specular);
+  add_texture(specular, "specularTexture", m.specular_texture, Use::data);
+  if (m.specular_color != Rgb(1)) specular["specularColorFactor"] = numbers(m.specular_color);
+  add_texture(specular, "specularColorTexture", m.specular_color_texture, Use::color);
+  if (!specular.empty()) add_extension(extensions, "KHR_materials_specular", std::move(specular));
+
+  OutputJson coat = OutputJson::object();
+  if (m.clearcoat != 0) coat["clearcoatFactor"] = number(m.clearcoat);
+  add_texture(coat, "clearcoatTexture", m.clearcoat_texture, Use::data);
+  if (m.clearcoat_roughness != 0) coat["clearcoatRoughnessFactor"] = number(m.clearcoat_roughness);
+  add_texture(coat, "clearcoatRoughnessTexture", m.clearcoat_roughness_texture, Use::data);
+  if (m.clearcoat != 0) add_normal_texture(coat, "clearcoatNormalTexture", m);  // as the base
+  if (!coat.empty()) add_extension(extensions, "KHR_materials_clearcoat", std::move(coat));
+}
+
+void MaterialWriter::add_normal_texture(OutputJson& json, const char* key, const Material& m) {
+  add_texture(json, key, m.normal_texture, Use::data);
+  if (m.normal_texture.used() && m.normal_scale != 1) json[key]["scale"] = number(m.normal_scale);
+}
+
+void MaterialWriter::add_volume_extensions(const Material& m, OutputJson& extensions) {
+  OutputJson transmission = OutputJson::object();
+  if (m.transmission != 0) transmission["transmissionFactor"] = number(m.transmission);
+  add_texture(transmission, "transmissionTexture", m.transmission_texture, Use::data);
+  if (!transmission.empty()) add_extension(extensions, "KHR_materials_transmission", std::move(transmission));
+
+  OutputJson volume = OutputJson::object();
+  if (m.thickness != 0) volume["thicknessFactor"] = number(m.thickness);
+  if (m.attenuation_color != Rgb(1)) volume["attenuationColor"] = numbers(m.attenuation_color);
+  if (is_finite(m.attenuation_distance)) volume["attenuationDistance"] = number(m.attenuation_distance);
+  if (!volume.empty()) add_extension(extensions, "KHR_materials_volume", std::move(volume));
+}
+
+void MaterialWriter::add_extension(OutputJson& extensions, const char* name, OutputJson members) {
+  extensions[name] = std::move(members);
+  output_.use_extension(name);
+}
+
+void MaterialWriter::add_texture(OutputJson& object, const char* key, const TextureRef& ref, Use use) {
+  if (!ref.used()) return;
+  OutputJson info = {{"index", texture(ref.texture, use)}};
+  if (ref.uv_set != 0) info["texCoord"] = ref.uv_set;
+  OutputJson transform = OutputJson::object();
+  if (ref.offset != Vec2(0)) transform["offset"] = numbers(ref.offset);
+  if (ref.rotation_rad != 0) transform["rotation"] = number(ref.rotation_rad);
+  if (ref.scale != Vec2(1)) transform["scale"] = numbers(ref.scale);
+  if (!transform.empty()) add_extension(info["extensions"], "KHR_texture_transform", std::move(transform));
+  object[key] = std::move(info);
+}
+
+int MaterialWriter::texture(Index index, Use use) {
+  const auto [entry, is_new] = textures_.try_emplace({index, use}, 0);
+  if (!is_new) return entry->second;
+  const Texture& t = scene_.textures[static_cast<size_t>(index)];
+  const std::string name = fmt::format("texture{}{}", index, use == Use::color ? "" : ".data");
+  OutputJson json = OutputJson::object();
+  if (!t.name.empty()) json["name"] = t.name;
+  json["sampler"] = sampler(t);
+  json["source"] = image(t, use, name);
+  if (t.format == PixelFormat::rgba32_float) {
+    const std::string exr =
+        output_.add_file(name + ".exr", [&](const std::filesystem::path& file) { write_exr(file, exr_of(t)); });
+    json["extras"]["relume"]["image"] = uri_of(exr);
+    output_.warn(fmt::format(
+        "texture '{}' has floating-point texels; they are kept in {}, and other programs see a PNG limited to [0, 1]",
+        t.name, exr));
+  } else if ((t.format == PixelFormat::rgba8_srgb) != (use == Use::color)) {
+    output_.warn(fmt::format("texture '{}' is converted {} sRGB, which glTF expects where it is used", t.name,
+                             use == Use::color ? "to" : "from"));
+  }
+  entry->second = output_.add("textures", std::move(json));
+  return entry->second;
+}
+
+int MaterialWriter::sampler(const Texture& t) {
+  const auto wrap = [](WrapMode mode) {
+    return mode == WrapMode::repeat ? 10497 : (mode == WrapMode::clamp ? 33071 : 33648);
+  };
+  const bool nearest = t.filter == FilterMode::nearest;
+  const OutputJson json = {{"magFilter", nearest ? 9728 : 9729},
+                           {"minFilter", nearest ? 9728 : 9987},  // linear: with linear mip levels
+                           {"wrapS", wrap(t.wrap_u)},
+                           {"wrapT", wrap(t.wrap_v)}};
+  const OutputJson& known = output_.list("samplers");
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (known[i] == json) return static_cast<int>(i);
+  }
+  return output_.add("samplers", json);
+}
+
+int MaterialWriter::image(const Texture& t, Use use, const std::string& name) {
+  const std::string png = png_file(t.width, t.height, png_texels(t, use == Use::color));
+  OutputJson json = OutputJson::object();
+  if (!t.name.empty()) json["name"] = t.name;
+  if (output_.binary()) {
+    json["mimeType"] = "image/png";
+    json["bufferView"] = output_.add_bytes(std::as_bytes(std::span(png)));
+  } else {
+    json["uri"] =
+        uri_of(output_.add_file(name + ".png", [&](const std::filesystem::path& file) { write_file(file, png); }));
+  }
+  return output_.add("images", std::move(json));
+}
+
+}  // namespace relume::gltf

@@ -1,0 +1,42 @@
+// Materials and textures of a scene into a glTF file.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "scene/scene.h"
+#include "scene_io/gltf/gltf_output.h"
+
+namespace relume::gltf {
+
+class MaterialWriter {
+ public:
+  MaterialWriter(const Scene& scene, Output& output) : scene_(scene), output_(output) {}
+
+  /// Writes all materials, in the scene's order, and the textures that they use.
+  void write();
+
+ private:
+  /// glTF decides by use whether texels are sRGB colours or plain data.
+  enum class Use : uint8_t { color, data };
+
+  OutputJson material(const Material& m);
+  OutputJson metallic_roughness(const Material& m);
+  void add_surface_extensions(const Material& m, OutputJson& extensions);
+  void add_volume_extensions(const Material& m, OutputJson& extensions);
+  /// Adds a texture info at `key` if `ref` names a texture.
+  void add_texture(OutputJson& object, const char* key, const TextureRef& ref, Use use);
+  void add_normal_texture(OutputJson& object, const char* key, const Material& material);
+  void add_extension(OutputJson& extensions, const char* name, OutputJson members);
+
+  int texture(Index index, Use use);
+  int sampler(const Texture& t);
+  int image(const Texture& t, Use use, const std::string& name);
+
+  const Scene& scene_;
+  Output& output_;
+  std::map<std::pair<Index, Use>, int> textures_;
+};
+
+}  // namespace relume::gltf

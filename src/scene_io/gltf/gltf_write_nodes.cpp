@@ -1,0 +1,243 @@
+#include "scene_io/gltf/gltf_write_nodes.h"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace relume::gltf {
+namespace {
+
+template <int N>
+std::span<const float> flat(const std::vector<glm::vec<N, float>>& values) {
+  return {&values.data()->x, static_cast<size_t>(N) * values.size()};
+}
+
+std::vector<Vec4> xyzw(const std::vector<Transform>& transforms) {
+  std::vector<Vec4> values;
+  for (const Transform& t : transforms) values.emplace_back(t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w);
+  return values;
+}
+
+/// Translation, rotation and scale that give `matrix` back within rounding; nothing if it shears or is flat.
+std::optional<Transform> split(const Mat4& matrix) {
+  const Mat3 linear(matrix);
+  Transform t;
+  t.translation = Vec3(matrix[3]);
+  t.scale = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
+  if (!(min_component(t.scale) > 0)) return std::nullopt;
+  if (glm::determinant(linear) < 0) t.scale.x = -t.scale.x;
+  t.rotation =
+      glm::normalize(glm::quat_cast(Mat3(linear[0] / t.scale.x, linear[1] / t.scale.y, linear[2] / t.scale.z)));
+  const Mat3 again = glm::mat3_cast(t.rotation);
+  for (int c = 0; c < 3; ++c) {
+    const float size = std::fabs(t.scale[c]);
+    if (glm::length(again[c] * t.scale[c] - linear[c]) > 1e-5f * size) return std::nullopt;
+  }
+  return t;
+}
+
+OutputJson matrix_numbers(const Mat4& matrix) { return numbers(std::span(&matrix[0][0], 16)); }
+
+const char* path_name(AnimatedProperty property) {
+  constexpr const char* names[] = {"translation", "rotation", "scale"};
+  return names[static_cast<size_t>(property)];
+}
+
+const char* interpolation_name(Interpolation interpolation) {
+  constexpr const char* names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+  return names[static_cast<size_t>(interpolation)];
+}
+
+}  // namespace
+
+std::vector<int> NodeWriter::write() {
+  write_cameras();
+  write_lights();
+  std::vector<bool> animated(scene_.nodes.size(), false);
+  for (const AnimationChannel& channel : scene_.animation) animated[static_cast<size_t>(channel.node)] = true;
+  std::vector<OutputJson> nodes;
+  for (size_t i = 0; i < scene_.nodes.size(); ++i) nodes.push_back(node(i, animated[i]));
+  std::vector<Index> parents;
+  for (const Node& n : scene_.nodes) parents.push_back(n.parent);
+  for (auto& [parent, extra] : extra_nodes_) {
+    parents.push_back(parent);
+    nodes.push_back(std::move(extra));
+  }
+  std::vector<int> roots;
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    if (parents[i] == kNone) {
+      roots.push_back(static_cast<int>(i));
+    } else {
+      nodes[static_cast<size_t>(parents[i])]["children"].push_back(i);
+    }
+  }
+  for (OutputJson& json : nodes) output_.add("nodes", std::move(json));
+  write_animation();
+  return roots;
+}
+
+void NodeWriter::write_cameras() {
+  for (const Camera& camera : scene_.cameras) {
+    OutputJson json = OutputJson::object();
+    if (!camera.name.empty()) json["name"] = camera.name;
+    if (camera.projection == Projection::orthographic) {
+      const OutputJson width = number(camera.half_height * 16 / 9);  // of a picture that is given no other shape
+      json["type"] = "orthographic";
+      json["orthographic"] = {{"xmag", width}, {"ymag", number(camera.half_height)}, {"znear", 0}, {"zfar", 1e6}};
+    } else {
+      json["type"] = "perspective";
+      json["perspective"] = {{"yfov", number(camera.fov_y_rad)}, {"znear", 0.01}};
+    }
+    OutputJson extras;
+    if (camera.projection == Projection::panoramic) extras["projection"] = "panoramic";
+    if (camera.lens_radius > 0) {
+      extras["lens_radius"] = number(camera.lens_radius);
+      extras["focus_distance"] = number(camera.focus_distance);
+    }
+    if (!extras.is_null()) json["extras"]["relume"] = std::move(extras);
+    output_.add("cameras", std::move(json));
+  }
+}
+
+void NodeWriter::write_lights() {
+  if (scene_.lights.empty()) return;
+  constexpr const char* types[] = {"point", "spot", "directional"};
+  OutputJson lights = OutputJson::array();
+  for (const PunctualLight& light : scene_.lights) {
+    OutputJson json = OutputJson::object();
+    if (!light.name.empty()) json["name"] = light.name;
+    json["type"] = types[static_cast<size_t>(light.type)];
+    const float intensity = max_component(light.intensity);
+    if (intensity > 0) json["color"] = numbers(light.intensity / intensity);
+    json["intensity"] = number(intensity);
+    if (light.type == PunctualType::spot)
+      json["spot"] = {{"innerConeAngle", number(light.inner_cone_rad)},
+                      {"outerConeAngle", number(light.outer_cone_rad)}};
+    if (light.angular_diameter_rad > 0)
+      json["extras"]["relume"]["angular_diameter_deg"] = number(glm::degrees(light.angular_diameter_rad));
+    lights.push_back(std::move(json));
+  }
+  output_.root["extensions"]["KHR_lights_punctual"]["lights"] = std::move(lights);
+  output_.use_extension("KHR_lights_punctual");
+}
+
+OutputJson NodeWriter::node(size_t index, bool animated) {
+  const Node& n = scene_.nodes[index];
+  OutputJson json = OutputJson::object();
+  if (!n.name.empty()) json["name"] = n.name;
+  add_transform(json, n, animated);
+  add_meshes(json, n);
+  if (n.camera != kNone) json["camera"] = n.camera;
+  if (n.light != kNone) json["extensions"]["KHR_lights_punctual"] = {{"light", n.light}};
+  return json;
+}
+
+void NodeWriter::add_transform(OutputJson& json, const Node& n, bool animated) {
+  if (n.matrix && !animated) {
+    json["matrix"] = matrix_numbers(*n.matrix);
+    return;
+  }
+  const Transform& t = n.transform;
+  if (t.translation != Vec3(0)) json["translation"] = numbers(t.translation);
+  const Vec4 q(t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w);
+  if (q != Vec4(0, 0, 0, 1)) json["rotation"] = numbers(std::span(&q.x, 4));
+  if (t.scale != Vec3(1)) json["scale"] = numbers(t.scale);
+}
+
+void NodeWriter::add_meshes(OutputJson& json, const Node& n) {
+  std::vector<Index> parts;
+  for (const Index i : n.meshes) {
+    if (!scene_.meshes[static_cast<size_t>(i)].triangles.empty()) parts.push_back(i);  // glTF has no empty accessors
+  }
+  if (parts.empty()) return;
+  const int written = mesh(parts, n.name);
+  std::vector<Transform> instances;
+  for (const Mat4& matrix : n.instances) {
+    const std::optional<Transform> t = split(matrix);
+    if (!t) break;
+    instances.push_back(*t);
+  }
+  if (instances.size() == n.instances.size()) {
+    json["mesh"] = written;
+    if (!instances.empty()) add_instances(json, instances);
+    return;
+  }
+  const auto self = static_cast<Index>(&n - scene_.nodes.data());
+  for (const Mat4& matrix : n.instances)
+    extra_nodes_.push_back({self, {{"mesh", written}, {"matrix", matrix_numbers(matrix)}}});
+  output_.warn(fmt::format("node '{}': its instances are sheared or flat, so each becomes a node", n.name));
+}
+
+int NodeWriter::mesh(const std::vector<Index>& parts, const std::string& name) {
+  const auto [entry, is_new] = meshes_.try_emplace(parts, 0);
+  if (!is_new) return entry->second;
+  OutputJson json = OutputJson::object();
+  const std::string& first = scene_.meshes[static_cast<size_t>(parts.front())].name;
+  const std::string& chosen = parts.size() == 1 || name.empty() ? first : name;
+  if (!chosen.empty()) json["name"] = chosen;
+  json["primitives"] = OutputJson::array();
+  for (const Index i : parts) {
+    const auto [known, first_use] = primitives_.try_emplace(i);
+    if (first_use) known->second = primitive(scene_.meshes[static_cast<size_t>(i)]);
+    json["primitives"].push_back(known->second);
+  }
+  entry->second = output_.add("meshes", std::move(json));
+  return entry->second;
+}
+
+OutputJson NodeWriter::primitive(const Mesh& m) {
+  const auto target = BufferTarget::vertices;
+  OutputJson attributes = {{"POSITION", output_.add_floats(flat<3>(m.positions), 3, target, true)}};
+  if (!m.normals.empty()) attributes["NORMAL"] = output_.add_floats(flat<3>(m.normals), 3, target);
+  if (!m.tangents.empty()) attributes["TANGENT"] = output_.add_floats(flat<4>(m.tangents), 4, target);
+  if (!m.uv0.empty()) attributes["TEXCOORD_0"] = output_.add_floats(flat<2>(m.uv0), 2, target);
+  if (!m.uv1.empty()) attributes["TEXCOORD_1"] = output_.add_floats(flat<2>(m.uv1), 2, target);
+  if (!m.colors.empty()) attributes["COLOR_0"] = output_.add_floats(flat<4>(m.colors), 4, target);
+  OutputJson json = {{"attributes", std::move(attributes)},
+                     {"indices", output_.add_indices(m.triangles, m.positions.size())}};
+  if (m.material != kNone) json["material"] = m.material;
+  return json;
+}
+
+void NodeWriter::add_instances(OutputJson& json, const std::vector<Transform>& instances) {
+  std::vector<Vec3> translations;
+  std::vector<Vec3> scales;
+  for (const Transform& t : instances) {
+    translations.push_back(t.translation);
+    scales.push_back(t.scale);
+  }
+  json["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", output_.add_floats(flat<3>(translations), 3, BufferTarget::none)},
+      {"ROTATION", output_.add_floats(flat<4>(xyzw(instances)), 4, BufferTarget::none)},
+      {"SCALE", output_.add_floats(flat<3>(scales), 3, BufferTarget::none)}};
+  output_.use_extension("EXT_mesh_gpu_instancing", true);
+}
+
+void NodeWriter::write_animation() {
+  if (scene_.animation.empty()) return;
+  OutputJson samplers = OutputJson::array();
+  OutputJson channels = OutputJson::array();
+  std::map<std::vector<float>, int> inputs;  // channels that move together share their times
+  for (const AnimationChannel& channel : scene_.animation) {
+    const auto [input, is_new] = inputs.try_emplace(channel.times, 0);
+    if (is_new) input->second = output_.add_floats(channel.times, 1, BufferTarget::none, true);
+    int values;
+    if (channel.property == AnimatedProperty::rotation) {
+      values = output_.add_floats(flat<4>(channel.values), 4, BufferTarget::none);
+    } else {
+      const std::vector<Vec3> xyz(channel.values.begin(), channel.values.end());
+      values = output_.add_floats(flat<3>(xyz), 3, BufferTarget::none);
+    }
+    channels.push_back(
+        {{"sampler", samplers.size()}, {"target", {{"node", channel.node}, {"path", path_name(channel.property)}}}});
+    samplers.push_back(
+        {{"input", input->second}, {"output", values}, {"interpolation", interpolation_name(channel.interpolation)}});
+  }
+  output_.add("animations",
+              {{"name", "animation"}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}});
+}
+
+}  // namespace relume::gltf

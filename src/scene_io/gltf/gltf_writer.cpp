@@ -1,0 +1,86 @@
+// Writing scenes as glTF 2.0. What glTF has no form for goes to `extras.relume` of the object that it belongs to,
+// with the keys of relume's own JSON.
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+
+#include "image/image.h"
+#include "scene_io/gltf/gltf_output.h"
+#include "scene_io/gltf/gltf_write_materials.h"
+#include "scene_io/gltf/gltf_write_nodes.h"
+#include "scene_io/scene_io.h"
+
+namespace relume {
+namespace {
+
+using gltf::number;
+using gltf::numbers;
+using gltf::Output;
+using gltf::OutputJson;
+
+OutputJson degrees(float angle_rad) { return number(glm::degrees(angle_rad)); }
+
+OutputJson sun_sky_json(const SunSky& s) {
+  return {{"elevation_deg", degrees(s.sun_elevation_rad)},
+          {"azimuth_deg", degrees(s.sun_azimuth_rad)},
+          {"turbidity", number(s.turbidity)},
+          {"sky_scale", number(s.sky_scale)},
+          {"sun_scale", number(s.sun_scale)},
+          {"sun_angular_diameter_deg", degrees(s.sun_angular_diameter_rad)},
+          {"ground_albedo", numbers(s.ground_albedo)}};
+}
+
+/// Null for none. A map is written beside the scene as an EXR file.
+OutputJson environment_json(const Environment& environment, Output& output) {
+  OutputJson json;
+  switch (environment.kind) {
+    case EnvironmentKind::none: return json;
+    case EnvironmentKind::constant: json["constant"] = numbers(environment.color); return json;
+    case EnvironmentKind::sun_sky: json["sun_sky"] = sun_sky_json(environment.sun_sky); break;
+    case EnvironmentKind::map: {
+      Image image(environment.width, environment.height);
+      image.pixels = environment.map;
+      json["map"] =
+          output.add_file("environment.exr", [&](const std::filesystem::path& file) { write_image(file, image); });
+      break;
+    }
+  }
+  if (environment.rotation_rad != 0) json["rotation_deg"] = degrees(environment.rotation_rad);
+  if (environment.color != Rgb(1)) json["scale"] = numbers(environment.color);
+  return json;
+}
+
+OutputJson scene_extras(const Scene& scene, Output& output) {
+  OutputJson extras;
+  OutputJson environment = environment_json(scene.environment, output);
+  if (!environment.is_null()) extras["environment"] = std::move(environment);
+  if (!scene.settings_json.empty()) {
+    OutputJson settings = OutputJson::parse(scene.settings_json, nullptr, false);
+    if (settings.is_object()) {
+      extras["settings"] = std::move(settings);
+    } else {
+      output.warn("the scene's settings are not a JSON object; they are left out");
+    }
+  }
+  return extras;
+}
+
+}  // namespace
+
+std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene) {
+  validate(scene, scene.name.empty() ? "scene" : scene.name);
+  Output output(file, scene.source_files);
+  // Readers expect these first.
+  output.root["scene"] = 0;
+  output.list("scenes");
+  gltf::MaterialWriter(scene, output).write();
+  const std::vector<int> roots = gltf::NodeWriter(scene, output).write();
+  OutputJson json = OutputJson::object();
+  if (!scene.name.empty()) json["name"] = scene.name;
+  if (!roots.empty()) json["nodes"] = roots;
+  OutputJson extras = scene_extras(scene, output);
+  if (!extras.is_null()) json["extras"]["relume"] = std::move(extras);
+  output.add("scenes", std::move(json));
+  return output.finish();
+}
+
+}  // namespace relume

@@ -1,0 +1,234 @@
+// Damaged files of every format end in an Error or in a picture, never in a crash or a hang. Mutations are generated
+// from a fixed seed; the suite prints the count.
+#include <chrono>
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "render/session.h"
+#include "scene_io/assimp/assimp_loader.h"
+#include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/relume_json/relume_json.h"
+#include "scene_io/testing/example_files.h"
+
+namespace relume {
+namespace {
+
+using testing::example_files;
+using testing::ExampleFile;
+using testing::GltfBuilder;
+using testing::json;
+using testing::SceneFolder;
+using testing::to_bytes;
+
+/// Folder with the examples, to which relume JSON refers.
+const SceneFolder& folder() {
+  static const SceneFolder kFolder;
+  static const bool kFilled = [] {
+    for (const ExampleFile& file : example_files()) kFolder.write(file.name, file.bytes);
+    return true;
+  }();
+  EXPECT_TRUE(kFilled);
+  return kFolder;
+}
+
+Scene load(const std::string& name, const Bytes& bytes) {
+  const std::string extension = name.substr(name.rfind('.') + 1);
+  if (extension == "gltf" || extension == "glb") return load_gltf_from_memory(bytes, folder().path(), name);
+  if (extension == "json") return load_relume_json_from_memory(bytes, folder().path(), name);
+  return load_assimp_from_memory(bytes, extension, name);
+}
+
+/// Every pixel must be a number, and no sample may have been replaced to make it one.
+void expect_picture(Scene scene, const std::string& what) {
+  RenderSettings settings;
+  settings.width = settings.height = 4;
+  settings.threads = 1;
+  Session session(std::move(scene), settings);
+  session.render_frame();
+  EXPECT_EQ(session.statistics().nonfinite_samples, 0u) << what;
+}
+
+/// Loads and shows and, since nothing but Error may come out, reports whether the file was refused.
+bool is_refused(const std::string& name, const Bytes& bytes, const std::string& what) {
+  constexpr double kLimitS = 20;  // far more than any of these small files takes, also under sanitizers
+  const auto start = std::chrono::steady_clock::now();
+  bool refused = false;
+  try {
+    expect_picture(load(name, bytes), name + " " + what);
+  } catch (const Error& error) {
+    refused = true;
+    EXPECT_GT(std::string_view(error.what()).size(), name.size()) << what;
+  } catch (const std::exception& exception) {
+    ADD_FAILURE() << name << " " << what << ": " << exception.what();
+  }
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), kLimitS)
+      << name << " " << what;
+  return refused;
+}
+
+Bytes flipped(Bytes bytes, uint32_t seed) {
+  std::mt19937 random(seed);
+  const uint32_t flips = 1 + random() % 3;
+  for (uint32_t i = 0; i < flips; ++i) bytes[random() % bytes.size()] ^= static_cast<std::byte>(1u << (random() % 8));
+  return bytes;
+}
+
+TEST(Malformed, ExamplesThemselvesLoad) {
+  for (const ExampleFile& file : example_files()) {
+    const Scene scene = load(file.name, file.bytes);
+    EXPECT_FALSE(scene.meshes.empty()) << file.name;
+  }
+}
+
+TEST(Malformed, TruncatedFiles) {
+  constexpr size_t kCuts = 20;
+  for (const ExampleFile& file : example_files()) {
+    int refused = 0;
+    for (size_t i = 1; i < kCuts; ++i) {
+      Bytes cut = file.bytes;
+      cut.resize(cut.size() * i / kCuts);
+      refused += is_refused(file.name, cut, "cut " + std::to_string(i));
+    }
+    EXPECT_GE(refused, 1) << file.name;
+    EXPECT_TRUE(is_refused(file.name, {}, "the empty file"));
+  }
+}
+
+TEST(Malformed, FilesWithFlippedBits) {
+  constexpr uint32_t kVariants = 40;
+  for (const ExampleFile& file : example_files()) {
+    for (uint32_t i = 0; i < kVariants; ++i)
+      is_refused(file.name, flipped(file.bytes, i), "flips " + std::to_string(i));
+  }
+}
+
+/// The document of rich.gltf with the value at `pointer` replaced.
+Bytes with(const std::string& pointer, const json& value) {
+  static const json kRich = [] {
+    const Bytes text = example_files().front().bytes;
+    return json::parse(std::string_view(reinterpret_cast<const char*>(text.data()), text.size()));
+  }();
+  json doc = kRich;
+  doc[json::json_pointer(pointer)] = value;
+  return to_bytes(doc.dump());
+}
+
+TEST(Malformed, WrongIndicesAndSizesInGltf) {
+  const char* const kPlaces[] = {"/scene",
+                                 "/scenes/0/nodes/0",
+                                 "/nodes/0/mesh",
+                                 "/nodes/0/children/0",
+                                 "/nodes/1/camera",
+                                 "/meshes/0/primitives/0/indices",
+                                 "/meshes/0/primitives/0/material",
+                                 "/meshes/0/primitives/0/mode",
+                                 "/meshes/0/primitives/0/attributes/POSITION",
+                                 "/meshes/0/primitives/0/attributes/NORMAL",
+                                 "/accessors/0/bufferView",
+                                 "/accessors/0/count",
+                                 "/accessors/0/byteOffset",
+                                 "/accessors/0/componentType",
+                                 "/accessors/0/type",
+                                 "/accessors/0/sparse/count",
+                                 "/accessors/0/sparse/indices/bufferView",
+                                 "/accessors/0/sparse/values/byteOffset",
+                                 "/bufferViews/0/buffer",
+                                 "/bufferViews/0/byteOffset",
+                                 "/bufferViews/0/byteLength",
+                                 "/bufferViews/0/byteStride",
+                                 "/buffers/0/byteLength",
+                                 "/buffers/0/uri",
+                                 "/images/0/bufferView",
+                                 "/textures/0/source",
+                                 "/textures/0/sampler",
+                                 "/samplers/0/wrapS",
+                                 "/materials/0/normalTexture/index",
+                                 "/animations/0/channels/0/sampler",
+                                 "/animations/0/channels/0/target/node",
+                                 "/animations/0/samplers/0/input",
+                                 "/animations/0/samplers/0/output",
+                                 "/extensions/KHR_lights_punctual/lights/0",
+                                 "/materials/0/extensions",
+                                 "/cameras/0/perspective",
+                                 "/asset/version"};
+  const json kValues[] = {-1,  1000000, 4294967295u, 9223372036854775807ll, 18446744073709551615ull, 1e300,
+                          0.5, "text",  nullptr,     json::array(),         json::object()};
+  int inputs = 0;
+  for (const char* place : kPlaces) {
+    for (const json& value : kValues) {
+      is_refused("rich.gltf", with(place, value), std::string(place) + " = " + value.dump());
+      ++inputs;
+    }
+  }
+  EXPECT_GE(inputs, 300);
+}
+
+TEST(Malformed, NotFiniteVerticesAndZeroAreas) {
+  const float values[] = {std::numeric_limits<float>::quiet_NaN(), kInfinity, -kInfinity, 3.4e38f, 1e-45f};
+  for (const float value : values) {
+    for (size_t at = 0; at < 9; ++at) {
+      std::vector<float> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+      positions[at] = value;
+      GltfBuilder file;
+      file.add_root(
+          {{"mesh",
+            file.add_triangle(
+                {{"attributes", {{"POSITION", file.floats(positions, 3)}, {"NORMAL", file.floats(positions, 3)}}}})}});
+      is_refused("a.gltf", to_bytes(file.text()), "value " + std::to_string(value));
+    }
+  }
+  GltfBuilder point;
+  point.add_root(
+      {{"mesh", point.add_triangle({{"attributes", {{"POSITION", point.floats(std::vector<float>(9, 1.0f), 3)}}}})}});
+  EXPECT_FALSE(is_refused("a.gltf", to_bytes(point.text()), "zero area"));
+  for (const float far : {9e17f, 1e12f, 9e8f}) {
+    GltfBuilder file;
+    file.add_root(
+        {{"mesh", file.add_triangle(
+                      {{"attributes", {{"POSITION", file.floats({-far, -far, 0, far, -far, 0, 0, far, 0}, 3)}}}})}});
+    EXPECT_FALSE(is_refused("a.gltf", to_bytes(file.text()), "far " + std::to_string(far)));
+  }
+  is_refused("a.obj", to_bytes("v nan inf -inf\nv 1e999 0 0\nv 0 0 0\nf 1 2 3\nf 1 1 1\nf 0 9 -9\n"), "obj");
+  is_refused("a.obj", to_bytes("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\nf 1 1 1\n"), "obj zero area");
+}
+
+TEST(Malformed, TransformsThatCollapseOrReachTooFar) {
+  const json kTransforms[] = {
+      {{"scale", {0, 0, 0}}},          {{"scale", {1, 0, 1}}},
+      {{"scale", {1, 1, 0}}},          {{"scale", {1e-30, 1e-30, 1e-30}}},
+      {{"scale", {1e30, 1e30, 1e30}}}, {{"scale", {3e38, 1, 1}}},
+      {{"translation", {0, 0, 1e20}}}, {{"translation", {1e300, 0, 0}}},
+      {{"rotation", {0, 0, 0, 0}}},    {{"matrix", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1}}}};
+  const json kContents[] = {{{"mesh", 0}},
+                            {{"camera", 0}},
+                            {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}},
+                            {{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}}};
+  for (const json& transform : kTransforms) {
+    for (const json& content : kContents) {
+      for (const bool above : {false, true}) {
+        GltfBuilder file;
+        file.add_root({{"mesh", file.add_triangle()}, {"translation", {0, 0, -1}}});
+        file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+        file.doc["extensionsUsed"] = {"KHR_lights_punctual"};
+        file.doc["extensions"] = {
+            {"KHR_lights_punctual",
+             {{"lights", {{{"type", "spot"}, {"spot", {{"outerConeAngle", 0.7}}}}, {{"type", "directional"}}}}}}};
+        json node = content;
+        if (above) {
+          json parent = transform;
+          parent["children"] = {file.add("nodes", node)};
+          file.add_root(parent);
+        } else {
+          node.update(transform);
+          file.add_root(node);
+        }
+        is_refused("a.gltf", to_bytes(file.text()), transform.dump() + " of " + content.dump());
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,17 @@
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "scene/builtin.h"
+#include "scene_io/relume_json/overrides.h"
+
+namespace relume {
+
+Scene build_builtin_scene(const std::string& name, const std::string& place) {
+  const BuiltinScene* builtin = find_builtin_scene(name);
+  if (builtin) return builtin->build();
+  std::string names;
+  for (const BuiltinScene& scene : builtin_scenes()) names += (names.empty() ? "" : ", ") + std::string(scene.name);
+  throw Error(fmt::format("{}: there is no built-in scene '{}'; valid names are {}", place, name, names));
+}
+
+}  // namespace relume
