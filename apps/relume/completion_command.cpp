@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "command.h"
 #include "completion.h"
 #include "experiments/experiment.h"
 #include "render/presets.h"
-#include "scene/builtin.h"
 
 namespace relume::cli {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "picture.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "stop_criteria.h"
 #include "video.h"
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "core/error.h"
-#include "scene/builtin.h"
 #include "scene_io/scene_io.h"
 #include "settings/nearest_name.h"
 

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "command.h"
-#include "scene/builtin.h"
 
 namespace relume::cli {
 

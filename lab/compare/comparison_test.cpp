@@ -10,7 +10,7 @@
 
 #include "compare/comparison_page.h"
 #include "core/error.h"
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

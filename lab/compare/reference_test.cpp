@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "image/image.h"
 #include "metrics/metrics.h"
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

@@ -9,7 +9,7 @@
 #include "experiments/measure/trace.h"
 #include "experiments/setup/references.h"
 #include "experiments/setup/scenes.h"
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
 #include "render/settings.h"
-#include "scene/builtin.h"
 
 namespace relume {
 namespace {

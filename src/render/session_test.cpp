@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "core/error.h"
-#include "scene/builtin.h"
 #include "scene/testing/plate.h"
 
 namespace relume {

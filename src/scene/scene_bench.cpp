@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/testing/light_scene.h"
 
 namespace relume {

@@ -9,12 +9,12 @@
 #include <cmath>
 #include <fstream>
 
+#include "builtin_scenes/builtin.h"
 #include "combinations/cells.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "support/scenes.h"

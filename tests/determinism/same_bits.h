@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 
 namespace relume::support {
 

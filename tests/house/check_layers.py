@@ -23,9 +23,10 @@ MAY_INCLUDE = {
     "scene": "core sampling materials lights accel",
     "backend": "core",
     "accel": "core",
+    "builtin_scenes": "core scene",
     "files": "core",
     "image": "core files",
-    "scene_io": "core scene files image",
+    "scene_io": "core scene builtin_scenes files image",
     "film": "core image",
     "metrics": "core film image",
     "report": "core film image metrics",
@@ -33,7 +34,7 @@ MAY_INCLUDE = {
     "techniques": "core settings sampling lights scene backend film pipeline",
     "render": "core settings sampling materials scene backend files image scene_io film pipeline techniques",
     "compare": "core settings scene files image metrics report render",
-    "experiments": "core settings scene files image scene_io metrics report techniques render compare",
+    "experiments": "core settings scene builtin_scenes files image scene_io metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "support/image_test.h"
 #include "support/test_name.h"
 #include "techniques/bdpt/testing/zoo.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <tuple>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "support/measure.h"
 
 namespace relume::support {

@@ -6,8 +6,8 @@
 #include <string>
 #include <tuple>
 
+#include "builtin_scenes/builtin.h"
 #include "metrics/metrics.h"
-#include "scene/builtin.h"
 #include "scene_io/scene_io.h"
 #include "support/image_test.h"
 #include "support/scenes.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
 

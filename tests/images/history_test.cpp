@@ -2,8 +2,8 @@
 // keep to the bound that their pages state.
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
 

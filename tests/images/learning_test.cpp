@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "support/image_test.h"
 #include "support/test_name.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/world_triangles.h"
 #include "support/image_test.h"

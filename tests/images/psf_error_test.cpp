@@ -1,9 +1,9 @@
 // Error, bias and variance of what caches in a hash grid show.
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "metrics/metrics.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "support/measure.h"
 
 namespace relume::support {

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "builtin_scenes/builtin.h"
 #include "metrics/metrics.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "support/measure.h"
 #include "support/scenes.h"
 #include "techniques/path_graphs/testing/cache_scenes.h"

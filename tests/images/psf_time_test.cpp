@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/shapes.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
-#include "scene/builtin.h"
-#include "scene/builtin/shapes.h"
 #include "support/measure.h"
 #include "support/scenes.h"
 #include "techniques/path_graphs/testing/cache_scenes.h"

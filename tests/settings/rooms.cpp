@@ -2,9 +2,9 @@
 
 #include <string>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "core/hash.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
 #include "support/scenes.h"
 
 namespace relume::support {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 namespace relume::support {
 

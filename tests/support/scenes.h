@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "scene/scene.h"
 
 namespace relume::support {

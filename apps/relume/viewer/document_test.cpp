@@ -5,9 +5,9 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
 #include "image/image.h"
-#include "scene/builtin.h"
 #include "scene_io/scene_io.h"
 #include "viewer/save_view.h"
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "builtin_scenes/builtin.h"
 #include "files/atomic_file.h"
 #include "files/extension.h"
-#include "scene/builtin.h"
 #include "scene_io/relume_json/write_view.h"
 #include "settings/settings_json.h"
 

@@ -5,7 +5,7 @@
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"

@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/fnv1a.h"
 #include "platform.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
-#include "scene/builtin.h"
 #include "scene_source.h"
 #include "viewer/start_settings.h"
 

@@ -4,8 +4,8 @@
 
 #include "core/hash.h"
 #include "experiments/setup/references.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

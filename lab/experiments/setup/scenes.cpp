@@ -8,9 +8,9 @@
 #include "core/error.h"
 #include "experiments/setup/named.h"
 #include "scene_io/scene_io.h"
-#include "scene/builtin.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

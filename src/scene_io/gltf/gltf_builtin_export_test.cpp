@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
-#include "scene/builtin.h"
 #include "scene_io/scene_io.h"
 #include "scene_io/testing/written_gltf.h"
 

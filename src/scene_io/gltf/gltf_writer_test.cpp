@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "core/error.h"
 #include "files/testing/temp_folder.h"
 #include "image/image.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
 #include "scene_io/gltf/gltf_output.h"
 #include "scene_io/scene_io.h"
 #include "scene_io/testing/written_gltf.h"

@@ -1,7 +1,7 @@
 // One frame of one sample a pixel on one thread, when the cells are known.
 #include <benchmark/benchmark.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "techniques/path_graphs/testing/cached_frames.h"
 
 namespace relume {

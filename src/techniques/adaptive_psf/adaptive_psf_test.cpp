@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "core/error.h"
-#include "scene/builtin.h"
 #include "techniques/path_graphs/testing/cache_scenes.h"
 #include "techniques/path_graphs/testing/cached_frames.h"
 

@@ -5,10 +5,10 @@
 #include <numeric>
 #include <vector>
 
+#include "builtin_scenes/builtin.h"
 #include "core/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
 #include "techniques/adaptive_sampling/pilot.h"
 

@@ -1,7 +1,7 @@
 #include <benchmark/benchmark.h>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 
 namespace relume {
 namespace {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <string_view>
 
+#include "builtin_scenes/builtin.h"
 #include "core/error.h"
 #include "files/testing/temp_folder.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "scene/testing/bodies.h"
 #include "scene/testing/light_scene.h"
 #include "techniques/bdpt/testing/bdpt_frame.h"

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "core/octahedral.h"
 #include "files/testing/temp_folder.h"
 #include "render/session.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
 #include "techniques/directional_quadtree/direction_view.h"
 #include "techniques/octree/octree_pass.h"
 #include "techniques/visibility_light_cache/visibility_light_cache_pass.h"

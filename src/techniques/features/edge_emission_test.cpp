@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "techniques/features/features_pass.h"
 
 namespace relume {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "builtin_scenes/builtin.h"
+#include "builtin_scenes/shapes.h"
 #include "render/session.h"
-#include "scene/builtin.h"
-#include "scene/builtin/shapes.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
 #include "techniques/features/split_light.h"

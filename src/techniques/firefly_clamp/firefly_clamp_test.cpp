@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/testing/light_scene.h"
 #include "techniques/light_tree/build_light_tree.h"
 #include "testing/random.h"

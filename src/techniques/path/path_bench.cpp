@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 
 namespace relume {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
 #include "techniques/path/testing/run_kernel.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
 #include "techniques/path/testing/run_kernel.h"

@@ -2,7 +2,7 @@
 // cent.
 #include <benchmark/benchmark.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "techniques/path_graphs/testing/cached_frames.h"
 
 namespace relume {

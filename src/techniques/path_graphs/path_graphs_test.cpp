@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "techniques/path_graphs/testing/cache_scenes.h"
 #include "techniques/path_graphs/testing/cached_frames.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 #include "techniques/primary_hits/primary_hits.h"
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {

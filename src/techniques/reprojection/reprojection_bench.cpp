@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "backend/launch.h"
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 #include "techniques/reprojection/reprojection.h"
 

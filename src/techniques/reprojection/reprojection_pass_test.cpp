@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {

@@ -8,7 +8,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {

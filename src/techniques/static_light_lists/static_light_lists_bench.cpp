@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "scene/compiled_scene.h"
 #include "techniques/static_light_lists/build_lists.h"
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "builtin_scenes/builtin.h"
 #include "core/stream_io.h"
-#include "scene/builtin.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/light_scene.h"
 #include "techniques/static_light_lists/build_lists.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 #include "viewer/document.h"
 #include "viewer/render_thread.h"
 

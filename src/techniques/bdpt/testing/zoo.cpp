@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/shapes.h"
 #include "core/hash.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/shapes.h"
 
 namespace relume::testing {
 namespace {

@@ -1,7 +1,7 @@
 // Scenes whose picture is known in closed form, for tests of the caches.
 #pragma once
 
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/shapes.h"
 #include "scene/scene.h"
 
 namespace relume::testing {

@@ -1,4 +1,4 @@
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/shapes.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // A knot of more than a million triangles under ten lamps in a hood whose bottom is a grille: the receiver is
 // intricate, and every lamp is partly hidden from nearly everywhere.
-#include "scene/builtin/builder.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

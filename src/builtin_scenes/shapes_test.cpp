@@ -1,10 +1,10 @@
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/shapes.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "scene/builtin/rooms.h"
+#include "builtin_scenes/rooms.h"
 
 namespace relume {
 namespace {

@@ -1,9 +1,9 @@
 // In the manner of the room with lamps in [Veach97 ch. 10]: a floor lamp hides its bulb from all
 // but the ceiling, and a spotlight in a deep shade shines through a glass egg. Most paths from the camera miss both.
-#include "scene/builtin/builder.h"
-#include "scene/builtin/rooms.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/rooms.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

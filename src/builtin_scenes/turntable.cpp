@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "scene/builtin/builder.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 

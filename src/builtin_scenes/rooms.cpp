@@ -1,8 +1,8 @@
-#include "scene/builtin/rooms.h"
+#include "builtin_scenes/rooms.h"
 
 #include <cmath>
 
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/builtin/builder.h"
-#include "scene/builtin/rooms.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/rooms.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

@@ -1,6 +1,6 @@
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
-#include "scene/builtin/scenes.h"
+#include "builtin_scenes/scenes.h"
 
 namespace relume {
 

@@ -1,7 +1,7 @@
 // A white sphere under light that comes equally from everywhere: every pixel of a correct image is 1.
-#include "scene/builtin/builder.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 

@@ -2,10 +2,10 @@
 // of a door that is hardly open. Nearly all light in the room has been reflected in the room next door first.
 #include <cmath>
 
-#include "scene/builtin/builder.h"
-#include "scene/builtin/rooms.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/rooms.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

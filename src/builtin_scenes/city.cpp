@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/noise.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 #include "core/hash.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/noise.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
 
 namespace relume {
 namespace {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/rooms.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 #include "core/hash.h"
-#include "scene/builtin/builder.h"
-#include "scene/builtin/rooms.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
 
 namespace relume {
 namespace {

@@ -1,9 +1,9 @@
 // A corridor with three bends. The camera stands in the first leg and the only lamp hangs in the last: its light
 // needs three reflections to reach walls that the camera sees.
-#include "scene/builtin/builder.h"
-#include "scene/builtin/rooms.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/rooms.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {

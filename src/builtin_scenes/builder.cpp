@@ -1,4 +1,4 @@
-#include "scene/builtin/builder.h"
+#include "builtin_scenes/builder.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // What holds for every built-in scene, and what each was built to have.
-#include "scene/builtin.h"
+#include "builtin_scenes/builtin.h"
 
 #include <cmath>
 #include <limits>

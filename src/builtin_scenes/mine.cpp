@@ -2,10 +2,10 @@
 // comes from that bright spot and from a little sky, round a bend.
 #include <cmath>
 
-#include "scene/builtin/builder.h"
-#include "scene/builtin/noise.h"
-#include "scene/builtin/scenes.h"
-#include "scene/builtin/shapes.h"
+#include "builtin_scenes/builder.h"
+#include "builtin_scenes/noise.h"
+#include "builtin_scenes/scenes.h"
+#include "builtin_scenes/shapes.h"
 
 namespace relume {
 namespace {
