@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "backend/launch.h"
 #include "core/clock.h"
 #include "core/error.h"
 #include "embree_recorder.h"
+#include "frame/launch.h"
 #include "render/session.h"
 #include "render/settings.h"
 #include "scene_source.h"

@@ -10,7 +10,7 @@
 #include "command.h"
 #include "file_roles.h"
 #include "files/extension.h"
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "image/image.h"
 #include "render/session.h"
 #include "reports.h"

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "backend/launch.h"
 #include "console.h"
 #include "core/clock.h"
 #include "files/atomic_file.h"
+#include "frame/launch.h"
 #include "image/tev_client.h"
 #include "picture.h"
 #include "platform.h"

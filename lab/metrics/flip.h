@@ -28,7 +28,7 @@ struct FlipExposures {
 FlipExposures flip_exposures(const Image& reference);
 
 /// Largest flip_map() over the exposures, tone-mapped with Narkowicz's fit of ACES as the paper has it (not the fit of
-/// film/tone_map.h, so that figures can be compared with published ones).
+/// framebuffer/tone_map.h, so that figures can be compared with published ones).
 std::vector<float> hdr_flip_map(const Image& test, const Image& reference, const FlipExposures& exposures,
                                 float pixels_per_degree = kDefaultPixelsPerDegree);
 

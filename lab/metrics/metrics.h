@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "image/image.h"
 #include "metrics/flip.h"
 

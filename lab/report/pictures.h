@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "image/image.h"
 #include "report/page.h"
 

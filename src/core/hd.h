@@ -15,7 +15,7 @@
 #define RELUME_HD_INLINE [[gnu::always_inline]] inline
 #endif
 
-// True while compiling code that runs on the device. Only src/accel, src/backend and the atomics of
+// True while compiling code that runs on the device. Only src/accel, src/frame and the atomics of
 // src/core may look at it.
 #if defined(__CUDA_ARCH__)
 #define RELUME_DEVICE_CODE 1

@@ -1,5 +1,5 @@
 // Loops whose iterations may run at once, on TBB's threads. Everything in parallel goes through here, and passes
-// through backend/launch.h, which builds on it.
+// through frame/launch.h, which builds on it.
 #pragma once
 
 #include <concepts>

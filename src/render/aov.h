@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "film/buffer_table.h"
+#include "frame/pass.h"
+#include "framebuffer/buffer_table.h"
 #include "image/image.h"
-#include "pipeline/pass.h"
 
 namespace relume {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/pipeline.h"
+#include "frame/pipeline.h"
 #include "render/render_settings.h"
 
 namespace relume {

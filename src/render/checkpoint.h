@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "film/buffer_table.h"
-#include "pipeline/pipeline.h"
+#include "frame/pipeline.h"
+#include "framebuffer/buffer_table.h"
 #include "render/render_settings.h"
 
 namespace relume {

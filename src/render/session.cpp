@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "backend/launch.h"
 #include "core/clock.h"
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/parallel.h"
+#include "frame/launch.h"
 #include "render/aov.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "core/change.h"
-#include "film/buffer_table.h"
+#include "frame/pass.h"
+#include "framebuffer/buffer_table.h"
 #include "image/image.h"
-#include "pipeline/pass.h"
 #include "render/render_settings.h"
 #include "scene/compiled_scene.h"
 #include "scene/scene.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "render/render_settings.h"
 #include "settings/settings_docs.h"
 

@@ -9,7 +9,7 @@
 #include "core/ray.h"
 #include "core/vec.h"
 #include "core/view.h"
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "techniques/accumulate/accumulate.h"
 #include "techniques/adaptive_psf/adaptive_psf.h"
 #include "techniques/adaptive_sampling/paper_allocation.h"

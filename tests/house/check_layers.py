@@ -21,18 +21,17 @@ MAY_INCLUDE = {
     "materials": "core sampling",
     "lights": "core sampling materials",
     "scene": "core sampling materials lights accel",
-    "backend": "core",
     "accel": "core",
     "builtin_scenes": "core scene",
     "files": "core",
     "image": "core files",
     "scene_io": "core scene builtin_scenes files image",
-    "film": "core image",
-    "metrics": "core film image",
-    "report": "core film image metrics",
-    "pipeline": "core sampling scene backend film",
-    "techniques": "core settings sampling lights scene backend film pipeline",
-    "render": "core settings sampling materials scene backend files image scene_io film pipeline techniques",
+    "framebuffer": "core image",
+    "metrics": "core framebuffer image",
+    "report": "core framebuffer image metrics",
+    "frame": "core sampling scene framebuffer",
+    "techniques": "core settings sampling lights scene framebuffer frame",
+    "render": "core settings sampling materials scene files image scene_io framebuffer frame techniques",
     "compare": "core settings scene files image metrics report render",
     "experiments": "core settings scene builtin_scenes files image scene_io metrics report techniques render compare",
 }
@@ -49,7 +48,7 @@ TECHNIQUE_MAY_INCLUDE = {
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",
-    "path_graphs": "adaptive_psf hash_grid path path_space_filter",
+    "path_graphs": "adaptive_psf path path_space_filter",
 }
 
 # The closed lists of a slot's strategies, with what these share: strategies include them, and they include strategies.
@@ -101,6 +100,10 @@ def check_include(folder, technique, target):
     return None
 
 
+def is_test(path):
+    return house.is_test_or_benchmark(path) or "testing" in path.parts
+
+
 def includes(path):
     """Matches of INCLUDE in a file, with their lines."""
     text = house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
@@ -119,7 +122,7 @@ def check_file(root, path):
         place = f"{path}:{line}: #include of {match[2]}"
         if path.suffix == ".h" and in_src and len(parts) == 3 and match[2].startswith(HEAVY):
             problems.append(f"{place}: slow to compile; only .cpp files and headers of subfolders include it")
-        if (not in_src and folder != "apps") or house.is_test_or_benchmark(path):
+        if (not in_src and folder != "apps") or is_test(path):
             continue
         problem = check_include(folder, technique, match[2]) if in_src and match[1] == '"' else None
         if problem:
@@ -135,7 +138,7 @@ def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLU
     used = set()
     for path in house.code_files(root):
         parts = path.relative_to(root).parts
-        if parts[0] not in ROOTS or house.is_test_or_benchmark(path):
+        if parts[0] not in ROOTS or is_test(path):
             continue
         for match, _ in includes(path):
             target = match[2].split("/")

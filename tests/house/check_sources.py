@@ -16,7 +16,7 @@ LONG_FILES = {}
 LONG_FUNCTIONS = {}
 
 # Where code may ask which processor it is compiled for.
-TARGET_FOLDERS = ("src/core/", "src/accel/", "src/backend/")
+TARGET_FOLDERS = ("src/core/", "src/accel/", "src/frame/")
 TARGET_CONDITIONAL = re.compile(r"__CUDACC__|__CUDA_ARCH__|RELUME_DEVICE_CODE")
 
 # Put together from halves, so that this file does not find itself.

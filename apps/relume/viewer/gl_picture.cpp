@@ -10,8 +10,8 @@
 namespace relume::viewer {
 namespace {
 
-// The tone curves exist once, in film/tone_map.h. The shader reads them from a table over the logarithm of radiance,
-// fine enough that an error stays below one of 255 steps.
+// The tone curves exist once, in framebuffer/tone_map.h. The shader reads them from a table over the logarithm of
+// radiance, fine enough that an error stays below one of 255 steps.
 constexpr int kCurveSize = 48;
 constexpr float kCurveMinEv = -12;
 constexpr float kCurveMaxEv = 8;

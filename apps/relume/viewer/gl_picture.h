@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/vec.h"
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 #include "viewer/gl.h"
 
 namespace relume::viewer {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/accumulate/accumulate.h"
 
 namespace relume {

@@ -1,7 +1,7 @@
 // The histories "none" and "accumulate" as a pass.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 
 namespace relume {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/adaptive_sampling/paper_allocation.h"
 #include "techniques/adaptive_sampling/pooled_deviation.h"
 

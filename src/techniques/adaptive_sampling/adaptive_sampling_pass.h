@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/adaptive_sampling/pooled_deviation.h"
 #include "techniques/adaptive_sampling/settings.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/bdpt/settings.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/path/path_pass.h"

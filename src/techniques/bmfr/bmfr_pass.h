@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/bmfr/bmfr.h"
 #include "techniques/bmfr/settings.h"
 #include "techniques/features/features_pass.h"

@@ -1,7 +1,7 @@
 // The regression over all blocks of a picture ([Koskela19] §3.2, 3.3).
 #pragma once
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/bmfr/block_regression.h"
 #include "techniques/features/features.h"
 #include "techniques/features/picture_history.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/stream_io.h"
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/directional_quadtree/adapt_quadtrees.h"
 #include "techniques/directional_quadtree/settings.h"

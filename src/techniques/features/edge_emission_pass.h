@@ -1,7 +1,7 @@
 // Edges of lamps and sky as a pass; part of a frame if a denoiser is.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/features/settings.h"
 
 namespace relume {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/features/history_settings.h"
 #include "techniques/features/light_history.h"
 #include "techniques/path/settings.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/frame_context.h"
+#include "frame/frame_context.h"
 #include "techniques/features/light_history.h"
 
 namespace relume {

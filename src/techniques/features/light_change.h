@@ -3,7 +3,7 @@
 // of the blocks around it together are not.
 #pragma once
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "sampling/chi2_bound.h"
 #include "techniques/features/light_history.h"
 

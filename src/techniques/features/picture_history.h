@@ -1,10 +1,10 @@
 // The last step of a denoiser: pictures of several frames make smooth edges, as samples of a pixel fall on either side.
 #pragma once
 
-#include "backend/launch.h"
 #include "core/lanes.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "frame/launch.h"
 #include "techniques/features/features.h"
 
 namespace relume {

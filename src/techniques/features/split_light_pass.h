@@ -1,7 +1,7 @@
 // The division of light as a pass; part of a frame if a denoiser keeps diffuse and specular light apart.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 
 namespace relume {
 

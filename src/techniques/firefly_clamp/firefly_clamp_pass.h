@@ -1,7 +1,7 @@
 // The firefly clamp as a pass.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/firefly_clamp/settings.h"
 
 namespace relume {

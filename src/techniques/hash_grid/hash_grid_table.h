@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/hash_grid/maintain.h"
 #include "techniques/hash_grid/settings.h"
 

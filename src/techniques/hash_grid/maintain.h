@@ -2,7 +2,7 @@
 // long are emptied, and what is left moves to a table of another size when that pays.
 #pragma once
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/hash_grid/hash_grid.h"
 
 namespace relume {

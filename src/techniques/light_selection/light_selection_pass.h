@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
 

@@ -1,7 +1,7 @@
 // The light selection "light-tree" as a pass.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/light_tree/build_light_tree.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/path_recording.h"
 #include "techniques/octree/settings.h"

@@ -6,7 +6,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/octree/octree.h"
 
 namespace relume {

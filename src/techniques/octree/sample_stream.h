@@ -6,8 +6,8 @@
 #include <iosfwd>
 #include <vector>
 
-#include "backend/launch.h"
 #include "core/view.h"
+#include "frame/launch.h"
 #include "lights/light.h"
 #include "techniques/octree/octree.h"
 

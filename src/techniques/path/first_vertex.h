@@ -2,7 +2,7 @@
 // Histories need it to judge what a sample is worth from another viewpoint or under moved lights.
 #pragma once
 
-#include "film/buffer_key.h"
+#include "framebuffer/buffer_key.h"
 #include "techniques/path/path_kernel.h"
 
 namespace relume {

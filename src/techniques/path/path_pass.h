@@ -1,7 +1,7 @@
 // The estimator "path" as a pass.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/direction_sampling/direction_sampler.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/octree/path_recording.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/hash_grid/hash_grid_table.h"
 #include "techniques/path/path_pass.h"
 #include "techniques/path/trace_paths.h"

@@ -1,7 +1,7 @@
 // Camera rays of neighbouring pixels, computed side by side. Host only.
 #pragma once
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "sampling/sample_index.h"
 #include "scene/scene_view.h"
 

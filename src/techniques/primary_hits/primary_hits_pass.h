@@ -1,7 +1,7 @@
 // Primary hits and their surfaces as passes.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 
 namespace relume {
 

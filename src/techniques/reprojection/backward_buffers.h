@@ -1,7 +1,7 @@
 // Where passes get a backward reprojection from.
 #pragma once
 
-#include "pipeline/frame_context.h"
+#include "frame/frame_context.h"
 #include "techniques/reprojection/backward.h"
 
 namespace relume {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "backend/launch.h"
 #include "builtin_scenes/builtin.h"
+#include "frame/launch.h"
 #include "scene/compiled_scene.h"
 #include "techniques/reprojection/reprojection.h"
 

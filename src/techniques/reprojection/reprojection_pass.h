@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/reprojection/look_back.h"
 #include "techniques/reprojection/settings.h"
 #include "techniques/reprojection/stored_sample.h"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/reprojection/settings.h"
 
 namespace relume {

@@ -4,8 +4,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "backend/launch.h"
 #include "core/fixed_point.h"
+#include "frame/launch.h"
 #include "scene/scene_view.h"
 #include "techniques/static_light_lists/static_light_lists.h"
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/static_light_lists/build_lists.h"

@@ -2,10 +2,10 @@
 // how alike normals, planes and light are. Written once for a float and for lanes of them.
 #pragma once
 
-#include "backend/launch.h"
 #include "core/lanes.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "frame/launch.h"
 
 namespace relume {
 

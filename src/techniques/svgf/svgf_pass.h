@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/features/features_pass.h"
 #include "techniques/features/find_light_change.h"
 #include "techniques/svgf/settings.h"

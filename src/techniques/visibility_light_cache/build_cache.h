@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "techniques/octree/octree_tree.h"
 #include "techniques/octree/sample_stream.h"
 #include "techniques/visibility_light_cache/bucket_weights.h"

@@ -1,7 +1,7 @@
 // The light selection "vlc" as a pass, behind the octree's.
 #pragma once
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 #include "techniques/light_selection/light_selector.h"
 #include "techniques/light_selection/settings.h"
 #include "techniques/octree/octree_pass.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "backend/launch.h"
+#include "frame/launch.h"
 #include "scene/compiled_scene.h"
 #include "techniques/bdpt/bdpt.h"
 #include "techniques/bdpt/light_medium.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/pass.h"
+#include "frame/pass.h"
 
 namespace relume {
 

@@ -1,4 +1,4 @@
-#include "film/buffer_table.h"
+#include "framebuffer/buffer_table.h"
 
 #include <algorithm>
 #include <cassert>

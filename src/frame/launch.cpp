@@ -1,4 +1,4 @@
-#include "backend/launch.h"
+#include "frame/launch.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "pipeline/pipeline.h"
+#include "frame/pipeline.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "film/tone_map.h"
+#include "framebuffer/tone_map.h"
 
 #include <cmath>
 

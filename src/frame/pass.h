@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/frame_context.h"
+#include "frame/frame_context.h"
 
 namespace relume {
 

@@ -14,7 +14,7 @@
 
 #include "core/change.h"
 #include "core/view.h"
-#include "film/buffer_key.h"
+#include "framebuffer/buffer_key.h"
 
 namespace relume {
 

@@ -4,9 +4,9 @@
 #include <stop_token>
 #include <string_view>
 
-#include "backend/launch.h"
-#include "film/buffer_table.h"
-#include "film/shared_buffers.h"
+#include "frame/launch.h"
+#include "framebuffer/buffer_table.h"
+#include "framebuffer/shared_buffers.h"
 #include "sampling/sample_index.h"
 #include "scene/scene_view.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/ray.h"
-#include "film/buffer_key.h"
+#include "framebuffer/buffer_key.h"
 
 namespace relume {
 
