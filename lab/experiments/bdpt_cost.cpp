@@ -8,7 +8,7 @@
 #include "experiments/all.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
-#include "techniques/bdpt/path_vertex.h"
+#include "techniques/transport/bdpt/path_vertex.h"
 
 namespace relume {
 namespace {

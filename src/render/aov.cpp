@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "core/error.h"
-#include "techniques/accumulate/accumulate.h"
+#include "techniques/temporal/accumulate/accumulate.h"
 
 namespace relume {
 namespace {

@@ -17,8 +17,8 @@
 #include "sampling/blue_noise.h"
 #include "sampling/sample_schedule.h"
 #include "scene/scene_hash.h"
-#include "techniques/accumulate/accumulate_pass.h"
-#include "techniques/adaptive_sampling/adaptive_sampling_pass.h"
+#include "techniques/temporal/accumulate/accumulate_pass.h"
+#include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
 
 namespace relume {
 namespace {

@@ -10,7 +10,7 @@
 #include "determinism/same_bits.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
-#include "techniques/oidn/oidn_filter.h"
+#include "techniques/denoise/oidn/oidn_filter.h"
 
 namespace relume::support {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "scene_io/testing/scene_files.h"
 #include "support/measure.h"
-#include "techniques/path/settings.h"
+#include "techniques/transport/path/settings.h"
 
 namespace relume::support {
 

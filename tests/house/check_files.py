@@ -9,7 +9,7 @@ import house
 MAX_FILE_BYTES = 1 << 20
 TECHNIQUE_NEEDS = {"README.md": "page", "*_test.cpp": "test", "*_bench.cpp": "benchmark"}
 WHEN = "| When to use it |"
-TEST_FOLDERS = ("src", "apps", "tests")
+TEST_FOLDERS = ("src", "lab", "apps", "tests")
 TEST = re.compile(r"[\w./-]+_test\.cpp\b")
 
 LINK = re.compile(r"(?<!\\)\[(?:[^\[\]]|\[[^\]]*\])*\]\(<?([^()\s>]+(?:\([^()]*\))?)>?(?:\s+\"[^\"]*\")?\)|(?:src|href)=\"([^\"]+)\"")
@@ -19,7 +19,7 @@ CODE = re.compile(r"^```.*?^```[ \t]*$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 def check_techniques(root):
     folders = root / "src" / "techniques"
     problems = []
-    for folder in sorted(p for p in folders.iterdir() if p.is_dir()) if folders.is_dir() else []:
+    for folder in sorted(p for p in folders.glob("*/*") if p.is_dir()):
         for pattern, what in TECHNIQUE_NEEDS.items():
             if not any(folder.glob(pattern)):
                 problems.append(f"{folder.relative_to(root)}: has no {what} ({pattern})")

@@ -94,8 +94,9 @@ def check_include(folder, technique, target):
         return "is not a path from src/ or lab/"
     if parts[0] != folder and parts[0] not in MAY_INCLUDE[folder].split():
         return f"breaks the layers: {folder} may include {MAY_INCLUDE[folder] or 'nothing'}"
-    if technique and parts[0] == "techniques" and parts[1] != technique and not {technique, parts[1]} & set(SLOTS):
-        if parts[1] not in TECHNIQUE_MAY_INCLUDE.get(technique, "").split():
+    other = parts[2] if parts[0] == "techniques" and len(parts) > 3 else None  # techniques/GROUP/TECHNIQUE/file
+    if technique and other and other != technique and not {technique, other} & set(SLOTS):
+        if other not in TECHNIQUE_MAY_INCLUDE.get(technique, "").split():
             return f"makes {technique} know another technique"
     return None
 
@@ -116,7 +117,7 @@ def check_file(root, path):
     if in_src and parts[1] not in MAY_INCLUDE:
         return [f"{path}:1: {parts[0]}/{parts[1]} is not in the table of layers"]
     folder = parts[1] if in_src else parts[0]
-    technique = parts[2] if folder == "techniques" and len(parts) > 3 else None
+    technique = parts[3] if folder == "techniques" and len(parts) > 4 else None
     problems = []
     for match, line in includes(path):
         place = f"{path}:{line}: #include of {match[2]}"
@@ -144,7 +145,7 @@ def unused_permissions(root, folders=MAY_INCLUDE, techniques=TECHNIQUE_MAY_INCLU
             target = match[2].split("/")
             used.add((parts[1], target[0]))
             if parts[1] == target[0] == "techniques":
-                used.add((parts[2], target[1]))
+                used.add((parts[3], target[2]))
     return [
         f"the table lets {a} include {b}, which it does not"
         for table in (folders, techniques)

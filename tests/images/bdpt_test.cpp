@@ -6,7 +6,7 @@
 #include "builtin_scenes/builtin.h"
 #include "support/image_test.h"
 #include "support/test_name.h"
-#include "techniques/bdpt/testing/zoo.h"
+#include "techniques/transport/bdpt/testing/zoo.h"
 
 namespace relume::support {
 namespace {

@@ -18,7 +18,7 @@
 #include "render/session.h"
 #include "scene_io/scene_io.h"
 #include "support/measure.h"
-#include "techniques/reprojection/reprojection_pass.h"
+#include "techniques/temporal/reprojection/reprojection_pass.h"
 
 namespace relume::support {
 namespace {

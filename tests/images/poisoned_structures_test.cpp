@@ -8,11 +8,11 @@
 #include "scene/compiled_scene.h"
 #include "scene/world_triangles.h"
 #include "support/image_test.h"
-#include "techniques/directional_quadtree/directional_quadtree_pass.h"
-#include "techniques/path/recorded_path.h"
-#include "techniques/primary_hits/primary_hits.h"
-#include "techniques/visibility_light_cache/build_cache.h"
-#include "techniques/visibility_light_cache/exploration.h"
+#include "techniques/gbuffer/primary_hits/primary_hits.h"
+#include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
+#include "techniques/light_sampling/visibility_light_cache/build_cache.h"
+#include "techniques/light_sampling/visibility_light_cache/exploration.h"
+#include "techniques/transport/path/recorded_path.h"
 #include "testing/random.h"
 
 namespace relume::support {

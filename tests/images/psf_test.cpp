@@ -9,8 +9,8 @@
 #include "render/session.h"
 #include "support/measure.h"
 #include "support/scenes.h"
-#include "techniques/path_graphs/testing/cache_scenes.h"
-#include "techniques/primary_hits/primary_hits_pass.h"
+#include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
+#include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 
 namespace relume::support {
 namespace {

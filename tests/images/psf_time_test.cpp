@@ -10,7 +10,7 @@
 #include "render/session.h"
 #include "support/measure.h"
 #include "support/scenes.h"
-#include "techniques/path_graphs/testing/cache_scenes.h"
+#include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 
 namespace relume::support {
 namespace {

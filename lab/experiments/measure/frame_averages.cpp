@@ -10,7 +10,7 @@
 
 #include "metrics/ensemble.h"
 #include "render/session.h"
-#include "techniques/path_space_filter/cells_pass.h"
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
 
 namespace relume {
 namespace {

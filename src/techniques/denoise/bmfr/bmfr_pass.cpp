@@ -1,0 +1,207 @@
+#include "techniques/denoise/bmfr/bmfr_pass.h"
+
+#include <algorithm>
+
+#include "techniques/denoise/bmfr/bmfr.h"
+#include "techniques/denoise/bmfr/regression_kernel.h"
+#include "techniques/gbuffer/features/features_pass.h"
+
+namespace relume {
+namespace {
+
+constexpr BufferKey<Rgb> kBmfrLight{"bmfr-light"};
+constexpr BufferKey<float> kBmfrSquare{"bmfr-square"};
+constexpr BufferKey<uint32_t> kBmfrSamples{"bmfr-samples"};
+constexpr BufferKey<Rgb> kBmfrFit{"bmfr-fit"};
+constexpr BufferKey<Rgb> kBmfrPicture{"bmfr-picture"};
+constexpr BufferKey<Rgb> kBmfrFitHistory{"bmfr-fit-history"};
+constexpr BufferKey<Rgb> kBmfrShown{"bmfr-shown"};
+constexpr BufferKey<uint32_t> kBmfrAge{"bmfr-age"};
+
+constexpr BufferKey<Rgb> kBmfrSpecular{"bmfr-specular"};
+constexpr BufferKey<float> kBmfrSpecularSquare{"bmfr-specular-square"};
+constexpr BufferKey<uint32_t> kBmfrSpecularSamples{"bmfr-specular-samples"};
+constexpr BufferKey<Rgb> kBmfrSpecularFit{"bmfr-specular-fit"};
+constexpr BufferKey<Rgb> kBmfrSpecularPicture{"bmfr-specular-picture"};
+constexpr BufferKey<Rgb> kBmfrSpecularFitHistory{"bmfr-specular-fit-history"};
+constexpr BufferKey<Rgb> kBmfrSpecularShown{"bmfr-specular-shown"};
+constexpr BufferKey<uint32_t> kBmfrSpecularAge{"bmfr-specular-age"};
+
+/// Fits that a frame without a past is the mean of: the first, and one after a cut.
+constexpr uint32_t kFirstFits = 8;
+/// And a frame in which the light has changed in places, which forget earlier fits.
+constexpr uint32_t kFitsOfChangedLight = 4;
+
+/// Radical inverse of `i` in `base`, in [0, kBlockSize).
+uint32_t shift_of(uint32_t i, uint32_t base) {
+  float value = 0;
+  float digit = 1;
+  for (; i > 0; i /= base) value += static_cast<float>(i % base) * (digit /= static_cast<float>(base));
+  return std::min(static_cast<uint32_t>(value * kBlockSize), kBlockSize - 1);
+}
+
+/// What one part of the light is fitted by: features, and the pass's own buffers.
+struct PartBuffers {
+  BufferKey<Rgb> light;
+  BufferKey<float> square;
+  BufferKey<uint32_t> samples;
+  BufferKey<Rgb> fit;
+  BufferKey<Rgb> fit_history;
+  BufferKey<uint32_t> age;
+  BufferKey<Vec3> position;
+  BufferKey<Vec3> normal;
+  BufferKey<Rgb> albedo;
+};
+
+PartBuffers buffers_of(LightPart part) {
+  if (part == LightPart::specular) {
+    return {kBmfrSpecular,    kBmfrSpecularSquare,  kBmfrSpecularSamples, kBmfrSpecularFit, kBmfrSpecularFitHistory,
+            kBmfrSpecularAge, kReflection.position, kReflection.normal,   kSpecularAlbedo};
+  }
+  return {kBmfrLight,        kBmfrSquare,     kBmfrSamples,
+          kBmfrFit,          kBmfrFitHistory, kBmfrAge,
+          kFeature.position, kFeature.normal, part == LightPart::diffuse ? kDiffuseAlbedo : kFeatureAlbedo};
+}
+
+BufferDescription scratch(const BufferId& id, const char* help) { return {.id = id, .help = help}; }
+
+void add_parts(PassDeclaration& declaration) {
+  for (const BufferDescription& buffer :
+       {denoiser_history(kBmfrSpecular, "specular light, as far as samples tell"),
+        denoiser_history(kBmfrSpecularSquare, "mean square of the luminance of those samples"),
+        denoiser_history(kBmfrSpecularSamples, "samples in bmfr-specular"),
+        denoiser_history(kBmfrSpecularFit, "specular light as features explain it"),
+        denoiser_history(kBmfrSpecularPicture, "specular part of the filtered pictures, averaged"),
+        scratch(kBmfrSpecularFitHistory, "bmfr-specular-fit of the frame before, where it was"),
+        scratch(kBmfrSpecularShown, "specular part of this frame's picture"),
+        scratch(kBmfrSpecularAge, "samples in that history")})
+    declaration.owns.push_back(buffer);
+  add_split_buffers(declaration.reads);
+}
+
+}  // namespace
+
+PassDeclaration BmfrPass::declaration() const {
+  PassDeclaration declaration{
+      .name = "bmfr",
+      .stage = Stage::denoise,
+      .owns = {denoiser_history(kBmfrLight, "light at the surface, as far as samples tell"),
+               denoiser_history(kBmfrSquare, "mean square of the luminance of its samples"),
+               denoiser_history(kBmfrSamples, "samples in it"),
+               denoiser_history(kBmfrFit, "light as features explain it"),
+               denoiser_history(kBmfrPicture, "filtered pictures, averaged"), denoised_buffer(), unfiltered_buffer(),
+               filtered_share_buffer(), scratch(kBmfrFitHistory, "bmfr-fit of the frame before, where it was"),
+               scratch(kBmfrShown, "this frame's picture"), scratch(kBmfrAge, "samples in that history")},
+      .reads = feature_buffers(),
+      .reads_if_any = {kAllocation}};
+  if (split_) add_parts(declaration);
+  return declaration;
+}
+
+bool BmfrPass::run(const FrameContext& frame) {
+  noise_.resize(kBlockNoise);
+  const BlockNoiseKernel noise{mutable_view_of(noise_), frame.number};
+  frame.launch("bmfr-fit", noise, {kBlockPixels, kBlockFeatures - 1});
+  const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
+  if (split_) reflecting_.begin_frame(frame);
+  const size_t count = split_ && reflecting_.now() ? 2 : 1;
+  for (size_t i = 0; i < count; ++i) accumulate(frame, parts[i]);
+  for (size_t i = 0; i < count; ++i) fit(frame, parts[i]);
+  if (!split_) {
+    present(frame);
+    return true;
+  }
+  if (!reflecting_.now()) forget_specular(frame);
+  present_parts(frame);
+  return true;
+}
+
+void BmfrPass::forget_specular(const FrameContext& frame) const {
+  clear_buffer(frame, kBmfrSpecularSamples);
+  clear_buffer(frame, kBmfrSpecularAge);
+  clear_buffer(frame, kBmfrSpecularFitHistory);
+  clear_buffer(frame, kBmfrSpecularFit);
+  clear_buffer(frame, kBmfrSpecularShown);
+  clear_buffer(frame, kBmfrSpecularPicture);
+}
+
+// None of these is to be stopped: the frame's samples have joined the mean by now.
+
+void BmfrPass::accumulate(const FrameContext& frame, LightPart part) {
+  const PartBuffers buffers = buffers_of(part);
+  BmfrAccumulateKernel kernel;
+  kernel.history = light_history(frame, {buffers.light, buffers.samples}, settings_.history, part);
+  kernel.history.least_share = settings_.alpha;
+  kernel.history.discounts = change_[part == LightPart::specular ? 1 : 0].discounts(frame, kernel.history);
+  kernel.fitted_before = frame.previous(buffers.fit);
+  kernel.square_before = frame.previous(buffers.square);
+  kernel.fitted_history = frame.write(buffers.fit_history);
+  kernel.square = frame.write(buffers.square);
+  kernel.age = frame.write(buffers.age);
+  frame.launch("bmfr-accumulate", kernel);
+}
+
+void BmfrPass::fit(const FrameContext& frame, LightPart part) const {
+  const PartBuffers buffers = buffers_of(part);
+  BlockRegressionKernel kernel;
+  kernel.position = frame.read(buffers.position);
+  kernel.normal = frame.read(buffers.normal);
+  kernel.albedo = frame.read(buffers.albedo);
+  kernel.light = frame.read(buffers.light);
+  kernel.samples = frame.read(buffers.samples);
+  kernel.square = frame.read(buffers.square);
+  kernel.noise = view_of(noise_);
+  kernel.fitted = frame.write(buffers.fit);
+  kernel.noise_scale = settings_.noise;
+  kernel.detail = settings_.detail;
+  kernel.most_samples = independent_samples(settings_.alpha);
+  kernel.width = frame.width();
+  kernel.height = frame.height();
+  const Grid blocks{BlockRegressionKernel::blocks(frame.width()), BlockRegressionKernel::blocks(frame.height()), 1};
+  // Without fits of earlier frames the edges of blocks would show.
+  uint32_t fits = 1;
+  if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
+  if (lacks_history(frame, kBmfrSamples, split_ && reflecting_.now() ? kBmfrSpecularSamples : BufferKey<uint32_t>{}))
+    fits = kFirstFits;
+  for (uint32_t i = 0; i < fits; ++i) {
+    kernel.shift_x = shift_of(frame.number + i, 2);
+    kernel.shift_y = shift_of(frame.number + i, 3);
+    kernel.share = 1.0f / static_cast<float>(i + 1);
+    frame.launch("bmfr-fit", kernel, blocks);
+  }
+}
+
+FitHistory BmfrPass::fit_history(const FrameContext& frame, LightPart part) const {
+  const PartBuffers buffers = buffers_of(part);
+  return {.albedo = frame.read(buffers.albedo),
+          .age = frame.read(buffers.age),
+          .history = frame.read(buffers.fit_history),
+          .fitted = frame.write(buffers.fit),
+          .max_fits = static_cast<uint32_t>(settings_.max_fits)};
+}
+
+void BmfrPass::present(const FrameContext& frame) const {
+  BmfrPresentKernel kernel;
+  kernel.samples = surface_light(frame);
+  kernel.fits = fit_history(frame, LightPart::whole);
+  kernel.shown = frame.write(kBmfrShown);
+  kernel.width = frame.width();
+  frame.launch("bmfr-present", kernel);
+  finish_picture(frame, {"bmfr-present", kBmfrShown, kBmfrPicture, kBmfrSamples}, settings_.history.newest);
+}
+
+void BmfrPass::present_parts(const FrameContext& frame) const {
+  BmfrPresentPartsKernel kernel;
+  kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
+  kernel.diffuse = fit_history(frame, LightPart::diffuse);
+  kernel.specular = fit_history(frame, LightPart::specular);
+  kernel.shown = frame.write(kBmfrShown);
+  kernel.shown_specular = frame.write(kBmfrSpecularShown);
+  kernel.width = frame.width();
+  frame.launch("bmfr-present", kernel);
+  PictureBuffers buffers{"bmfr-present", kBmfrShown, kBmfrPicture, kBmfrSamples};
+  if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularPicture, kBmfrSpecularSamples};
+  finish_picture(frame, buffers, settings_.history.newest);
+}
+
+}  // namespace relume

@@ -1,0 +1,41 @@
+// The denoiser "bmfr" as a pass.
+#pragma once
+
+#include <vector>
+
+#include "frame/pass.h"
+#include "techniques/denoise/bmfr/bmfr.h"
+#include "techniques/denoise/bmfr/settings.h"
+#include "techniques/gbuffer/features/features_pass.h"
+#include "techniques/gbuffer/features/find_light_change.h"
+
+namespace relume {
+
+class BmfrPass final : public Pass {
+ public:
+  /// `split`: keep diffuse and specular light apart.
+  BmfrPass(const BmfrSettings& settings, bool split) : settings_(settings), split_(split) {}
+
+  void configure(const BmfrSettings& settings) { settings_ = settings; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override {
+    return noise_.size() * sizeof(float) + change_[0].memory_bytes() + change_[1].memory_bytes();
+  }
+
+ private:
+  void accumulate(const FrameContext& frame, LightPart part);
+  void fit(const FrameContext& frame, LightPart part) const;
+  void present(const FrameContext& frame) const;
+  void forget_specular(const FrameContext& frame) const;
+  void present_parts(const FrameContext& frame) const;
+  FitHistory fit_history(const FrameContext& frame, LightPart part) const;
+
+  BmfrSettings settings_;
+  bool split_;
+  ReflectingFrames reflecting_;
+  LightChange change_[2];  ///< of light that is not specular, and of light that is
+  std::vector<float> noise_;
+};
+
+}  // namespace relume

@@ -1,0 +1,152 @@
+// Spatiotemporal variance-guided filtering ([Schied17]), around the filter itself (atrous.h): light and its moments are
+// accumulated over frames, and their variance says how far the filter may reach.
+#pragma once
+
+#include "techniques/denoise/svgf/atrous.h"
+#include "techniques/gbuffer/features/light_history.h"
+
+namespace relume {
+
+/// Histories shorter than this know too little of their variance: neighbours help out ([Schied17] §4.2).
+inline constexpr uint32_t kYoungHistory = 4;
+
+/// Temporal accumulation of light and of the first two moments of its luminance.
+struct SvgfAccumulateKernel {
+  LightHistory history;
+  View<const Vec2> moments_before;
+  View<Vec2> moments;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const PixelHistory pixel = history.accumulate(x, y);
+    const float brightness = luminance(pixel.sample.light);
+    moments[history.pixel(x, y)] = pixel.mean(moments_before, Vec2(brightness, sqr(brightness)));
+  }
+};
+
+/// Variance of the accumulated light, and everything laid out for the filter.
+struct SvgfPrepareKernel {
+  View<const Vec3> position;
+  View<const Vec3> normal;
+  View<const Rgb> albedo;
+  View<const float> depth;
+  View<const Rgb> light;
+  View<const Vec2> moments;
+  View<const uint32_t> count;
+  AtrousPicture features;
+  AtrousPicture planes;   ///< light and variance
+  float cone_width = 0;   ///< of a pixel at the camera, metres
+  float cone_spread = 0;  ///< growth a metre
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const float footprint = footprint_at(pixel);
+    Rgb shown = light[pixel];
+    float variance = 0.0f;
+    bool valid = is_filtered(albedo[pixel]);
+    if (valid && count[pixel] >= kYoungHistory) {
+      variance = variance_of(moments[pixel], count[pixel]);
+    } else if (valid) {
+      const Surroundings around = surroundings(x, y);
+      valid = around.count > 0.0f;
+      if (count[pixel] == 0) shown = around.light;
+      variance =
+          around.variance * static_cast<float>(kYoungHistory) / relume::max(1.0f, static_cast<float>(count[pixel]));
+    }
+    put(AtrousPlane::valid, x, y, valid ? 1.0f : 0.0f);
+    put(AtrousPlane::inverse_footprint, x, y, footprint > 0.0f ? 1.0f / footprint : 0.0f);
+    for (uint32_t c = 0; c < 3; ++c) {
+      *features.at(place_of(AtrousPlane::normal_x, c), x, y) = normal[pixel][static_cast<int>(c)];
+      *features.at(place_of(AtrousPlane::position_x, c), x, y) = position[pixel][static_cast<int>(c)];
+      *planes.at(c, x, y) = shown[static_cast<int>(c)];
+    }
+    *planes.at(kAtrousVariance, x, y) = variance;
+  }
+
+ private:
+  static constexpr int kReach = 3;  ///< of the estimate from neighbours: 7 × 7
+
+  /// What pixels around that show the same plane have in common.
+  struct Surroundings {
+    Rgb light{0};
+    float variance = 0;  ///< of one of them
+    float count = 0;
+  };
+
+  RELUME_HD float footprint_at(uint32_t pixel) const { return cone_width + cone_spread * depth[pixel]; }
+  RELUME_HD void put(AtrousPlane plane, uint32_t x, uint32_t y, float value) const {
+    *features.at(place_of(plane), x, y) = value;
+  }
+
+  /// Of the mean of n samples whose moments are known.
+  RELUME_HD static float variance_of(const Vec2& m, uint32_t n) {
+    return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
+  }
+
+  RELUME_HD bool alike(uint32_t pixel, uint32_t other) const {
+    if (count[other] == 0 || !is_filtered(albedo[other])) return false;
+    const float distance = std::fabs(glm::dot(normal[pixel], position[other] - position[pixel]));
+    return distance <= footprint_at(pixel) * kReach && glm::dot(normal[pixel], normal[other]) >= 0.9f;
+  }
+
+  RELUME_HD Surroundings surroundings(uint32_t x, uint32_t y) const {
+    Surroundings s;
+    Vec2 sum(0);
+    for (int dy = -kReach; dy <= kReach; ++dy) {
+      for (int dx = -kReach; dx <= kReach; ++dx) {
+        const int qx = static_cast<int>(x) + dx;
+        const int qy = static_cast<int>(y) + dy;
+        if (qx < 0 || qy < 0 || qx >= static_cast<int>(width) || qy >= static_cast<int>(height)) continue;
+        const uint32_t other = static_cast<uint32_t>(qy) * width + static_cast<uint32_t>(qx);
+        if (!alike(y * width + x, other)) continue;
+        sum += moments[other];
+        s.light += light[other];
+        s.count += 1.0f;
+      }
+    }
+    if (s.count == 0.0f) return s;
+    s.light /= s.count;
+    s.variance = relume::max(sum.y / s.count - sqr(sum.x / s.count), 0.0f);
+    return s;
+  }
+};
+
+/// The picture from filtered light.
+struct SvgfPresentKernel {
+  SurfaceLight samples;
+  AtrousPicture filtered;
+  View<Rgb> shown;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    shown[pixel] = samples.picture(pixel, light_at(filtered, x, y));
+  }
+
+  RELUME_HD static Rgb light_at(const AtrousPicture& picture, uint32_t x, uint32_t y) {
+    return {*picture.at(0, x, y), *picture.at(1, x, y), *picture.at(2, x, y)};
+  }
+};
+
+/// The same where diffuse and specular light are kept apart.
+struct SvgfPresentPartsKernel {
+  SplitLight samples;
+  AtrousPicture diffuse;
+  AtrousPicture specular;
+  View<Rgb> shown;
+  View<Rgb> shown_specular;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    Rgb reflected(0);
+    if (samples.reflects(pixel)) {
+      reflected = samples.specular_part(pixel, SvgfPresentKernel::light_at(specular, x, y));
+    }
+    shown_specular[pixel] = reflected;
+    shown[pixel] = samples.picture(pixel, SvgfPresentKernel::light_at(diffuse, x, y), reflected);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,175 @@
+#include "techniques/denoise/svgf/svgf_pass.h"
+
+#include "techniques/denoise/svgf/svgf.h"
+#include "techniques/gbuffer/features/features_pass.h"
+
+namespace relume {
+namespace {
+
+constexpr BufferKey<Rgb> kSvgfLight{"svgf-light"};
+constexpr BufferKey<Vec2> kSvgfMoments{"svgf-moments"};
+constexpr BufferKey<uint32_t> kSvgfSamples{"svgf-samples"};
+constexpr BufferKey<Rgb> kSvgfPicture{"svgf-picture"};
+constexpr BufferKey<Rgb> kSvgfShown{"svgf-shown"};
+
+constexpr BufferKey<Rgb> kSvgfSpecular{"svgf-specular"};
+constexpr BufferKey<Vec2> kSvgfSpecularMoments{"svgf-specular-moments"};
+constexpr BufferKey<uint32_t> kSvgfSpecularSamples{"svgf-specular-samples"};
+constexpr BufferKey<Rgb> kSvgfSpecularPicture{"svgf-specular-picture"};
+constexpr BufferKey<Rgb> kSvgfSpecularShown{"svgf-specular-shown"};
+
+/// What one part of the light is filtered by: features, and the pass's own buffers.
+struct PartBuffers {
+  BufferKey<Rgb> light;
+  BufferKey<Vec2> moments;
+  BufferKey<uint32_t> samples;
+  BufferKey<Vec3> position;
+  BufferKey<Vec3> normal;
+  BufferKey<Rgb> albedo;
+  BufferKey<float> depth;
+};
+
+PartBuffers buffers_of(LightPart part) {
+  if (part == LightPart::specular) {
+    return {kSvgfSpecular,      kSvgfSpecularMoments, kSvgfSpecularSamples, kReflection.position,
+            kReflection.normal, kSpecularAlbedo,      kReflection.depth};
+  }
+  return {kSvgfLight,        kSvgfMoments,    kSvgfSamples,
+          kFeature.position, kFeature.normal, part == LightPart::diffuse ? kDiffuseAlbedo : kFeatureAlbedo,
+          kFeature.depth};
+}
+
+void add_parts(PassDeclaration& declaration) {
+  declaration.owns.push_back(denoiser_history(kSvgfSpecular, "specular light, as far as samples tell"));
+  declaration.owns.push_back(
+      denoiser_history(kSvgfSpecularMoments, "mean of the luminance of svgf-specular and of its square"));
+  declaration.owns.push_back(denoiser_history(kSvgfSpecularSamples, "samples in svgf-specular"));
+  declaration.owns.push_back(
+      denoiser_history(kSvgfSpecularPicture, "specular part of the filtered pictures, averaged"));
+  declaration.owns.push_back({.id = kSvgfSpecularShown, .help = "specular part of this frame's picture"});
+  add_split_buffers(declaration.reads);
+}
+
+AtrousPicture picture_of(std::vector<float>& values, const FrameContext& frame) {
+  return {mutable_view_of(values), frame.width(), frame.height()};
+}
+
+}  // namespace
+
+PassDeclaration SvgfPass::declaration() const {
+  PassDeclaration declaration{
+      .name = "svgf",
+      .stage = Stage::denoise,
+      .owns = {denoiser_history(kSvgfLight, "light at the surface, as far as samples tell"),
+               denoiser_history(kSvgfMoments, "mean of its luminance and of the square of that"),
+               denoiser_history(kSvgfSamples, "samples in it"),
+               denoiser_history(kSvgfPicture, "filtered pictures, averaged"),
+               denoised_buffer(),
+               unfiltered_buffer(),
+               filtered_share_buffer(),
+               {.id = kSvgfShown, .help = "this frame's picture"}},
+      .reads = feature_buffers(),
+      .reads_if_any = {kAllocation}};
+  if (split_) add_parts(declaration);
+  return declaration;
+}
+
+bool SvgfPass::run(const FrameContext& frame) {
+  const LightPart parts[] = {split_ ? LightPart::diffuse : LightPart::whole, LightPart::specular};
+  if (split_) reflecting_.begin_frame(frame);
+  const size_t count = split_ && reflecting_.now() ? 2 : 1;
+  for (size_t i = 0; i < count; ++i) {
+    accumulate(frame, parts[i]);
+    prepare(frame, parts[i]);
+    filter(frame, light_[i]);
+  }
+  if (!split_) {
+    present(frame);
+    return true;
+  }
+  if (!reflecting_.now()) forget_specular(frame);
+  present_parts(frame);
+  return true;
+}
+
+void SvgfPass::forget_specular(const FrameContext& frame) const {
+  clear_buffer(frame, kSvgfSpecularSamples);
+  clear_buffer(frame, kSvgfSpecularShown);
+  clear_buffer(frame, kSvgfSpecularPicture);
+}
+
+// None of these is to be stopped: the frame's samples have joined the mean by now.
+
+void SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
+  const PartBuffers buffers = buffers_of(part);
+  SvgfAccumulateKernel kernel;
+  kernel.history = light_history(frame, {buffers.light, buffers.samples}, settings_.history, part);
+  kernel.history.discounts = change_[place_of(part)].discounts(frame, kernel.history);
+  kernel.moments_before = frame.previous(buffers.moments);
+  kernel.moments = frame.write(buffers.moments);
+  frame.launch("svgf-accumulate", kernel);
+}
+
+void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
+  const PartBuffers buffers = buffers_of(part);
+  std::vector<float>& light = light_[place_of(part)];
+  features_.resize(AtrousPicture::size(kAtrousPlanes, frame.width(), frame.height()));
+  light.resize(AtrousPicture::size(kAtrousChannels, frame.width(), frame.height()));
+  filtered_.resize(light.size());
+  SvgfPrepareKernel kernel;
+  kernel.position = frame.read(buffers.position);
+  kernel.normal = frame.read(buffers.normal);
+  kernel.albedo = frame.read(buffers.albedo);
+  kernel.depth = frame.read(buffers.depth);
+  kernel.light = frame.read(buffers.light);
+  kernel.moments = frame.read(buffers.moments);
+  kernel.count = frame.read(buffers.samples);
+  kernel.features = picture_of(features_, frame);
+  kernel.planes = picture_of(light, frame);
+  kernel.cone_width = frame.scene.camera.cone_width();
+  kernel.cone_spread = frame.scene.camera.cone_spread();
+  kernel.width = frame.width();
+  kernel.height = frame.height();
+  frame.launch("svgf-prepare", kernel);
+}
+
+/// Leaves the result in `light`.
+void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
+  for (int level = 0; level < settings_.levels; ++level) {
+    AtrousKernel kernel;
+    kernel.features = picture_of(features_, frame);
+    kernel.light = picture_of(light, frame);
+    kernel.filtered = picture_of(filtered_, frame);
+    kernel.step = 1u << level;
+    kernel.plane_tolerance = settings_.plane_tolerance;
+    kernel.light_tolerance = settings_.light_tolerance;
+    frame.launch("svgf-filter", kernel);
+    light.swap(filtered_);
+  }
+}
+
+void SvgfPass::present(const FrameContext& frame) {
+  SvgfPresentKernel kernel;
+  kernel.samples = surface_light(frame);
+  kernel.filtered = picture_of(light_[0], frame);
+  kernel.shown = frame.write(kSvgfShown);
+  kernel.width = frame.width();
+  frame.launch("svgf-present", kernel);
+  finish_picture(frame, {"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples}, settings_.history.newest);
+}
+
+void SvgfPass::present_parts(const FrameContext& frame) {
+  SvgfPresentPartsKernel kernel;
+  kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
+  kernel.diffuse = picture_of(light_[0], frame);
+  kernel.specular = picture_of(light_[1], frame);
+  kernel.shown = frame.write(kSvgfShown);
+  kernel.shown_specular = frame.write(kSvgfSpecularShown);
+  kernel.width = frame.width();
+  frame.launch("svgf-present", kernel);
+  PictureBuffers buffers{"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples};
+  if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularPicture, kSvgfSpecularSamples};
+  finish_picture(frame, buffers, settings_.history.newest);
+}
+
+}  // namespace relume

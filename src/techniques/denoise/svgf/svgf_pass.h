@@ -1,0 +1,45 @@
+// The denoiser "svgf" as a pass.
+#pragma once
+
+#include <vector>
+
+#include "frame/pass.h"
+#include "techniques/denoise/svgf/settings.h"
+#include "techniques/gbuffer/features/features_pass.h"
+#include "techniques/gbuffer/features/find_light_change.h"
+
+namespace relume {
+
+class SvgfPass final : public Pass {
+ public:
+  /// `split`: keep diffuse and specular light apart.
+  SvgfPass(const SvgfSettings& settings, bool split) : settings_(settings), split_(split) {}
+
+  void configure(const SvgfSettings& settings) { settings_ = settings; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  size_t memory_bytes() const override {
+    return (features_.size() + light_[0].size() + light_[1].size() + filtered_.size()) * sizeof(float) +
+           change_[0].memory_bytes() + change_[1].memory_bytes();
+  }
+
+ private:
+  void accumulate(const FrameContext& frame, LightPart part);
+  void prepare(const FrameContext& frame, LightPart part);
+  void filter(const FrameContext& frame, std::vector<float>& light);
+  void present(const FrameContext& frame);
+  void forget_specular(const FrameContext& frame) const;
+  void present_parts(const FrameContext& frame);
+  /// Of light that is not specular, and of light that is.
+  static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
+
+  SvgfSettings settings_;
+  bool split_;
+  ReflectingFrames reflecting_;
+  LightChange change_[2];
+  std::vector<float> features_;
+  std::vector<float> light_[2];
+  std::vector<float> filtered_;
+};
+
+}  // namespace relume

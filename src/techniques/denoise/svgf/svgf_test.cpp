@@ -1,0 +1,206 @@
+#include "techniques/denoise/svgf/svgf.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <vector>
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kWidth = 77;  // no multiple of lanes or tiles
+constexpr uint32_t kHeight = 45;
+constexpr uint32_t kPixels = kWidth * kHeight;
+
+/// Light on a plane that the camera sees from the front; a pixel is a millimetre wide.
+struct Wall {
+  Wall() {
+    for (uint32_t i = 0; i < kPixels; ++i)
+      position[i] = 0.001f * Vec3(static_cast<float>(i % kWidth), static_cast<float>(i / kWidth), 0);
+  }
+
+  void prepare() {
+    SvgfPrepareKernel kernel;
+    kernel.position = view_of(position);
+    kernel.normal = view_of(normal);
+    kernel.albedo = view_of(albedo);
+    kernel.depth = view_of(depth);
+    kernel.light = view_of(light);
+    kernel.moments = view_of(moments);
+    kernel.count = view_of(count);
+    kernel.features = picture(features);
+    kernel.planes = picture(planes);
+    kernel.cone_spread = 0.001f;
+    kernel.width = kWidth;
+    kernel.height = kHeight;
+    for (uint32_t y = 0; y < kHeight; ++y) {
+      for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
+    }
+  }
+
+  AtrousKernel level(uint32_t step) {
+    AtrousKernel kernel;
+    kernel.features = picture(features);
+    kernel.light = picture(planes);
+    kernel.filtered = picture(filtered);
+    kernel.step = step;
+    return kernel;
+  }
+
+  void filter(int levels = 5) {
+    prepare();
+    for (int k = 0; k < levels; ++k) {
+      level(1u << k)(Tile{0, 0, kWidth, kHeight});
+      planes.swap(filtered);
+    }
+  }
+
+  /// A channel of the result.
+  float at(uint32_t channel, uint32_t x, uint32_t y) { return *picture(planes).at(channel, x, y); }
+
+  /// Every pixel one sample of mean 1 and variance 1.
+  void make_noise(uint32_t samples) {
+    std::mt19937 generator(3);
+    std::exponential_distribution<float> exponential(1.0f);
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      Vec2 sum(0);
+      for (uint32_t k = 0; k < samples; ++k) {
+        const float x = exponential(generator);
+        sum += Vec2(x, x * x);
+      }
+      moments[i] = sum / static_cast<float>(samples);
+      light[i] = Rgb(moments[i].x);
+      count[i] = samples;
+    }
+  }
+
+  double mse(float truth) {
+    double sum = 0;
+    for (uint32_t i = 0; i < kPixels; ++i) sum += static_cast<double>(sqr(at(1, i % kWidth, i / kWidth) - truth));
+    return sum / kPixels;
+  }
+
+  static AtrousPicture picture(std::vector<float>& values) { return {mutable_view_of(values), kWidth, kHeight}; }
+
+  std::vector<Vec3> position = std::vector<Vec3>(kPixels);
+  std::vector<Vec3> normal = std::vector<Vec3>(kPixels, Vec3(0, 0, 1));
+  std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
+  std::vector<float> depth = std::vector<float>(kPixels, 1.0f);
+  std::vector<Rgb> light = std::vector<Rgb>(kPixels, Rgb(1, 2, 3));
+  std::vector<Vec2> moments = std::vector<Vec2>(kPixels, Vec2(1, 1));
+  std::vector<uint32_t> count = std::vector<uint32_t>(kPixels, 16);
+  std::vector<float> features = std::vector<float>(AtrousPicture::size(kAtrousPlanes, kWidth, kHeight));
+  std::vector<float> planes = std::vector<float>(AtrousPicture::size(kAtrousChannels, kWidth, kHeight));
+  std::vector<float> filtered = planes;
+};
+
+TEST(Svgf, LanesComputeWhatSinglePixelsDo) {
+  Wall wall;
+  wall.make_noise(6);
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    wall.normal[i] = glm::normalize(Vec3(0.1f * std::sin(0.3f * static_cast<float>(i)), 0, 1));
+    if (i % 11 == 0) wall.albedo[i] = Rgb(0);
+  }
+  wall.prepare();
+  for (const uint32_t step : {1u, 4u, 16u}) {
+    const AtrousKernel kernel = wall.level(step);
+    for (uint32_t y = 0; y < kHeight; ++y) {
+      for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
+    }
+    const std::vector<float> single = wall.filtered;
+    std::fill(wall.filtered.begin(), wall.filtered.end(), -1.0f);
+    for (uint32_t y = 0; y < kHeight; y += kTileSize) {
+      for (uint32_t x = 0; x < kWidth; x += kTileSize)
+        kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
+    }
+    for (uint32_t c = 0; c < kAtrousChannels; ++c) {
+      for (uint32_t y = 0; y < kHeight; ++y) {
+        const float* lanes = wall.level(step).filtered.at(c, 0, y);
+        const float* alone = single.data() + (lanes - wall.filtered.data());
+        ASSERT_EQ(std::memcmp(lanes, alone, kWidth * sizeof(float)), 0) << step << " " << c << " " << y;
+      }
+    }
+  }
+}
+
+TEST(Svgf, KeepsAConstant) {
+  Wall wall;
+  wall.moments.assign(kPixels, Vec2(1, 4));  // as if there were noise
+  wall.filter();
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    for (uint32_t c = 0; c < 3; ++c)
+      ASSERT_NEAR(wall.at(c, i % kWidth, i / kWidth), static_cast<float>(c + 1), 1e-5f) << i;
+  }
+}
+
+TEST(Svgf, RemovesNoiseByItsVariance) {
+  Wall wall;
+  wall.make_noise(8);
+  wall.prepare();
+  EXPECT_NEAR(wall.mse(1), 1.0 / 8, 0.02);
+  wall.filter();
+  EXPECT_LT(wall.mse(1), 0.1 / 8);
+}
+
+TEST(Svgf, YoungHistoriesAskTheirNeighbours) {
+  Wall wall;
+  wall.make_noise(1);
+  wall.filter();
+  EXPECT_LT(wall.mse(1), 0.1);
+}
+
+TEST(Svgf, KeepsEdgesOfLightWithoutNoise) {
+  Wall wall;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    const float value = i % kWidth < 40 ? 1.0f : 2.0f;  // a shadow's edge
+    wall.light[i] = Rgb(value);
+    wall.moments[i] = Vec2(value, value * value);
+  }
+  wall.filter();
+  EXPECT_NEAR(wall.at(0, 39, 20), 1.0f, 1e-3f);
+  EXPECT_NEAR(wall.at(0, 40, 20), 2.0f, 1e-3f);
+}
+
+TEST(Svgf, StopsAtNormalsAndPlanes) {
+  for (const bool turn : {true, false}) {
+    Wall wall;
+    wall.moments.assign(kPixels, Vec2(0, 1e4f));  // noise that hides any contrast
+    for (uint32_t i = 0; i < kPixels; ++i) {
+      const bool right = i % kWidth >= 40;
+      wall.light[i] = Rgb(right ? 2.0f : 1.0f);
+      if (right && turn) wall.normal[i] = Vec3(1, 0, 0);
+      if (right && !turn) wall.position[i].z += 1.0f;
+    }
+    wall.filter();
+    EXPECT_NEAR(wall.at(0, 39, 20), 1.0f, 2e-3f);
+    EXPECT_NEAR(wall.at(0, 40, 20), 2.0f, 2e-3f);
+  }
+}
+
+TEST(Svgf, PixelsWithoutSamplesTakeWhatIsAroundThem) {
+  Wall wall;
+  for (uint32_t i = 0; i < kPixels; i += 2) {
+    wall.count[i] = 0;
+    wall.light[i] = Rgb(0);
+  }
+  wall.filter();
+  for (uint32_t i = 0; i < kPixels; ++i) ASSERT_NEAR(wall.at(1, i % kWidth, i / kWidth), 2.0f, 1e-4f) << i;
+}
+
+TEST(Svgf, NothingLeaksOutOfPixelsThatAreNotFiltered) {
+  Wall wall;
+  wall.moments.assign(kPixels, Vec2(1, 100));
+  for (uint32_t i = 0; i < kPixels; i += 5) {
+    wall.albedo[i] = Rgb(0);
+    wall.light[i] = Rgb(1e6f);
+  }
+  wall.filter();
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (i % 5 == 0) continue;
+    ASSERT_NEAR(wall.at(1, i % kWidth, i / kWidth), 2.0f, 1e-3f) << i;
+  }
+}
+
+}  // namespace
+}  // namespace relume

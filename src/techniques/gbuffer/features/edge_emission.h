@@ -1,0 +1,88 @@
+// The emission that pixels at the edges of something bright see, from more camera rays than the sample's. It takes the
+// place of what the sample saw of it: the mean of the pixel stays as it is, and most of its noise goes.
+#pragma once
+
+#include "techniques/gbuffer/features/features.h"
+#include "techniques/gbuffer/primary_hits/emission_edges.h"
+
+namespace relume {
+
+/// Finds such pixels and measures what they see.
+struct MeasureEdgesKernel {
+  SceneView scene;
+  SampleIndex index;
+  View<const Rgb> radiance;         ///< of this frame's samples
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
+  View<const Rgb> albedo;           ///< the samples' features
+  View<const Rgb> emission;
+  View<Rgb> shown_emission;  ///< mean of the rays; elsewhere the sample's
+  View<uint32_t> edge_rays;  ///< their number, 0: no edge. An edge stays one until something changes: by chance in some
+                             ///< frames and not in others, the samples of a sequence would no longer complete it
+  uint32_t rays = 0;         ///< for each such pixel
+  uint32_t max_steps = kMaxFeatureSteps;
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const bool edge = rays > 0 && (edge_rays[pixel] > 0 || is_edge(x, y));
+    edge_rays[pixel] = edge ? rays : 0u;
+    shown_emission[pixel] = edge ? measure(x, y) : emission[pixel];
+  }
+
+ private:
+  RELUME_HD bool is_edge(uint32_t x, uint32_t y) const {
+    const auto seen = [&](uint32_t i) { return luminance(emission[i]); };
+    const float contrast = emission_contrast(x, y, width, height, seen);
+    if (!(contrast > 0.0f)) return false;
+    const float scattered = scattered_around(x, y);
+    const auto shown = [&](uint32_t i) { return seen(i) + (is_filtered(albedo[i]) ? scattered : 0.0f); };
+    return contrast > kEmissionContrast * darkest_around(x, y, width, height, shown);
+  }
+
+  /// Mean luminance of what the surfaces around scatter: samples of single pixels are too noisy to say how dark it is
+  /// beside a lamp. Infinity where none was taken, which makes no edge.
+  RELUME_HD float scattered_around(uint32_t x, uint32_t y) const {
+    float sum = 0;
+    float count = 0;
+    uint32_t i = 0;
+    for (uint32_t k = 0; k < kNeighbours; ++k) {
+      if (!neighbour_of(k, x, y, width, height, i) || !is_filtered(albedo[i])) continue;
+      if ((!allocation.empty() && allocation[i] == 0) || !is_finite(radiance[i])) continue;
+      sum += relume::max(luminance(radiance[i] - emission[i]), 0.0f);
+      count += 1.0f;
+    }
+    return count > 0.0f ? sum / count : kInfinity;
+  }
+
+  RELUME_HD Rgb measure(uint32_t x, uint32_t y) const {
+    const FeatureTracer tracer{scene, max_steps};
+    return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
+      const Ray ray = camera_ray(scene.camera, x, y, sampler);
+      const uint32_t ray_id = sampler.camera_ray_id();
+      return tracer.trace(ray, intersect(scene.accel, ray, ray_id), ray_id).emission;
+    });
+  }
+};
+
+/// Takes the sample's emission out of its radiance, and puts in what is shown.
+struct ReplaceEmissionKernel {
+  View<const Rgb> emission;
+  View<const Rgb> shown_emission;
+  View<const uint32_t> edge_rays;
+  View<const uint32_t> allocation;
+  View<Rgb> radiance;
+  View<Rgb> scattered;  ///< radiance of the sample without its emission; beside a sun no sum of both would keep it
+  View<uint32_t> rays;  ///< of this frame's sample; camera rays of edges are added
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    scattered[pixel] = radiance[pixel] - emission[pixel];
+    if (edge_rays[pixel] == 0) return;
+    if (allocation.empty() || allocation[pixel] != 0) radiance[pixel] = shown_emission[pixel] + scattered[pixel];
+    rays[pixel] += edge_rays[pixel];
+  }
+};
+
+}  // namespace relume

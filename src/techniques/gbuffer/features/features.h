@@ -1,0 +1,335 @@
+// What a pixel shows to a denoiser: the first surface that scatters light widely, in plain view, in mirrors or through
+// smooth glass, and apart from it the emission that is seen along the way, which carries no noise.
+#pragma once
+
+#include "scene/medium.h"
+#include "techniques/gbuffer/features/reflection.h"
+#include "techniques/gbuffer/primary_hits/primary_hits.h"
+
+namespace relume {
+
+/// Mirrors and interfaces that are followed at most.
+inline constexpr uint32_t kMaxFeatureSteps = 8;
+/// Albedos below this are taken for black where radiance is divided by them: less than a display shows.
+inline constexpr float kLeastAlbedo = 1e-3f;
+
+/// The way on from a surface that mostly mirrors or lets pass.
+struct NarrowStep {
+  Vec3 wi{0};       ///< world direction
+  Rgb emission{0};  ///< factor for what is seen that way
+  Rgb albedo{0};    ///< the same if all that the surface returns came that way
+  bool reflected = false;
+  bool valid = false;
+};
+
+namespace feature_detail {
+
+RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
+  switch (lobe.kind) {
+    case LobeKind::mirror:
+    case LobeKind::smooth_dielectric:
+    case LobeKind::pass_through: return true;
+    case LobeKind::reflection:
+    case LobeKind::dielectric:
+    case LobeKind::thin_transmission: return lobe.microfacet.alpha < kNarrowAlpha;
+    default: return false;
+  }
+}
+
+/// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
+RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* compression) {
+  const Vec3 mirrored(-wo.x, -wo.y, wo.z);
+  *share = Rgb(1);
+  *compression = 1.0f;
+  switch (lobe.kind) {
+    case LobeKind::pass_through:
+    case LobeKind::thin_transmission: return -wo;
+    case LobeKind::dielectric:
+    case LobeKind::smooth_dielectric: {
+      const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+      const Rgb through = lobe.color * (Rgb(1) - reflected);
+      const Rgb total = reflected + through;
+      Vec3 wi;
+      if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
+        for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
+        *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+        return wi;
+      }
+      for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
+      return mirrored;
+    }
+    default: return mirrored;
+  }
+}
+
+RELUME_HD inline bool has_narrow(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (is_narrow(bsdf.lobes[i])) return true;
+  }
+  return false;
+}
+
+}  // namespace feature_detail
+
+/// Invalid where lobes that are not narrow return half of the light or more: a filter can do with what they show.
+RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
+  NarrowStep step;
+  if (!feature_detail::has_narrow(sp.bsdf)) return step;
+  const float below_coat = coat_transmittance(sp.bsdf, sp.wo_local.z);
+  Rgb total(0);
+  Rgb largest(0);
+  float narrow = 0;
+  int chosen = -1;
+  for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
+    const Lobe& lobe = sp.bsdf.lobes[i];
+    const float share = sp.bsdf.is_coat(i) ? 1.0f : below_coat;
+    const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * share;
+    total += albedo;
+    if (!feature_detail::is_narrow(lobe)) continue;
+    narrow += luminance(albedo);
+    if (chosen >= 0 && luminance(albedo) <= luminance(largest)) continue;
+    chosen = i;
+    largest = albedo;
+  }
+  if (chosen < 0 || 2.0f * narrow <= luminance(total)) return step;
+  Rgb share;
+  float compression = 1;
+  const Vec3 wi = feature_detail::main_direction(sp.bsdf.lobes[chosen], sp.wo_local, &share, &compression);
+  step.wi = sp.frame.to_world(wi);
+  step.reflected = wi.z > 0.0f;
+  step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
+  // As BSDFs do, emission counts the coat on the way in as well; an albedo is the mean over all directions.
+  const float coat_again = sp.bsdf.is_coat(chosen) ? 1.0f : coat_transmittance(sp.bsdf, wi.z);
+  step.emission = largest * share * (compression * coat_again);
+  step.albedo = total * compression;
+  return step;
+}
+
+/// What one sample of a pixel shows.
+struct Feature {
+  Vec3 position{0};  ///< as if mirrors were windows: at the length of the path along the camera ray, metres
+  Vec3 previous{0};  ///< where that was one frame ago
+  Vec3 normal{0};    ///< shading normal, unfolded in the same way
+  Rgb albedo{0};     ///< of the surface, times what mirrors on the way return; black: there is nothing to filter
+  Rgb emission{0};   ///< radiance seen without scattering widely
+  float depth = 0;   ///< length of the path, metres
+  uint32_t surface = kNoSurface;  ///< tells surfaces apart, and their images from themselves
+};
+
+/// Follows mirrors and smooth interfaces from the primary hit on. `max_steps`: bounces that the estimator makes.
+struct FeatureTracer {
+  const SceneView& scene;
+  uint32_t max_steps = kMaxFeatureSteps;
+
+  /// `reflection`: filled in if diffuse and specular light are kept apart; nullptr if they are not.
+  RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id,
+                                 Reflection* reflection = nullptr) const {
+    Feature f;
+    if (!hit.valid()) {
+      reach_background(camera_ray, camera_ray, Rgb(1), 0, f);
+      return f;
+    }
+    SurfacePoint sp;
+    make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
+    // Most pixels show a surface directly, and for them there is nothing to follow or to unfold.
+    const bool in_body = !sp.front_face || !is_black(scene.camera_medium);
+    if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
+    f.position = sp.position;
+    f.previous = sp.previous_position;
+    f.normal = sp.frame.n;
+    f.albedo = is_lambert(sp.bsdf) ? sp.bsdf.lobes[0].color : relume::albedo(sp.bsdf, sp.wo_local.z);
+    f.emission = sp.emission;
+    f.depth = hit.t;
+    f.surface = sp.instance;
+    if (reflection) reflect(camera_ray, hit, sp, ray_id, Rgb(1), *reflection);
+    return f;
+  }
+
+ private:
+  /// What specular lobes of the primary hit show. Light passes `let_through` between there and the camera.
+  RELUME_HD void reflect(const Ray& camera_ray, const Hit& hit, const SurfacePoint& sp, uint32_t ray_id,
+                         const Rgb& let_through, Reflection& reflection) const {
+    if (specular_lobes(sp.bsdf) == SpecularLobes::none) return;
+    Rgb albedo;
+    const int chosen = reflection_detail::main_lobe(sp, &albedo);
+    if (chosen < 0) return;
+    const Lobe& lobe = sp.bsdf.lobes[chosen];
+    const float alpha = is_delta(lobe.kind) ? 0.0f : lobe.microfacet.alpha;
+    if (alpha > kWidestReflection) return;
+    Rgb share;
+    float compression = 1;
+    const Vec3 wi_local = feature_detail::main_direction(lobe, sp.wo_local, &share, &compression);
+    const Vec3 wi = sp.frame.to_world(wi_local);
+    if (!(glm::dot(wi, sp.ng) * wi_local.z > 0.0f)) return;
+    reflection.albedo = albedo * let_through;
+    ReflectionTracer{scene, camera_ray, hit, sp}.trace(wi, wi_local.z > 0.0f, alpha, hash(ray_id, kMaxFeatureSteps),
+                                                       reflection);
+  }
+
+  /// From the primary hit, of which `sp` is the surface point, on.
+  RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp,
+                           Reflection* reflection) const {
+    Feature f;
+    Rgb seen(1);
+    Rgb medium = scene.camera_medium;  // of what the way leads through
+    Mat3 unfold(1);
+    uint32_t path_id = 0;
+    f.albedo = Rgb(1);
+    f.depth = hit.t;
+    for (uint32_t step = 0;; ++step) {
+      const Rgb let_through = transmittance_to(scene, sp, hit.t, medium);
+      seen *= let_through;
+      f.albedo *= let_through;
+      f.emission += seen * sp.emission;
+      const NarrowStep next = step < max_steps ? narrow_step(sp) : NarrowStep{};
+      if (!next.valid) {
+        if (reflection && step == 0) reflect(camera_ray, hit, sp, ray_id, let_through, *reflection);
+        break;
+      }
+      seen *= next.emission;
+      f.albedo *= next.albedo;
+      path_id = hash(sp.instance, path_id + 1);
+      if (next.reflected) unfold = unfold * mirror_matrix(sp.frame.n);
+      const Ray ray = sp.spawn_ray(next.wi);
+      medium = medium_along(scene, sp, next.wi, medium);
+      hit = intersect(scene.accel, ray, hash(ray_id, step));
+      if (!hit.valid()) {
+        reach_background(camera_ray, ray, seen, path_id, f);
+        return f;
+      }
+      f.depth += hit.t;
+      make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * f.depth, sp);
+    }
+    f.albedo *= sp.bsdf.empty() ? Rgb(0) : relume::albedo(sp.bsdf, sp.wo_local.z);
+    f.normal = unfold * sp.frame.n;
+    f.position = path_id == 0 ? sp.position : camera_ray.origin + camera_ray.direction * f.depth;
+    f.previous = f.position + unfold * (sp.previous_position - sp.position);
+    f.surface = sp.instance ^ path_id;
+    return f;
+  }
+
+  /// I − 2 n nᵀ.
+  RELUME_HD static Mat3 mirror_matrix(const Vec3& n) { return Mat3(1) - 2.0f * glm::outerProduct(n, n); }
+
+  RELUME_HD void reach_background(const Ray& camera_ray, const Ray& ray, const Rgb& seen, uint32_t path_id,
+                                  Feature& f) const {
+    const LightsView& lights = scene.lights;
+    for (LightId id = lights.first_infinite; id < lights.lights.size; ++id)
+      f.emission += seen * radiance_from_infinity(lights, id, ray.direction);
+    f.albedo = Rgb(0);
+    f.depth = kBackgroundDistance;
+    f.position = f.previous = camera_ray.origin + camera_ray.direction * kBackgroundDistance;
+    f.normal = -camera_ray.direction;
+    f.surface = path_id == 0 ? kNoSurface : path_id;
+  }
+};
+
+/// Light that arrives at a surface which scatters this much of it, times π: what it would return if it were white.
+/// Channels in which it returns nothing take the largest of the others.
+RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
+  Rgb light(0);
+  float largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (albedo[c] < kLeastAlbedo) continue;
+    light[c] = scattered[c] / albedo[c];
+    largest = relume::max(largest, light[c]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (albedo[c] < kLeastAlbedo) light[c] = largest;
+  }
+  return light;
+}
+
+/// Whether there is something to filter.
+RELUME_HD inline bool is_filtered(const Rgb& albedo) { return max_component(albedo) >= kLeastAlbedo; }
+
+/// Reflections of every pixel. Those that show none have the features of their surface, and `albedo` is black.
+struct ReflectionViews {
+  View<Rgb> diffuse_albedo;  ///< of all that is not specular; of everything where `albedo` is black
+  View<Rgb> albedo;
+  View<Vec3> position;
+  View<Vec3> previous;
+  View<Vec3> normal;
+  View<float> depth;
+  View<Vec2> motion;  ///< of the image, pixels
+};
+
+/// Features of every pixel.
+struct FeatureKernel {
+  SceneView scene;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<Vec3> position;
+  View<Vec3> previous;
+  View<Vec3> normal;
+  View<Rgb> albedo;
+  View<Rgb> emission;
+  View<float> depth;
+  View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
+  View<uint32_t> surface;
+  uint32_t max_steps = kMaxFeatureSteps;
+  bool camera_moved = true;  ///< false: it is where it was in the frame before
+  uint32_t width = 0;
+  ReflectionViews reflections = {};  ///< empty: diffuse and specular light stay together
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    Sampler sampler = index.sampler(x, y);
+    const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    write(y * width + x, ray, sampler.camera_ray_id());
+  }
+
+  /// Camera rays in packets.
+  void operator()(const Tile& tile) const {
+    for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
+      for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
+        CameraPacket packet;
+        packet.take_rows(x, y, tile);
+        packet.generate(scene.camera, index);
+        for (int i = 0; i < packet.count; ++i) write(packet.y[i] * width + packet.x[i], packet.rays[i], packet.ids[i]);
+      }
+    }
+  }
+
+ private:
+  RELUME_HD_INLINE void write(uint32_t pixel, const Ray& ray, uint32_t ray_id) const {
+    const FeatureTracer tracer{scene, max_steps};
+    Reflection reflection;
+    const bool split = !reflections.position.empty();
+    const Feature f = tracer.trace(ray, hits[pixel], ray_id, split ? &reflection : nullptr);
+    position[pixel] = f.position;
+    previous[pixel] = f.previous;
+    normal[pixel] = f.normal;
+    albedo[pixel] = f.albedo;
+    emission[pixel] = f.emission;
+    depth[pixel] = f.depth;
+    surface[pixel] = f.surface;
+    motion[pixel] = !camera_moved && f.previous == f.position ? Vec2(0) : motion_of(ray, f);
+    if (split) write_reflection(pixel, f, reflection);
+  }
+
+  RELUME_HD void write_reflection(uint32_t pixel, const Feature& f, const Reflection& r) const {
+    const ReflectionViews& to = reflections;
+    const bool shown = is_filtered(r.albedo);
+    const Rgb rest = glm::max(f.albedo - r.albedo, Rgb(0));
+    to.diffuse_albedo[pixel] = !shown ? f.albedo : is_filtered(rest) ? rest : Rgb(0);
+    to.albedo[pixel] = shown ? r.albedo : Rgb(0);
+    to.position[pixel] = shown ? r.position : f.position;
+    to.previous[pixel] = shown ? r.previous : f.previous;
+    to.normal[pixel] = shown ? r.normal : f.normal;
+    to.depth[pixel] = shown ? r.depth : f.depth;
+    if (!shown) {
+      to.motion[pixel] = motion[pixel];
+    } else if (!camera_moved && r.image == r.image_before) {
+      to.motion[pixel] = Vec2(0);
+    } else {
+      to.motion[pixel] = film_motion(scene, r.image, r.image_before);
+    }
+  }
+
+  RELUME_HD Vec2 motion_of(const Ray& ray, const Feature& f) const {
+    return f.surface == kNoSurface ? film_motion_of_direction(scene, ray.direction)
+                                   : film_motion(scene, f.position, f.previous);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,22 @@
+#include "techniques/gbuffer/features/find_light_change.h"
+
+#include "techniques/gbuffer/features/light_change.h"
+
+namespace relume {
+
+View<const float> LightChange::discounts(const FrameContext& frame, const LightHistory& history) {
+  if (!includes(frame.changes, Change::geometry | Change::lights)) return {};
+  const uint32_t columns = change_blocks(frame.width());
+  const uint32_t rows = change_blocks(frame.height());
+  departures_.resize(static_cast<size_t>(columns) * rows);
+  discounts_.resize(departures_.size());
+  // Few blocks, and dear ones: a task for some of them.
+  constexpr uint32_t kTasks = 4;
+  const CompareBlocksKernel compare{history, mutable_view_of(departures_), frame.width(), frame.height()};
+  frame.launch("light-change", compare, {columns, rows, kTasks});
+  const DiscountBlocksKernel discount{view_of(departures_), mutable_view_of(discounts_), columns, rows};
+  frame.launch("light-change", discount, {columns, rows});
+  return view_of(discounts_);
+}
+
+}  // namespace relume

@@ -1,0 +1,147 @@
+// What denoisers remember of a pixel: the light that arrives at its surface, accumulated over frames along with the
+// surface's motion.
+#pragma once
+
+#include "techniques/gbuffer/features/features.h"
+#include "techniques/temporal/reprojection/backward.h"
+
+namespace relume {
+
+/// What a frame's sample says of the light at a pixel's surface.
+struct SurfaceLightSample {
+  Rgb light{0};
+  bool valid = false;  ///< false: no path this frame, nothing to filter, or not finite
+};
+
+/// Views on this frame's samples and features.
+struct SurfaceLight {
+  View<const Rgb> radiance;
+  View<const Rgb> scattered;        ///< the same without the emission that the sample saw
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
+  View<const Rgb> albedo;
+  View<const Rgb> emission;  ///< that the picture shows
+
+  RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
+
+  RELUME_HD SurfaceLightSample at(uint32_t pixel) const {
+    if (!taken(pixel) || !is_filtered(albedo[pixel]) || !is_finite(scattered[pixel])) return {};
+    return {light_at_surface(scattered[pixel], albedo[pixel]), true};
+  }
+
+  /// The picture from filtered light. What is not filtered shows this frame's sample or, without one, the emission
+  /// seen. Samples that miss some of the emission leave negative light behind; no picture is darker than black.
+  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light) const {
+    if (is_filtered(albedo[pixel])) return glm::max(emission[pixel] + albedo[pixel] * light, Rgb(0));
+    return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
+  }
+};
+
+/// The two parts of this frame's samples, where they are kept apart.
+struct SplitLight {
+  SurfaceLight diffuse;
+  View<const Rgb> specular_albedo;
+
+  RELUME_HD bool reflects(uint32_t pixel) const { return is_filtered(specular_albedo[pixel]); }
+
+  /// What specular lobes return of filtered light. Only of a pixel that reflects.
+  RELUME_HD Rgb specular_part(uint32_t pixel, const Rgb& light) const {
+    return glm::max(specular_albedo[pixel] * light, Rgb(0));
+  }
+
+  /// The picture from filtered diffuse light and what specular_part() has made of the rest.
+  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light, const Rgb& specular) const {
+    if (is_filtered(diffuse.albedo[pixel])) return diffuse.picture(pixel, light) + specular;
+    if (reflects(pixel)) return diffuse.emission[pixel] + specular;
+    return diffuse.picture(pixel, light);
+  }
+};
+
+/// Pixels along the edge of a block in which changes of light are looked for.
+inline constexpr uint32_t kChangeBlock = 8;
+RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChangeBlock - 1) / kChangeBlock; }
+
+inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
+
+/// A pixel's past and its sample of this frame: how anything that is known of its samples is averaged.
+struct PixelHistory {
+  BackwardTaps taps;
+  SurfaceLightSample sample;
+  uint32_t age = 0;       ///< samples that the past counts for
+  float least_share = 0;  ///< of this frame's sample in the mean
+
+  /// Samples, this frame's included.
+  RELUME_HD uint32_t count() const { return age + (sample.valid ? 1u : 0u); }
+
+  /// What a buffer of the frame before holds where this pixel's surface was; zero where nothing is known.
+  template <typename T>
+  RELUME_HD T past(const View<const T>& before) const {
+    return age > 0 ? taps.fetch(before) : T(0);
+  }
+
+  /// The mean over all samples, from that of the frame before and this frame's `value`, which counts if the sample
+  /// does.
+  template <typename T>
+  RELUME_HD T mean(const View<const T>& before, const T& value) const {
+    T result = past(before);
+    if (!sample.valid) return result;
+    const float share = relume::max(1.0f / static_cast<float>(count()), least_share);
+    result += (value - result) * share;
+    return result;
+  }
+};
+
+/// Accumulates the light at the pixels' surfaces: what the first kernels of denoisers have in common.
+struct LightHistory {
+  BackwardReprojection reprojection;
+  SurfaceLight samples;
+  View<const Rgb> light_before;
+  View<const uint32_t> count_before;
+  View<Rgb> light;                         ///< mean of the samples
+  View<uint32_t> count;                    ///< of them
+  uint32_t max_samples = kNoHistoryLimit;  ///< that the past counts for at most
+  float least_share = 0;                   ///< of a frame's sample in the mean; 0: that of all others
+  /// 1 / samples that it counts for where the light has changed, block by block (light_change.h); 0: it has not. Empty:
+  /// nowhere.
+  View<const float> discounts;
+
+  RELUME_HD uint32_t pixel(uint32_t x, uint32_t y) const { return y * reprojection.width + x; }
+
+  RELUME_HD uint32_t limit_at(uint32_t x, uint32_t y) const {
+    if (discounts.empty()) return max_samples;
+    const float discount = discount_at(x, y);
+    return discount * static_cast<float>(max_samples) > 1.0f ? static_cast<uint32_t>(1.0f / discount) : max_samples;
+  }
+
+  /// Interpolated between the middles of blocks.
+  RELUME_HD float discount_at(uint32_t x, uint32_t y) const {
+    const uint32_t columns = change_blocks(reprojection.width);
+    const uint32_t rows = change_blocks(reprojection.height);
+    const float u = relume::max((static_cast<float>(x) + 0.5f) / kChangeBlock - 0.5f, 0.0f);
+    const float v = relume::max((static_cast<float>(y) + 0.5f) / kChangeBlock - 0.5f, 0.0f);
+    const auto x0 = static_cast<uint32_t>(u);
+    const auto y0 = static_cast<uint32_t>(v);
+    const uint32_t x1 = relume::min(x0 + 1u, columns - 1u);
+    const uint32_t y1 = relume::min(y0 + 1u, rows - 1u);
+    const float wx = u - static_cast<float>(x0);
+    const float wy = v - static_cast<float>(y0);
+    const auto row = [&](uint32_t k) {
+      return discounts[k * columns + x0] * (1.0f - wx) + discounts[k * columns + x1] * wx;
+    };
+    return row(y0) * (1.0f - wy) + row(y1) * wy;
+  }
+
+  /// Brings the light of pixel (x, y) up to date. Black texels, too, carry the history of what surrounds them.
+  RELUME_HD PixelHistory accumulate(uint32_t x, uint32_t y) const {
+    const uint32_t i = pixel(x, y);
+    PixelHistory history;
+    history.sample = samples.at(i);
+    history.taps = reprojection.taps_or_nearest(x, y, count_before);
+    history.age = relume::min(history.taps.least(count_before), limit_at(x, y));
+    history.least_share = least_share;
+    light[i] = history.mean(light_before, history.sample.light);
+    count[i] = history.count();
+    return history;
+  }
+};
+
+}  // namespace relume

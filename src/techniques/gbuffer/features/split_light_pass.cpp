@@ -1,0 +1,30 @@
+#include "techniques/gbuffer/features/split_light_pass.h"
+#include "techniques/gbuffer/features/features_pass.h"
+
+#include "techniques/gbuffer/features/split_light.h"
+
+namespace relume {
+
+PassDeclaration SplitLightPass::declaration() const {
+  return {
+      .name = "split",
+      .stage = Stage::resolve,
+      .owns = {{.id = kDiffuseScattered,
+                .help = "the part of this frame's sample that the surface scattered diffusely"},
+               {.id = kSpecularScattered, .help = "the part that specular lobes scattered, where it is kept apart"}},
+      .reads = {kScattered, kRadianceSpecular, kDiffuseAlbedo, kSpecularAlbedo}};
+}
+
+bool SplitLightPass::run(const FrameContext& frame) {
+  SplitLightKernel kernel;
+  kernel.scattered = frame.read(kScattered);
+  kernel.specular_found = frame.read(kRadianceSpecular);
+  kernel.diffuse_albedo = frame.read(kDiffuseAlbedo);
+  kernel.specular_albedo = frame.read(kSpecularAlbedo);
+  kernel.diffuse = frame.write(kDiffuseScattered);
+  kernel.specular = frame.write(kSpecularScattered);
+  kernel.width = frame.width();
+  return frame.launch_or_stop("split", kernel);
+}
+
+}  // namespace relume

@@ -1,0 +1,165 @@
+// The first vertex of every path: camera rays, traced in coherent packets, and what auxiliary buffers show of it.
+#pragma once
+
+#include "scene/surface_point.h"
+#include "techniques/gbuffer/primary_hits/camera_packet.h"
+
+namespace relume {
+
+/// Finds the primary hits of the pixels that get a sample; the others get none.
+struct PrimaryHitsKernel {
+  AccelView accel;
+  CameraView camera;
+  SampleIndex index;
+  View<Hit> hits;
+  View<const uint32_t> allocation;  ///< samples that the pixel gets, 0 or 1; empty: every pixel gets one
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    if (!wanted(x, y)) {
+      hits[y * width + x] = {};
+      return;
+    }
+    Sampler sampler = index.sampler(x, y);
+    const Ray ray = lone_camera_ray(camera, x, y, sampler);
+    hits[y * width + x] = intersect(accel, ray, sampler.camera_ray_id());
+  }
+
+  /// Packets of two rows, or of the pixels that get a sample.
+  void operator()(const Tile& tile) const {
+    if (!allocation.empty()) return trace_samples(tile);
+    for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
+      for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {
+        CameraPacket packet;
+        packet.take_rows(x, y, tile);
+        trace(packet);
+      }
+    }
+  }
+
+ private:
+  void trace_samples(const Tile& tile) const {
+    CameraPacket packet;
+    for (uint32_t y = tile.y0; y < tile.y1; ++y) {
+      for (uint32_t x = tile.x0; x < tile.x1; ++x) {
+        if (!wanted(x, y)) {
+          hits[y * width + x] = {};
+        } else if (packet.add(x, y)) {
+          trace(packet);
+          packet.count = 0;
+        }
+      }
+    }
+    trace(packet);
+  }
+  void trace(CameraPacket& packet) const {
+    if (packet.count == 0) return;
+    packet.generate(camera, index);
+    Hit found[kPacketSize];
+    intersect_packet(accel, packet.rays, packet.ids, found, packet.count, true);
+    for (int i = 0; i < packet.count; ++i) hits[packet.y[i] * width + packet.x[i]] = found[i];
+  }
+  RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }
+};
+
+/// Film position at which a point is seen, through the middle of a lens. False if it lies behind the camera.
+RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, Vec2* film) {
+  if (camera.projection == Projection::perspective) {
+    const Vec3 local = camera.axes.to_local(p - camera.position);
+    if (local.z >= 0.0f) return false;
+    const float scale = -1.0f / local.z;
+    *film = camera_detail::film_from_ndc(camera, Vec2(local) * scale / camera.half_extent);
+    return true;
+  }
+  film->x = kInfinity;
+  const bool orthographic = camera.projection == Projection::orthographic;
+  film_position(camera,
+                orthographic ? Ray{p, -camera.axes.n, kInfinity}
+                             : Ray{camera.position, glm::normalize(p - camera.position), kInfinity},
+                film);
+  return is_finite(film->x);
+}
+
+/// Motion, in pixels, of what the previous frame could not show: leads beyond every picture. The largest binary16.
+inline constexpr float kFromNowhere = 65504;
+
+/// Pixels from where the previous frame showed `before` to where this one shows `now`; kFromNowhere where one of them
+/// lies behind its camera.
+RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
+  Vec2 here;
+  Vec2 there;
+  if (!film_position_of(scene.camera, now, &here) || !film_position_of(scene.previous_camera, before, &there))
+    return Vec2(kFromNowhere);
+  const Vec2 difference = here - there;
+  return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(kFromNowhere);
+}
+
+/// The same for what is infinitely far away in this direction.
+RELUME_HD inline Vec2 film_motion_of_direction(const SceneView& scene, const Vec3& direction) {
+  if (scene.camera.projection == Projection::orthographic) return Vec2(0);
+  return film_motion(scene, scene.camera.position + direction, scene.previous_camera.position + direction);
+}
+
+/// What the primary hit shows, for filters, histories and auxiliary outputs. Pixels that see no surface get zeros,
+/// kNoSurface and the motion of infinity.
+struct SurfaceKernel {
+  SceneView scene;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<Vec3> position;     ///< metres, world space
+  View<Vec3> previous;     ///< where that point was one frame ago
+  View<Vec3> normal;       ///< shading normal, world space
+  View<Rgb> albedo;        ///< directional albedo; the emission of emitters, clamped to 1
+  View<float> depth;       ///< distance from the camera, metres
+  View<Vec2> motion;       ///< pixels from the previous frame's position to this one's
+  View<uint32_t> surface;  ///< instance
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Hit hit = hits[pixel];
+    Sampler sampler = index.sampler(x, y);
+    const Ray ray = lone_camera_ray(scene.camera, x, y, sampler);
+    surface[pixel] = hit.instance;
+    if (!hit.valid()) {
+      position[pixel] = previous[pixel] = normal[pixel] = Vec3(0);
+      albedo[pixel] = Rgb(0);
+      depth[pixel] = 0.0f;
+      motion[pixel] = film_motion_of_direction(scene, ray.direction);
+      return;
+    }
+    SurfacePoint sp;
+    make_surface_point(scene, ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
+    position[pixel] = sp.position;
+    previous[pixel] = sp.previous_position;
+    normal[pixel] = sp.frame.n;
+    albedo[pixel] = glm::min(relume::albedo(sp.bsdf, glm::dot(sp.wo, sp.frame.n)) + sp.emission, Rgb(1));
+    depth[pixel] = hit.t;
+    motion[pixel] = film_motion(scene, sp.position, sp.previous_position);
+  }
+};
+
+/// Sums of what the primary hits of several samples show; divided by their number when written. Motion is that of the
+/// first, as nothing moves while samples of a still picture add up.
+struct AuxiliaryKernel {
+  View<const Rgb> surface_albedo;
+  View<const Vec3> surface_normal;
+  View<const float> surface_depth;
+  View<const Vec2> surface_motion;
+  View<Rgb> albedo;
+  View<Vec3> normal;
+  View<float> depth;
+  View<Vec2> motion;
+  bool first = false;  ///< sample after a change: the only one that shows motion
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    albedo[pixel] += surface_albedo[pixel];
+    normal[pixel] += surface_normal[pixel];
+    depth[pixel] += surface_depth[pixel];
+    if (first) motion[pixel] = surface_motion[pixel];
+  }
+};
+
+}  // namespace relume

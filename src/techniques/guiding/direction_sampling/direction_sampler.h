@@ -1,0 +1,79 @@
+// The slot "direction sampling": where a path goes on from a vertex. Guiding strategies mix with the BSDF inside, so
+// pdf() is always the density of the whole mixture.
+#pragma once
+
+#include "sampling/sampler.h"
+#include "scene/surface_point.h"
+#include "techniques/guiding/directional_quadtree/directional_quadtree.h"
+
+namespace relume {
+
+enum class DirectionSamplerKind : int { bsdf, quadtree };
+
+struct DirectionSampler {
+  DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
+  QuadtreeArray quadtrees;     ///< by region
+  float bsdf_fraction = 0.5f;  ///< of directions, where there is a choice
+  bool stratified = false;     ///< how quadtrees are sampled
+
+  RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
+                              TransportMode mode = TransportMode::radiance) const {
+    if (guides(sp)) return sample_mixture(sp, sampler);
+    return sample_bsdf(sp, sampler, mode);
+  }
+
+  /// Density of sample() in direction `wi`, given the BSDF's value there.
+  RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
+    if (!guides(sp)) return bsdf.pdf_forward;
+    return mixed(bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
+  }
+
+ private:
+  RELUME_HD bool guides(const SurfacePoint& sp) const {
+    return kind == DirectionSamplerKind::quadtree && sp.region < quadtrees.tree_count() && has_non_delta(sp.bsdf);
+  }
+  RELUME_HD float mixed(float pdf_bsdf, float pdf_tree) const {
+    return bsdf_fraction * pdf_bsdf + (1.0f - bsdf_fraction) * pdf_tree;
+  }
+
+  RELUME_HD static BsdfSample sample_bsdf(const SurfacePoint& sp, Sampler& sampler,
+                                          TransportMode mode = TransportMode::radiance) {
+    const float u_lobe =
+        sp.bsdf.lobe_count > 1 || sp.bsdf.lobes[0].kind >= LobeKind::dielectric ? sampler.next_1d() : 0.0f;
+    return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
+  }
+
+  /// One sample of the mixture of BSDF and quadtree. `compression` takes the ratio of densities, so that roulette sees
+  /// the weight that the BSDF alone would have given: guided directions have small weights because they are likely.
+  RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, Sampler& sampler) const {
+    const DirectionalQuadtree tree = quadtrees.load(sp.region);
+    BsdfSample s;
+    if (sampler.next_1d() < bsdf_fraction) {
+      s = sample_bsdf(sp, sampler);
+      if (!s.valid) return s;
+      if (s.delta) {
+        s.weight /= bsdf_fraction;
+        return s;
+      }
+      s.guide_pdf_w = tree.pdf(s.wi);
+      const float pdf = mixed(s.pdf_w, s.guide_pdf_w);
+      s.weight *= s.pdf_w / pdf;
+      s.compression *= s.pdf_w / pdf;
+      s.pdf_w = pdf;
+      return s;
+    }
+    const Vec2 u = sampler.next_2d();
+    s.wi = stratified ? tree.sample_stratified(u) : tree.sample(u);
+    const BsdfEval bsdf = eval_pdf(sp, s.wi);
+    s.guide_pdf_w = tree.pdf(s.wi);
+    s.pdf_w = mixed(bsdf.pdf_forward, s.guide_pdf_w);
+    s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;
+    if (!s.valid) return s;
+    s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);
+    s.compression = bsdf.pdf_forward / s.pdf_w;
+    if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.compression *= refraction_compression(sp.bsdf);
+    return s;
+  }
+};
+
+}  // namespace relume

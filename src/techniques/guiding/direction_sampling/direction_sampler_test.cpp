@@ -1,0 +1,159 @@
+// The contract of direction samplers: samples follow the density of the mixture, weights are f cos / pdf, and what only
+// the BSDF can find keeps its share.
+#include "techniques/guiding/direction_sampling/direction_sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "materials/testing/bsdf_charts.h"
+#include "techniques/guiding/directional_quadtree/testing/random_tree.h"
+#include "testing/histogram.h"
+
+namespace relume {
+namespace {
+
+/// A sampler that guides in region 0.
+struct Guide {
+  explicit Guide(float bsdf_fraction, bool stratified) {
+    sampler.kind = DirectionSamplerKind::quadtree;
+    words.resize(4);
+    sampler.quadtrees = {mutable_view_of(words), 128};
+    sampler.quadtrees.store(0, testing::random_tree(128, 5));
+    sampler.bsdf_fraction = bsdf_fraction;
+    sampler.stratified = stratified;
+  }
+
+  std::vector<uint32_t> words;
+  DirectionSampler sampler;
+};
+
+/// A point in region 0, in a frame that is not the world's.
+SurfacePoint make_point(const testing::BsdfCase& c) {
+  SurfacePoint sp{};
+  sp.frame = make_frame(glm::normalize(Vec3(0.3f, 0.9f, -0.2f)));
+  sp.ng = sp.frame.n;
+  sp.wo_local = glm::normalize(Vec3(0.4f, -0.3f, 0.6f));
+  sp.bsdf = c.make(sp.wo_local.z, true);
+  sp.region = 0;
+  return sp;
+}
+
+/// Numbers of the i-th of many independent samples: strata would make χ² too small.
+Sampler numbers(uint32_t i) { return Sampler::sequence(11, i, 0, 0, 0); }
+
+/// Lobes of all widths, through which light passes or not, some with a delta lobe over a wide one.
+std::vector<testing::BsdfCase> materials() { return testing::material_cases({0.0f, 0.3f, 0.8f}); }
+
+/// Directions about that in which the material has a peak, if it has one.
+testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint& sp) {
+  const testing::PeakDirections peaks = testing::peak_directions(c, sp.wo_local);
+  return {make_frame(sp.frame.to_world(peaks.above)), clamp(double{c.alpha}, 0.02, 0.5)};
+}
+
+TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
+  constexpr int kSamples = 40000;
+  for (const bool stratified : {false, true}) {
+    const Guide guide(stratified ? 0.25f : 0.5f, stratified);
+    for (const testing::BsdfCase& c : materials()) {
+      const SurfacePoint sp = make_point(c);
+      const testing::DirectionChart chart = chart_of(c, sp);
+      testing::Histogram histogram(24);
+      for (uint32_t i = 0; i < kSamples; ++i) {
+        Sampler u = numbers(i);
+        const BsdfSample s = guide.sampler.sample(sp, u);
+        if (!s.valid || s.delta) {
+          histogram.add_outside();
+          continue;
+        }
+        const Vec2 p = chart.coordinates(s.wi);
+        histogram.add(static_cast<double>(p.x), static_cast<double>(p.y));
+      }
+      const auto pdf = [&](const Vec3& w) {
+        const BsdfEval e = eval_pdf(sp, w);
+        return is_black(e.f) || e.pdf_forward <= 0.0f ? 0.0 : double{guide.sampler.pdf(sp, w, e)};
+      };
+      constexpr double kMaxStrays = 1e-4;  // the horizon cuts bins, and quadrature misses slips of them
+      EXPECT_GT(histogram.test(chart.density(pdf), 7, 2, kMaxStrays).p_value, testing::significance())
+          << c.name << (stratified ? ", stratified" : "");
+    }
+  }
+}
+
+TEST(DirectionSampler, RouletteSeesWhatTheBsdfAloneWouldHaveMade) {
+  const Guide guide(0.3f, false);
+  int refracted = 0;
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    for (uint32_t i = 0; i < 2000; ++i) {
+      Sampler u = numbers(i);
+      const BsdfSample s = guide.sampler.sample(sp, u);
+      if (!s.valid || s.delta || glm::dot(sp.frame.n, s.wi) >= 0.0f || refraction_compression(sp.bsdf) == 1.0f)
+        continue;
+      ++refracted;
+      const float ratio = s.compression * s.pdf_w / eval_pdf(sp, s.wi).pdf_forward;
+      ASSERT_NEAR(ratio, refraction_compression(sp.bsdf), 1e-2f) << c.name;
+    }
+  }
+  EXPECT_GT(refracted, 100);
+}
+
+TEST(DirectionSampler, WeightsAreValueTimesCosineOverDensity) {
+  const Guide guide(0.3f, false);
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    for (uint32_t i = 0; i < 1000; ++i) {
+      Sampler u = numbers(i);
+      const BsdfSample s = guide.sampler.sample(sp, u);
+      if (!s.valid || s.delta) continue;
+      const BsdfEval e = eval_pdf(sp, s.wi);
+      ASSERT_NEAR(s.pdf_w / guide.sampler.pdf(sp, s.wi, e), 1.0f, 2e-3f) << c.name;
+      const Rgb expected = e.f * (shading_cosine(sp, s.wi) / s.pdf_w);
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(s.weight[k], expected[k], 5e-3f * expected[k] + 1e-6f) << c.name;
+    }
+  }
+}
+
+TEST(DirectionSampler, WhatOnlyTheBsdfFindsKeepsItsShare) {
+  constexpr uint32_t kSamples = 20000;
+  const Guide guide(0.25f, false);
+  int with_delta = 0;
+  for (const testing::BsdfCase& c : materials()) {
+    const SurfacePoint sp = make_point(c);
+    double sums[2] = {0, 0};
+    double squares[2] = {0, 0};
+    for (uint32_t i = 0; i < kSamples; ++i) {
+      for (const int guided : {0, 1}) {
+        Sampler u = numbers(2 * i + static_cast<uint32_t>(guided));
+        const BsdfSample s = guided != 0 ? guide.sampler.sample(sp, u) : DirectionSampler{}.sample(sp, u);
+        const double weight = s.valid && s.delta ? double{luminance(s.weight)} : 0.0;
+        sums[guided] += weight / kSamples;
+        squares[guided] += weight * weight / kSamples;
+      }
+    }
+    if (sums[0] > 0) ++with_delta;
+    const double error = std::sqrt((squares[0] + squares[1]) / kSamples);
+    EXPECT_NEAR(sums[0], sums[1], 5 * error) << c.name;
+  }
+  EXPECT_GT(with_delta, 0);
+}
+
+TEST(DirectionSampler, IsTheBsdfWhereNothingIsKnown) {
+  const Guide guide(0.5f, false);
+  const testing::BsdfCase c = materials().back();
+  SurfacePoint sp = make_point(c);
+  sp.region = 1;  // for which there is no tree
+  for (uint32_t i = 0; i < 100; ++i) {
+    Sampler a = numbers(i);
+    Sampler b = numbers(i);
+    const BsdfSample guided = guide.sampler.sample(sp, a);
+    const BsdfSample plain = DirectionSampler{}.sample(sp, b);
+    ASSERT_EQ(guided.wi, plain.wi);
+    ASSERT_EQ(guided.pdf_w, plain.pdf_w);
+    ASSERT_EQ(guide.sampler.pdf(sp, plain.wi, eval_pdf(sp, plain.wi)), eval_pdf(sp, plain.wi).pdf_forward);
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,202 @@
+// Moves leaves of a directional quadtree to where samples found most ([Dittebrandt20, §5.1]).
+#pragma once
+
+#include "core/view.h"
+#include "techniques/guiding/directional_quadtree/directional_quadtree.h"
+
+namespace relume {
+
+/// What one path found along the direction in which it left a vertex.
+struct DirectionSample {
+  uint32_t direction;  ///< in the unit square, 16 bits a coordinate
+  float value;         ///< Li cos θ / pdf_w, luminance; pdf_w is that of the whole mixture
+};
+
+struct QuadtreeAdaption {
+  float stability = 0.1f;   ///< a leaf must hold 1 / stability times what it displaces
+  uint32_t migrations = 1;  ///< at most, in one call
+  float kept = 0;           ///< share of what earlier calls found that still counts; 0: the paper
+  float spread = 0;         ///< share of what a leaf's samples found that counts around it too; 0: the paper
+};
+
+/// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes. What outlasts a call
+/// decides with more care than the paper's: a leaf is split for what has been found since its parent was split, without
+/// the largest of its squares, so that no single bright sample draws the tree to itself for as long as it is
+/// remembered.
+struct QuadtreeWeights {
+  static constexpr uint32_t kBits = BitField::kWords * 32;
+  static constexpr float kMost = 1e37f;  ///< a sum of eight is still a number
+  float found[kBits] = {};               ///< in the leaf itself
+  float largest[kBits] = {};             ///< square among them
+  float inherited[kBits] = {};           ///< the leaf's share of what was found before its parent was split
+
+  RELUME_HD void add(uint32_t bit, float square) { add(bit, square, square); }
+  /// A sum of squares, and the largest of them.
+  RELUME_HD void add(uint32_t bit, float squares, float most) {
+    found[bit] = relume::min(found[bit] + squares, kMost);
+    largest[bit] = relume::max(largest[bit], most);
+  }
+  RELUME_HD float held(uint32_t bit) const { return found[bit] + inherited[bit]; }
+  RELUME_HD float held_by_group(uint32_t group) const {
+    const uint32_t b = 4 * group;
+    return held(b) + held(b + 1) + held(b + 2) + held(b + 3);
+  }
+  /// All of them lose some of their importance.
+  RELUME_HD void scale(float factor) {
+    for (uint32_t i = 0; i < kBits; ++i) {
+      found[i] *= factor;
+      largest[i] *= factor;
+      inherited[i] *= factor;
+    }
+  }
+  RELUME_HD void move(uint32_t to, uint32_t from) {
+    found[to] = found[from];
+    largest[to] = largest[from];
+    inherited[to] = inherited[from];
+  }
+  RELUME_HD void set(uint32_t bit, float inherits) {
+    found[bit] = 0;
+    largest[bit] = 0;
+    inherited[bit] = inherits;
+  }
+  /// The node at `bit` becomes a leaf in place of its children.
+  RELUME_HD void join(uint32_t bit, uint32_t group) {
+    set(bit, 0);
+    for (uint32_t i = 4 * group; i < 4 * group + 4; ++i) {
+      found[bit] = relume::min(found[bit] + found[i], kMost);
+      largest[bit] = relume::max(largest[bit], largest[i]);
+      inherited[bit] = relume::min(inherited[bit] + inherited[i], kMost);
+    }
+  }
+};
+
+/// Collapses the inner node whose bit is `inner` (all of its children are leaves) and splits the leaf `leaf`, which is
+/// none of these children. Weights move along: the collapsed node gets the sum of its children, those of the split leaf
+/// inherit `share` of what it held each. Returns the group of the new leaves.
+RELUME_HD inline uint32_t migrate(DirectionalQuadtree& tree, QuadtreeWeights& w, uint32_t inner, uint32_t leaf,
+                                  float share) {
+  const uint32_t removed = tree.bits.rank(inner + 1);
+  w.join(inner, removed);
+  tree.bits.clear(inner);
+  tree.bits.remove_nibble(removed);
+  for (uint32_t i = 4 * removed; i + 4 < tree.bit_count; ++i) w.move(i, i + 4);
+  if (leaf > 4 * removed) leaf -= 4;
+  tree.bits.set(leaf);
+  const float inherits = share * w.held(leaf);
+  w.set(leaf, 0);
+  const uint32_t inserted = tree.bits.rank(leaf + 1);
+  tree.bits.insert_nibble(inserted);
+  for (uint32_t i = tree.bit_count - 1; i >= 4 * inserted + 4; --i) w.move(i, i - 4);
+  for (uint32_t i = 0; i < 4; ++i) w.set(4 * inserted + i, inherits);
+  return inserted;
+}
+
+/// The two ends of a migration.
+struct MigrationChoice {
+  uint32_t leaf = 0;
+  uint32_t inner = 0;
+  bool found = false;
+};
+
+/// Heaviest leaf and lightest inner node that has only leaves below it. Ties go to the first in breadth-first order.
+RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tree, const QuadtreeWeights& w,
+                                                  const QuadtreeAdaption& options) {
+  MigrationChoice choice;
+  float heaviest = 0;
+  for (uint32_t i = 0; i < tree.bit_count; ++i) {
+    const float weight = w.found[i] - (options.kept > 0.0f ? w.largest[i] : 0.0f);
+    if (tree.bits.get(i) || !(weight > heaviest)) continue;
+    if (tree.cell_of(i).depth >= kMaxQuadtreeDepth) continue;
+    heaviest = weight;
+    choice.leaf = i;
+  }
+  float lightest = kInfinity;
+  for (uint32_t group = 1; group < tree.bit_count / 4; ++group) {
+    if (tree.bits.nibble(group) != 0 || choice.leaf >> 2 == group) continue;
+    const float sum = w.held_by_group(group);
+    if (sum < lightest) {
+      lightest = sum;
+      choice.inner = tree.bits.select(group - 1, true);
+    }
+  }
+  choice.found = heaviest > 0.0f && options.stability * heaviest > lightest;
+  return choice;
+}
+
+/// Adds the squares of `count` samples to the leaves, or only to those of one group. Samples with values that are not
+/// finite and positive are left out.
+template <typename Samples>
+RELUME_HD inline void add_squares(const DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples,
+                                  uint32_t count, uint32_t only_group = ~0u) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const DirectionSample s = samples(i);
+    if (!(s.value > 0.0f) || !is_finite(s.value * s.value)) continue;
+    const uint32_t bit = tree.find(unpack_square(s.direction)).bit;
+    if (only_group == ~0u || bit >> 2 == only_group) w.add(bit, s.value * s.value);
+  }
+}
+
+/// Adds to `w` an eighth of `share` of what `now` found in the leaf at `bit` for each of the eight squares of its size
+/// around it, unless finer leaves are there already.
+RELUME_HD inline void add_around(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
+                                 float share, uint32_t bit) {
+  const QuadtreeCell cell = tree.cell_of(bit);
+  const float edge = cell.edge();
+  // A coarse leaf may hold several of the squares: it gets their parts at once, as one largest square.
+  uint32_t leaves[8];
+  float parts[8];
+  uint32_t count = 0;
+  for (int i = 0; i < 9; ++i) {
+    if (i == 4) continue;  // the leaf itself
+    const Vec2 step(static_cast<float>(i % 3) - 0.5f, static_cast<float>(i / 3) - 0.5f);
+    const QuadtreeCell beside = tree.find(wrap_square(cell.corner + step * edge));
+    if (beside.depth > cell.depth || beside.bit == bit) continue;
+    uint32_t k = 0;
+    while (k < count && leaves[k] != beside.bit) ++k;
+    if (k == count) {
+      leaves[count] = beside.bit;
+      parts[count++] = 0;
+    }
+    parts[k] += 0.125f * share;
+  }
+  for (uint32_t k = 0; k < count; ++k) w.add(leaves[k], parts[k] * now.found[bit], parts[k] * now.largest[bit]);
+}
+
+/// Adds to `w` what `now` found, and a share of it around each leaf. A light's rim in a coarse leaf is met rarely, and
+/// then with a small density and a large weight: leaves beside those that are bright become fine before that happens.
+RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
+                                 float share) {
+  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+    if (!(now.found[bit] > 0.0f)) continue;
+    w.add(bit, now.found[bit], now.largest[bit]);
+    add_around(tree, w, now, share, bit);
+  }
+}
+
+/// Adapts `tree` to samples; `samples(i)` is the i-th of `count`. Squares make the tree follow variance as well as
+/// energy. `w`: what the last call left of this tree, or nothing. Returns how many leaves were split.
+template <typename Samples>
+RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples, uint32_t count,
+                                const QuadtreeAdaption& options) {
+  w.scale(options.kept);
+  if (options.spread > 0.0f) {
+    QuadtreeWeights now;
+    add_squares(tree, now, samples, count);
+    add_spread(tree, w, now, options.spread);
+  } else {
+    add_squares(tree, w, samples, count);
+  }
+  // As in the paper, the present samples tell exactly what the parts of a split leaf hold; of what was remembered, or
+  // spread from around, each inherits a quarter.
+  const bool exact = !(options.kept > 0.0f) && !(options.spread > 0.0f);
+  uint32_t moved = 0;
+  while (moved < options.migrations) {
+    const MigrationChoice choice = choose_migration(tree, w, options);
+    if (!choice.found) break;
+    const uint32_t group = migrate(tree, w, choice.inner, choice.leaf, exact ? 0.0f : 0.25f);
+    if (++moved < options.migrations && exact) add_squares(tree, w, samples, count, group);
+  }
+  return moved;
+}
+
+}  // namespace relume

@@ -1,0 +1,108 @@
+#include "techniques/guiding/directional_quadtree/direction_view.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/stream_io.h"
+#include "techniques/guiding/directional_quadtree/incident_light.h"
+
+namespace relume {
+namespace {
+
+/// Random numbers apart from those of the picture.
+constexpr uint32_t kViewSeed = 0x7f4a7c15u;
+
+uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& frame) {
+  const auto place = [](float share, uint32_t size) {
+    return std::min(static_cast<uint32_t>(share * static_cast<float>(size)), size - 1);
+  };
+  return place(s.view_y, frame.height()) * frame.width() + place(s.view_x, frame.width());
+}
+
+/// Writes an octahedral map into the left (0) or right (1) half of the picture, unscaled, in the middle.
+template <typename Value>
+void draw_map(const FrameContext& frame, uint32_t half, uint32_t edge, const Value& value) {
+  const View<float> out = frame.write(kDirections);
+  const uint32_t x0 = half * (frame.width() / 2) + (frame.width() / 2 - edge) / 2;
+  const uint32_t y0 = (frame.height() - edge) / 2;
+  for (uint32_t y = 0; y < edge; ++y) {
+    for (uint32_t x = 0; x < edge; ++x) out[(y0 + y) * frame.width() + x0 + x] = value(x, y);
+  }
+}
+
+}  // namespace
+
+PassDeclaration DirectionViewPass::declaration() const {
+  return {
+      .name = "cdq-view",
+      .stage = Stage::present,
+      .owns = {{.id = kDirections,
+                .help = "with cdq.view on: densities over the sphere of directions at one point, per steradian; the "
+                        "quadtree's, and beside it that of the light which comes in",
+                .display = BufferDisplay::value}},
+      .reads = {kPrimaryHits}};
+}
+
+bool DirectionViewPass::run(const FrameContext& frame) {
+  const uint32_t edge = std::min(frame.width() / 2, frame.height());
+  const View<float> out = frame.write(kDirections);
+  if (!settings_.view || edge == 0) {
+    if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // until now it was shown
+    sums_.clear();
+    return true;
+  }
+  const uint32_t pixel = chosen_pixel(settings_, frame);
+  const Hit hit = frame.read(kPrimaryHits)[pixel];
+  std::fill(out.begin(), out.end(), 0.0f);
+  if (!hit.valid()) return true;
+  const CameraView& camera = frame.scene.camera;
+  Sampler sampler = frame.index.sampler(pixel % frame.width(), pixel / frame.width());
+  const Ray ray = camera_ray(camera, pixel % frame.width(), pixel / frame.width(), sampler);
+
+  IncidentLightKernel kernel;
+  kernel.context = make_path_context(source_, frame);
+  make_surface_point(frame.scene, ray, hit, camera.cone_width() + camera.cone_spread() * hit.t, kernel.point);
+  kernel.point.region = octree_.sampled().view().find(kernel.point.previous_position);
+  kernel.index = frame.index;
+  kernel.index.seed ^= kViewSeed;
+  kernel.edge = edge;
+  if (pixel != pixel_ || sums_.size() != size_t{edge} * edge || frame.since_change == 0)
+    sums_.assign(size_t{edge} * edge, 0.0f);
+  pixel_ = pixel;
+  kernel.sums = mutable_view_of(sums_);
+  frame.launch("cdq-view", kernel, {edge, edge});
+
+  const auto direction = [&](uint32_t x, uint32_t y) {
+    const Vec2 middle(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+    return direction_from_square(middle / static_cast<float>(edge));
+  };
+  const float texel = 1.0f / static_cast<float>(edge * edge);
+  double integral = 0;
+  for (uint32_t y = 0; y < edge; ++y) {
+    for (uint32_t x = 0; x < edge; ++x)
+      integral += static_cast<double>(sums_[y * edge + x] * octahedral_solid_angle(direction(x, y)) * texel);
+  }
+  const DirectionalQuadtree tree = source_.directions.quadtrees.load(kernel.point.region);
+  draw_map(frame, 0, edge, [&](uint32_t x, uint32_t y) { return tree.pdf(direction(x, y)); });
+  draw_map(frame, 1, edge, [&](uint32_t x, uint32_t y) {
+    return integral > 0 ? static_cast<float>(static_cast<double>(sums_[y * edge + x]) / integral) : 0.0f;
+  });
+  return true;
+}
+
+void DirectionViewPass::save(std::ostream& out) const {
+  write_value(out, pixel_);
+  write_vector(out, sums_);
+}
+
+void DirectionViewPass::load(std::istream& in) {
+  uint32_t pixel = 0;
+  std::vector<float> sums;
+  read_value(in, pixel);
+  read_vector(in, sums);
+  if (!in) return;
+  pixel_ = pixel;
+  sums_ = std::move(sums);  // run() drops what does not fit
+}
+
+}  // namespace relume

@@ -1,0 +1,144 @@
+// A density over directions in 32 to 128 bits: a quadtree over the octahedral map whose leaves are all equally likely
+// ([Dittebrandt20, §5]).
+//
+// Nodes stand in breadth-first order, one bit each: 1 inner, 0 leaf. The root is always inner and has no bit, so bits
+// 0 … 3 are its children, and the children of the inner node with `rank` ones up to and including its own bit are bits
+// 4·rank … 4·rank + 3. A field of N bits always holds N/4 − 1 inner nodes below the root and 3N/4 + 1 leaves.
+#pragma once
+
+#include "core/octahedral.h"
+#include "core/view.h"
+#include "sampling/choose.h"
+#include "techniques/guiding/directional_quadtree/bit_field.h"
+
+namespace relume {
+
+/// Leaves below this depth are not split: 4^12 parts of the sphere are finer than what a field can resolve.
+inline constexpr uint32_t kMaxQuadtreeDepth = 12;
+
+/// A part of the unit square, of edge 2^-depth.
+struct QuadtreeCell {
+  Vec2 corner{0};
+  uint32_t depth = 0;
+  uint32_t bit = 0;  ///< of the leaf
+
+  RELUME_HD float edge() const { return 1.0f / static_cast<float>(1u << depth); }
+};
+
+struct DirectionalQuadtree {
+  BitField bits;
+  uint32_t bit_count;  ///< 32, 64, 96 or 128
+
+  RELUME_HD uint32_t leaf_count() const { return bit_count / 4 * 3 + 1; }
+
+  /// The leaf that holds `p` of the unit square, top down.
+  RELUME_HD QuadtreeCell find(const Vec2& p) const {
+    QuadtreeCell cell;
+    uint32_t group = 0;
+    float edge = 1;
+    for (;;) {
+      edge *= 0.5f;
+      const uint32_t right = p.x >= cell.corner.x + edge ? 1u : 0u;
+      const uint32_t upper = p.y >= cell.corner.y + edge ? 1u : 0u;
+      cell.corner += Vec2(right ? edge : 0.0f, upper ? edge : 0.0f);
+      ++cell.depth;
+      cell.bit = 4 * group + right + 2 * upper;
+      if (!bits.get(cell.bit)) return cell;
+      group = bits.rank(cell.bit + 1);
+    }
+  }
+
+  /// The leaf at `bit`, bottom up: its square is rescaled into that of each parent in turn.
+  RELUME_HD QuadtreeCell cell_of(uint32_t bit) const {
+    QuadtreeCell cell;
+    cell.bit = bit;
+    for (;;) {
+      cell.corner = 0.5f * (cell.corner + Vec2(bit & 1u ? 1.0f : 0.0f, bit & 2u ? 1.0f : 0.0f));
+      ++cell.depth;
+      const uint32_t group = bit >> 2;
+      if (group == 0) return cell;
+      bit = bits.select(group - 1, true);
+    }
+  }
+
+  /// pdf_w of sample() for directions in a leaf of this depth: |q|³ / (4 A leaves), A = 4^-depth.
+  RELUME_HD float pdf(const Vec3& w, uint32_t depth) const {
+    return static_cast<float>(1u << (2 * depth)) / (static_cast<float>(leaf_count()) * octahedral_solid_angle(w));
+  }
+  /// pdf_w of sample() and of sample_stratified().
+  RELUME_HD float pdf(const Vec3& w) const { return pdf(w, find(square_from_direction(w)).depth); }
+
+  /// A direction: the leaf by `u.x`, whose rest with `u.y` gives the place inside.
+  RELUME_HD Vec3 sample(Vec2 u) const {
+    const uint32_t leaf = choose_evenly(leaf_count(), u.x);
+    const QuadtreeCell cell = cell_of(bits.select(leaf, false));
+    return direction_from_square(cell.corner + cell.edge() * u);
+  }
+
+  /// The same density, top down: both numbers are warped without tearing neighbours apart more than the tree does, so
+  /// that well spread numbers give well spread directions. Costs a count of leaves at each level.
+  RELUME_HD Vec3 sample_stratified(Vec2 u) const {
+    QuadtreeCell cell;
+    uint32_t group = 0;
+    float edge = 1;
+    for (;;) {
+      edge *= 0.5f;
+      float leaves[4];
+      for (uint32_t i = 0; i < 4; ++i) leaves[i] = static_cast<float>(leaves_below(4 * group + i));
+      const bool right = choose(leaves[0] + leaves[2], leaves[1] + leaves[3], u.x);
+      const bool upper = choose(leaves[right ? 1 : 0], leaves[right ? 3 : 2], u.y);
+      cell.corner += Vec2(right ? edge : 0.0f, upper ? edge : 0.0f);
+      ++cell.depth;
+      cell.bit = 4 * group + (right ? 1u : 0u) + (upper ? 2u : 0u);
+      if (!bits.get(cell.bit)) return direction_from_square(cell.corner + edge * u);
+      group = bits.rank(cell.bit + 1);
+    }
+  }
+
+  /// Leaves of the subtree at `bit`. Breadth-first order keeps each of its levels together.
+  RELUME_HD uint32_t leaves_below(uint32_t bit) const {
+    uint32_t first = bit;
+    uint32_t last = bit + 1;
+    uint32_t leaves = 0;
+    while (first < last) {
+      const uint32_t ones_before = bits.rank(first);
+      const uint32_t ones = bits.rank(last) - ones_before;
+      leaves += last - first - ones;
+      first = 4 * (ones_before + 1);
+      last = first + 4 * ones;
+    }
+    return leaves;
+  }
+
+ private:
+  /// Decides between two weights, true: for the second, and stretches `u` to what is left of it.
+  RELUME_HD static bool choose(float low, float high, float& u) { return !takes_share(low / (low + high), u); }
+};
+
+/// The evenest tree: inner nodes fill it from the top.
+RELUME_HD inline DirectionalQuadtree uniform_quadtree(uint32_t bit_count) {
+  DirectionalQuadtree tree{};
+  tree.bit_count = bit_count;
+  for (uint32_t i = 0; i + 1 < bit_count / 4; ++i) tree.bits.set(i);
+  return tree;
+}
+
+/// Trees of many regions, as few words each as their bits need.
+struct QuadtreeArray {
+  View<uint32_t> words;
+  uint32_t bit_count = 128;
+
+  RELUME_HD uint32_t words_per_tree() const { return bit_count / 32; }
+  RELUME_HD uint32_t tree_count() const { return words.size / words_per_tree(); }
+  RELUME_HD DirectionalQuadtree load(uint32_t i) const {
+    DirectionalQuadtree tree{};
+    tree.bit_count = bit_count;
+    for (uint32_t w = 0; w < words_per_tree(); ++w) tree.bits.words[w] = words[i * words_per_tree() + w];
+    return tree;
+  }
+  RELUME_HD void store(uint32_t i, const DirectionalQuadtree& tree) const {
+    for (uint32_t w = 0; w < words_per_tree(); ++w) words[i * words_per_tree() + w] = tree.bits.words[w];
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,115 @@
+#include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
+
+namespace relume {
+
+bool is_quadtree(const DirectionalQuadtree& tree) {
+  const uint32_t groups = tree.bit_count / 4;
+  if (tree.bits.rank(tree.bit_count) != groups - 1) return false;
+  uint32_t depths[BitField::kWords * 8] = {1};
+  uint32_t next = 1;  // group that the next inner node's children are
+  for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
+    if (!tree.bits.get(bit)) continue;
+    // Parents come first, or the way up would go in circles.
+    if (bit / 4 >= next || depths[bit / 4] >= kMaxQuadtreeDepth) return false;
+    depths[next++] = depths[bit / 4] + 1;
+  }
+  return true;
+}
+
+void Quadtrees::load(std::istream& in) {
+  read_vector(in, words_);
+  const QuadtreeArray trees = view();
+  bool valid = words_.size() % trees.words_per_tree() == 0;
+  for (uint32_t i = 0; valid && i < trees.tree_count(); ++i) valid = is_quadtree(trees.load(i));
+  if (valid) return;
+  words_.clear();
+  in.setstate(std::ios::failbit);
+}
+
+namespace {
+
+/// What a frame keeps of the frames before, so that all of them together weigh as much as `frames` like it.
+float kept_share(int frames) { return static_cast<float>(frames) / static_cast<float>(frames + 1); }
+
+/// Of the regions that each stem from `previous`; without `weights`, nothing. Those that share what a region knew
+/// before it was split have seen a quarter of its samples each, as a surface passes through about four of eight.
+std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights>& weights,
+                                               const std::vector<uint32_t>& previous) {
+  std::vector<QuadtreeWeights> next(previous.size());
+  if (weights.empty()) return next;
+  std::vector<uint32_t> heirs(weights.size());
+  for (const uint32_t from : previous)
+    if (from != kNoRegion) ++heirs[from];
+  for (size_t i = 0; i < next.size(); ++i) {
+    if (previous[i] == kNoRegion) continue;
+    next[i] = weights[previous[i]];
+    if (heirs[previous[i]] > 1) next[i].scale(0.25f);
+  }
+  return next;
+}
+
+}  // namespace
+
+bool DirectionalQuadtreePass::run(const FrameContext& frame) {
+  const bool same_size =
+      octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
+  moved_ = 0;
+  // Whether the samples came from other trees than those that they are about to change.
+  const bool sampled_others = snapshot_.frozen();
+  snapshot_.begin_frame(frame.begins_epoch, trees_);
+  // The frames of an epoch sample alike, so they count alike.
+  const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
+  if (same_size) {
+    const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);
+    const QuadtreeAdaption options{settings_.stability, static_cast<uint32_t>(settings_.migrations), kept,
+                                   settings_.spread};
+    if (remembers) weights_.resize(trees_.size());
+    const AdaptQuadtreesKernel adapt{
+        octree_.groups(),          trees_.view(), options, sampled_others ? 1.0f - settings_.bsdf_fraction : 0.0f,
+        mutable_view_of(weights_), {&moved_, 1}};
+    frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1});
+  }
+  frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
+  directions_.quadtrees = snapshot_.of(trees_).view();
+  directions_.bsdf_fraction = settings_.bsdf_fraction;
+  directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
+  return true;
+}
+
+void DirectionalQuadtreePass::populate(bool keep, bool remembers) {
+  const uint32_t regions = octree_.tree().leaf_slots();
+  Quadtrees next(bit_count(), regions);
+  const QuadtreeArray trees = trees_.view();
+  const QuadtreeArray next_trees = next.view();
+  const std::vector<uint32_t>& previous = octree_.tree().links().previous;
+  const DirectionalQuadtree uniform = uniform_quadtree(bit_count());
+  for (uint32_t i = 0; i < regions; ++i)
+    next_trees.store(i, keep && previous[i] != kNoRegion ? trees.load(previous[i]) : uniform);
+  if (remembers) {
+    if (!keep) weights_.clear();
+    weights_ = inherited_weights(weights_, previous);
+  } else {
+    weights_.clear();
+  }
+  trees_ = std::move(next);
+}
+
+void DirectionalQuadtreePass::save(std::ostream& out) const {
+  trees_.save(out);
+  snapshot_.save(out);
+  write_vector(out, weights_);
+}
+
+void DirectionalQuadtreePass::load(std::istream& in) {
+  trees_ = Quadtrees(bit_count());
+  trees_.load(in);
+  snapshot_.load(in, Quadtrees(bit_count()));
+  read_vector(in, weights_);
+  if (in && (weights_.empty() || weights_.size() == trees_.size())) return;
+  trees_ = Quadtrees(bit_count());
+  snapshot_.reset();
+  weights_.clear();
+  in.setstate(std::ios::failbit);
+}
+
+}  // namespace relume

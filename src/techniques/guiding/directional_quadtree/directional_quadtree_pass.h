@@ -1,0 +1,77 @@
+// The direction sampling "cdq" as a pass, behind the octree's.
+#pragma once
+
+#include "core/stream_io.h"
+#include "frame/pass.h"
+#include "techniques/guiding/direction_sampling/direction_sampler.h"
+#include "techniques/guiding/directional_quadtree/adapt_quadtrees.h"
+#include "techniques/guiding/directional_quadtree/settings.h"
+#include "techniques/spatial/octree/octree_pass.h"
+#include "techniques/spatial/octree/snapshot.h"
+
+namespace relume {
+
+/// Whether the bits are a tree: as many inner nodes as there are groups of children, each ahead of its children, none
+/// deeper than leaves are split. All that pathways through a tree rely on.
+bool is_quadtree(const DirectionalQuadtree& tree);
+
+/// The quadtrees of all regions, by leaf slot.
+class Quadtrees {
+ public:
+  explicit Quadtrees(uint32_t bit_count) : bit_count_(bit_count) {}
+  Quadtrees(uint32_t bit_count, uint32_t regions) : bit_count_(bit_count), words_(regions * (bit_count / 32)) {}
+
+  QuadtreeArray view() { return {mutable_view_of(words_), bit_count_}; }
+  uint32_t size() const { return static_cast<uint32_t>(words_.size()) / (bit_count_ / 32); }
+  uint32_t bit_count() const { return bit_count_; }
+  size_t memory_bytes() const { return words_.size() * sizeof(uint32_t); }
+  void save(std::ostream& out) const { write_vector(out, words_); }
+  /// Sets the stream's failbit, and leaves nothing, where there is anything but quadtrees of bit_count() bits.
+  void load(std::istream& in);
+
+ private:
+  uint32_t bit_count_;
+  std::vector<uint32_t> words_;
+};
+
+class DirectionalQuadtreePass final : public Pass {
+ public:
+  DirectionalQuadtreePass(const DirectionalQuadtreeSettings& settings, const OctreePass& octree)
+      : settings_(settings), octree_(octree), trees_(bit_count()) {
+    directions_.kind = DirectionSamplerKind::quadtree;
+  }
+
+  void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
+  PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool keeps_state() const override { return true; }
+  size_t memory_bytes() const override {
+    return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.size() * sizeof(QuadtreeWeights);
+  }
+  std::vector<PassFigure> figures() const override {
+    return {{"migrations", static_cast<double>(moved_)},
+            {"quadtree-bytes", static_cast<double>(trees_.memory_bytes())},
+            {"memory-bytes", static_cast<double>(weights_.size() * sizeof(QuadtreeWeights))}};
+  }
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What estimators sample with; valid from the first run() on.
+  const DirectionSampler& directions() const { return directions_; }
+
+ private:
+  /// Trees for the leaves of the present octree: those that they stem from if `keep`, else uniform ones.
+  /// `remembers`: their weights come along.
+  void populate(bool keep, bool remembers);
+  uint32_t bit_count() const { return 32 * (1 + static_cast<uint32_t>(settings_.bits)); }
+
+  DirectionalQuadtreeSettings settings_;
+  const OctreePass& octree_;
+  DirectionSampler directions_;
+  Quadtrees trees_;
+  Snapshot<Quadtrees> snapshot_;
+  std::vector<QuadtreeWeights> weights_;  ///< by leaf slot; empty where nothing outlasts a frame
+  uint64_t moved_ = 0;                    ///< leaves, in the last frame
+};
+
+}  // namespace relume

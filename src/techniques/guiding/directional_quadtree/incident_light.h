@@ -1,0 +1,55 @@
+// The light that comes in at a point, direction by direction.
+#pragma once
+
+#include "techniques/transport/path/path.h"
+
+namespace relume {
+
+/// Leaves out what next event estimation at the first vertex could have found, and guides no direction.
+struct IncidentObserver : NoObserver {
+  Rgb known{0};
+
+  RELUME_HD void emitted(const PathState& path, bool lights_know) {
+    if (path.bounce == 1 && lights_know) known = path.radiance;
+  }
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState&) {
+    sp.region = kNoRegion;
+    return true;
+  }
+};
+
+/// Estimate of the radiance that arrives at `sp` from `wi`, without what next event estimation at `sp` finds.
+RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint& sp, const Vec3& wi, Sampler& sampler) {
+  PathState path;
+  path.ray = sp.spawn_ray(wi);
+  path.cone_width = sp.footprint;
+  path.delta = false;
+  path.pdf_w = 1.0f;  // only the ratio to next event estimation's, whose share is left out anyway
+  path.bounce = 1;
+  SurfacePoint points[2];
+  points[0] = sp;
+  IncidentObserver observer;
+  walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, observer);
+  return path.radiance - observer.known;
+}
+
+/// Adds a path's find times |cos θ| to each texel of an octahedral map of edge `edge`.
+struct IncidentLightKernel {
+  PathContext context;
+  SurfacePoint point;
+  SampleIndex index;
+  uint32_t edge = 0;
+  View<float> sums;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    Sampler sampler = index.sampler(x, y);
+    const Vec2 jitter = sampler.next_2d();
+    const Vec2 at = (Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter) / static_cast<float>(edge);
+    const Vec3 wi = direction_from_square(at);
+    if (glm::dot(wi, point.ng) <= 0.0f) return;
+    const float found = luminance(incident_radiance(context, point, wi, sampler)) * shading_cosine(point, wi);
+    if (is_finite(found)) sums[y * edge + x] += found;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,38 @@
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "core/hash.h"
+#include "lights/testing/lamps.h"
+#include "materials/make_bsdf.h"
+#include "techniques/light_sampling/light_selection/weighed_lights.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kLamps = 1000;
+
+/// What lists and caches do with a bucket of lights for every sample.
+void bm_weigh_lights(benchmark::State& state) {
+  const std::vector<Light> lamps = testing::make_lamps(kLamps, 30);
+  LightsView lights;
+  lights.lights = view_of(lamps);
+  lights.first_infinite = kLamps;
+  const std::vector<float> columns = build_light_columns(lights);
+  SurfacePoint sp{};
+  sp.position = Vec3(15, 0, 15);
+  sp.frame = make_frame(Vec3(0, 1, 0));
+  sp.wo_local = Vec3(0, 0, 1);
+  make_bsdf(sp.bsdf, MaterialSample{}, MaterialData{}, energy_tables(), 1, true);
+  WeighedLights weighed;
+  weighed.count = static_cast<uint32_t>(state.range(0));
+  for (uint32_t i = 0; i < weighed.count; ++i) weighed.ids[i] = hash(i) % kLamps;
+  for (auto _ : state) {
+    weighed.weigh(sp, ltc_table(), lights, {view_of(columns), kLamps});
+    benchmark::DoNotOptimize(weighed.sum);
+  }
+}
+BENCHMARK(bm_weigh_lights)->ArgName("lights")->Arg(8)->Arg(kMaxWeighedLights);
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,51 @@
+// The slot "light selection": which light next event estimation samples. A closed list and one switch; a new strategy
+// adds a member, a kind and a case.
+#pragma once
+
+#include "scene/surface_point.h"
+#include "techniques/light_sampling/light_selection/light_selection.h"
+#include "techniques/light_sampling/light_tree/light_tree.h"
+#include "techniques/light_sampling/power_lights/power_lights.h"
+#include "techniques/light_sampling/static_light_lists/static_light_lists.h"
+#include "techniques/light_sampling/uniform_lights/uniform_lights.h"
+#include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
+
+namespace relume {
+
+enum class LightSelectorKind : int { uniform, power, light_tree, static_lists, cache };
+inline constexpr int kLightSelectorKindCount = 5;
+
+struct LightSelector {
+  LightSelectorKind kind = LightSelectorKind::power;
+  UniformLights uniform;
+  PowerLights power;
+  LightTree tree;
+  StaticLightLists lists;
+  VisibilityLightCache cache;
+
+  /// A light for next event estimation at `sp`; pmf 0 if there is none.
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    switch (kind) {
+      case LightSelectorKind::uniform: return uniform.sample(n);
+      case LightSelectorKind::power: return power.sample(n);
+      case LightSelectorKind::light_tree: return tree.sample(sp, n);
+      case LightSelectorKind::static_lists: return lists.sample(sp, n);
+      case LightSelectorKind::cache: return cache.sample(sp, n);
+    }
+    return {};
+  }
+
+  /// Probability with which sample() chooses `light` at `sp`.
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
+    switch (kind) {
+      case LightSelectorKind::uniform: return uniform.pmf(light);
+      case LightSelectorKind::power: return power.pmf(light);
+      case LightSelectorKind::light_tree: return tree.pmf(sp, light);
+      case LightSelectorKind::static_lists: return lists.pmf(sp, light);
+      case LightSelectorKind::cache: return cache.pmf(sp, light);
+    }
+    return 0.0f;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,198 @@
+// A hierarchy over lights that is descended at random, each step by how much a group could at most send to the point
+// ([Conty18], [Moreau19]): eight children a node, up to two lights a leaf. No visibility.
+#pragma once
+
+#include "core/lanes.h"
+#include "core/vec.h"
+#include "sampling/choose.h"
+#include "scene/surface_point.h"
+#include "techniques/light_sampling/light_selection/infinite_lights.h"
+#include "techniques/light_sampling/light_selection/light_selection.h"
+
+namespace relume {
+
+inline constexpr uint32_t kLightTreeWidth = 8;
+inline constexpr uint32_t kLightTreeLeafSize = 2;
+
+/// Where a group of lights is, how strong, and which way it shines: a sphere, and a cone of normals (angle o about the
+/// axis) around each of which light spreads by up to angle e.
+struct LightBounds {
+  Vec3 center;
+  float radius;
+  Vec3 axis;
+  float cos_o;
+  float cos_e;
+  float intensity;
+  float two_sided;  ///< 1: the opposite directions too
+};
+
+/// Eight groups, member by member.
+struct LightTreeNode {
+  float center[3][kLightTreeWidth];
+  float radius[kLightTreeWidth];
+  float axis[3][kLightTreeWidth];
+  float cos_o[kLightTreeWidth];
+  float cos_e[kLightTreeWidth];
+  float intensity[kLightTreeWidth];  ///< 0: no child
+  float two_sided[kLightTreeWidth];
+  uint32_t child[kLightTreeWidth];   ///< node, or first light of a leaf
+  uint32_t lights[kLightTreeWidth];  ///< in the leaf; 0: an inner node
+  uint32_t parent;                   ///< 8 · node + child above; the root's is kNoParent
+};
+
+namespace light_tree {
+
+inline constexpr uint32_t kNoParent = 0xffffffffu;
+
+/// cos and sin of max(0, a − b).
+template <typename T>
+RELUME_HD inline T cos_of_difference(T cos_a, T sin_a, T cos_b, T sin_b) {
+  return select(cos_a > cos_b, T(1.0f), cos_a * cos_b + sin_a * sin_b);
+}
+template <typename T>
+RELUME_HD inline T sin_of_difference(T cos_a, T sin_a, T cos_b, T sin_b) {
+  return select(cos_a > cos_b, T(0.0f), sin_a * cos_b - cos_a * sin_b);
+}
+template <typename T>
+RELUME_HD inline T sine(T cosine) {
+  return square_root(max(T(1.0f) - cosine * cosine, T(0.0f)));
+}
+
+/// Receiver of light.
+struct Point {
+  Vec3 position;
+  Vec3 normal;       ///< of the shading frame
+  float both_sides;  ///< 1: light from behind arrives too
+};
+
+/// Bound on what arrives at the point, without distance-squared singularities inside the group ([Conty18], §5).
+template <typename T>
+RELUME_HD inline T importance(const Point& p, const T center[3], T radius, const T axis[3], T cos_o, T cos_e,
+                              T intensity, T two_sided) {
+  const T zero(0.0f);
+  const T one(1.0f);
+  const T d[3] = {center[0] - T(p.position.x), center[1] - T(p.position.y), center[2] - T(p.position.z)};
+  const T d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const T r2 = radius * radius;
+  const T inverse = one / square_root(max(d2, T(1e-20f)));
+  // Angle under which the group is seen; all directions from inside.
+  const auto inside = d2 < r2;
+  const T cos_b = select(inside, T(-1.0f), square_root(max(one - r2 / max(d2, T(1e-20f)), zero)));
+  const T sin_b = sine(cos_b);
+  const T cos_signed = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]) * (zero - inverse);
+  const T cos_w = max(min(select(two_sided > zero, absolute(cos_signed), cos_signed), one), T(-1.0f));
+  const T sin_w = sine(cos_w);
+  const T sin_o = sine(cos_o);
+  const T cos_x = cos_of_difference(cos_w, sin_w, cos_o, sin_o);
+  const T sin_x = sin_of_difference(cos_w, sin_w, cos_o, sin_o);
+  const T cos_emitted = cos_of_difference(cos_x, sin_x, cos_b, sin_b);
+  const T incident_signed = (d[0] * T(p.normal.x) + d[1] * T(p.normal.y) + d[2] * T(p.normal.z)) * inverse;
+  const T incident = select(T(p.both_sides) > zero, absolute(incident_signed), incident_signed);
+  const T cos_i = max(min(incident, one), T(-1.0f));
+  const T cos_incident = max(cos_of_difference(cos_i, sine(cos_i), cos_b, sin_b), zero);
+  const T value = intensity * max(cos_emitted, zero) * cos_incident / max(max(d2, r2), T(1e-12f));
+  return select(cos_emitted < cos_e, zero, value);
+}
+
+RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
+  const float center[3] = {b.center.x, b.center.y, b.center.z};
+  const float axis[3] = {b.axis.x, b.axis.y, b.axis.z};
+  return importance<float>(p, center, b.radius, axis, b.cos_o, b.cos_e, b.intensity, b.two_sided);
+}
+
+/// Weights of a node's children and their sum; the intensity decides where nothing seems to arrive, or more than a
+/// float holds.
+RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, float weights[kLightTreeWidth]) {
+  static_assert(kLightTreeWidth == kLanes);
+  const auto lanes = [](const float* from) { return load_lanes(from); };
+  const Lanes center[3] = {lanes(n.center[0]), lanes(n.center[1]), lanes(n.center[2])};
+  const Lanes axis[3] = {lanes(n.axis[0]), lanes(n.axis[1]), lanes(n.axis[2])};
+  store_lanes(weights, importance<Lanes>(p, center, lanes(n.radius), axis, lanes(n.cos_o), lanes(n.cos_e),
+                                         lanes(n.intensity), lanes(n.two_sided)));
+  float sum = 0;
+  for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i];
+  if (sum > 0.0f && is_finite(sum)) return sum;
+  sum = 0;
+  for (uint32_t i = 0; i < kLightTreeWidth; ++i) sum += weights[i] = n.intensity[i];
+  return sum;
+}
+
+}  // namespace light_tree
+
+struct LightTree {
+  static constexpr uint32_t kMostLevels = 64;
+
+  View<const LightTreeNode> nodes;
+  View<const LightBounds> bounds;  ///< in the order of leaves
+  View<const LightId> lights;      ///< the same order
+  View<const uint32_t> place;      ///< by light: 8 · node + child of its leaf; kNoParent: it does not emit
+  InfiniteLights infinite;
+
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
+    if (nodes.empty()) return {};
+    const light_tree::Point p = point_of(sp);
+    float pmf = 1.0f - infinite.share;
+    for (uint32_t node = 0;;) {
+      const LightTreeNode& at = nodes[node];
+      float weights[kLightTreeWidth];
+      const float sum = light_tree::child_weights(p, at, weights);
+      const uint32_t child = choose_by_weight(weights, kLightTreeWidth, sum, n);
+      pmf *= weights[child] / sum;
+      if (at.lights[child] == 0) {
+        node = at.child[child];
+        continue;
+      }
+      float leaf[kLightTreeLeafSize];
+      const float leaf_sum = leaf_weights(p, at, child, leaf);
+      const uint32_t k = choose_by_weight(leaf, at.lights[child], leaf_sum, n);
+      return {lights[at.child[child] + k], pmf * (leaf[k] / leaf_sum), n.u};
+    }
+  }
+
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
+    if (light >= infinite.first) return infinite.pmf(light);
+    if (place.empty() || place[light] == light_tree::kNoParent) return 0.0f;
+    const light_tree::Point p = point_of(sp);
+    // The same factors in the same order as on the way down, so that the bits agree.
+    uint32_t way[kMostLevels];
+    uint32_t length = 0;
+    for (uint32_t at = place[light]; at != light_tree::kNoParent && length < kMostLevels; at = nodes[at / 8].parent)
+      way[length++] = at;
+    float pmf = 1.0f - infinite.share;
+    for (uint32_t i = length; i-- > 0;) {
+      float weights[kLightTreeWidth];
+      const float sum = light_tree::child_weights(p, nodes[way[i] / 8], weights);
+      pmf *= weights[way[i] % 8] / sum;
+    }
+    const LightTreeNode& n = nodes[way[0] / 8];
+    float leaf[kLightTreeLeafSize];
+    const float leaf_sum = leaf_weights(p, n, way[0] % 8, leaf);
+    for (uint32_t k = 0; k < n.lights[way[0] % 8]; ++k) {
+      if (lights[n.child[way[0] % 8] + k] == light) return pmf * (leaf[k] / leaf_sum);
+    }
+    return 0.0f;
+  }
+
+ private:
+  RELUME_HD static light_tree::Point point_of(const SurfacePoint& sp) {
+    light_tree::Point p{sp.position, sp.frame.n, 0.0f};
+    for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
+      if (is_rough_transmission(sp.bsdf.lobes[i].kind)) p.both_sides = 1.0f;
+    }
+    return p;
+  }
+
+  RELUME_HD float leaf_weights(const light_tree::Point& p, const LightTreeNode& n, uint32_t child,
+                               float weights[kLightTreeLeafSize]) const {
+    float sum = 0;
+    for (uint32_t k = 0; k < n.lights[child]; ++k)
+      sum += weights[k] = light_tree::importance(p, bounds[n.child[child] + k]);
+    if (sum > 0.0f && is_finite(sum)) return sum;
+    sum = 0;
+    for (uint32_t k = 0; k < n.lights[child]; ++k) sum += weights[k] = bounds[n.child[child] + k].intensity;
+    return sum;
+  }
+};
+
+}  // namespace relume

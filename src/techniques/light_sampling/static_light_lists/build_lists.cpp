@@ -1,0 +1,108 @@
+#include "techniques/light_sampling/static_light_lists/build_lists.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "scene/world_triangles.h"
+
+namespace relume {
+namespace {
+
+constexpr size_t kMostWords = size_t{1} << 29;  // 4 GiB, and what an index of 32 bits reaches
+
+LightGrid make_grid(const SceneView& scene, float cell_size) {
+  const Box box = world_box(scene);
+  LightGrid grid;
+  if (box.empty()) return grid;
+  const Vec3 extent = box.extent();
+  constexpr float kDefaultCells = 24;
+  constexpr float kMostCells = 128;  // along one side
+  const float longest = std::max(max_component(extent), 1e-3f);
+  grid.cell_size = std::max(cell_size > 0 ? cell_size : longest / kDefaultCells, longest / kMostCells);
+  // A little of air around, so that surfaces on the border lie inside.
+  grid.corner = box.low - 0.01f * grid.cell_size;
+  for (int axis = 0; axis < 3; ++axis)
+    grid.cells[axis] = static_cast<uint32_t>(std::floor((extent[axis] + 0.02f * grid.cell_size) / grid.cell_size)) + 1;
+  return grid;
+}
+
+/// Cells that the box of a triangle touches.
+std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGrid& grid) {
+  std::vector<bool> touched(grid.count(), false);
+  for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    const UVec3 low = grid.coordinates(glm::min(a, glm::min(b, c)));
+    const UVec3 high = grid.coordinates(glm::max(a, glm::max(b, c)));
+    for (uint32_t z = low.z; z <= high.z; ++z) {
+      for (uint32_t y = low.y; y <= high.y; ++y) {
+        for (uint32_t x = low.x; x <= high.x; ++x) touched[(z * grid.cells.y + y) * grid.cells.x + x] = true;
+      }
+    }
+  });
+  std::vector<uint32_t> cells;
+  for (uint32_t i = 0; i < grid.count(); ++i) {
+    if (touched[i]) cells.push_back(i);
+  }
+  return cells;
+}
+
+}  // namespace
+
+LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed)
+    : grid_(make_grid(scene, options.cell_size)), lights_(scene.lights.first_infinite), seed_(seed) {
+  if (lights_ == 0 || grid_.count() == 0) return;
+  cells_ = cells_with_surfaces(scene, grid_);
+  words_ = (lights_ + 63) / 64;
+  const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights_;
+  // The last part has an end that 32 bits hold.
+  constexpr uint64_t kMostRays = UINT32_MAX - CellVisibilityKernel::kPartRays;
+  rays_ = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, kMostRays));
+  const size_t parts = (rays_ + CellVisibilityKernel::kPartRays - 1) / CellVisibilityKernel::kPartRays;
+  if (size_t{words_} * grid_.count() > kMostWords || parts * cells_.size() > UINT32_MAX) {
+    throw Error(fmt::format(
+        "static light lists of {} lights in {} cells would not fit; use a larger static-lists.cell-size, or "
+        "lights 'light-tree'",
+        lights_, grid_.count()));
+  }
+  visible_.assign(size_t{words_} * grid_.count(), 0);
+  done_.assign(cells_.size() * parts, 0);
+}
+
+bool LightListBuilder::advance(Backend& backend, const SceneView& scene, const std::stop_token& stop) {
+  if (cells_.empty()) return true;
+  CellVisibilityKernel kernel;
+  kernel.scene = scene;
+  kernel.grid = grid_;
+  kernel.cells = view_of(cells_);
+  kernel.rays = rays_;
+  kernel.seed = seed_;
+  kernel.words = words_;
+  kernel.visible = mutable_view_of(visible_);
+  kernel.done = mutable_view_of(done_);
+  return launch(backend, "static-lists.rays", kernel, kernel.cells.size, kernel.done.size / kernel.cells.size, stop, 1);
+}
+
+LightListData LightListBuilder::lists() const {
+  LightListData data;
+  data.grid = grid_;
+  if (words_ == 0) return data;
+  for (uint32_t cell = 0; cell < grid_.count(); ++cell) {
+    data.first.push_back(static_cast<uint32_t>(data.ids.size()));
+    for (LightId light = 0; light < lights_; ++light) {
+      if ((visible_[size_t{cell} * words_ + light / 64] >> (light % 64)) & 1u) data.ids.push_back(light);
+    }
+  }
+  data.first.push_back(static_cast<uint32_t>(data.ids.size()));
+  return data;
+}
+
+LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
+                                uint32_t seed) {
+  LightListBuilder builder(scene, options, seed);
+  builder.advance(backend, scene, {});
+  return builder.lists();
+}
+
+}  // namespace relume

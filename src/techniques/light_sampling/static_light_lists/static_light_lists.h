@@ -1,0 +1,118 @@
+// Lists of the lights that any place of a cell sees, found once by many rays: a baseline after what Quake II RTX ships,
+// with the importance of [Dittebrandt20, §7]. Nothing that moves is known to them.
+#pragma once
+
+#include "sampling/choose.h"
+#include "techniques/light_sampling/light_selection/infinite_lights.h"
+#include "techniques/light_sampling/light_selection/light_selection.h"
+#include "techniques/light_sampling/light_selection/weighed_lights.h"
+
+namespace relume {
+
+/// A regular grid over the scene.
+struct LightGrid {
+  Vec3 corner{0};
+  float cell_size = 1;  ///< metres
+  UVec3 cells{0};
+
+  RELUME_HD uint32_t count() const { return cells.x * cells.y * cells.z; }
+  /// Points outside belong to the nearest cell.
+  RELUME_HD UVec3 coordinates(const Vec3& p) const {
+    UVec3 at(0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const float x = (p[axis] - corner[axis]) / cell_size;
+      at[axis] = static_cast<uint32_t>(relume::min(relume::max(x, 0.0f), static_cast<float>(cells[axis] - 1)));
+    }
+    return at;
+  }
+  RELUME_HD uint32_t find(const Vec3& p) const {
+    const UVec3 at = coordinates(p);
+    return (at.z * cells.y + at.y) * cells.x + at.x;
+  }
+  RELUME_HD Vec3 low(uint32_t cell) const {
+    const UVec3 at(cell % cells.x, cell / cells.x % cells.y, cell / (cells.x * cells.y));
+    return corner + cell_size * Vec3(at);
+  }
+};
+
+struct StaticLightLists {
+  LightGrid grid;
+  View<const uint32_t> first;  ///< by cell, and the end of the last
+  View<const LightId> ids;     ///< sorted in each cell
+  uint32_t max_lights = 32;    ///< weighed at a point
+  float exploration = 0.05f;   ///< share of samples among all lights
+  AliasTable all;              ///< over finite lights, in proportion to their power
+  InfiniteLights infinite;
+  LtcTable ltc;
+  LightColumns columns;
+  LightsView lights;
+
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
+    if (all.empty()) return {};
+    const List list = list_at(sp);
+    if (takes_share(list.count == 0 ? 1.0f : exploration, n)) {
+      const DiscreteSample s = all.sample(n);
+      return {s.index, pmf(sp, s.index), s.u};
+    }
+    const uint32_t offset = choose_evenly(list.stride, n);
+    WeighedLights w;
+    weigh(sp, list, offset, w);
+    const uint32_t i = choose_by_weight(w.weights, w.count, w.sum, n);
+    return {w.ids[i], density(list, w, i, w.ids[i]), n.u};
+  }
+
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
+    if (light >= infinite.first) return infinite.pmf(light);
+    if (all.empty()) return 0.0f;
+    const List list = list_at(sp);
+    if (list.count == 0) return (1.0f - infinite.share) * all.pmf(light);
+    const uint32_t place = find(list, light);
+    WeighedLights w;
+    if (place == list.count) return density(list, w, 0, light);
+    weigh(sp, list, place % list.stride, w);
+    return density(list, w, place / list.stride, light);
+  }
+
+ private:
+  struct List {
+    const LightId* ids;
+    uint32_t count;
+    uint32_t stride;
+  };
+
+  RELUME_HD List list_at(const SurfacePoint& sp) const {
+    if (first.size < 2) return {nullptr, 0, 1};
+    const uint32_t cell = grid.find(sp.position);
+    const uint32_t count = first[cell + 1] - first[cell];
+    return {ids.data + first[cell], count, count == 0 ? 1 : (count + max_lights - 1) / max_lights};
+  }
+
+  /// Place of the light in the list, or its length.
+  RELUME_HD static uint32_t find(const List& list, LightId light) {
+    uint32_t low = 0;
+    uint32_t high = list.count;
+    while (low < high) {
+      const uint32_t middle = (low + high) / 2;
+      if (list.ids[middle] < light) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low < list.count && list.ids[low] == light ? low : list.count;
+  }
+
+  /// Every stride-th light from `offset` on.
+  RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
+    for (uint32_t i = offset; i < list.count; i += list.stride) w.ids[w.count++] = list.ids[i];
+    w.weigh(sp, ltc, lights, columns);
+  }
+
+  RELUME_HD float density(const List& list, const WeighedLights& w, uint32_t i, LightId light) const {
+    const float listed = w.count > 0 ? w.weights[i] / (w.sum * static_cast<float>(list.stride)) : 0.0f;
+    return (1.0f - infinite.share) * (exploration * all.pmf(light) + (1.0f - exploration) * listed);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,100 @@
+#include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
+
+#include <algorithm>
+
+#include "core/stream_io.h"
+
+namespace relume {
+namespace {
+
+/// Cells of the grid, or a number above `most`: their product may be more than 32 bits hold.
+uint64_t cell_count(const LightGrid& grid, uint64_t most) {
+  uint64_t count = 1;
+  for (int axis = 0; axis < 3 && count <= most; ++axis) count *= grid.cells[axis];
+  return count;
+}
+
+/// Whether every cell's list stands where it can be read and names lights that there are.
+bool is_consistent(const LightListData& data, uint32_t lights) {
+  if (data.first.empty()) return data.ids.empty();
+  if (!is_finite(data.grid.corner) || !is_finite(data.grid.cell_size) || !(data.grid.cell_size > 0)) return false;
+  if (cell_count(data.grid, data.first.size()) + 1 != data.first.size()) return false;
+  const bool sorted = std::is_sorted(data.first.begin(), data.first.end());
+  const bool known = std::all_of(data.ids.begin(), data.ids.end(), [&](LightId id) { return id < lights; });
+  return sorted && known && data.first.back() == data.ids.size();
+}
+
+}  // namespace
+
+bool StaticLightListsPass::run(const FrameContext& frame) {
+  const LightsView& lights = frame.scene.lights;
+  const LightListOptions options{settings_.cell_size, static_cast<uint32_t>(settings_.rays)};
+  const bool listed = (built_ || restored_) && options == options_ && listed_ == lights.first_infinite;
+  restored_ = false;
+  if (!listed) {
+    // The seed of a frame changes with whatever moves; the lists stay.
+    builder_.emplace(frame.scene, options, frame.index.seed);
+    options_ = options;
+    listed_ = lights.first_infinite;
+  }
+  if (builder_) {
+    const bool complete = builder_->advance(frame.backend, frame.scene, frame.hurry);
+    lists_ = builder_->lists();
+    if (complete) builder_.reset();
+    built_ = false;
+  }
+  if (built_ && !includes(frame.changes, kRebuildsLights)) return true;
+  built_ = true;
+  std::vector<float> weights;
+  for (LightId i = 0; i < lights.first_infinite; ++i) weights.push_back(selection_weight(lights, i));
+  all_ = build_alias_table(weights);
+  infinite_ = build_infinite_lights(lights, selection_.infinity());
+  columns_ = build_light_columns(lights);
+  StaticLightLists& view = selector_.lists;
+  view.grid = lists_.grid;
+  view.first = view_of(lists_.first);
+  view.ids = view_of(lists_.ids);
+  view.max_lights = static_cast<uint32_t>(settings_.max_lights);
+  view.exploration = settings_.exploration;
+  view.all = {view_of(all_)};
+  view.infinite = make_infinite_lights(lights, infinite_, !all_.empty());
+  view.ltc = ltc_table();
+  view.columns = {view_of(columns_), lights.first_infinite};
+  view.lights = lights;
+  return true;
+}
+
+void StaticLightListsPass::save(std::ostream& out) const {
+  // Lists that are not complete would be taken for complete ones.
+  const LightListData& lists = builder_ ? LightListData() : lists_;
+  write_value(out, builder_ ? 0 : listed_);
+  write_value(out, options_.cell_size);
+  write_value(out, options_.rays);
+  write_value(out, lists.grid.corner);
+  write_value(out, lists.grid.cell_size);
+  write_value(out, lists.grid.cells);
+  write_vector(out, lists.first);
+  write_vector(out, lists.ids);
+}
+
+void StaticLightListsPass::load(std::istream& in) {
+  read_value(in, listed_);
+  read_value(in, options_.cell_size);
+  read_value(in, options_.rays);
+  read_value(in, lists_.grid.corner);
+  read_value(in, lists_.grid.cell_size);
+  read_value(in, lists_.grid.cells);
+  read_vector(in, lists_.first);
+  read_vector(in, lists_.ids);
+  restored_ = is_consistent(lists_, listed_);
+  built_ = false;
+  builder_.reset();
+  if (!restored_) in.setstate(std::ios::failbit);
+}
+
+size_t StaticLightListsPass::memory_bytes() const {
+  return sizeof(uint32_t) * (lists_.first.size() + lists_.ids.size()) +
+         sizeof(AliasEntry) * (all_.size() + infinite_.size()) + sizeof(float) * columns_.size();
+}
+
+}  // namespace relume

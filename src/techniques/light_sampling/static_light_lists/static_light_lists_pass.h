@@ -1,0 +1,51 @@
+// The light selection "static-lists" as a pass.
+#pragma once
+
+#include <optional>
+
+#include "frame/pass.h"
+#include "techniques/light_sampling/light_selection/light_selector.h"
+#include "techniques/light_sampling/light_selection/settings.h"
+#include "techniques/light_sampling/static_light_lists/build_lists.h"
+#include "techniques/light_sampling/static_light_lists/settings.h"
+
+namespace relume {
+
+/// Builds the lists in the first frame and keeps them when objects move. If `hurry` is requested, later frames finish
+/// the build.
+class StaticLightListsPass final : public Pass {
+ public:
+  StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
+      : settings_(settings), selection_(selection) {
+    selector_.kind = LightSelectorKind::static_lists;
+  }
+
+  void configure(const StaticLightListsSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
+  PassDeclaration declaration() const override { return {.name = "static-lists", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool prepared() const override { return !builder_; }
+  size_t memory_bytes() const override;
+  /// The lists, which know the scene as it was when they were made.
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What estimators sample with; valid from the first run() on.
+  const LightSelector& selector() const { return selector_; }
+
+ private:
+  StaticLightListsSettings settings_;
+  LightSelectionSettings selection_;
+  LightSelector selector_;
+  std::optional<LightListBuilder> builder_;  ///< while lists are not complete
+  LightListData lists_;
+  LightListOptions options_;
+  uint32_t listed_ = 0;  ///< lights that there were then
+  std::vector<AliasEntry> all_;
+  std::vector<AliasEntry> infinite_;
+  std::vector<float> columns_;
+  bool built_ = false;
+  bool restored_ = false;  ///< lists come from a checkpoint
+};
+
+}  // namespace relume

@@ -1,0 +1,211 @@
+#include "techniques/light_sampling/static_light_lists/static_light_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <sstream>
+#include <stop_token>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "builtin_scenes/builtin.h"
+#include "core/stream_io.h"
+#include "scene/compiled_scene.h"
+#include "scene/testing/light_scene.h"
+#include "techniques/light_sampling/static_light_lists/build_lists.h"
+#include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+class WarehouseLists : public ::testing::Test {
+ protected:
+  WarehouseLists() : scene_(find_builtin_scene("warehouse")->build(), {}) {
+    Backend backend(2);
+    data_ = build_light_lists(backend, scene_.view(), {4.6f, 4096});
+  }
+  bool listed(uint32_t cell, LightId light) const {
+    return std::binary_search(data_.ids.begin() + data_.first[cell], data_.ids.begin() + data_.first[cell + 1], light);
+  }
+  const CompiledScene scene_;
+  LightListData data_;
+};
+
+TEST_F(WarehouseLists, HoldNearlyAllThatIsVisibleAndFarFromAllThereIs) {
+  const LightsView& lights = scene_.view().lights;
+  testing::Random random(5);
+  int visible = 0;
+  int missed = 0;
+  for (int i = 0; i < 16000; ++i) {
+    // Places in the air about and below every lamp, in its bay and behind the walls: what arrives must be on the list.
+    const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
+    const Vec3 lamp = lights.lights[id].triangle.position(Vec2(1.0f / 3));
+    const Vec3 p = lamp + Vec3(5 * random.next() - 2.5f, -0.5f - 4 * random.next(), 5 * random.next() - 2.5f);
+    const LightSample s = sample_li(lights, id, p, random.next_2d());
+    if (!s.valid() || occluded(scene_.view().accel, {p, s.wi, 0.999f * s.distance}, 0)) continue;
+    ++visible;
+    missed += listed(data_.grid.find(p), id) ? 0 : 1;
+  }
+  ASSERT_GT(visible, 400);
+  EXPECT_LT(missed, visible / 20);
+  const double mean = static_cast<double>(data_.ids.size()) / data_.grid.count();
+  EXPECT_LT(mean, 0.5 * lights.first_infinite);  // most lamps are in other rooms
+}
+
+TEST_F(WarehouseLists, AreSortedWithoutRepetition) {
+  ASSERT_EQ(data_.first.size(), data_.grid.count() + 1);
+  for (uint32_t cell = 0; cell < data_.grid.count(); ++cell) {
+    for (uint32_t i = data_.first[cell] + 1; i < data_.first[cell + 1]; ++i) EXPECT_LT(data_.ids[i - 1], data_.ids[i]);
+  }
+}
+
+TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
+  // With few rays a cell misses some lamps: which of them is chance, and must not be the same in every session.
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  Backend backend(2);
+  const auto lists = [&](uint32_t seed) { return build_light_lists(backend, scene.view(), {4.6f, 128}, seed).ids; };
+  const std::vector<LightId> one = lists(1);
+  const std::vector<LightId> two = lists(2);
+  EXPECT_EQ(one, lists(1));
+  EXPECT_NE(one, two);
+  EXPECT_NEAR(static_cast<double>(two.size()) / static_cast<double>(one.size()), 1, 0.05);
+}
+
+TEST(LightListBuilder, StopsAndContinues) {
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  Backend backend(2);
+  const LightListOptions options{4.6f, 4096};
+  LightListBuilder builder(scene.view(), options, 0);
+  std::stop_source stopped;
+  stopped.request_stop();
+  EXPECT_FALSE(builder.advance(backend, scene.view(), stopped.get_token()));
+  EXPECT_TRUE(builder.lists().ids.empty());
+  // In the midst of it, wherever that is.
+  std::stop_source soon;
+  const std::jthread timer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    soon.request_stop();
+  });
+  builder.advance(backend, scene.view(), soon.get_token());
+  EXPECT_TRUE(builder.advance(backend, scene.view(), {}));
+  const LightListData whole = build_light_lists(backend, scene.view(), options);
+  EXPECT_EQ(builder.lists().ids, whole.ids);
+  EXPECT_EQ(builder.lists().first, whole.first);
+}
+
+TEST(LightGrid, NumbersItsCells) {
+  const LightGrid grid{Vec3(-1, 0, 2), 0.5f, UVec3(4, 3, 5)};
+  for (uint32_t cell = 0; cell < grid.count(); ++cell) EXPECT_EQ(grid.find(grid.low(cell) + 0.25f), cell);
+  EXPECT_EQ(grid.find(Vec3(-1e9f)), 0u);
+  EXPECT_EQ(grid.find(Vec3(1e30f)), grid.count() - 1);
+  EXPECT_LT(grid.find(Vec3(std::nanf(""))), grid.count());
+}
+
+TEST(StaticLightLists, SceneWithoutLightsHasNone) {
+  const CompiledScene scene(find_builtin_scene("mine")->build(), {});
+  Backend backend(1);
+  EXPECT_TRUE(build_light_lists(backend, scene.view(), {}).ids.empty());
+}
+
+TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
+  const CompiledScene scene(testing::make_overpowered_scene(), {.camera = {}, .width = 4, .height = 4});
+  const StaticLightListsSettings settings;
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(1);
+  pass.run(FrameContext(scene.view(), buffers, backend, {}));
+  const StaticLightLists& lists = pass.selector().lists;
+  ASSERT_FALSE(lists.all.empty());
+  EXPECT_GT(lists.all.pmf(2), 0.0f);
+}
+
+TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
+  // The camera moves, and every frame has a seed of its own.
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const StaticLightListsSettings settings{.rays = 128};
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(2);
+  const auto lists_in_frame = [&](uint32_t seed) {
+    pass.run(FrameContext(scene.view(), buffers, backend, {.index = {.seed = seed}, .changes = Change::camera}));
+    const View<const LightId> ids = pass.selector().lists.ids;
+    return std::vector<LightId>(ids.data, ids.data + ids.size);
+  };
+  const std::vector<LightId> first = lists_in_frame(1);
+  EXPECT_EQ(first, lists_in_frame(2));
+  StaticLightListsPass another(settings, selection);
+  another.run(FrameContext(scene.view(), buffers, backend, {.index = {.seed = 2}, .changes = Change::camera}));
+  const View<const LightId> ids = another.selector().lists.ids;
+  EXPECT_NE(first, std::vector<LightId>(ids.data, ids.data + ids.size));
+}
+
+TEST(StaticLightListsPass, CompletesItsListsInLaterFrames) {
+  const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
+  const StaticLightListsSettings settings{.rays = 128};
+  const LightSelectionSettings selection;
+  StaticLightListsPass pass(settings, selection);
+  BufferTable buffers(4, 4);
+  Backend backend(2);
+  const auto run = [&](StaticLightListsPass& p, std::stop_token hurry) {
+    const FrameContext frame(scene.view(), buffers, backend, {.index = {.seed = 3}, .hurry = std::move(hurry)});
+    EXPECT_TRUE(p.run(frame)) << "the frame goes on";
+  };
+  const auto checkpoint = [&] {
+    std::stringstream file;
+    pass.save(file);
+    StaticLightListsPass restored(settings, selection);
+    restored.load(file);
+    EXPECT_TRUE(file);
+    run(restored, {});
+    return std::vector<LightId>(restored.selector().lists.ids.begin(), restored.selector().lists.ids.end());
+  };
+  std::stop_source stop;
+  stop.request_stop();
+  run(pass, stop.get_token());
+  EXPECT_FALSE(pass.prepared());
+  EXPECT_EQ(pass.selector().lists.ids.size, 0u);
+  const std::vector<LightId> remade = checkpoint();
+  run(pass, {});
+  EXPECT_TRUE(pass.prepared());
+  const View<const LightId> ids = pass.selector().lists.ids;
+  EXPECT_GT(ids.size, 0u);
+  EXPECT_EQ(remade, std::vector<LightId>(ids.begin(), ids.end())) << "a checkpoint does not pass half a list on";
+  EXPECT_EQ(remade, checkpoint());
+}
+
+TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
+  const StaticLightListsSettings settings;
+  const LightSelectionSettings selection;
+  const auto loads = [&](const LightListData& data) {
+    std::stringstream file;
+    write_value(file, uint32_t{3});  // lights
+    write_value(file, 0.0f);
+    write_value(file, uint32_t{4096});
+    write_value(file, data.grid.corner);
+    write_value(file, data.grid.cell_size);
+    write_value(file, data.grid.cells);
+    write_vector(file, data.first);
+    write_vector(file, data.ids);
+    StaticLightListsPass pass(settings, selection);
+    pass.load(file);
+    return static_cast<bool>(file);
+  };
+  LightListData data{{Vec3(0), 1, UVec3(2, 1, 1)}, {0, 1, 2}, {1, 2}};
+  EXPECT_TRUE(loads(data));
+  data.ids = {1, 3};
+  EXPECT_FALSE(loads(data));
+  data.ids = {1, 2};
+  data.grid.cell_size = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(loads(data));
+  // Its product is 65536 in 32 bits.
+  EXPECT_FALSE(loads({{Vec3(0), 1, UVec3(65537, 65536, 1)}, std::vector<uint32_t>(65537, 0), {}}));
+}
+
+}  // namespace
+}  // namespace relume

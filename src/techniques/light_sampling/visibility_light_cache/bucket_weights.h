@@ -1,0 +1,70 @@
+// How a region's buckets share its samples.
+#pragma once
+
+#include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
+#include "techniques/spatial/octree/octree_tree.h"
+
+namespace relume {
+
+/// Weights of the buckets of each region, which sum to one. [Dittebrandt20, §4.2] takes each alike, and an empty bucket
+/// passes its turn on to the next; the rest goes by the power over the squared distance to the region of the lights in
+/// them, which is our extension.
+struct BucketWeightsKernel {
+  OctreeView tree;
+  View<const uint32_t> parents;
+  View<const LightBuckets> buckets;
+  View<const uint32_t> entries;
+  View<const LightGuess> lights;
+  uint32_t bucket_size = 32;
+  float even = 1;       ///< share that each bucket has alike, > 0
+  View<float> weights;  ///< by bucket: a region's begin at its first entry / bucket_size
+
+  RELUME_HD void operator()(uint32_t region, uint32_t) const {
+    const LightBuckets b = buckets[region];
+    if (b.count == 0) return;
+    float* out = weights.data + b.first / bucket_size;
+    const float turn = even / static_cast<float>(b.count);
+    const float sum = even < 1.0f ? guess(region, b, out) : 0.0f;
+    const float scale = sum > 0.0f && is_finite(sum) ? (1.0f - even) / sum : 0.0f;
+    const float all_turns = scale > 0.0f ? turn : turn / even;
+    uint32_t last = b.count - 1;
+    while (is_empty(b, last)) --last;
+    uint32_t waiting = b.count - 1 - last;  // empty buckets at the end pass their turns to the first
+    for (uint32_t i = 0; i < b.count; ++i) {
+      ++waiting;
+      if (is_empty(b, i)) {
+        out[i] = 0;
+        continue;
+      }
+      out[i] = (scale > 0.0f ? scale * out[i] : 0.0f) + all_turns * static_cast<float>(waiting);
+      waiting = 0;
+    }
+  }
+
+ private:
+  RELUME_HD bool is_empty(const LightBuckets& b, uint32_t bucket) const {
+    return entries[b.first + bucket * bucket_size] == CachedLight::kNone;
+  }
+
+  /// What the lights of each bucket may send to the region, and the sum. Nearer than half the region's diagonal is as
+  /// good as there.
+  RELUME_HD float guess(uint32_t region, const LightBuckets& b, float* out) const {
+    const OctreeCell cell = octree_cell_of(tree.nodes, parents, region);
+    const float half = 0.5f * static_cast<float>(cell.size());
+    const Vec3 center = tree.corner + (Vec3(cell.corner) + Vec3(half)) / tree.scale;
+    const float least = 3.0f * sqr(half / tree.scale);
+    float sum = 0;
+    for (uint32_t i = 0; i < b.count; ++i) {
+      out[i] = 0;
+      const uint32_t* entry = entries.data + b.first + i * bucket_size;
+      for (uint32_t k = 0; k < bucket_size && entry[k] != CachedLight::kNone; ++k) {
+        const LightGuess& light = lights[CachedLight::id(entry[k])];
+        out[i] += light.watts / max(length_squared(light.position - center), least);
+      }
+      sum += out[i];
+    }
+    return sum;
+  }
+};
+
+}  // namespace relume

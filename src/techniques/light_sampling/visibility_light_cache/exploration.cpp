@@ -1,0 +1,135 @@
+#include "techniques/light_sampling/visibility_light_cache/exploration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/hash.h"
+#include "core/parallel.h"
+
+namespace relume {
+namespace {
+
+Vec3 position_of(const Light& light) {
+  switch (light.kind) {
+    case LightKind::triangle: return light.triangle.position(Vec2(1.0f / 3.0f));
+    case LightKind::point: return light.point.position;
+    case LightKind::spot: return light.spot.position;
+    case LightKind::directional:
+    case LightKind::environment: break;
+  }
+  return Vec3(0);
+}
+
+/// Weights of an alias table; `near(light)` is the third guess.
+template <typename Near>
+std::vector<float> blend(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, const Near& near) {
+  std::vector<float> guesses[3];
+  for (std::vector<float>& guess : guesses) guess.assign(lights.size(), 0.0f);
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (!(lights[i].watts > 0.0f)) continue;
+    guesses[0][i] = lights[i].watts;
+    guesses[1][i] = lights[i].changed ? 1.0f : 0.0f;
+    guesses[2][i] = near(lights[i]);
+  }
+  const float shares[3] = {weights.energy, weights.change, weights.distance};
+  std::vector<float> blended(lights.size(), 0.0f);
+  for (int g = 0; g < 3; ++g) {
+    double sum = 0;
+    for (const float w : guesses[g]) sum += static_cast<double>(w);
+    if (!(sum > 0)) continue;
+    for (size_t i = 0; i < lights.size(); ++i)
+      blended[i] += shares[g] * static_cast<float>(static_cast<double>(guesses[g][i]) / sum);
+  }
+  return blended;
+}
+
+/// By the distance to the camera. Nearer than a hundredth of the scene is as good as there.
+std::vector<AliasEntry> one_table(const std::vector<LightGuess>& lights, float scene_radius, const Vec3& camera,
+                                  const ExplorationWeights& weights) {
+  const float nearest2 = sqr(0.01f * scene_radius);
+  return build_alias_table(blend(lights, weights, [&](const LightGuess& light) {
+    return 1.0f / std::max(length_squared(light.position - camera), nearest2);
+  }));
+}
+
+uint64_t fingerprint_of(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, uint32_t cells) {
+  uint64_t h = cells + 1;
+  const auto add = [&h](float x) { h = (h ^ hash(float_bits(x))) * 0x9e3779b97f4a7c15u + (h >> 29); };
+  for (const float w : {weights.energy, weights.change, weights.distance}) add(w);
+  for (const LightGuess& light : lights) {
+    for (int axis = 0; axis < 3; ++axis) add(light.position[axis]);
+    add(light.watts);
+    add(light.changed ? 1.0f : 0.0f);
+  }
+  return h == 0 ? 1 : h;
+}
+
+/// Cells of a grid over `extent`, about cubic, at most `most` together.
+UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
+  for (uint32_t n = along_longest; n > 1; --n) {
+    UVec3 cells;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float share = extent[axis] / max_component(extent) * static_cast<float>(n);
+      cells[axis] = std::max(static_cast<uint32_t>(std::ceil(share - 1e-3f)), 1u);
+    }
+    if (uint64_t{cells.x} * cells.y * cells.z <= most) return cells;
+  }
+  return UVec3(1);
+}
+
+}  // namespace
+
+std::vector<LightGuess> light_guesses(const LightsView& lights) {
+  std::vector<LightGuess> list(lights.first_infinite);
+  for (LightId i = 0; i < lights.first_infinite; ++i)
+    list[i] = {position_of(lights.lights[i]), selection_weight(lights, i), lights.lights[i].changed};
+  return list;
+}
+
+std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
+                                          const ExplorationWeights& weights) {
+  return one_table(light_guesses(lights), lights.bounds.radius, camera, weights);
+}
+
+void ExplorationTables::build(const LightsView& lights, const std::vector<LightGuess>& list, const Vec3& camera,
+                              const ExplorationWeights& weights, uint32_t cells) {
+  Vec3 low(kInfinity);
+  Vec3 high(-kInfinity);
+  for (const LightGuess& light : list) {
+    low = glm::min(low, light.position);
+    high = glm::max(high, light.position);
+  }
+  constexpr uint32_t kMostEntries = 1u << 18;
+  const bool emits = std::any_of(list.begin(), list.end(), [](const LightGuess& light) { return light.watts > 0.0f; });
+  const bool apart = emits && max_component(high - low) > 0.0f;
+  const UVec3 dims = apart ? grid_of(high - low, cells, kMostEntries / static_cast<uint32_t>(list.size())) : UVec3(1);
+  const uint32_t count = dims.x * dims.y * dims.z;
+  if (count == 1) {
+    entries_ = one_table(list, lights.bounds.radius, camera, weights);
+    cells_ = UVec3(1);
+    fingerprint_ = 0;
+    return;
+  }
+  const uint64_t fingerprint = fingerprint_of(list, weights, cells);
+  if (fingerprint == fingerprint_) return;
+  fingerprint_ = fingerprint;
+  cells_ = dims;
+  corner_ = low;
+  const Vec3 edge = (high - low) / Vec3(dims);
+  for (int axis = 0; axis < 3; ++axis) scale_[axis] = edge[axis] > 0.0f ? 1.0f / edge[axis] : 0.0f;
+  // A light in the cell is as far away as the points of the cell are from each other.
+  const float nearest2 = 0.25f * length_squared(edge);
+  entries_.assign(size_t{count} * list.size(), {});
+  parallel_for(count, [&](uint32_t cell) {
+    const Vec3 at(cell % dims.x, cell / dims.x % dims.y, cell / (dims.x * dims.y));
+    const Vec3 middle = low + edge * (at + Vec3(0.5f));
+    const std::vector<AliasEntry> table = build_alias_table(blend(list, weights, [&](const LightGuess& light) {
+      return light.watts / std::max(length_squared(light.position - middle), nearest2);
+    }));
+    std::copy(table.begin(), table.end(), entries_.begin() + static_cast<std::ptrdiff_t>(cell * list.size()));
+  });
+}
+
+ExplorationGrid ExplorationTables::grid() const { return {view_of(entries_), corner_, scale_, cells_}; }
+
+}  // namespace relume

@@ -1,0 +1,112 @@
+// Selects among the lights that were seen from a region in the last frame, in proportion to what the point would
+// reflect of them, and now and then among all lights ([Dittebrandt20, §4]).
+#pragma once
+
+#include "sampling/choose.h"
+#include "techniques/light_sampling/light_selection/infinite_lights.h"
+#include "techniques/light_sampling/light_selection/light_selection.h"
+#include "techniques/light_sampling/light_selection/weighed_lights.h"
+#include "techniques/light_sampling/visibility_light_cache/exploration.h"
+
+namespace relume {
+
+/// Lights in a bucket, at most.
+inline constexpr uint32_t kMaxBucketSize = kMaxWeighedLights;
+
+/// A light that a region knows: its id, and how many frames ago it was last seen.
+struct CachedLight {
+  static constexpr uint32_t kAgeBits = 5;
+  static constexpr uint32_t kMaxAge = (1u << kAgeBits) - 1;
+  static constexpr uint32_t kNone = 0xffffffffu;  ///< the rest of a bucket
+
+  RELUME_HD static constexpr uint32_t pack(LightId id, uint32_t age) { return (id << kAgeBits) | age; }
+  RELUME_HD static constexpr LightId id(uint32_t packed) { return packed >> kAgeBits; }
+  RELUME_HD static constexpr uint32_t age(uint32_t packed) { return packed & kMaxAge; }
+};
+
+/// Where a region's buckets stand.
+struct LightBuckets {
+  uint32_t first = 0;  ///< entry
+  uint32_t count = 0;  ///< buckets; 0: nothing is known
+};
+
+struct VisibilityLightCache {
+  View<const LightBuckets> regions;
+  View<const uint32_t> entries;      ///< CachedLight, `bucket_size` a bucket, sorted by id
+  View<const float> bucket_weights;  ///< by bucket: a region's begin at its first entry / bucket_size, and sum to one
+  uint32_t bucket_size = 32;
+  float exploration = 0.1f;  ///< share of samples among all lights
+  ExplorationGrid all;       ///< over finite lights
+  InfiniteLights infinite;
+  LtcTable ltc;
+  LightColumns columns;
+  LightsView lights;
+
+  /// [Dittebrandt20, algorithm 1]: both strategies go through one bucket once to weigh its lights.
+  RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
+    if (infinite.takes(n)) return infinite.sample(n);
+    if (all.empty()) return {};
+    const LightBuckets buckets = buckets_of(sp);
+    const bool exploring = takes_share(buckets.count == 0 ? 1.0f : exploration, n);
+    LightId light = kNoLight;
+    uint32_t bucket = 0;
+    if (exploring) {
+      const DiscreteSample explored = all.at(sp.position).sample(n);
+      light = explored.index;
+      n.u = explored.u;
+      if (buckets.count > 0) bucket = light % buckets.count;
+    } else {
+      bucket = choose_by_weight(weights_of(buckets), buckets.count, 1.0f, n);
+    }
+    WeighedLights w;
+    if (buckets.count > 0) fill(buckets, bucket, w);
+    if (!exploring) {
+      w.weigh(sp, ltc, lights, columns);
+      light = w.ids[choose_by_weight(w.weights, w.count, w.sum, n)];
+    }
+    return {light, density(sp, buckets, bucket, w, light), n.u};
+  }
+
+  RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
+    if (light >= infinite.first) return infinite.pmf(light);
+    if (all.empty()) return 0.0f;
+    const LightBuckets buckets = buckets_of(sp);
+    WeighedLights w;
+    uint32_t bucket = 0;
+    if (buckets.count > 0) {
+      bucket = light % buckets.count;
+      fill(buckets, bucket, w);
+    }
+    return density(sp, buckets, bucket, w, light);
+  }
+
+ private:
+  RELUME_HD LightBuckets buckets_of(const SurfacePoint& sp) const {
+    return sp.region < regions.size ? regions[sp.region] : LightBuckets{};
+  }
+  RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
+
+  /// The lights of one bucket, not weighed yet.
+  RELUME_HD void fill(const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
+    const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
+    for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
+      w.ids[w.count] = CachedLight::id(entry[w.count]);
+  }
+
+  /// Probability of `light`, given its bucket: a one-sample mixture of both strategies. The bucket's lights are weighed
+  /// only if `light` is one of them and they are not yet: most lights that exploration finds are not.
+  RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, WeighedLights& w,
+                          LightId light) const {
+    const float finite = 1.0f - infinite.share;
+    const float explored = all.at(sp.position).pmf(light);
+    if (buckets.count == 0) return finite * explored;
+    float cached = 0;
+    if (const uint32_t place = w.find(light); place < w.count) {
+      if (!w.weighed()) w.weigh(sp, ltc, lights, columns);
+      cached = w.weights[place] / w.sum * weights_of(buckets)[bucket];
+    }
+    return finite * (exploration * explored + (1.0f - exploration) * cached);
+  }
+};
+
+}  // namespace relume

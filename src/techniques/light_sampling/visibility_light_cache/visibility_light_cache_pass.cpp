@@ -1,0 +1,116 @@
+#include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
+
+#include <algorithm>
+
+#include "techniques/light_sampling/visibility_light_cache/exploration.h"
+#include "techniques/light_sampling/visibility_light_cache/known_lights.h"
+
+namespace relume {
+
+bool VisibilityLightCachePass::run(const FrameContext& frame) {
+  const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
+  drop_inconsistent(static_cast<uint32_t>(lights.size()));
+  snapshot_.begin_frame(frame.begins_epoch, caches_);
+  if (octree_.has_samples()) {
+    CacheBuildOptions options;
+    options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+    options.max_samples = static_cast<uint32_t>(settings_.max_samples);
+    options.hysteresis = settings_.hysteresis;
+    options.memory = static_cast<uint32_t>(settings_.memory);
+    options.even_buckets = settings_.even_buckets;
+    caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(lights), options);
+    caches_.populate(frame.backend, octree_.tree());
+  } else {
+    caches_ = {};
+  }
+  frame.backend.run("vlc.exploration", [&] { build_tables(frame, lights); });
+  return true;
+}
+
+PassDeclaration KnownLightsPass::declaration() const {
+  return {.name = "vlc-view",
+          .stage = Stage::present,
+          .owns = {{.id = kKnownLights,
+                    .help = "lights that the cache knew at the first hit",
+                    .display = BufferDisplay::value}}};
+}
+
+bool KnownLightsPass::run(const FrameContext& frame) {
+  const LightCaches& caches = cache_.caches();
+  std::vector<uint32_t> known(caches.buckets().size);
+  const CountKnownLightsKernel count{caches.buckets(), caches.entries(), cache_.selector().cache.bucket_size,
+                                     mutable_view_of(known)};
+  frame.launch("vlc-view", count, {caches.buckets().size, 1});
+  const KnownLightsKernel show{octree_.samples(), view_of(known), frame.write(kKnownLights), frame.width()};
+  frame.launch("vlc-view", show);
+  return true;
+}
+
+void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses) {
+  const LightsView& lights = frame.scene.lights;
+  all_.build(lights, guesses, frame.scene.camera.position,
+             {settings_.energy_weight, settings_.change_weight, settings_.distance_weight},
+             static_cast<uint32_t>(settings_.exploration_cells));
+  infinite_ = build_infinite_lights(lights, selection_.infinity());
+  columns_ = build_light_columns(lights);
+  VisibilityLightCache& view = selector_.cache;
+  const LightCaches& sampled = snapshot_.of(caches_);
+  view.regions = sampled.buckets();
+  view.entries = sampled.entries();
+  view.bucket_weights = sampled.bucket_weights();
+  view.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  view.exploration = settings_.exploration;
+  view.all = all_.grid();
+  view.infinite = make_infinite_lights(lights, infinite_, !view.all.empty());
+  view.ltc = ltc_table();
+  view.columns = {view_of(columns_), lights.first_infinite};
+  view.lights = lights;
+}
+
+std::vector<PassFigure> VisibilityLightCachePass::figures() const {
+  uint64_t regions = 0;
+  uint64_t buckets = 0;
+  uint64_t lights = 0;
+  for (uint32_t region = 0; region < caches_.buckets().size; ++region) {
+    const uint32_t count = caches_.buckets()[region].count;
+    if (count == 0) continue;
+    ++regions;
+    buckets += count;
+    lights += caches_.list(region).size;
+  }
+  const double n = static_cast<double>(std::max<uint64_t>(regions, 1));
+  return {{"regions", static_cast<double>(regions)},
+          {"lights-a-region", static_cast<double>(lights) / n},
+          {"buckets-a-region", static_cast<double>(buckets) / n},
+          {"dropped", static_cast<double>(caches_.dropped())},
+          {"cache-bytes", static_cast<double>(caches_.region_bytes())},
+          {"entry-bytes", static_cast<double>(caches_.entry_bytes())}};
+}
+
+void VisibilityLightCachePass::save(std::ostream& out) const {
+  caches_.save(out);
+  snapshot_.save(out);
+}
+
+void VisibilityLightCachePass::load(std::istream& in) {
+  caches_.load(in);
+  snapshot_.load(in, {});
+  loaded_ = true;
+}
+
+void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
+  if (!loaded_) return;
+  loaded_ = false;
+  const auto bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  if (caches_.consistent(bucket_size, light_count) && snapshot_.of(caches_).consistent(bucket_size, light_count))
+    return;
+  caches_ = {};
+  snapshot_.reset();
+}
+
+size_t VisibilityLightCachePass::memory_bytes() const {
+  return caches_.memory_bytes() + snapshot_.memory_bytes() + all_.memory_bytes() +
+         sizeof(AliasEntry) * infinite_.size() + sizeof(float) * columns_.size();
+}
+
+}  // namespace relume

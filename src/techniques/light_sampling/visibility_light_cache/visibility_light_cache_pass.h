@@ -1,0 +1,70 @@
+// The light selection "vlc" as a pass, behind the octree's.
+#pragma once
+
+#include "frame/pass.h"
+#include "techniques/light_sampling/light_selection/light_selector.h"
+#include "techniques/light_sampling/light_selection/settings.h"
+#include "techniques/light_sampling/visibility_light_cache/build_cache.h"
+#include "techniques/light_sampling/visibility_light_cache/exploration.h"
+#include "techniques/light_sampling/visibility_light_cache/settings.h"
+#include "techniques/spatial/octree/octree_pass.h"
+#include "techniques/spatial/octree/snapshot.h"
+
+namespace relume {
+
+class VisibilityLightCachePass final : public Pass {
+ public:
+  VisibilityLightCachePass(const VisibilityLightCacheSettings& settings, const LightSelectionSettings& selection,
+                           const OctreePass& octree)
+      : settings_(settings), selection_(selection), octree_(octree) {
+    selector_.kind = LightSelectorKind::cache;
+  }
+
+  void configure(const VisibilityLightCacheSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
+  PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
+  bool run(const FrameContext& frame) override;
+  bool keeps_state() const override { return true; }
+  size_t memory_bytes() const override;
+  std::vector<PassFigure> figures() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What estimators sample with; valid from the first run() on.
+  const LightSelector& selector() const { return selector_; }
+  /// What the regions of octree.tree() know.
+  const LightCaches& caches() const { return caches_; }
+
+ private:
+  /// What a damaged checkpoint left is forgotten.
+  void drop_inconsistent(uint32_t light_count);
+  void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
+
+  VisibilityLightCacheSettings settings_;
+  LightSelectionSettings selection_;
+  const OctreePass& octree_;
+  LightSelector selector_;
+  LightCaches caches_;
+  Snapshot<LightCaches> snapshot_;
+  bool loaded_ = false;  ///< from a checkpoint; not looked at yet
+  ExplorationTables all_;
+  std::vector<AliasEntry> infinite_;
+  std::vector<float> columns_;
+};
+
+inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};
+
+/// Fills a buffer that shows how many lights the regions know.
+class KnownLightsPass final : public Pass {
+ public:
+  KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache) : octree_(octree), cache_(cache) {}
+
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  const OctreePass& octree_;
+  const VisibilityLightCachePass& cache_;
+};
+
+}  // namespace relume

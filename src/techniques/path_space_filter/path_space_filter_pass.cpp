@@ -1,9 +1,0 @@
-#include "techniques/path_space_filter/path_space_filter_pass.h"
-
-namespace relume {
-
-PassDeclaration PathSpaceFilterPass::declaration() const { return cell_paths_declaration(); }
-
-bool PathSpaceFilterPass::run(const FrameContext& frame) { return trace_into_cells(source_, frame, cells_.filter()); }
-
-}  // namespace relume

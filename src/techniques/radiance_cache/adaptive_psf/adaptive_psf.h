@@ -1,0 +1,93 @@
+// Adaptive path space filtering at primary surfaces ([Schipek22 §4.1]): the variance of a pixel's cell in earlier
+// frames decides with which probability a path is followed, and how cell and path are mixed.
+#pragma once
+
+#include "techniques/radiance_cache/adaptive_psf/variance_functions.h"
+#include "techniques/radiance_cache/path_space_filter/path_space_filter.h"
+
+namespace relume {
+
+struct AdaptivePsf {
+  SurvivalFunction survival_function = SurvivalFunction::smooth_linear;
+  BlendFunction blend_function = BlendFunction::one;
+  VarianceMeasure measure = VarianceMeasure::relative;
+  VarianceThresholds survival_thresholds;
+  VarianceThresholds blend_thresholds;
+  float survival_floor = 0.1f;  ///< no cell starves
+  float min_count = 128;        ///< samples below which a cell's variance is not believed
+  bool enabled = true;
+
+  /// The variance that thresholds are compared with. Infinite for what is too thin to have one.
+  RELUME_HD float variance(const HashGridView& grid, const CellMoments& cell) const {
+    if (cell.count < relume::max(min_count, grid.rule.min_count)) return kInfinity;
+    const float v = cell.variance();
+    if (measure == VarianceMeasure::absolute) return v;
+    const float mean = luminance(cell.mean);
+    return mean > 0.0f ? v / sqr(mean) : 0.0f;
+  }
+
+  /// Decides about the path of a pixel whose filter vertex has just been reached: fills slot, survival, blend, culled.
+  /// False if the path is not to be followed; the pixel then shows its cell, whatever the blend would have asked for,
+  /// since there is no path to blend with. Paths that a delta lobe may need always survive. `u` in [0, 1).
+  RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u) const {
+    if (!enabled) return true;
+    if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
+    // The cell's own moments: whoever shares the key must come to the same probability.
+    const CellMoments cell = grid.own_moments(pixel.slot);
+    const float v = variance(grid, cell);
+    const bool known = v < kInfinity;
+    pixel.survival = known && !pixel.divided
+                         ? relume::max(survival(survival_function, survival_thresholds, v), survival_floor)
+                         : 1.0f;
+    pixel.blend = blend(blend_function, blend_thresholds, v);
+    pixel.culled = u >= pixel.survival;
+    if (pixel.culled) pixel.blend = 1.0f;
+    return !pixel.culled;
+  }
+};
+
+class AdaptiveVertex;
+
+/// Path space filtering with survival and blend.
+struct AdaptiveFilterContext {
+  FilterContext filter;
+  AdaptivePsf adaptive;
+
+  RELUME_HD AdaptiveVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+};
+
+/// A filter vertex that may end its path.
+class AdaptiveVertex : public NoObserver {
+ public:
+  AdaptiveVertex() = default;
+  RELUME_HD AdaptiveVertex(const AdaptiveFilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
+      : context_(&context), vertex_(context.filter, index, x, y), u_survival_(filter_random(index, x, y, 1)) {}
+
+  RELUME_HD const FilteredPixel& pixel() { return vertex_.pixel(); }
+
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    const bool before = vertex_.reached();
+    vertex_.arrived(sp, path);
+    if (before || !vertex_.reached()) return true;
+    return context_->adaptive.decide(context_->filter.grid, vertex_.pixel(), u_survival_);
+  }
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
+    vertex_.scattered(sp, s, path);
+  }
+  RELUME_HD void finish(const PathState& path) { vertex_.finish(path); }
+
+ private:
+  const AdaptiveFilterContext* context_ = nullptr;
+  FilterVertex vertex_;
+  float u_survival_ = 0;
+};
+
+RELUME_HD inline AdaptiveVertex AdaptiveFilterContext::observer(const SampleIndex& index, uint32_t x,
+                                                                uint32_t y) const {
+  return {*this, index, x, y};
+}
+
+/// Traces the paths that survive and fills the cells.
+using AdaptivePsfKernel = CellPathsKernel<AdaptiveFilterContext>;
+
+}  // namespace relume

@@ -1,0 +1,27 @@
+// The cache "apsf" as a pass.
+#pragma once
+
+#include "techniques/radiance_cache/adaptive_psf/settings.h"
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Traces the paths that survive, of the pixels that the allocation gives one, and gives what they find to the cells.
+class AdaptivePsfPass final : public Pass {
+ public:
+  AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells)
+      : settings_(settings), source_(source), cells_(cells) {}
+
+  void configure(const AdaptivePsfSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  AdaptivePsfSettings settings_;
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

@@ -1,0 +1,72 @@
+#include "techniques/radiance_cache/adaptive_psf/settings.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"
+
+namespace relume {
+namespace {
+
+VarianceThresholds checked(const char* name, float v0, float v1) {
+  const VarianceThresholds t{v0, v1};
+  if (!t.valid()) {
+    throw Error(fmt::format("apsf.{0}-v0 is {1} and apsf.{0}-v1 is {2}, but v1 must be larger than v0 by less than {3}",
+                            name, v0, v1, kMaxThresholdDistance));
+  }
+  return t;
+}
+
+}  // namespace
+
+SettingList describe(AdaptivePsfSettings& s) {
+  return {
+      {"survival", choice(s.survival, {"one", "linear", "smooth-linear"}),
+       "How the variance of a pixel's cell decides whether its path is followed: always, or with a probability that "
+       "rises between the thresholds"},
+      {"survival-v0", &s.survival_v0, "Variance below which few paths are followed", {.min = 0, .max = 1e6}},
+      {"survival-v1", &s.survival_v1, "Variance above which most paths are followed", {.min = 0, .max = 1e6}},
+      {"survival-floor",
+       &s.survival_floor,
+       "Least probability with which a path is followed, so that cells notice changes",
+       {.min = 0.001, .max = 1}},
+      {"min-samples",
+       &s.min_samples,
+       "Samples below which a cell's variance is not believed: its paths are all followed. Where bright samples are "
+       "rare, "
+       "few dark ones look certain, and cells that get no more stay dark",
+       {.min = 1, .max = 1 << 20, .biases = true}},
+      {"blend",
+       choice(s.blend, {"automatic", "zero", "one", "step", "one-over-square"}),
+       "Share of the cell in a pixel whose path was followed: none, all, or all but between the thresholds; automatic: "
+       "all with apsf, none with apsf+apg, where the path graph decides what cells show",
+       {.biases = true}},
+      {"blend-v0",
+       &s.blend_v0,
+       "Variance above which paths are preferred to cells",
+       {.min = 0, .max = 1e6, .biases = true}},
+      {"blend-v1",
+       &s.blend_v1,
+       "Variance above which cells are preferred again",
+       {.min = 0, .max = 1e6, .biases = true}},
+      {"variance", choice(s.variance, {"relative", "absolute"}),
+       "What the thresholds are compared with: the variance of a sample over the squared mean of its cell, or the "
+       "variance itself"},
+  };
+}
+
+void check(const AdaptivePsfSettings& settings) { make_adaptive_psf(settings); }
+
+AdaptivePsf make_adaptive_psf(const AdaptivePsfSettings& s, BlendFunction automatic) {
+  AdaptivePsf a;
+  a.survival_function = s.survival;
+  a.blend_function = s.blend == BlendFunction::automatic ? automatic : s.blend;
+  a.measure = s.variance;
+  a.survival_thresholds = checked("survival", s.survival_v0, s.survival_v1);
+  a.blend_thresholds = checked("blend", s.blend_v0, s.blend_v1);
+  a.survival_floor = s.survival_floor;
+  a.min_count = static_cast<float>(s.min_samples);
+  return a;
+}
+
+}  // namespace relume

@@ -1,0 +1,37 @@
+// The caches "apg" and "apsf+apg" as a pass.
+#pragma once
+
+#include "techniques/radiance_cache/adaptive_psf/settings.h"
+#include "techniques/radiance_cache/path_graphs/settings.h"
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Cells of a path graph over those of the first vertex, for the table's first size. What lies further along paths is
+/// out of sight as well: four dropped eight thousand samples of the first frame in Sponza.
+inline constexpr uint32_t kGraphDepths = 8;
+
+/// Traces one path for each pixel that the allocation gives one, lets cells take over, and feeds them.
+class PathGraphPass final : public Pass {
+ public:
+  /// `primary`: survival and blend at the first vertex, if `adapts_primary`.
+  PathGraphPass(const PathGraphSettings& settings, const AdaptivePsfSettings& primary, bool adapts_primary,
+                const PathSource& source, const CellsPass& cells)
+      : settings_(settings), primary_(primary), adapts_primary_(adapts_primary), source_(source), cells_(cells) {}
+  void configure(const AdaptivePsfSettings& primary) { primary_ = primary; }
+
+  void configure(const PathGraphSettings& settings) { settings_ = settings; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  PathGraphSettings settings_;
+  AdaptivePsfSettings primary_;
+  bool adapts_primary_;
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

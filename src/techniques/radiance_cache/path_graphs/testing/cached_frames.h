@@ -1,0 +1,144 @@
+// Frames of all caches that live in a hash grid, without a session: for tests and benchmarks.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/compiled_scene.h"
+#include "techniques/radiance_cache/adaptive_psf/settings.h"
+#include "techniques/radiance_cache/path_graphs/path_graphs.h"
+#include "techniques/radiance_cache/path_graphs/settings.h"
+#include "techniques/radiance_cache/path_space_filter/settings.h"
+#include "techniques/spatial/hash_grid/hash_grid_table.h"
+
+namespace relume::testing {
+
+enum class CacheKind { none, psf, apsf, apg, apsf_apg };
+inline constexpr CacheKind kCacheKinds[] = {CacheKind::psf, CacheKind::apsf, CacheKind::apg, CacheKind::apsf_apg};
+
+inline std::string name_of(CacheKind kind) {
+  const char* names[] = {"none", "psf", "apsf", "apg", "apsf_apg"};
+  return names[static_cast<int>(kind)];
+}
+
+struct CachedFrameSettings {
+  CacheKind kind = CacheKind::psf;
+  int width = 64;
+  int height = 64;
+  int threads = 1;
+  uint32_t max_bounces = 8;
+  uint32_t seed = 0;
+  bool russian_roulette = true;
+  PathSpaceFilterSettings psf;
+  AdaptivePsfSettings apsf;
+  PathGraphSettings apg;
+  uint64_t expected_cells = 1 << 14;
+};
+
+class CachedFrames {
+ public:
+  CachedFrames(Scene scene, const CachedFrameSettings& settings)
+      : settings_(settings),
+        scene_(std::move(scene), CompileOptions{.camera = {}, .width = settings.width, .height = settings.height}),
+        backend_(settings.threads),
+        grid_(settings.psf.grid, settings.expected_cells),
+        power_(build_power_lights(scene_.view().lights)) {
+    const auto pixels = static_cast<size_t>(settings.width) * static_cast<size_t>(settings.height);
+    hits_.resize(pixels);
+    pixels_.resize(pixels);
+    rays_.resize(pixels);
+    radiance_.resize(pixels);
+  }
+
+  HashGrid& grid() { return grid_; }
+  CompiledScene& scene() { return scene_; }
+  Backend& backend() { return backend_; }
+  const std::vector<FilteredPixel>& pixels() const { return pixels_; }
+  const std::vector<Rgb>& radiance() const { return radiance_; }
+  CellLayers& layers() { return layers_; }
+  uint64_t rays() const {
+    uint64_t sum = 0;
+    for (const uint32_t r : rays_) sum += r;
+    return sum;
+  }
+
+  /// One sample a pixel; radiance() then holds what is shown.
+  const std::vector<Rgb>& render() {
+    trace();
+    resolve();
+    grid_.adjust_size(backend_);
+    ++frame_;
+    return radiance_;
+  }
+
+  void trace() {
+    const SampleIndex index{.seed = settings_.seed, .sequence = frame_, .frame = frame_};
+    const SceneView view = scene_.view();
+    run("gbuffer", PrimaryHitsKernel{view.accel, view.camera, index, mutable_view_of(hits_), {}, width()});
+    PathContext context;
+    context.scene = view;
+    context.selector.uniform = make_uniform_lights(view.lights);
+    context.selector.power = {{view_of(power_)}};
+    context.max_bounces = settings_.max_bounces;
+    context.russian_roulette = settings_.russian_roulette;
+    FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness)};
+    const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
+    AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
+    const auto hits = view_of(hits_);
+    const auto pixels = mutable_view_of(pixels_);
+    const auto rays = mutable_view_of(rays_);
+    switch (settings_.kind) {
+      case CacheKind::none:
+        run("trace", PathKernel{context, index, hits, {}, rays, width(), {mutable_view_of(radiance_)}});
+        break;
+      case CacheKind::psf:
+        run("trace", PathSpaceFilterKernel{context, index, hits, {}, rays, width(), {filter, pixels}});
+        break;
+      case CacheKind::apsf:
+        run("trace", AdaptivePsfKernel{context, index, hits, {}, rays, width(), {{filter, adaptive}, pixels}});
+        break;
+      case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
+      case CacheKind::apsf_apg:
+        const PathGraphContext graph{filter,
+                                     adaptive,
+                                     settings_.apg.variance_constant,
+                                     settings_.apg.variance,
+                                     settings_.apg.feed,
+                                     static_cast<uint16_t>(settings_.apg.deep_coarsening)};
+        run("trace", PathGraphKernel{context, index, hits, {}, rays, width(), {graph, pixels}});
+        break;
+    }
+  }
+
+  /// Takes the frame into the cells and shows them.
+  void resolve() {
+    if (settings_.kind == CacheKind::none) return;
+    grid_.advance(backend_);
+    run("resolve",
+        ResolveCellsKernel{
+            grid_.view(scene_.view().camera), view_of(pixels_), mutable_view_of(radiance_), layers_, width(), {}, {}});
+  }
+
+ private:
+  uint32_t width() const { return static_cast<uint32_t>(settings_.width); }
+
+  template <typename Kernel>
+  void run(const char* name, const Kernel& kernel) {
+    launch(backend_, name, kernel, width(), static_cast<uint32_t>(settings_.height));
+  }
+
+  CachedFrameSettings settings_;
+  CompiledScene scene_;
+  Backend backend_;
+  HashGrid grid_;
+  std::vector<AliasEntry> power_;
+  std::vector<Hit> hits_;
+  std::vector<FilteredPixel> pixels_;
+  std::vector<uint32_t> rays_;
+  std::vector<Rgb> radiance_;
+  CellLayers layers_;
+  uint32_t frame_ = 0;
+};
+
+}  // namespace relume::testing

@@ -1,0 +1,50 @@
+// More camera rays for pixels at the edges of something bright, whose emission goes past the cells.
+#pragma once
+
+#include "techniques/gbuffer/primary_hits/emission_edges.h"
+#include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
+
+namespace relume {
+
+/// Finds pixels at the edges of something bright and measures how much of it they see.
+struct CellEdges {
+  PathContext context;
+  SampleIndex index;
+  View<const FilteredPixel> pixels;
+  uint32_t rays = 0;  ///< for each such pixel; 0: none gets any
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  /// Whether something bright ends around pixel (x, y).
+  RELUME_HD bool contains(const HashGridView& grid, uint32_t x, uint32_t y) const {
+    const float contrast =
+        emission_contrast(x, y, width, height, [&](uint32_t i) { return luminance(pixels[i].seen); });
+    if (!(contrast > 0.0f)) return false;
+    const auto radiance = [&](uint32_t i) { return luminance(shown(grid, pixels[i])); };
+    return contrast > kEmissionContrast * darkest_around(x, y, width, height, radiance);
+  }
+
+  /// Mean emission of what pixel (x, y) sees.
+  RELUME_HD Rgb emission(uint32_t x, uint32_t y) const {
+    SurfacePoint points[2];
+    points[1].bsdf.lobe_count = 0;  // the camera
+    NoObserver observer;
+    return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
+      PathState path = start_path(context, x, y, sampler);
+      points[1].position = path.ray.origin;
+      const Hit hit = intersect(context.scene.accel, path.ray, sampler.camera_ray_id());
+      arrive(context, hit, points[1], points[0], path, observer);
+      return path.radiance;
+    });
+  }
+
+ private:
+  RELUME_HD static Rgb shown(const HashGridView& grid, const FilteredPixel& p) {
+    if (!p.filtered) return p.seen;
+    // Whether a path knew its cell depends on whether another one had just made it.
+    const uint32_t slot = grid.find(p.point, p.slot);
+    return p.seen + p.factor * grid.own_moments(slot).mean;
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,159 @@
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+
+#include <fmt/format.h>
+
+#include "core/memory.h"
+#include "core/stream_io.h"
+
+namespace relume {
+namespace {
+
+/// Cells a patch of cell-size² pixels has: neighbours that the jitter reaches, orientations, coarser levels.
+constexpr float kCellsPerPatch = 4;
+
+/// Light goes from cell to cell, so that what has changed shows here or there for some frames.
+constexpr uint32_t kWatchedFrames = 24;
+
+constexpr BufferKey<uint32_t> kCellIdentity{"cell-identity"};
+constexpr BufferKey<float> kCellLevel{"cell-level"};
+constexpr BufferKey<float> kCellCount{"cell-count"};
+constexpr BufferKey<float> kCellAge{"cell-age"};
+constexpr BufferKey<float> kCellVariance{"cell-variance"};
+constexpr BufferKey<float> kCellSurvival{"cell-survival"};
+constexpr BufferKey<float> kCellBlend{"cell-blend"};
+constexpr BufferKey<float> kCellOccupancy{"cell-occupancy"};
+
+uint64_t expected_cells(const PathSpaceFilterSettings& settings, uint32_t pixels, uint32_t depths) {
+  const float patches = static_cast<float>(pixels) / relume::max(1.0f, sqr(settings.grid.cell_size));
+  return static_cast<uint64_t>(patches * kCellsPerPatch) * depths;
+}
+
+}  // namespace
+
+bool CellsPass::run(const FrameContext& frame) {
+  const HashGridBounds bounds = bounds_for(frame.pixels(), depths_, physical_memory_bytes());
+  if (!ready_) grid_ = HashGrid(settings_.grid, expected_cells(settings_, frame.pixels(), depths_), bounds);
+  ready_ = true;
+  grid_.configure(settings_.grid, bounds);
+  if (includes(frame.changes, Change::settings)) grid_.clear();
+  grid_.adjust_size(frame.backend);  // the limit may be another one now
+  if (watched_frames_ > 0) --watched_frames_;
+  if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
+  filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
+  return true;
+}
+
+void CellsPass::advance(const FrameContext& frame) {
+  grid_.advance(frame.backend, watched_frames_ > 0);
+  filter_.grid = grid_.view(frame.scene.camera);
+}
+
+size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes; }
+
+std::vector<PassFigure> CellsPass::figures() const {
+  const HashGridStatistics s = grid_.statistics();
+  return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
+          {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
+          {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
+          {"evicted", static_cast<double>(s.evicted)},     {"discarded", static_cast<double>(s.discarded)},
+          {"changed", static_cast<double>(s.changed)},     {"dropped", static_cast<double>(s.dropped)},
+          {"saturated", static_cast<double>(s.saturated)}, {"nonfinite", static_cast<double>(s.nonfinite)},
+          {"unfed", static_cast<double>(s.unfed)},         {"rebuilds", static_cast<double>(s.rebuilds)},
+          {"bytes", static_cast<double>(s.memory_bytes)}};
+}
+
+std::vector<std::string> CellsPass::warnings() const {
+  const HashGridStatistics s = grid_.statistics();
+  std::vector<std::string> list;
+  if (s.dropped > 0) {
+    list.push_back(fmt::format(
+        "the cells of {} samples did not fit into an eighth of the machine's memory; these samples were dropped, and "
+        "another run may differ in its bits; raise psf.cell-size, or render a smaller image",
+        s.dropped));
+  }
+  if (s.discarded > 0) {
+    list.push_back(
+        fmt::format("{} cells were discarded because the table may not have more than {} slots between "
+                    "frames; raise psf.max-cells, or leave it at 0",
+                    s.discarded, grid_.limit()));
+  }
+  if (s.nonfinite > 0)
+    list.push_back(fmt::format("{} samples for cells were not finite and were left out", s.nonfinite));
+  return list;
+}
+
+void CellsPass::save(std::ostream& out) const {
+  write_value(out, watched_frames_);
+  write_vector(out, grid_.save());
+}
+
+void CellsPass::load(std::istream& in) {
+  uint32_t watched_frames = 0;
+  std::vector<std::byte> bytes;
+  read_value(in, watched_frames);
+  read_vector(in, bytes);
+  grid_.configure(settings_.grid, bounds_for(kMostSlots, 1, physical_memory_bytes()));
+  if (!in || !grid_.load(bytes)) return in.setstate(std::ios::failbit);
+  watched_frames_ = watched_frames;
+  ready_ = true;
+}
+
+PassDeclaration ResolveCellsPass::declaration() const {
+  const auto layer = [](const BufferId& id, const char* help) {
+    return BufferDescription{.id = id, .help = help, .display = BufferDisplay::value};
+  };
+  return {.name = "resolve",
+          .stage = Stage::resolve,
+          .owns = {layer(kCellIdentity, "a number that differs from cell to cell"),
+                   layer(kCellLevel, "log2 of the edge of the pixel's cell, metres"),
+                   layer(kCellCount, "samples in the pixel's cell"),
+                   layer(kCellAge, "frames with samples since the pixel's cell began"),
+                   layer(kCellVariance, "variance of a sample's luminance in the pixel's cell"),
+                   layer(kCellSurvival, "probability with which the pixel's path was followed"),
+                   layer(kCellBlend, "share of the cell in the pixel; the rest is its path's"),
+                   layer(kCellTermination, "bounce, from 1, at which the pixel's path ceased to count"),
+                   layer(kCellOccupancy, "share of taken slots around the pixel's cell")},
+          .reads = {kFilteredPixels},
+          .writes = {kRadiance, kRays}};
+}
+
+std::vector<PassFigure> ResolveCellsPass::figures() const {
+  uint64_t filtered = 0;
+  uint64_t culled = 0;
+  for (const FilteredPixel& p : pixels_) {
+    filtered += p.filtered ? 1 : 0;
+    culled += p.culled ? 1 : 0;
+  }
+  return {{"culled", filtered > 0 ? static_cast<double>(culled) / static_cast<double>(filtered) : 0.0}};
+}
+
+PassDeclaration cell_paths_declaration() {
+  PassDeclaration declaration{.name = "trace",
+                              .stage = Stage::trace,
+                              .owns = estimator_buffers(),
+                              .reads = {kPrimaryHits},
+                              .reads_if_any = {kAllocation},
+                              .only_sampled_pixels = true};
+  declaration.owns.push_back({.id = kFilteredPixels, .help = "what each pixel leaves for the cells"});
+  return declaration;
+}
+
+bool ResolveCellsPass::run(const FrameContext& frame) {
+  cells_.advance(frame);
+  ResolveCellsKernel kernel;
+  kernel.grid = cells_.filter().grid;
+  kernel.pixels = pixels_ = frame.read(kFilteredPixels);
+  kernel.radiance = frame.write(kRadiance);
+  kernel.layers = {frame.write(kCellIdentity), frame.write(kCellLevel),       frame.write(kCellCount),
+                   frame.write(kCellAge),      frame.write(kCellVariance),    frame.write(kCellSurvival),
+                   frame.write(kCellBlend),    frame.write(kCellTermination), frame.write(kCellOccupancy)};
+  kernel.width = frame.width();
+  kernel.rays = frame.write(kRays);
+  kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
+                  sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
+  if (!frame.launch_or_stop("resolve", kernel)) return false;
+  cells_.adjust_size(frame.backend);
+  return true;
+}
+
+}  // namespace relume

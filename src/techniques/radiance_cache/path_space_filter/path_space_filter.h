@@ -1,0 +1,172 @@
+// Path space filtering ([Binder19], [Schipek22 §2.4]): the radiance that a path brings to its first vertex that is not
+// nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
+#pragma once
+
+#include "techniques/radiance_cache/path_space_filter/cell_edges.h"
+#include "techniques/radiance_cache/path_space_filter/cell_paths.h"
+#include "techniques/radiance_cache/path_space_filter/demodulate.h"
+
+namespace relume {
+
+class FilterVertex;
+
+/// What the vertices of all paths share.
+struct FilterContext {
+  HashGridView grid;
+  float narrow_alpha = 0.04f;  ///< lobes below are not filtered
+
+  RELUME_HD FilterVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+};
+
+/// Takes the first vertex that may be filtered out of a path. What a delta lobe there shows is followed like any other
+/// path, but stays outside the cell.
+class FilterVertex : public NoObserver {
+ public:
+  FilterVertex() = default;
+  RELUME_HD FilterVertex(const FilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
+      : context_(&context), index_(&index), x_(x), y_(y) {}
+
+  RELUME_HD bool reached() const { return pixel_.filtered; }
+  RELUME_HD FilteredPixel& pixel() { return pixel_; }
+
+  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
+    if (path.bounce == 0) pixel_.seen = path.radiance;
+    scatters_ = true;
+    if (reached()) return true;
+    const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
+    if (!d.filtered) return true;
+    pixel_.filtered = true;
+    pixel_.divided = d.has_delta;
+    pixel_.unfiltered = path.radiance;
+    pixel_.factor = path.throughput * d.albedo;
+    pixel_.point = context_->grid.keys.point(sp, filter_random_2d(*index_, x_, y_, 0), 0, d.glossy);
+    context_->grid.send_for_sums(context_->grid.keys.address(pixel_.point));
+    anchor_ = path.throughput * d.divisor();
+    path.radiance = Rgb(0);
+    path.throughput = 1.0f / d.divisor();
+    // Roulette compares with what leaves this vertex: about 1.
+    path.first_throughput = 1.0f;
+    path.compression = 1.0f;
+    return true;
+  }
+
+  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, PathState& path) {
+    if (!reached() || left_) return;
+    left_ = true;
+    if (!path.delta) return;
+    apart_ = true;
+    sample_ = path.radiance;
+    path.radiance = Rgb(0);
+    path.throughput *= anchor_;
+    path.first_throughput *= max_component(anchor_);
+  }
+
+  /// When the path has ended: gives its sample to the cell.
+  RELUME_HD void finish(const PathState& path) {
+    if (!reached()) {
+      pixel_.unfiltered = path.radiance;
+      if (!scatters_) pixel_.seen = path.radiance;
+      return;
+    }
+    if (!apart_) sample_ = path.radiance;
+    if (apart_) pixel_.unfiltered += path.radiance;
+    if (pixel_.culled) return;
+    const float u = filter_random(*index_, x_, y_, 0);
+    pixel_.slot = context_->grid.insert(pixel_.point, sample_, 1.0f / pixel_.survival, u, pixel_.slot);
+    if (is_finite(sample_)) pixel_.traced = pixel_.factor * sample_;
+  }
+
+ private:
+  const FilterContext* context_ = nullptr;
+  const SampleIndex* index_ = nullptr;
+  uint32_t x_ = 0;
+  uint32_t y_ = 0;
+  FilteredPixel pixel_;
+  Rgb anchor_{0};  ///< what turns demodulated throughput behind the vertex into true one
+  Rgb sample_{0};
+  bool scatters_ = false;  ///< the path has met a surface that takes it on
+  bool left_ = false;
+  bool apart_ = false;  ///< the path has left through a delta lobe
+};
+
+RELUME_HD inline FilterVertex FilterContext::observer(const SampleIndex& index, uint32_t x, uint32_t y) const {
+  return {*this, index, x, y};
+}
+
+/// Traces one path a pixel and fills the cells.
+using PathSpaceFilterKernel = CellPathsKernel<FilterContext>;
+
+/// What the cells look like, pixel by pixel; empty views are left out. 0 where nothing is filtered.
+struct CellLayers {
+  View<uint32_t> identity;  ///< a hash that differs from cell to cell
+  View<float> level;        ///< log2 of the edge in metres
+  View<float> count;        ///< samples
+  View<float> age;          ///< frames with samples since the cell began
+  View<float> variance;     ///< of a sample's luminance
+  View<float> survival;     ///< probability with which the path was followed
+  View<float> blend;        ///< share of the cell in the pixel
+  View<float> termination;  ///< bounce at which cells took over; 0: nowhere
+  View<float> occupancy;    ///< share of taken slots around the cell's
+};
+
+/// Puts together what paths and cells say, after the cells have taken in all samples of the frame.
+struct ResolveCellsKernel {
+  HashGridView grid;
+  View<const FilteredPixel> pixels;
+  View<Rgb> radiance;
+  CellLayers layers;
+  uint32_t width = 0;
+  CellEdges edges;
+  View<uint32_t> rays;  ///< of this sample; those of the edges are added
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = y * width + x;
+    const FilteredPixel& p = pixels[i];
+    CellMoments cell;
+    Rgb value = p.unfiltered;
+    if (p.filtered) {
+      const CellAddress address = grid.keys.address(p.point);
+      const uint32_t slot = grid.find(p.point, p.slot);
+      if (p.blend > 0.0f || !layers.count.empty()) cell = grid.moments(p.point, slot);
+      const Rgb shown = cell.count > 0.0f ? p.factor * cell.mean : p.traced;
+      value += p.blend * shown;
+      if (p.blend < 1.0f) value += (1.0f - p.blend) * p.traced;
+      write_cell(i, p, address, slot);
+    } else {
+      leave_out(i);
+    }
+    if (edges.rays > 0 && rays[i] > 0 && edges.contains(grid, x, y)) {
+      value += edges.emission(x, y) - p.seen;
+      rays[i] += edges.rays;
+    }
+    radiance[i] = value;
+    write(layers.count, i, cell.count);
+    write(layers.variance, i, cell.variance());
+    write(layers.survival, i, p.filtered ? p.survival : 0.0f);
+    write(layers.blend, i, p.filtered ? p.blend : 0.0f);
+    write(layers.termination, i, static_cast<float>(p.termination));
+  }
+
+ private:
+  template <typename T>
+  RELUME_HD static void write(const View<T>& view, uint32_t i, T value) {
+    if (!view.empty()) view[i] = value;
+  }
+
+  RELUME_HD void write_cell(uint32_t i, const FilteredPixel& p, const CellAddress& address, uint32_t slot) const {
+    write(layers.identity, i,
+          hash(static_cast<uint32_t>(address.fingerprint), static_cast<uint32_t>(address.fingerprint >> 32)));
+    write(layers.level, i, static_cast<float>(grid.keys.level_of(p.point)));
+    write(layers.age, i, slot == kNoCell ? 0.0f : static_cast<float>(grid.histories[slot].frames));
+    if (!layers.occupancy.empty()) layers.occupancy[i] = grid.occupancy(address);
+  }
+
+  RELUME_HD void leave_out(uint32_t i) const {
+    write(layers.identity, i, 0u);
+    write(layers.level, i, 0.0f);
+    write(layers.age, i, 0.0f);
+    write(layers.occupancy, i, 0.0f);
+  }
+};
+
+}  // namespace relume

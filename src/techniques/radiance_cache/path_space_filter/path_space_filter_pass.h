@@ -1,0 +1,23 @@
+// The cache "psf" as a pass.
+#pragma once
+
+#include "techniques/radiance_cache/path_space_filter/cells_pass.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+/// Traces one path for each pixel that the allocation gives one, and gives what it finds to the cells.
+class PathSpaceFilterPass final : public Pass {
+ public:
+  PathSpaceFilterPass(const PathSource& source, const CellsPass& cells) : source_(source), cells_(cells) {}
+
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  PathSource source_;
+  const CellsPass& cells_;
+};
+
+}  // namespace relume

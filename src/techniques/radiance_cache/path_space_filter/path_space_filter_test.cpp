@@ -1,0 +1,213 @@
+#include "techniques/radiance_cache/path_space_filter/path_space_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "builtin_scenes/builtin.h"
+#include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
+#include "techniques/radiance_cache/path_graphs/testing/cached_frames.h"
+
+namespace relume {
+namespace {
+
+using testing::CachedFrames;
+using testing::CachedFrameSettings;
+using testing::CacheKind;
+
+CachedFrameSettings small(int size) {
+  CachedFrameSettings s;
+  s.width = s.height = size;
+  return s;
+}
+
+glm::dvec3 mean_of(const std::vector<Rgb>& pixels) {
+  glm::dvec3 sum(0);
+  for (const Rgb& p : pixels) sum += glm::dvec3(p);
+  return sum / static_cast<double>(pixels.size());
+}
+
+/// Mean square error of what is reflected: pixels that see the lamp, at its edge also a little of it, do not count.
+double mse(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += max_component(b[i]) < 1.0f ? length_squared(a[i] - b[i]) : 0.0f;
+  return sum / static_cast<double>(a.size());
+}
+
+Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+
+TEST(PathSpaceFilter, CellsHoldWhatTheirPixelsTraced) {
+  CachedFrames frames(build("cornell"), small(48));
+  frames.trace();
+  const HashGridView grid = frames.grid().view(frames.scene().view().camera);
+  struct Sum {
+    glm::dvec3 value{0};
+    double square = 0;
+    double count = 0;
+  };
+  std::map<uint32_t, Sum> expected;
+  for (const FilteredPixel& p : frames.pixels()) {
+    if (p.slot == kNoCell) continue;
+    ASSERT_EQ(grid.find(grid.keys.address(p.point)), p.slot);
+    // No albedo of this scene is 0, so the demodulated sample can be had back; each division rounds once.
+    const Rgb sample = p.traced / p.factor;
+    Sum& s = expected[p.slot];
+    s.value += glm::dvec3(sample);
+    s.square += static_cast<double>(sqr(luminance(sample)));
+    s.count += 1;
+  }
+  EXPECT_GT(expected.size(), 50u);
+  for (const auto& [slot, s] : expected) {
+    const CellMoments m = grid.sums[slot].moments();
+    ASSERT_EQ(m.count, s.count);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(m.mean[c], s.value[c] / s.count, 1e-5 * (s.value[c] / s.count) + 1e-9);
+    ASSERT_NEAR(m.mean_square, s.square / s.count, 1e-5 * (s.square / s.count) + 1e-9);
+  }
+}
+
+TEST(PathSpaceFilter, HalvesTheErrorOfOneSample) {
+  CachedFrameSettings settings = small(48);
+  settings.kind = CacheKind::none;
+  settings.seed = 77;
+  CachedFrames reference(build("cornell"), settings);
+  std::vector<Rgb> expected(48 * 48, Rgb(0));
+  for (int i = 0; i < 128; ++i) {
+    const std::vector<Rgb>& frame = reference.render();
+    for (size_t p = 0; p < frame.size(); ++p) expected[p] += frame[p] / 128.0f;
+  }
+  settings.seed = 0;
+  CachedFrames plain(build("cornell"), settings);
+  settings.kind = CacheKind::psf;
+  CachedFrames filtered(build("cornell"), settings);
+  EXPECT_LT(mse(filtered.render(), expected), 0.5 * mse(plain.render(), expected));
+}
+
+TEST(PathSpaceFilter, JitterKeepsTheMean) {
+  const auto mean = [](bool jitter) {
+    CachedFrameSettings settings = small(48);
+    settings.psf.grid.jitter = jitter;
+    CachedFrames frames(build("cornell"), settings);
+    glm::dvec3 sum(0);
+    for (int i = 0; i < 32; ++i) sum += mean_of(frames.render()) / 32.0;
+    return sum;
+  };
+  const glm::dvec3 with = mean(true);
+  const glm::dvec3 without = mean(false);
+  // The same paths; only which cell they go to differs, and cells straddle edges by a pixel or two of 48.
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(with[c] / without[c], 1.0, 0.02);
+}
+
+TEST(PathSpaceFilter, LeavesTheMeanOfThePathTracerAlone) {
+  const auto mean = [](CacheKind kind) {
+    CachedFrameSettings settings = small(48);
+    settings.kind = kind;
+    CachedFrames frames(build("cornell"), settings);
+    glm::dvec3 sum(0);
+    for (int i = 0; i < 32; ++i) sum += mean_of(frames.render()) / 32.0;
+    return sum;
+  };
+  const glm::dvec3 filtered = mean(CacheKind::psf);
+  const glm::dvec3 plain = mean(CacheKind::none);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(filtered[c] / plain[c], 1.0, 0.02);
+}
+
+TEST(PathSpaceFilter, DoesNotFilterEmission) {
+  // The emitter's edge stays as sharp as without a filter: what is seen directly is equal bit by bit.
+  CachedFrameSettings settings = small(64);
+  settings.max_bounces = 0;
+  CachedFrames filtered(build("cornell"), settings);
+  settings.kind = CacheKind::none;
+  CachedFrames plain(build("cornell"), settings);
+  EXPECT_EQ(filtered.render(), plain.render());
+  settings.kind = CacheKind::psf;
+  settings.max_bounces = 4;
+  CachedFrames more(build("cornell"), settings);
+  const std::vector<Rgb>& direct = plain.radiance();
+  more.render();
+  for (size_t i = 0; i < direct.size(); ++i) {
+    if (direct[i].r > 1.0f) {
+      EXPECT_EQ(more.pixels()[i].unfiltered, direct[i]);
+    }
+  }
+}
+
+TEST(PathSpaceFilter, WaitsForAVertexThatIsNotNearlySpecular) {
+  CachedFrames frames(build("cornell-mirror"), small(64));
+  frames.render();
+  size_t behind_mirror = 0;
+  for (const FilteredPixel& p : frames.pixels()) {
+    if (!p.filtered) continue;
+    // The mirror's wall reflects 0.9: what is seen in it has less factor than any wall has albedo by itself.
+    behind_mirror += p.point.position.z > 3.0f ? 1 : 0;  // behind the camera: seen in the mirror only
+  }
+  EXPECT_GT(behind_mirror, 20u);
+}
+
+Material coated(const Rgb& color) {
+  Material m = testing::matte(color);
+  m.clearcoat = 1;
+  m.clearcoat_roughness = 0;
+  return m;
+}
+
+TEST(PathSpaceFilter, DeltaLobesPassTheCellsBy) {
+  // A smooth coat over a black-and-red base: the sky's reflection is the same with and without the filter.
+  const Scene scene = testing::plate_under_sky(coated({0.5f, 0, 0}));
+  CachedFrameSettings settings = small(16);
+  CachedFrames filtered(scene, settings);
+  settings.kind = CacheKind::none;
+  CachedFrames plain(scene, settings);
+  glm::dvec3 a(0);
+  glm::dvec3 b(0);
+  for (int i = 0; i < 400; ++i) {
+    a += mean_of(filtered.render()) / 400.0;
+    b += mean_of(plain.render()) / 400.0;
+  }
+  EXPECT_NEAR(b.g, 0.04, 0.002);  // Fresnel reflection at normal incidence
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 0.01 * b[c]);
+}
+
+TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
+  // Left half black, right half white, and cells that span both: the white half shows all of the light.
+  Scene scene = testing::plate_under_sky(testing::matte(Rgb(0.9f, 0, 0.9f)));
+  Mesh right;
+  right.positions = {{0, 1e-4f, -5}, {0, 1e-4f, 5}, {5, 1e-4f, 5}, {5, 1e-4f, -5}};
+  right.triangles = {{0, 1, 2}, {0, 2, 3}};
+  testing::add_mesh(scene, right, testing::matte(Rgb(0.9f)));
+  CachedFrameSettings settings = small(16);
+  settings.psf.grid.cell_size = 8;
+  CachedFrames frames(scene, settings);
+  frames.render();
+  const std::vector<Rgb>& picture = frames.render();
+  for (size_t i = 0; i < picture.size(); ++i) {
+    const bool white = i % 16 >= 8;
+    EXPECT_NEAR(picture[i].r, 0.9f, 1e-3f) << i;
+    EXPECT_NEAR(picture[i].g, white ? 0.9f : 0.0f, 1e-3f) << i;
+  }
+}
+
+TEST(PathSpaceFilter, LayersSayWhatTheCellsAreLike) {
+  CachedFrames frames(build("cornell"), small(32));
+  std::vector<float> count(32 * 32);
+  std::vector<float> level(32 * 32);
+  std::vector<float> occupancy(32 * 32);
+  std::vector<uint32_t> identity(32 * 32);
+  frames.layers().count = mutable_view_of(count);
+  frames.layers().level = mutable_view_of(level);
+  frames.layers().occupancy = mutable_view_of(occupancy);
+  frames.layers().identity = mutable_view_of(identity);
+  frames.render();
+  const float before = *std::max_element(count.begin(), count.end());
+  frames.render();
+  EXPECT_GT(*std::max_element(count.begin(), count.end()), before);
+  EXPECT_GT(occupancy[16 * 32 + 16], 0.0f);
+  EXPECT_NE(identity[16 * 32 + 4], identity[16 * 32 + 28]);
+  // The power of two next to eight footprints of a pixel.
+  const CameraView camera = frames.scene().view().camera;
+  const float distance = glm::length(frames.pixels()[16 * 32 + 16].point.position - camera.position);
+  EXPECT_EQ(level[16 * 32 + 16], std::round(std::log2(8 * camera.cone_spread() * distance)));
+}
+
+}  // namespace
+}  // namespace relume

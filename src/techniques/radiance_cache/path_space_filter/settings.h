@@ -1,0 +1,17 @@
+// Settings of path space filtering; its relatives share them.
+#pragma once
+
+#include "techniques/spatial/hash_grid/settings.h"
+
+namespace relume {
+
+struct PathSpaceFilterSettings {
+  HashGridSettings grid;
+  float min_roughness = 0.2f;  ///< below, lobes count as specular
+  int edge_rays = 16;
+};
+
+/// Names without the prefix "psf.".
+SettingList describe(PathSpaceFilterSettings& settings);
+
+}  // namespace relume

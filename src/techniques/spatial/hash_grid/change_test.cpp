@@ -1,0 +1,88 @@
+#include "techniques/spatial/hash_grid/change.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "testing/random.h"
+
+namespace relume {
+namespace {
+
+/// Cells of a region, each with samples of its own.
+class Region {
+ public:
+  Region(int cells, int samples, uint32_t seed)
+      : histories_(static_cast<size_t>(cells)), samples_(samples), random_(seed) {}
+
+  /// A frame in which cell k has the mean `mean(k)`, and samples that spread evenly from 0 to twice that. Returns the
+  /// excess.
+  template <typename Mean>
+  float render(const Mean& mean) {
+    std::vector<CellMoments> frame;
+    RegionChange change;
+    for (size_t k = 0; k < histories_.size(); ++k) {
+      CellSums sums;
+      for (int i = 0; i < samples_; ++i) sums.add(Rgb(2.0f * mean(k) * random_.next()), 1.0f);
+      frame.push_back(sums.moments());
+      const CellMoments window = pooled(histories_[k].recent, frame.back(), kInfinity);
+      if (histories_[k].moments.count >= rule_.min_count && window.count >= rule_.min_count)
+        change.add(squared_departure(histories_[k].moments, window));
+    }
+    const float excess = change.excess(kRegionThreshold * rule_.change_threshold);
+    for (size_t k = 0; k < histories_.size(); ++k) histories_[k] = advanced(histories_[k], frame[k], rule_, excess);
+    return excess;
+  }
+  float mean(size_t k) const { return histories_[k].moments.mean.r; }
+
+ private:
+  std::vector<CellHistory> histories_;
+  int samples_;
+  testing::Random random_;
+  AveragingRule rule_{1024, 4, 8};
+};
+
+float one(size_t) { return 1; }
+
+TEST(RegionChange, ChanceIsNone) {
+  for (const int samples : {1, 4, 64}) {
+    Region region(64, samples, 3);
+    int alarms = 0;
+    for (int i = 0; i < 500; ++i) alarms += region.render(one) > 0 ? 1 : 0;
+    EXPECT_LT(alarms, 0.14 * 500) << samples;  // the bound is exp(-2) a frame
+  }
+}
+
+TEST(RegionChange, WhatOneCellCannotTellARegionDoes) {
+  Region region(64, 64, 4);
+  for (int i = 0; i < 50; ++i) region.render(one);
+  // Some become brighter, others darker by a quarter, three and a half standard errors of a frame's 64 samples; none
+  // leaves its confidence interval, and the region's mean stays the same.
+  const auto changed = [](size_t k) { return k % 2 == 0 ? 1.25f : 0.75f; };
+  EXPECT_GT(region.render(changed), 1.0f);
+  for (int i = 0; i < 3; ++i) region.render(changed);
+  double missing = 0;
+  for (size_t k = 0; k < 64; ++k) missing += static_cast<double>(std::fabs(region.mean(k) - changed(k))) / 64;
+  // Four frames of plain averaging would leave four fifths of the quarter; noise of 256 samples is 0.036.
+  EXPECT_LT(missing, 0.08);
+}
+
+TEST(RegionChange, OneCellMaySayItAloneTwice) {
+  Region region(1, 64, 5);
+  for (int i = 0; i < 50; ++i) region.render(one);
+  for (int i = 0; i < 2; ++i) region.render([](size_t) { return 3.0f; });
+  EXPECT_NEAR(region.mean(0), 3.0f, 1.1f);  // five standard errors
+}
+
+TEST(RegionChange, DiscountedHistoriesWeighWhatTheyAreWorth) {
+  CellMoments history;
+  history.count = 1000;
+  CellMoments window;
+  window.count = 50;
+  // Off by as much as the noise of 50 samples: worth about 50.
+  EXPECT_NEAR(discounted(history, window, 1).count, 1.0f / (1.0f / 1000 + 1.0f / 50 + 1.0f / 1000), 1e-3f);
+  EXPECT_LT(discounted(history, window, 8).count, 7.0f);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,29 @@
+// Settings of the hash grid, for whichever technique keeps its cells in one.
+#pragma once
+
+#include "settings/setting.h"
+#include "techniques/spatial/hash_grid/cell.h"
+
+namespace relume {
+
+/// No table has more slots.
+inline constexpr int kMostSlots = 1 << 28;
+
+struct HashGridSettings {
+  float cell_size = 8;  ///< edge of a cell in footprints of a pixel
+  bool jitter = true;
+  int normal_bins = 2;
+  int direction_bins = 0;
+  int max_count = 1024;
+  int max_age = 32;
+  int min_count = 8;
+  int inherited_count = 128;
+  ThinCells thin_cells = ThinCells::coarser;
+  float clamp = 0;
+  float change_detection = 4;
+  int max_cells = 0;  ///< slots of the table at most; 0: as picture and memory ask for
+};
+
+SettingList describe(HashGridSettings& settings);
+
+}  // namespace relume

@@ -1,0 +1,114 @@
+#include "techniques/spatial/octree/octree_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/stream_io.h"
+#include "scene/world_triangles.h"
+#include "techniques/spatial/octree/region_view.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kJitterSeed = 0x6a09e667u;
+
+/// About all surfaces as they stand now. What moves out later belongs to cells at the border.
+OctreeTree first_tree(const SceneView& scene) {
+  Box box = world_box(scene);
+  if (box.empty()) box.add(Vec3(0));
+  const float edge = std::max(1.001f * max_component(box.extent()), 1e-3f);
+  return OctreeTree(box.center(), edge);
+}
+
+}  // namespace
+
+OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
+  const double scale = s.scale ? pixels * static_cast<double>(s.vertices) / (2.0 * 1920 * 1080) : 1.0;
+  constexpr double kFewest = 1024;
+  const double split = std::max(s.split * scale, std::min<double>(s.split, kFewest));
+  OctreeThresholds t;
+  t.split = static_cast<uint32_t>(std::lround(split));
+  t.collapse = static_cast<uint32_t>(std::lround(std::min(s.collapse * split / s.split, split)));
+  t.max_depth = static_cast<uint32_t>(s.max_depth);
+  return t;
+}
+
+bool OctreePass::run(const FrameContext& frame) {
+  const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
+  // Before the records are grouped: other passes look them up until the next frame.
+  stream_.resize(frame.pixels(), vertices);
+  if (!tree_) {
+    tree_ = first_tree(frame.scene);
+  } else {
+    snapshot_.begin_frame(frame.begins_epoch, *tree_);
+    stream_.group(frame.backend, tree_->leaf_slots());
+    OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
+    previous_ = std::move(tree_);
+    tree_ = std::move(next);
+  }
+  frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
+  recording_ = {.octree = tree_->view(),
+                .sampled = sampled().view(),
+                .samples = stream_.samples(),
+                .vertices = vertices,
+                .pixels = frame.pixels(),
+                .jitter = settings_.jitter,
+                .seed = hash(frame.index.seed, frame.number, kJitterSeed),
+                .frozen = snapshot_.frozen()};
+  return true;
+}
+
+PassDeclaration RegionViewPass::declaration() const {
+  return {
+      .name = "octree-view",
+      .stage = Stage::present,
+      .owns = {{.id = kRegion, .help = "number of the octree's leaf at the first hit", .display = BufferDisplay::value},
+               {.id = kRegionDepth,
+                .help = "its level; each has an eighth of the volume of the one above",
+                .display = BufferDisplay::value}}};
+}
+
+bool RegionViewPass::run(const FrameContext& frame) {
+  const RegionViewKernel kernel{octree_.samples(), octree_.depths(), frame.write(kRegion), frame.write(kRegionDepth),
+                                frame.width()};
+  frame.launch("octree-view", kernel);
+  return true;
+}
+
+size_t OctreePass::memory_bytes() const {
+  return stream_.memory_bytes() + depths_.capacity() + (tree_ ? tree_->memory_bytes() : 0) +
+         (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
+}
+
+std::vector<PassFigure> OctreePass::figures() const {
+  if (!tree_) return {};
+  return {{"leaves", static_cast<double>(tree_->leaf_count())},
+          {"leaf-slots", static_cast<double>(tree_->leaf_slots())},
+          {"depth", static_cast<double>(tree_->depth())},
+          {"samples", static_cast<double>(stream_.groups().order.size)},
+          {"tree-bytes", static_cast<double>(tree_->memory_bytes() + depths_.capacity())},
+          {"place-bytes", static_cast<double>(stream_.place_bytes())}};
+}
+
+void OctreePass::save(std::ostream& out) const {
+  write_value(out, static_cast<uint8_t>(tree_.has_value()));
+  if (!tree_) return;
+  tree_->save(out);
+  stream_.save(out);
+  snapshot_.save(out);
+}
+
+void OctreePass::load(std::istream& in) {
+  tree_.reset();
+  previous_.reset();
+  snapshot_.reset();
+  uint8_t has_tree = 0;
+  read_value(in, has_tree);
+  if (!in || has_tree == 0) return;
+  tree_.emplace(Vec3(0), 1.0f);
+  tree_->load(in);
+  stream_.load(in);
+  snapshot_.load(in, OctreeTree(Vec3(0), 1.0f));
+}
+
+}  // namespace relume

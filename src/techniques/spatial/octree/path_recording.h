@@ -1,0 +1,122 @@
+// Watches paths and writes the records of their first vertices.
+#pragma once
+
+#include "core/hash.h"
+#include "core/octahedral.h"
+#include "scene/surface_point.h"
+#include "techniques/spatial/octree/sample_stream.h"
+
+namespace relume {
+
+struct PathRecorder;
+
+/// Makes recorders, which need it as long as they live.
+struct PathRecording {
+  OctreeView octree;   ///< to whose regions samples belong
+  OctreeView sampled;  ///< whose regions paths sample with
+  View<VertexSample> samples;
+  uint32_t vertices = 0;
+  uint32_t pixels = 0;
+  float jitter = 0;     ///< of places that samples are taken from, in edges of leaves
+  uint32_t seed = 0;    ///< of that; differs from frame to frame
+  bool frozen = false;  ///< the two octrees differ: `sampled` is of an earlier frame of the epoch
+
+  RELUME_HD PathRecorder begin(uint32_t pixel) const;
+  /// Where a vertex takes estimates from and leaves its sample.
+  RELUME_HD RegionPair find(const SurfacePoint& sp) const {
+    if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
+    return octree.find_pair(sp.previous_position, sp.position);
+  }
+  RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
+  /// Nothing from this pixel.
+  RELUME_HD void skip(uint32_t pixel) const {
+    for (uint32_t v = 0; v < vertices; ++v) sample(v, pixel) = {};
+  }
+};
+
+/// Observes one path (techniques/path/path.h says what the calls mean). Radiance found along a direction is what the
+/// path's radiance grew by after it was chosen, over the throughput then, but for emission that next event estimation
+/// knows. Small, as hosts keep one for each of the paths that they follow side by side.
+struct PathRecorder {
+  const PathRecording* recording;
+  uint32_t pixel;
+  uint32_t current = 0;                  ///< vertex
+  uint32_t reached = 0;                  ///< vertices so far, up to those that are recorded; what follows is of these
+  Rgb throughput[kMaxRecordedVertices];  ///< when the path went on
+  Rgb radiance[kMaxRecordedVertices];
+  float factor[kMaxRecordedVertices];  ///< cos θ / pdf_w; 0: no direction
+
+  template <typename Path>
+  RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {
+    const RegionPair regions = recording->find(sp);
+    const uint32_t v = path.bounce;
+    sp.region = recording->jitter > 0.0f
+                    ? recording->sampled.find_near(recording->sampled.quantise(sp.previous_position), recording->jitter,
+                                                   random(v))
+                    : regions.sample;
+    current = v;
+    if (v >= recording->vertices) return true;
+    VertexSample sample;
+    sample.region = regions.store;
+    recording->sample(v, pixel) = sample;
+    factor[v] = 0;
+    reached = v + 1;
+    return true;
+  }
+
+  template <typename Path>
+  RELUME_HD void emitted(const Path& path, bool lights_know) {
+    const uint32_t v = path.bounce - 1;
+    if (v < recording->vertices && lights_know) radiance[v] = path.radiance;
+  }
+
+  template <typename Path, typename Connection>
+  RELUME_HD void connected(const SurfacePoint&, const Path&, const Connection& connection, bool visible) {
+    if (current < recording->vertices)
+      recording->sample(current, pixel).light = connection.light | (visible ? kVisibleLight : 0u);
+  }
+
+  template <typename Path>
+  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const Path& path) {
+    const uint32_t v = path.bounce - 1;
+    if (v >= recording->vertices || path.delta) return;
+    VertexSample& sample = recording->sample(v, pixel);
+    sample.direction = pack_square(square_from_direction(path.ray.direction));
+    sample.densities = pack_densities(path.pdf_w, s.guide_pdf_w);
+    factor[v] = shading_cosine(sp, path.ray.direction) / path.pdf_w;
+    throughput[v] = path.throughput;
+    radiance[v] = path.radiance;
+  }
+
+  template <typename Path>
+  RELUME_HD void finished(const Path& path) {
+    for (uint32_t v = 0; v < recording->vertices; ++v) {
+      VertexSample& out = recording->sample(v, pixel);
+      if (v >= reached) {
+        out = {};
+      } else if (factor[v] > 0.0f) {
+        const Rgb found = path.radiance - radiance[v];
+        Rgb incident(0);
+        for (int c = 0; c < 3; ++c) {
+          if (throughput[v][c] > 0.0f) incident[c] = found[c] / throughput[v][c];
+        }
+        out.value = relume::max(luminance(incident) * factor[v], 0.0f);
+      }
+    }
+  }
+
+ private:
+  RELUME_HD Vec3 random(uint32_t vertex) const {
+    const uint32_t h = hash(recording->seed, pixel, vertex);
+    return {to_unit_float(h), to_unit_float(hash(h, 1u)), to_unit_float(hash(h, 2u))};
+  }
+};
+
+RELUME_HD inline PathRecorder PathRecording::begin(uint32_t pixel) const {
+  PathRecorder recorder;
+  recorder.recording = this;
+  recorder.pixel = pixel;
+  return recorder;
+}
+
+}  // namespace relume

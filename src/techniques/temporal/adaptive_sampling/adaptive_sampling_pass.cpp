@@ -1,0 +1,206 @@
+#include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "techniques/temporal/adaptive_sampling/paper_allocation.h"
+#include "techniques/temporal/adaptive_sampling/pilot.h"
+
+namespace relume {
+namespace {
+
+constexpr BufferKey<float> kSamplingNoise{"sampling-noise"};
+
+constexpr float kLeastShare = 0.1f;  ///< of the average number of samples, for pixels without noise
+
+/// Σ value(row[x]), in partial sums that vector instructions add side by side.
+template <typename Value>
+double sum_of(const Value& value, const float* row, uint32_t width) {
+  constexpr uint32_t kLanes = 16;
+  float lanes[kLanes] = {};
+  uint32_t x = 0;
+  for (; x + kLanes <= width; x += kLanes) {
+    for (uint32_t i = 0; i < kLanes; ++i) lanes[i] += value(row[x + i]);
+  }
+  for (; x < width; ++x) lanes[0] += value(row[x]);
+  return std::accumulate(std::begin(lanes), std::end(lanes), 0.0);
+}
+
+}  // namespace
+
+PassDeclaration SampleCountPass::declaration() const {
+  return {.name = "sequences",
+          .stage = Stage::prepare,
+          .owns = {{.id = kSequenceSamples,
+                    .help = "samples that the pixel took from its sequence",
+                    .persistent = true,
+                    .display = BufferDisplay::value}}};
+}
+
+bool SampleCountPass::run(const FrameContext& frame) {
+  if (frame.index.sample > 0) return true;
+  const View<uint32_t> counts = frame.write(kSequenceSamples);
+  std::fill(counts.begin(), counts.end(), 0u);
+  return true;
+}
+
+PassDeclaration AdaptiveSamplingPass::declaration() const {
+  PassDeclaration declaration{
+      .name = "allocate",
+      .stage = Stage::allocate,
+      .owns = {{.id = kAllocation, .help = "samples of this frame", .display = BufferDisplay::value},
+               {.id = kSamplingProbability,
+                .help = "probability of a further sample; 0 while it is not known",
+                .persistent = true,
+                .reset = invalidated_by_,
+                .follows_surface = true,
+                .display = BufferDisplay::value},
+               {.id = kSamplingNoise,
+                .help = "standard deviation of the samples, as the method estimates it",
+                .persistent = true,
+                .display = BufferDisplay::value}},
+      .reads = {kMean, kSamples, kM2},
+      .writes = {kMean, kM2, kSamples},
+      .writes_if_any = {kM2Rgb, kLightMean, kLightM2, kLightPaths, kLightFrames}};
+  if (settings_.method == AdaptiveMethod::paper) {
+    declaration.owns.push_back({.id = kM2Rgb,
+                                .help = "sum of squared distances from the mean, a channel",
+                                .persistent = true,
+                                .reset = invalidated_by_,
+                                .follows_surface = true});
+  }
+  return declaration;
+}
+
+bool AdaptiveSamplingPass::run(const FrameContext& frame) {
+  if (settings_.method == AdaptiveMethod::paper) {
+    allocate_as_paper(frame);
+  } else {
+    allocate_by_deviation(frame);
+  }
+  if (settings_.pilot && frame.since_change == static_cast<uint32_t>(settings_.max_samples)) forget_pilot(frame);
+  return true;
+}
+
+void AdaptiveSamplingPass::allocate_as_paper(const FrameContext& frame) const {
+  PaperAllocationKernel kernel;
+  kernel.mean = frame.read(kMean);
+  kernel.m2 = frame.read(kM2Rgb);
+  kernel.samples = frame.read(kSamples);
+  kernel.probability = frame.write(kSamplingProbability);
+  kernel.noise = frame.write(kSamplingNoise);
+  kernel.allocation = frame.write(kAllocation);
+  kernel.iteration = frame.since_change;
+  kernel.scene_changed = includes(frame.changes, Change::lights | Change::geometry);
+  kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
+  kernel.max_samples = static_cast<uint32_t>(settings_.max_samples);
+  kernel.seed = frame.index.seed;
+  kernel.frame = frame.number;
+  kernel.width = frame.width();
+  frame.launch("allocate", kernel);
+}
+
+bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
+  if (settings_.pilot && frame.since_change > static_cast<uint32_t>(settings_.max_samples)) return false;
+  if (frame.since_change <= static_cast<uint32_t>(settings_.min_samples)) return true;
+  const float frames_per_sample = std::round(1.0f / settings_.rate);
+  return frame.since_change % static_cast<uint32_t>(frames_per_sample) == 0;
+}
+
+void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
+  moments_.resize(frame.pixels());
+  rows_.resize(frame.pixels());
+  const PixelMomentsKernel moments{.mean = frame.read(kMean),
+                                   .m2 = frame.read(kM2),
+                                   .samples = frame.read(kSamples),
+                                   .moments = mutable_view_of(moments_),
+                                   .width = frame.width()};
+  frame.launch("allocate", moments);
+  const PoolRowsKernel rows{view_of(moments_), mutable_view_of(rows_), frame.width()};
+  frame.launch("allocate", rows);
+  const PooledDeviationKernel deviation{.moments = view_of(moments_),
+                                        .rows = view_of(rows_),
+                                        .deviation = frame.write(kSamplingNoise),
+                                        .width = frame.width(),
+                                        .height = frame.height(),
+                                        .display = settings_.metric == AdaptiveMetric::display,
+                                        .exposure = std::exp2(settings_.exposure)};
+  frame.launch("allocate", deviation);
+}
+
+void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
+  PooledAllocationKernel kernel;
+  kernel.samples = frame.read(kSamples);
+  kernel.probability = frame.write(kSamplingProbability);
+  kernel.allocation = frame.write(kAllocation);
+  kernel.settled = !estimates_in(frame);
+  kernel.min_samples = static_cast<uint32_t>(settings_.min_samples);
+  kernel.seed = frame.index.seed;
+  kernel.frame = frame.number;
+  kernel.width = frame.width();
+  kernel.deviation = frame.read(kSamplingNoise);
+  if (!kernel.settled) {
+    estimate_deviation(frame);
+    kernel.rate = rate_for(frame, kernel.deviation);
+  }
+  frame.launch("allocate", kernel);
+}
+
+template <typename Value>
+double AdaptiveSamplingPass::mean_of(const FrameContext& frame, View<const float> values, const Value& value) {
+  totals_.resize(frame.height());
+  frame.backend.run("allocate", [&] {
+    parallel_for(frame.height(),
+                 [&](size_t y) { totals_[y] = sum_of(value, values.data + y * frame.width(), frame.width()); });
+  });
+  return std::accumulate(totals_.begin(), totals_.end(), 0.0) / frame.pixels();
+}
+
+SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const float> deviation) {
+  const double average = mean_of(frame, deviation, [](float d) { return d; });
+  if (!(average > 0)) return {0.0f, 1.0f};  // no noise is known: all alike
+  const SampleRate rate = rate_that_cuts_little(frame, deviation, average);
+  return rate.least >= kLeastShare * settings_.rate ? rate : rate_of_average(frame, deviation, average);
+}
+
+SampleRate AdaptiveSamplingPass::rate_that_cuts_little(const FrameContext& frame, View<const float> deviation,
+                                                       double average) {
+  constexpr double kKept = 0.95;
+  constexpr int kSteps = 6;  // Newton's, which fall to the solution, as the mean of min(s σ, 1) is concave in s
+  double scale = 1 / (kKept * average);
+  for (int i = 0; i < kSteps; ++i) {
+    const SampleRate rate{static_cast<float>(scale), 0.0f};
+    const double cut = mean_of(frame, deviation, [&](float d) { return rate.scale * d > 1.0f ? 1.0f : 0.0f; });
+    const double within = mean_of(frame, deviation, rate) - cut;
+    if (cut == 0) break;
+    scale = cut / (kKept * average - within / scale);
+  }
+  return {static_cast<float>(scale), static_cast<float>(kLeastShare * kKept * scale * average)};
+}
+
+SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View<const float> deviation,
+                                                 double average) {
+  constexpr int kSteps = 4;  // each comes closer to the average, which the bounds displace
+  SampleRate rate{static_cast<float>(settings_.rate / average), kLeastShare * settings_.rate};
+  for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(frame, deviation, rate));
+  return rate;
+}
+
+void AdaptiveSamplingPass::forget_pilot(const FrameContext& frame) const {
+  ForgetPilotKernel forget;
+  forget.mean = frame.write(kMean);
+  forget.m2 = frame.write(kM2);
+  forget.m2_rgb = frame.write(kM2Rgb);
+  forget.samples = frame.write(kSamples);
+  forget.light_mean = frame.write(kLightMean);
+  forget.light_m2 = frame.write(kLightM2);
+  forget.light_paths = frame.write(kLightPaths);
+  forget.light_frames = frame.write(kLightFrames);
+  forget.allocation = frame.write(kAllocation);
+  forget.width = frame.width();
+  frame.launch("allocate", forget);
+}
+
+}  // namespace relume

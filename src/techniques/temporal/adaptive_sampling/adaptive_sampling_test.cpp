@@ -1,0 +1,236 @@
+#include "techniques/temporal/adaptive_sampling/paper_allocation.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+#include "builtin_scenes/builtin.h"
+#include "core/error.h"
+#include "render/build_pipeline.h"
+#include "render/session.h"
+#include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
+#include "techniques/temporal/adaptive_sampling/pilot.h"
+
+namespace relume {
+namespace {
+
+struct Pixels {
+  explicit Pixels(uint32_t n)
+      : mean(n, Rgb(1)), m2(n, Rgb(0)), samples(n, 0), probability(n, 0), noise(n, 0), allocation(n, 0) {}
+
+  /// Samples given in one frame.
+  uint32_t allocate(uint32_t iteration, uint32_t frame = 0, bool scene_changed = false) {
+    PaperAllocationKernel k;
+    k.mean = view_of(mean);
+    k.m2 = view_of(m2);
+    k.samples = view_of(samples);
+    k.probability = mutable_view_of(probability);
+    k.noise = mutable_view_of(noise);
+    k.allocation = mutable_view_of(allocation);
+    k.iteration = iteration;
+    k.scene_changed = scene_changed;
+    k.min_samples = 4;
+    k.max_samples = 32;
+    k.seed = 5;
+    k.frame = frame;
+    k.width = static_cast<uint32_t>(mean.size());
+    uint32_t sum = 0;
+    for (uint32_t x = 0; x < k.width; ++x) {
+      k(x, 0);
+      sum += allocation[x];
+    }
+    return sum;
+  }
+
+  std::vector<Rgb> mean;
+  std::vector<Rgb> m2;
+  std::vector<uint32_t> samples;
+  std::vector<float> probability;
+  std::vector<float> noise;
+  std::vector<uint32_t> allocation;
+};
+
+TEST(AdaptiveSampling, NoiseIsTheRelativeStandardDeviation) {
+  // Grey samples 1 and 3: mean 2, variance 2.
+  EXPECT_NEAR(adaptive_noise(Rgb(2), Rgb(2), 2), std::sqrt(2.0f) / 2.0f, 1e-3f);
+  EXPECT_FLOAT_EQ(adaptive_noise(Rgb(0), Rgb(0), 4), 1.0f);  // black so far: unknown, sampled like noise
+  EXPECT_GT(adaptive_noise(Rgb(1), Rgb(0.1f), 4), adaptive_noise(Rgb(1), Rgb(1), 4));  // dark areas come first
+}
+
+TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
+  EXPECT_EQ(adaptive_threshold(0, 4, 32), 1.0f);
+  EXPECT_EQ(adaptive_threshold(4, 4, 32), 1.0f);
+  EXPECT_FLOAT_EQ(adaptive_threshold(18, 4, 32), 0.5f);
+  EXPECT_EQ(adaptive_threshold(32, 4, 32), 0.0f);
+  EXPECT_EQ(adaptive_threshold(99, 4, 32), 0.0f);
+}
+
+TEST(AdaptiveSampling, EveryPixelGetsTheLeast) {
+  Pixels p(3);
+  p.samples = {3, 4, 4};
+  p.m2 = {Rgb(0), Rgb(0), Rgb(100)};
+  p.allocate(4);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 0, 1}));
+}
+
+TEST(AdaptiveSampling, NoisyPixelsComeFirst) {
+  Pixels p(2);
+  p.samples = {8, 8};
+  p.m2 = {Rgb(0.07f), Rgb(7.0f)};  // standard deviations 0.1 and 1
+  p.allocate(18);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
+}
+
+TEST(AdaptiveSampling, ProbabilityIsTheShareOfSamplesTaken) {
+  Pixels p(4);
+  p.samples = {4, 16, 32, 40};
+  p.allocate(32);
+  EXPECT_EQ(p.probability, (std::vector<float>{0.125f, 0.5f, 1.0f, 1.0f}));
+}
+
+TEST(AdaptiveSampling, SamplesFollowTheProbability) {
+  // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
+  Pixels p(4000);
+  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.probability.begin(), p.probability.end(), 0.25f);
+  const uint32_t first = p.allocate(40, 7);
+  EXPECT_NEAR(first, 1000, 5 * 27);
+  const std::vector<uint32_t> chosen = p.allocation;
+  p.allocate(40, 8);
+  EXPECT_NE(p.allocation, chosen);  // other pixels in the next frame
+}
+
+TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
+  Pixels p(2);
+  p.samples = {20, 8};
+  p.m2 = {Rgb(100), Rgb(100)};
+  p.probability = {0.6f, 0.0f};
+  p.allocate(10);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
+}
+
+// A view that keeps moving never gets past iteration 0.
+TEST(AdaptiveSampling, NothingIsFrozenWhileTheViewMoves) {
+  // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
+  Pixels p(4000);
+  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.probability.begin(), p.probability.end(), 0.25f);
+  EXPECT_NEAR(p.allocate(0), 1000, 5 * 27);
+  std::fill(p.probability.begin(), p.probability.end(), 0.0f);  // not known yet: all
+  EXPECT_EQ(p.allocate(0), 4000u);
+}
+
+TEST(AdaptiveSampling, ProbabilitiesDoNotOutliveAChangeOfTheScene) {
+  Pixels p(2);
+  p.samples = {20, 20};
+  p.probability = {0.25f, 1.0f};
+  p.allocate(0, 0, true);
+  EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 1}));
+  EXPECT_EQ(p.probability, (std::vector<float>{0, 0}));
+}
+
+TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
+  RenderSettings settings;
+  settings.adaptive.min_samples = 64;
+  for (const int max : {8, 64}) {
+    settings.adaptive.max_samples = max;
+    settings.allocation = AllocationChoice::uniform;
+    EXPECT_NO_THROW(check_combination(settings));  // nobody reads it
+    settings.allocation = AllocationChoice::adaptive;
+    EXPECT_THROW(check_combination(settings), Error) << max;
+  }
+  settings.adaptive.max_samples = 65;
+  EXPECT_NO_THROW(check_combination(settings));
+}
+
+TEST(AdaptiveSampling, TheFrameThatEndsThePilotIsNotAbandoned) {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.pilot = true;
+  settings.adaptive.max_samples = 6;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  for (int i = 0; i < 6; ++i) session.render_frame();
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(session.render_frame(stop.get_token()));
+  EXPECT_EQ(session.kept_samples(), 1);
+  settings.adaptive.pilot = false;
+  ASSERT_TRUE(session.set_settings(settings));
+  session.render_frame();
+  EXPECT_FALSE(session.render_frame(stop.get_token())) << "without a pilot frames stop at once";
+}
+
+TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
+  RenderSettings settings;
+  settings.width = 16;
+  settings.height = 12;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.rate = 0.25f;
+  Session session(find_builtin_scene("cornell")->build(), settings);
+  std::vector<float> before;
+  std::vector<uint32_t> changed_in;
+  for (uint32_t frame = 0; frame < 17; ++frame) {
+    session.render_frame();
+    const View<const float> view = session.buffers().view(kSamplingProbability);
+    const std::vector<float> now(view.begin(), view.end());
+    if (now != before) changed_in.push_back(frame);
+    before = now;
+  }
+  EXPECT_EQ(changed_in, (std::vector<uint32_t>{0, 2, 3, 4, 8, 12, 16})) << "two samples are the first that tell";
+}
+
+/// Mean probability of a sample after some frames of a built-in scene.
+double average_rate(const char* scene, float least) {
+  RenderSettings settings;
+  settings.width = 32;
+  settings.height = 24;
+  settings.allocation = AllocationChoice::adaptive;
+  settings.adaptive.rate = least;
+  Session session(find_builtin_scene(scene)->build(), settings);
+  for (int i = 0; i < 17; ++i) session.render_frame();
+  const View<const float> view = session.buffers().view(kSamplingProbability);
+  return std::accumulate(view.begin(), view.end(), 0.0) / static_cast<double>(view.size);
+}
+
+TEST(AdaptiveSampling, EvenNoiseRaisesTheRate) {
+  EXPECT_GT(average_rate("cornell-closed", 0.05f), 0.4);
+  EXPECT_LT(average_rate("cornell", 0.05f), 0.3) << "its background has no noise";
+}
+
+TEST(AdaptiveSampling, TheSettingIsTheLeastRate) {
+  for (const float least : {0.35f, 0.6f}) EXPECT_NEAR(average_rate("cornell", least), least, 0.02);
+}
+
+TEST(AdaptiveSampling, ImagesWithoutNoiseGetASampleEverywhere) { EXPECT_EQ(average_rate("furnace", 0.25f), 1.0); }
+
+TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
+  std::vector<Rgb> mean{Rgb(3)};
+  std::vector<float> m2{4};
+  std::vector<Rgb> m2_rgb{Rgb(5)};
+  std::vector<uint32_t> samples{9};
+  std::vector<uint32_t> allocation{0};
+  std::vector<Rgb> light_mean{Rgb(2)};
+  std::vector<float> light_m2{1};
+  std::vector<float> light_paths{6};
+  std::vector<uint32_t> light_frames{6};
+  const ForgetPilotKernel kernel{mutable_view_of(mean),        mutable_view_of(m2),
+                                 mutable_view_of(m2_rgb),      mutable_view_of(samples),
+                                 mutable_view_of(light_mean),  mutable_view_of(light_m2),
+                                 mutable_view_of(light_paths), mutable_view_of(light_frames),
+                                 mutable_view_of(allocation),  1};
+  kernel(0, 0);
+  EXPECT_EQ(light_mean[0], Rgb(0));
+  EXPECT_EQ(light_paths[0], 0.0f);
+  EXPECT_EQ(light_frames[0], 0u);
+  EXPECT_EQ(mean[0], Rgb(0));
+  EXPECT_EQ(m2[0], 0.0f);
+  EXPECT_EQ(m2_rgb[0], Rgb(0));
+  EXPECT_EQ(samples[0], 0u);
+  EXPECT_EQ(allocation[0], 1u);
+}
+
+}  // namespace
+}  // namespace relume

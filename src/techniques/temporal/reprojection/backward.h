@@ -1,0 +1,237 @@
+// Backward reprojection: where a pixel was one frame ago, as weights of four pixels. Denoisers and the history
+// "reproject" with method "backward" read the frame before through it.
+#pragma once
+
+#include "core/ray.h"
+#include "core/vec.h"
+#include "core/view.h"
+#include "techniques/temporal/reprojection/reprojection_fate.h"
+
+namespace relume {
+
+/// Four pixels of the frame before, weights that sum to one. Pixels with weight 0 are not valid.
+struct BackwardTaps {
+  uint32_t pixels[4] = {0, 0, 0, 0};
+  float weights[4] = {0, 0, 0, 0};
+  bool valid = false;
+
+  template <typename T>
+  RELUME_HD T fetch(const View<const T>& values) const {
+    T sum(0);
+    for (int k = 0; k < 4; ++k) {
+      if (weights[k] > 0.0f) sum += values[pixels[k]] * weights[k];
+    }
+    return sum;
+  }
+
+  /// The least of the values at the taps; 0 where there are none.
+  RELUME_HD uint32_t least(const View<const uint32_t>& values) const {
+    if (!valid) return 0;
+    uint32_t result = 0xffffffffu;
+    for (int k = 0; k < 4; ++k) {
+      if (weights[k] > 0.0f) result = relume::min(result, values[pixels[k]]);
+    }
+    return result;
+  }
+
+  /// Those of them that know something: the others know as little as another surface does.
+  RELUME_HD BackwardTaps known(const View<const uint32_t>& counts) const {
+    BackwardTaps result = *this;
+    bool all = true;
+    for (int k = 0; k < 4; ++k) {
+      if (!(weights[k] > 0.0f) || counts[pixels[k]] > 0) continue;
+      result.weights[k] = 0.0f;
+      all = false;
+    }
+    if (!all) result.normalise();
+    return result;
+  }
+
+  /// Scales the weights to sum to one; not valid if there is next to nothing to be scaled.
+  RELUME_HD void normalise() {
+    constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
+    const float sum = weights[0] + weights[1] + weights[2] + weights[3];
+    valid = valid && sum > kLeastWeight;
+    const float scale = valid ? 1.0f / sum : 0.0f;
+    for (float& w : weights) w *= scale;
+  }
+
+  /// Σ w²: the variance of what fetch() gives, as a share of that of a single pixel.
+  RELUME_HD float variance_share() const {
+    float sum = 0;
+    for (const float w : weights) sum += sqr(w);
+    return sum;
+  }
+
+  /// The pixel that counts most; the first of those that do. Only if valid.
+  RELUME_HD uint32_t heaviest() const {
+    int most = 0;
+    for (int k = 1; k < 4; ++k) {
+      if (weights[k] > weights[most]) most = k;
+    }
+    return pixels[most];
+  }
+};
+
+/// What a pixel must share with the one it was: the cosine between their normals, and how far the old surface may lie
+/// from the plane of the new one, as a share of the depth.
+inline constexpr float kBackwardNormalCosine = 0.9f;
+inline constexpr float kBackwardPlaneDistance = 0.01f;
+
+/// Views on what pixels show, in this frame and in the one before: buffers of SurfacePass (primary_hits_pass.h) or of
+/// FeaturesPass (features_pass.h).
+struct BackwardReprojection {
+  View<const Vec2> motion;     ///< pixels, from the frame before to this one
+  View<const Vec3> came_from;  ///< where this frame's surface was one frame ago, metres
+  View<const Vec3> normal;
+  View<const float> depth;       ///< metres
+  View<const uint32_t> surface;  ///< tells surfaces apart; kNoSurface: the background
+  View<const Vec3> previous_position;
+  View<const Vec3> previous_normal;
+  View<const uint32_t> previous_surface;
+  uint32_t width = 0;
+  uint32_t height = 0;
+
+  /// Whether one of the four pixels around where pixel (x, y) was lies in the picture.
+  RELUME_HD bool was_in_picture(uint32_t x, uint32_t y) const {
+    const Vec2& way = motion[y * width + x];
+    const float x0 = std::floor(static_cast<float>(x) - way.x);
+    const float y0 = std::floor(static_cast<float>(y) - way.y);
+    return x0 >= -1.0f && y0 >= -1.0f && x0 < static_cast<float>(width) && y0 < static_cast<float>(height);
+  }
+
+  /// Bilinear taps around where pixel (x, y) was; those on another surface are left out.
+  RELUME_HD BackwardTaps taps(uint32_t x, uint32_t y) const {
+    BackwardTaps result;
+    const uint32_t pixel = y * width + x;
+    const float fx = static_cast<float>(x) - motion[pixel].x;
+    const float fy = static_cast<float>(y) - motion[pixel].y;
+    const float x0 = std::floor(fx);
+    const float y0 = std::floor(fy);
+    if (!was_in_picture(x, y)) return result;
+    const float wx = fx - x0;
+    const float wy = fy - y0;
+    if (wx == 0.0f && wy == 0.0f) return single_tap(pixel, static_cast<int>(x0), static_cast<int>(y0));
+    for (int k = 0; k < 4; ++k) {
+      const int px = static_cast<int>(x0) + (k & 1);
+      const int py = static_cast<int>(y0) + (k >> 1);
+      if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
+      const float weight = ((k & 1) ? wx : 1.0f - wx) * ((k >> 1) ? wy : 1.0f - wy);
+      const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
+      if (weight == 0.0f || !same_surface(pixel, other)) continue;
+      result.pixels[k] = other;
+      result.weights[k] = weight;
+    }
+    result.valid = true;
+    result.normalise();
+    return result;
+  }
+
+  /// taps() that know something by `counts`; where none of the four does, as on edges, whose pixels see one surface in
+  /// one frame and the other in the next, the nearest pixel of the eight around them that fits and does.
+  RELUME_HD BackwardTaps taps_or_nearest(uint32_t x, uint32_t y, const View<const uint32_t>& counts) const {
+    BackwardTaps result = taps(x, y).known(counts);
+    if (result.valid) return result;
+    result = {};
+    const uint32_t pixel = y * width + x;
+    const float fx = std::floor(static_cast<float>(x) - motion[pixel].x + 0.5f);
+    const float fy = std::floor(static_cast<float>(y) - motion[pixel].y + 0.5f);
+    if (!(fx >= 0.0f && fy >= 0.0f && fx < static_cast<float>(width) && fy < static_cast<float>(height))) return result;
+    // By distance: beside, above and below first, then the corners.
+    constexpr int kOffsets[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+    for (const auto& offset : kOffsets) {
+      const int px = static_cast<int>(fx) + offset[0];
+      const int py = static_cast<int>(fy) + offset[1];
+      if (px < 0 || py < 0 || px >= static_cast<int>(width) || py >= static_cast<int>(height)) continue;
+      const uint32_t other = static_cast<uint32_t>(py) * width + static_cast<uint32_t>(px);
+      if (counts[other] == 0 || !same_surface(pixel, other)) continue;
+      result.pixels[0] = other;
+      result.weights[0] = 1.0f;
+      result.valid = true;
+      return result;
+    }
+    return result;
+  }
+
+ private:
+  /// taps() where nothing moves, or by whole pixels.
+  RELUME_HD BackwardTaps single_tap(uint32_t pixel, int x, int y) const {
+    BackwardTaps result;
+    if (x < 0 || y < 0) return result;
+    result.pixels[0] = static_cast<uint32_t>(y) * width + static_cast<uint32_t>(x);
+    result.valid = same_surface(pixel, result.pixels[0]);
+    result.weights[0] = result.valid ? 1.0f : 0.0f;
+    return result;
+  }
+
+  RELUME_HD bool same_surface(uint32_t pixel, uint32_t other) const {
+    if (surface[pixel] != previous_surface[other]) return false;
+    if (surface[pixel] == kNoSurface) return true;
+    if (glm::dot(normal[pixel], previous_normal[other]) < kBackwardNormalCosine) return false;
+    const float distance = std::fabs(glm::dot(previous_position[other] - came_from[pixel], normal[pixel]));
+    return distance <= kBackwardPlaneDistance * depth[pixel];
+  }
+};
+
+/// Means and variances between pixels of the frame before: they are interpolated, counts are the least of the taps'.
+struct InterpolatedHistory {
+  View<const Rgb> mean_before;
+  View<const float> m2_before;
+  View<const Rgb> m2_rgb_before;
+  View<const uint32_t> samples_before;
+  View<Rgb> mean;
+  View<float> m2;
+  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
+  View<uint32_t> samples;
+
+  /// What `taps` know becomes the history of the pixel. Returns the number of samples that it counts for.
+  RELUME_HD uint32_t inherit(uint32_t pixel, const BackwardTaps& taps) const {
+    const uint32_t count = taps.least(samples_before);
+    samples[pixel] = count;
+    mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
+    m2[pixel] = squares(taps, m2_before, count);
+    if (!m2_rgb.empty()) m2_rgb[pixel] = squares(taps, m2_rgb_before, count);
+    return count;
+  }
+
+ private:
+  /// What `count` samples with the taps' mean variance add up to. `count`: the least of the taps'.
+  template <typename T>
+  RELUME_HD T squares(const BackwardTaps& taps, const View<const T>& sums, uint32_t count) const {
+    T variance(0);
+    for (int k = 0; k < 4 && count > 1; ++k) {
+      if (!(taps.weights[k] > 0.0f)) continue;
+      const uint32_t tap = taps.pixels[k];
+      variance += sums[tap] * (taps.weights[k] / static_cast<float>(samples_before[tap] - 1u));
+    }
+    return count > 1 ? variance * static_cast<float>(count - 1u) : variance;
+  }
+};
+
+/// The history "reproject" by looking back. What else follows the surface need not mean anything in between: it moves
+/// from the heaviest tap.
+struct BackwardHistoryKernel {
+  BackwardReprojection reprojection;
+  InterpolatedHistory history;
+  View<uint32_t> sources;  ///< heaviest tap, or kNoSource
+  View<uint32_t> kept;
+  View<uint32_t> reasons;  ///< ReprojectionFate
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * reprojection.width + x;
+    const BackwardTaps taps = reprojection.taps(x, y);
+    const uint32_t count = history.inherit(pixel, taps);
+    kept[pixel] = count > 0;
+    reasons[pixel] = static_cast<uint32_t>(reason(taps, count, x, y));
+    sources[pixel] = count > 0 ? taps.heaviest() : kNoSource;
+  }
+
+ private:
+  RELUME_HD ReprojectionFate reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
+    if (count > 0) return ReprojectionFate::kept;
+    if (taps.valid) return ReprojectionFate::empty;
+    return reprojection.was_in_picture(x, y) ? ReprojectionFate::other_surface : ReprojectionFate::off_screen;
+  }
+};
+
+}  // namespace relume

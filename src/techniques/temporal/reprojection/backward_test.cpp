@@ -1,0 +1,114 @@
+#include "techniques/temporal/reprojection/backward.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "techniques/temporal/reprojection/testing/plane.h"
+
+namespace relume {
+namespace {
+
+using testing::History;
+using testing::Plane;
+
+TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
+  Plane plane;
+  std::vector<float> values(16);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  const View<const float> old = view_of(values);
+  const BackwardReprojection reprojection = plane.reprojection();
+  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
+  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
+  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
+  std::vector<uint32_t> counts(16, 20);
+  counts[6] = 9;
+  EXPECT_EQ(reprojection.taps(3, 1).least(view_of(counts)), 9u);
+  EXPECT_EQ(reprojection.taps(0, 1).least(view_of(counts)), 20u);
+  plane.motion[0] = Vec2(9, 0);
+  EXPECT_FALSE(reprojection.taps(0, 0).valid);
+  EXPECT_EQ(reprojection.taps(0, 0).least(view_of(counts)), 0u);
+}
+
+TEST(BackwardReprojection, LeavesOutWhatKnowsNothing) {
+  Plane plane;
+  std::vector<float> values(16);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  std::vector<uint32_t> counts(16, 20);
+  const BackwardTaps all = plane.reprojection().taps(3, 1);
+  const BackwardTaps same = all.known(view_of(counts));
+  EXPECT_FLOAT_EQ(same.fetch(view_of(values)), 6.5f);
+  counts[6] = 0;
+  const BackwardTaps known = all.known(view_of(counts));
+  EXPECT_TRUE(known.valid);
+  EXPECT_FLOAT_EQ(known.fetch(view_of(values)), 7.0f);
+  EXPECT_EQ(known.least(view_of(counts)), 20u);
+  counts[7] = 0;
+  EXPECT_FALSE(all.known(view_of(counts)).valid);
+}
+
+struct NewHistory {
+  std::vector<Rgb> mean = std::vector<Rgb>(16);
+  std::vector<float> m2 = std::vector<float>(16);
+  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(9));
+  std::vector<uint32_t> samples = std::vector<uint32_t>(16);
+  std::vector<uint32_t> sources = std::vector<uint32_t>(16);
+  std::vector<uint32_t> kept = std::vector<uint32_t>(16);
+  std::vector<uint32_t> reasons = std::vector<uint32_t>(16);
+};
+
+BackwardHistoryKernel kernel_of(const Plane& plane, const History& before, NewHistory& now) {
+  return {.reprojection = plane.reprojection(),
+          .history = {.mean_before = view_of(before.mean),
+                      .m2_before = view_of(before.m2),
+                      .m2_rgb_before = view_of(before.m2_rgb),
+                      .samples_before = view_of(before.samples),
+                      .mean = mutable_view_of(now.mean),
+                      .m2 = mutable_view_of(now.m2),
+                      .m2_rgb = mutable_view_of(now.m2_rgb),
+                      .samples = mutable_view_of(now.samples)},
+          .sources = mutable_view_of(now.sources),
+          .kept = mutable_view_of(now.kept),
+          .reasons = mutable_view_of(now.reasons)};
+}
+
+TEST(BackwardReprojection, InterpolatesVariances) {
+  const Plane plane;
+  History before;
+  NewHistory now;
+  before.samples[6] = 3;
+  before.m2[6] = 2 * 1.0f;  // (n − 1) times the variance
+  before.m2[7] = 8 * 5.0f;
+  before.m2_rgb[6] = 2.0f * Rgb(1, 2, 3);
+  before.m2_rgb[7] = 8.0f * Rgb(5, 4, 3);
+  kernel_of(plane, before, now)(3, 1);  // between 6 and 7
+  EXPECT_EQ(now.samples[7], 3u);
+  EXPECT_FLOAT_EQ(now.m2[7], 2 * 3.0f);
+  EXPECT_EQ(now.m2_rgb[7], 2.0f * Rgb(3));
+  before.samples[6] = 1;  // one sample has no variance
+  kernel_of(plane, before, now)(3, 1);
+  EXPECT_EQ(now.samples[7], 1u);
+  EXPECT_EQ(now.m2[7], 0.0f);
+}
+
+TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
+  Plane plane;
+  plane.motion[0] = Vec2(9, 0);
+  plane.motion[1] = Vec2(-1, -1);  // was where pixel 6 is, which knew nothing
+  plane.motion[2] = Vec2(1, -1);   // was where pixel 5 is, another surface
+  History before;
+  NewHistory now;
+  before.samples[6] = 0;
+  for (uint32_t x = 0; x < 4; ++x) kernel_of(plane, before, now)(x, 0);
+  const ReprojectionFate expected[] = {ReprojectionFate::off_screen, ReprojectionFate::empty,
+                                       ReprojectionFate::other_surface, ReprojectionFate::kept};
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(static_cast<ReprojectionFate>(now.reasons[i]), expected[i]) << i;
+    EXPECT_EQ(now.kept[i], i == 3 ? 1u : 0u) << i;
+    EXPECT_EQ(now.m2_rgb[i], i == 3 ? Rgb(1, 2, 3) : Rgb(0)) << i;
+    EXPECT_EQ(now.sources[i], i == 3 ? 2u : kNoSource) << i;
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,101 @@
+// Claims on pixels, and what becomes of buffers, without a scene.
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "techniques/temporal/reprojection/reprojection.h"
+
+namespace relume {
+namespace {
+
+TEST(ReprojectionClaims, AClaimWinsOverEveryRefusal) {
+  std::vector<uint64_t> claim{kNoClaim};
+  atomic_min(&claim[0], refusal_of(5.0f, ReprojectionFate::relit));
+  atomic_min(&claim[0], refusal_of(1.0f, ReprojectionFate::occluded));
+  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::occluded);
+  EXPECT_FALSE(is_claim(claim[0]));
+  atomic_min(&claim[0], claim_of(9.0f, 4));
+  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::kept);
+}
+
+TEST(ReprojectionClaims, NearestClaimWinsThenTheLowestSample) {
+  EXPECT_LT(claim_of(1.0f, 9), claim_of(2.0f, 3));
+  EXPECT_LT(claim_of(1.0f, 3), claim_of(1.0f, 9));
+  std::vector<uint64_t> claim{kNoClaim};
+  for (const uint64_t c : {claim_of(3.0f, 1), claim_of(2.0f, 7), claim_of(2.0f, 5), claim_of(9.0f, 0)})
+    atomic_min(&claim[0], c);
+  EXPECT_EQ(claim[0], claim_of(2.0f, 5));
+}
+
+TEST(ReprojectionClaims, OneRelitSampleEndsTheHistoryThatOthersClaim) {
+  const std::vector<uint64_t> claims{claim_of(1, 3), claim_of(1, 0)};  // of two samples a pixel
+  const std::vector<uint32_t> limits_before{16, 0};
+  std::vector<StoredSample> stored(4);
+  std::vector<StoredPixel> pixels(2);
+  std::vector<uint32_t> limits(2), sources(2), kept(2), reasons(2);
+  const std::vector<Hit> hits(2);
+  SourceKernel kernel;
+  kernel.claims = view_of(claims);
+  kernel.stored_before = view_of(stored);
+  kernel.pixels_before = view_of(pixels);
+  kernel.limits_before = view_of(limits_before);
+  kernel.hits = view_of(hits);
+  kernel.stored = mutable_view_of(stored);
+  kernel.pixels = mutable_view_of(pixels);
+  kernel.limits = mutable_view_of(limits);
+  kernel.sources = mutable_view_of(sources);
+  kernel.kept = mutable_view_of(kept);
+  kernel.reasons = mutable_view_of(reasons);
+  kernel.capacity = 2;
+  kernel.width = 2;
+  for (uint32_t x = 0; x < 2; ++x) kernel(x, 0);
+  EXPECT_EQ(sources, (std::vector<uint32_t>{kNoSource, 0}));
+  EXPECT_EQ(kept, (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(static_cast<ReprojectionFate>(reasons[0]), ReprojectionFate::relit);
+}
+
+TEST(ReprojectionClaims, MovesBuffersAndBeginsAnewWhereNothingLands) {
+  const std::vector<float> before{1, 2, 3};
+  std::vector<float> now(3, 9);
+  const std::vector<uint32_t> sources{2, kNoSource, 0};
+  const MoveKernel<float> kernel{view_of(before), mutable_view_of(now), view_of(sources), 3};
+  for (uint32_t x = 0; x < 3; ++x) kernel(x, 0);
+  EXPECT_EQ(now, (std::vector<float>{3, 0, 1}));
+}
+
+TEST(ReprojectionClaims, LimitKeepsTheVarianceOfASample) {
+  std::vector<uint32_t> samples{101, 3};
+  std::vector<float> m2{200, 5};
+  std::vector<Rgb> m2_rgb{Rgb(100, 200, 300), Rgb(5)};
+  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), mutable_view_of(m2_rgb), {}, 11, 2};
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(samples, (std::vector<uint32_t>{11, 3}));
+  EXPECT_FLOAT_EQ(m2[0] / 10.0f, 200.0f / 100.0f);
+  EXPECT_EQ(m2[1], 5.0f);
+  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[0][c] / 10.0f, static_cast<float>(c + 1));
+  EXPECT_EQ(m2_rgb[1], Rgb(5));
+}
+
+TEST(ReprojectionClaims, LimitHoldsForTheFilmOfLightPaths) {
+  std::vector<uint32_t> samples{3, 40};
+  std::vector<float> m2{5, 5};
+  std::vector<float> light_paths{20, 7};
+  LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), {}, {}, 11, 2};
+  kernel.light_paths = mutable_view_of(light_paths);
+  kernel(0, 0);
+  kernel(1, 0);
+  EXPECT_EQ(light_paths, (std::vector<float>{11, 7}));
+  EXPECT_EQ(samples, (std::vector<uint32_t>{3, 11}));
+}
+
+TEST(ReprojectionClaims, PixelsOfLargePicturesHaveExactIndices) {
+  CameraView camera;
+  camera.resolution = {7680, 4320};  // twice as many pixels as floats can number
+  EXPECT_EQ(pixel_at(camera, {1234.5f, 4319.5f}), 4319u * 7680u + 1234u);
+  EXPECT_EQ(pixel_at(camera, {1235.5f, 4319.5f}), 4319u * 7680u + 1235u);
+  EXPECT_EQ(pixel_at(camera, camera.resolution), 7680u * 4320u - 1u);
+}
+
+}  // namespace
+}  // namespace relume

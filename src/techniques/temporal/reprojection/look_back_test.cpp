@@ -1,0 +1,152 @@
+#include "techniques/temporal/reprojection/look_back.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "techniques/temporal/reprojection/reprojection.h"
+#include "techniques/temporal/reprojection/testing/plane.h"
+
+namespace relume {
+namespace {
+
+using enum ReprojectionFate;
+
+constexpr uint32_t number(ReprojectionFate fate) { return static_cast<uint32_t>(fate); }
+
+/// A plane that moves to the right by half a pixel: (3, 1) lies between pixels 6 and 7 of the frame before.
+struct MovedPlane {
+  LookBack look_back() const { return {plane.reprojection(), view_of(fates), view_of(limits)}; }
+  BackwardTaps taps() const { return look_back().taps(3, 1); }
+
+  testing::Plane plane;
+  std::vector<uint32_t> fates = std::vector<uint32_t>(16, number(kept));
+  std::vector<uint32_t> limits = std::vector<uint32_t>(16, 100);
+};
+
+TEST(LookBack, TakesNeighboursThatPassedValidation) {
+  MovedPlane p;
+  EXPECT_FLOAT_EQ(p.taps().weights[0], 0.5f);
+  EXPECT_FLOAT_EQ(p.taps().weights[1], 0.5f);
+  p.fates[6] = number(mixed);
+  EXPECT_FLOAT_EQ(p.taps().weights[0], 0.5f) << "it saw this surface, too";
+  for (const ReprojectionFate fate : {empty, off_screen, occluded, view_dependent, near_specular, relit}) {
+    p.fates[6] = number(fate);
+    EXPECT_TRUE(p.taps().valid);
+    EXPECT_EQ(p.taps().heaviest(), 7u);
+  }
+  p.fates[7] = number(relit);
+  EXPECT_FALSE(p.taps().valid);
+}
+
+TEST(LookBack, LeavesHistoriesOutThatCountForNothing) {
+  MovedPlane p;
+  p.limits[7] = 0;
+  EXPECT_EQ(p.taps().heaviest(), 6u);
+  EXPECT_FLOAT_EQ(p.taps().weights[0], 1.0f);
+}
+
+TEST(LookBack, KeepsTheBackground) {
+  MovedPlane p;
+  p.plane.instance.assign(16, kNoSurface);
+  p.plane.before.assign(16, kNoSurface);
+  p.fates.assign(16, number(empty));  // no sample of the background can be projected
+  EXPECT_TRUE(p.taps().valid);
+}
+
+/// Sixteen pixels and the claims on them. Every pixel of the frame before has one stored sample.
+struct Sources {
+  explicit Sources(const MovedPlane& plane) {
+    kernel.claims = view_of(claims);
+    kernel.stored_before = view_of(stored_before);
+    kernel.pixels_before = view_of(pixels_before);
+    kernel.limits_before = view_of(plane.limits);
+    kernel.look_back = plane.look_back();
+    kernel.hits = view_of(hits);
+    kernel.stored = mutable_view_of(stored);
+    kernel.pixels = mutable_view_of(pixels);
+    kernel.limits = mutable_view_of(limits);
+    kernel.sources = mutable_view_of(sources);
+    kernel.kept = mutable_view_of(goes_on);
+    kernel.reasons = mutable_view_of(reasons);
+    kernel.width = 4;
+  }
+
+  std::vector<uint64_t> claims = std::vector<uint64_t>(16, kNoClaim);
+  std::vector<Hit> hits = std::vector<Hit>(16);
+  std::vector<StoredSample> stored_before = std::vector<StoredSample>(16);
+  std::vector<StoredPixel> pixels_before = std::vector<StoredPixel>(16);
+  std::vector<StoredSample> stored = std::vector<StoredSample>(16);
+  std::vector<StoredPixel> pixels = std::vector<StoredPixel>(16);
+  std::vector<uint32_t> limits = std::vector<uint32_t>(16), sources = std::vector<uint32_t>(16);
+  std::vector<uint32_t> goes_on = std::vector<uint32_t>(16), reasons = std::vector<uint32_t>(16);
+  SourceKernel kernel;
+};
+
+TEST(LookBack, FillsPixelsOfWhichNothingIsKnown) {
+  const MovedPlane plane;
+  for (const ReprojectionFate reason : {empty, occluded, mixed, view_dependent, near_specular, relit}) {
+    Sources s(plane);
+    if (reason != empty) s.claims[7] = refusal_of(1, reason);
+    s.kernel(3, 1);
+    const bool fills = reason == empty || reason == occluded || reason == mixed;
+    EXPECT_EQ(s.reasons[7], number(fills ? filled : reason));
+    EXPECT_EQ(s.goes_on[7], fills ? 1u : 0u);
+    EXPECT_EQ(s.sources[7], fills ? 6u : kNoSource);
+    EXPECT_EQ(s.limits[7], fills ? 100u : 0u);
+  }
+}
+
+TEST(LookBack, AClaimComesFirst) {
+  const MovedPlane plane;
+  Sources s(plane);
+  s.claims[7] = claim_of(1, 11);
+  s.kernel(3, 1);
+  EXPECT_EQ(s.sources[7], 11u);
+  EXPECT_EQ(s.reasons[7], number(kept));
+}
+
+TEST(LookBack, AClaimOfAnotherSurfaceGivesWay) {
+  const MovedPlane plane;
+  Sources s(plane);
+  s.claims[7] = claim_of(1, 11);
+  s.stored_before[11].hit.instance = 5;  // this frame's sample hits nothing
+  s.kernel(3, 1);
+  EXPECT_EQ(s.sources[7], 6u);
+  EXPECT_EQ(s.reasons[7], number(filled));
+  s.kernel.look_back = {};
+  s.kernel(3, 1);
+  EXPECT_EQ(s.sources[7], kNoSource);
+  EXPECT_EQ(s.reasons[7], number(other_surface));
+}
+
+TEST(LookBack, InterpolatesFilledPixelsOnly) {
+  const MovedPlane plane;
+  testing::History before;
+  before.mean[6] = Rgb(2);
+  before.mean[7] = Rgb(4);
+  before.samples[7] = 5;
+  testing::History now;
+  std::vector<uint32_t> reasons(16, number(kept));
+  reasons[7] = number(filled);
+  FillKernel kernel;
+  kernel.look_back = plane.look_back();
+  kernel.reasons = view_of(reasons);
+  kernel.history = {.mean_before = view_of(before.mean),
+                    .m2_before = view_of(before.m2),
+                    .m2_rgb_before = {},
+                    .samples_before = view_of(before.samples),
+                    .mean = mutable_view_of(now.mean),
+                    .m2 = mutable_view_of(now.m2),
+                    .m2_rgb = {},
+                    .samples = mutable_view_of(now.samples)};
+  kernel.width = 4;
+  for (uint32_t i = 0; i < 16; ++i) kernel(i % 4, i / 4);
+  for (uint32_t i = 0; i < 16; ++i) {
+    EXPECT_EQ(now.samples[i], i == 7 ? 5u : 9u);
+    EXPECT_EQ(now.mean[i], Rgb(3)) << "between 2 and 4, or untouched";
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,382 @@
+// Forward reprojection: what pixels have gathered moves to where their surfaces are seen now ([Schalk18] §3.2), after
+// three validations, and two more for scenes in which objects and lights move.
+#pragma once
+
+#include "core/fixed_point.h"
+#include "techniques/temporal/reprojection/look_back.h"
+#include "techniques/temporal/reprojection/reprojection_fate.h"
+#include "techniques/temporal/reprojection/stored_sample.h"
+
+namespace relume {
+
+inline constexpr uint64_t kNoClaim = ~uint64_t{0};
+
+/// A claim on a pixel: the smallest wins. Nearest depth first, then the lowest stored sample.
+RELUME_HD inline uint64_t claim_of(float depth, uint32_t stored_sample) {
+  return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
+}
+
+/// Where no claim stands, the nearest of those that were refused says why: larger than every claim.
+inline constexpr uint64_t kRefused = uint64_t{1} << 63;
+RELUME_HD inline uint64_t refusal_of(float depth, ReprojectionFate fate) {
+  return kRefused | claim_of(depth, static_cast<uint32_t>(fate));
+}
+RELUME_HD inline bool is_claim(uint64_t claim) { return claim < kRefused; }
+
+/// What the smallest claim on a pixel says of it.
+RELUME_HD inline ReprojectionFate reason_of(uint64_t claim) {
+  if (is_claim(claim)) return ReprojectionFate::kept;
+  return claim == kNoClaim ? ReprojectionFate::empty : static_cast<ReprojectionFate>(static_cast<uint32_t>(claim));
+}
+
+/// Index of the pixel that film position `film` lies in.
+RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
+  const UVec2 size(camera.resolution);
+  const uint32_t x = relume::min(static_cast<uint32_t>(film.x), size.x - 1);
+  const uint32_t y = relume::min(static_cast<uint32_t>(film.y), size.y - 1);
+  return y * size.x + x;
+}
+
+/// Every pixel of the frame before tries to find its place in this one.
+struct ClaimKernel {
+  SceneView scene;
+  View<const StoredSample> stored;  ///< capacity a pixel
+  View<const StoredPixel> pixels;
+  View<uint64_t> claims;  ///< a pixel; kNoClaim at first
+  View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
+  View<const Rgb> mean;   ///< of the frame before
+  View<uint32_t> limits;  ///< samples that its history may count for, because light has changed; 0: none
+  uint32_t capacity = 1;
+  float max_error = 0;               ///< ε of eq. 15, in exposed display units
+  float max_light_error = 0;         ///< the same for light that changed, below which a history counts in full
+  float exposure = 1;                ///< radiance to display units
+  uint32_t max_samples_changed = 1;  ///< limit where light has changed by no more than max_light_error
+  bool lights_changed = false;
+  uint32_t seed = 0;  ///< of stochastic alpha
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    uint32_t fate = static_cast<uint32_t>(ReprojectionFate::empty);
+    limits[pixel] = 0xffffffffu;
+    Claimed claimed;
+    for (uint32_t k = 0; k < capacity; ++k) {
+      const uint32_t sample = pixel * capacity + k;
+      if (!stored[sample].valid()) break;
+      const ReprojectionFate f = claim(sample, pixels[pixel], claimed);
+      if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
+    }
+    fates[pixel] = limits[pixel] == 0 ? static_cast<uint32_t>(ReprojectionFate::relit) : fate;
+  }
+
+ private:
+  /// What one pixel has claimed so far.
+  struct Claimed {
+    uint32_t targets[kMaxStoredSamples];
+    uint32_t count = 0;
+
+    RELUME_HD bool has(uint32_t target) const {
+      for (uint32_t i = 0; i < count; ++i) {
+        if (targets[i] == target) return true;
+      }
+      return false;
+    }
+  };
+
+  RELUME_HD ReprojectionFate claim(uint32_t index, const StoredPixel& pixel, Claimed& claimed) const {
+    const StoredSample& sample = stored[index];
+    const SurfacePosition p = surface_position(scene, sample.hit);
+    const Ray ray = ray_to(p.now);
+    Vec2 film;
+    if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return ReprojectionFate::off_screen;
+    const uint32_t target = pixel_at(scene.camera, film);
+    // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
+    if (!lights_changed && claimed.has(target)) return ReprojectionFate::kept;
+
+    const float depth = ray.t_max;
+    const ReprojectionFate fate = judge(index, pixel, p, ray);
+    if (fate == ReprojectionFate::kept) {
+      claimed.targets[claimed.count++] = target;
+      atomic_min(&claims[target], claim_of(depth, index));
+    } else {
+      atomic_min(&claims[target], refusal_of(depth, fate));
+    }
+    return fate;
+  }
+
+  /// Whether a stored sample, whose surface is at `p`, may bring its history to where `ray` sees it.
+  RELUME_HD ReprojectionFate judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
+                                   const Ray& ray) const {
+    const StoredSample& sample = stored[index];
+    SurfacePoint sp;
+    const float depth = ray.t_max;
+    make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
+    const bool same_view = seen_as_before(p);
+    const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
+    if (mirrors && (!same_view || lights_changed)) return ReprojectionFate::near_specular;
+    if (!same_view && view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
+    if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
+    if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
+    return pixel.mixed ? ReprojectionFate::mixed : ReprojectionFate::kept;
+  }
+
+  /// From the camera to `p`; t_max is the distance, 0 behind the camera.
+  RELUME_HD Ray ray_to(const Vec3& p) const {
+    const CameraView& c = scene.camera;
+    if (c.projection == Projection::orthographic) {
+      const float depth = -glm::dot(p - c.position, c.axes.n);
+      return {p + c.axes.n * depth, -c.axes.n, depth};
+    }
+    const Vec3 d = p - c.position;
+    const float distance = glm::length(d);
+    return {c.position, d / distance, distance};
+  }
+
+  /// Second validation: whether something lies between the camera and the surface. The ray starts at the surface, clear
+  /// of it, and ends at the camera.
+  RELUME_HD bool hidden(const Ray& ray, const SurfacePoint& sp, uint32_t index) const {
+    return occluded(scene.accel, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
+  }
+
+  /// A camera that turns in its place sees what rests from the same direction.
+  RELUME_HD bool seen_as_before(const SurfacePosition& p) const {
+    const CameraView& before = scene.previous_camera;
+    return before.projection != Projection::orthographic && before.position == scene.camera.position &&
+           p.before == p.now;
+  }
+
+  /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
+  RELUME_HD float view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
+                             const StoredPixel& pixel) const {
+    const CameraView& c = scene.previous_camera;
+    const bool parallel = c.projection == Projection::orthographic;
+    const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
+    const Mat3 turn = turn_of(scene.instances[sample.hit.instance]);
+    float error = 0.0f;
+    if (sample.scatter)
+      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
+    if (sample.to_light)
+      error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct));
+    return error * exposure;
+  }
+
+  /// Takes directions about the surface where it was to those about it where it is now.
+  RELUME_HD static Mat3 turn_of(const Instance& instance) {
+    if (instance.to_world.linear == instance.previous_to_world.linear) return Mat3(1);
+    return instance.to_world.linear * glm::inverse(instance.previous_to_world.linear);
+  }
+
+  /// What was reflected before is evaluated in the surface's frame of now: viewer and light have turned about it.
+  RELUME_HD static float eq15(const SurfacePoint& sp, const Mat3& turn, const Vec3& wo_before, const Vec3& wi,
+                              const Rgb& irradiance) {
+    const Vec3 wi_before_local = sp.frame.to_local(glm::normalize(turn * wi));
+    const Vec3 wo_before_local = sp.frame.to_local(glm::normalize(turn * wo_before));
+    if (wo_before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
+    const Rgb now = view_dependent_f(sp.bsdf, sp.wo_local, sp.frame.to_local(wi));
+    const Rgb before = view_dependent_f(sp.bsdf, wo_before_local, wi_before_local);
+    return max_component(abs(now - before) * irradiance);
+  }
+
+  /// BSDF without what looks the same from everywhere.
+  RELUME_HD static Rgb view_dependent_f(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+    return is_lambert(bsdf) ? Rgb(0) : eval_pdf(bsdf, wo, wi).f;
+  }
+
+  /// Beyond the paper: the more the light on a surface has changed, the fewer samples its history counts for. False if
+  /// that is less than one.
+  RELUME_HD bool limit_samples(const SurfacePoint& sp, uint32_t index) const {
+    const uint32_t pixel = index / capacity;
+    const float shown = luminance(mean[pixel]) * exposure;
+    const float change = relume::max(stored_light_change(sp, stored[index]), moved_light_change(sp, index));
+    const float error = change * exposure / (1.0f + shown);  // bright pixels hide more, as tone mapping has it
+    const float excess = error / max_light_error;
+    if (excess > static_cast<float>(max_samples_changed)) {
+      limits[pixel] = 0;  // whatever the pixel's other samples find
+      return false;
+    }
+    const float limit = static_cast<float>(max_samples_changed) / relume::max(excess, 1.0f);
+    limits[pixel] = relume::min(limits[pixel], static_cast<uint32_t>(relume::max(limit, 1.0f)));
+    return true;
+  }
+
+  /// The light of the stored sample, verified again: how much what it reflects differs.
+  RELUME_HD float stored_light_change(const SurfacePoint& sp, const StoredSample& sample) const {
+    if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
+    const Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
+    const Received now = receive(sp, sample_li(scene.lights, sample.light, sp.position, sample.light_u), sample.light);
+    const float f = relume::max(max_component(eval_pdf(sp, wi).f), now.f);
+    return std::fabs(now.irradiance - sample.light_value) * sample.light_scale * f;
+  }
+
+  /// One of the lights that have changed, chosen at random, as it is and as it was.
+  RELUME_HD float moved_light_change(const SurfacePoint& sp, uint32_t index) const {
+    const View<const LightId>& changed = scene.lights.changed;
+    if (changed.empty()) return 0.0f;
+    const uint32_t random = hash(seed, index, 7u);
+    const LightId light = changed[random % changed.size];
+    if (light >= scene.lights.previous.size) return 0.0f;
+    const Vec2 u(to_unit_float(hash(random, 1u)), to_unit_float(hash(random, 2u)));
+    const Received now = receive(sp, sample_li(scene.lights, light, sp.position, u), light);
+    const Received before = receive(sp, sample_li_before(scene.lights, light, sp.position, u), light);
+    return std::fabs(now.irradiance * now.f - before.irradiance * before.f) * static_cast<float>(changed.size);
+  }
+
+  /// Luminance of radiance · cos / pdf_w that arrives from a light sample, 0 if it is hidden, and the BSDF for it.
+  struct Received {
+    float irradiance = 0;
+    float f = 0;
+  };
+  RELUME_HD Received receive(const SurfacePoint& sp, const LightSample& light, LightId id) const {
+    if (!light.valid()) return {};
+    const float f = max_component(eval_pdf(sp, light.wi).f);
+    if (!(f > 0.0f)) return {};
+    if (occluded(scene.accel, shadow_ray(sp, light), hash(seed, id))) return {};
+    return {luminance(light.radiance) * shading_cosine(sp, light.wi) / light.pdf_w, f};
+  }
+};
+
+/// The winner of each pixel becomes its source. Pixels without one may look back for histories next to where their
+/// surface was.
+struct SourceKernel {
+  SceneView scene;
+  View<const uint64_t> claims;
+  View<const StoredSample> stored_before;
+  View<const StoredPixel> pixels_before;
+  View<const uint32_t> limits_before;
+  LookBack look_back;    ///< empty: pixels without a claim start without a history
+  View<const Hit> hits;  ///< of this frame
+  View<StoredSample> stored;
+  View<StoredPixel> pixels;
+  View<uint32_t> limits;
+  View<uint32_t> sources;  ///< pixel of the frame before
+  View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
+  View<uint32_t> reasons;  ///< ReprojectionFate of the pixel where it is
+  uint32_t capacity = 1;
+  float max_distance = 0;  ///< see far_apart()
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    forget(pixel);
+    ReprojectionFate reason = judge(pixel);
+    if (reason == ReprojectionFate::kept) {
+      const auto sample = static_cast<uint32_t>(claims[pixel]);
+      take_over(pixel, sample / capacity, stored_before[sample]);
+    } else if (!look_back.empty() && may_look_back(reason)) {
+      const BackwardTaps taps = look_back.taps(x, y);
+      if (taps.valid) {
+        take_over(pixel, taps.heaviest(), near_sample(taps.heaviest(), hits[pixel]));
+        reason = ReprojectionFate::filled;
+      }
+    }
+    reasons[pixel] = static_cast<uint32_t>(reason);
+  }
+
+ private:
+  RELUME_HD void forget(uint32_t pixel) const {
+    for (uint32_t k = 0; k < capacity; ++k) stored[pixel * capacity + k] = StoredSample{};
+    pixels[pixel] = StoredPixel{};
+    kept[pixel] = 0;
+    sources[pixel] = kNoSource;
+    limits[pixel] = 0;
+  }
+
+  /// What is said for or against the best claim on the pixel.
+  RELUME_HD ReprojectionFate judge(uint32_t pixel) const {
+    if (!is_claim(claims[pixel])) return reason_of(claims[pixel]);
+    const auto sample = static_cast<uint32_t>(claims[pixel]);
+    if (limits_before[sample / capacity] == 0) return ReprojectionFate::relit;
+    const bool elsewhere = far_apart(scene, stored_before[sample], hits[pixel], max_distance);
+    return elsewhere ? ReprojectionFate::other_surface : ReprojectionFate::kept;
+  }
+
+  /// Whether what is known speaks of other surfaces than the pixel's own.
+  RELUME_HD static bool may_look_back(ReprojectionFate reason) {
+    return reason == ReprojectionFate::empty || reason == ReprojectionFate::occluded ||
+           reason == ReprojectionFate::mixed || reason == ReprojectionFate::other_surface;
+  }
+
+  RELUME_HD void take_over(uint32_t pixel, uint32_t source, const StoredSample& sample) const {
+    kept[pixel] = 1;
+    sources[pixel] = source;
+    limits[pixel] = limits_before[source];
+    stored[pixel * capacity] = sample;
+    pixels[pixel] = pixels_before[source];
+    pixels[pixel].inherited = 1;
+    pixels[pixel].fresh = Rgb(0);
+    pixels[pixel].fresh_samples = 0;
+  }
+
+  /// The first sample of the source that lies near this frame's hit; not valid if there is none.
+  RELUME_HD StoredSample near_sample(uint32_t source, const Hit& hit) const {
+    for (uint32_t k = 0; k < capacity; ++k) {
+      const StoredSample& sample = stored_before[source * capacity + k];
+      if (sample.valid() && !far_apart(scene, sample, hit, max_distance)) return sample;
+    }
+    return {};
+  }
+};
+
+/// Marks the pixels of the frame before that some pixel goes on with.
+struct WinnerKernel {
+  View<const uint32_t> sources;
+  View<uint32_t> winners;  ///< counts, from zero
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t source = sources[y * width + x];
+    if (source != kNoSource) atomic_add(&winners[source], 1u);
+  }
+};
+
+/// A pixel that was fit to go on, and that none goes on with, was covered.
+struct CoveredKernel {
+  View<const uint32_t> winners;
+  View<uint32_t> fates;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    if (fates[pixel] == static_cast<uint32_t>(ReprojectionFate::kept) && winners[pixel] == 0)
+      fates[pixel] = static_cast<uint32_t>(ReprojectionFate::covered);
+  }
+};
+
+/// Moves the elements of one buffer; pixels without a source get zero.
+template <typename T>
+struct MoveKernel {
+  View<const T> before;
+  View<T> now;
+  View<const uint32_t> sources;
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    now[pixel] = sources[pixel] == kNoSource ? T{} : before[sources[pixel]];
+  }
+};
+
+/// Bounds how many samples a history stands for, so that new ones count: the mean and the variance of a sample stay.
+struct LimitKernel {
+  View<uint32_t> samples;
+  View<float> m2;
+  View<Rgb> m2_rgb;             ///< the same, a channel; empty: nobody keeps it
+  View<const uint32_t> limits;  ///< of each pixel; empty: none
+  uint32_t max_samples = 0;
+  uint32_t width = 0;
+  View<float> light_paths = {};  ///< weight of the film of light paths (LightFilm); empty: there is no film
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const uint32_t n = samples[pixel];
+    const uint32_t most = limits.empty() ? max_samples : relume::min(limits[pixel], max_samples);
+    if (!light_paths.empty()) light_paths[pixel] = relume::min(light_paths[pixel], static_cast<float>(most));
+    if (n <= most) return;
+    const float scale = static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
+    m2[pixel] *= scale;
+    if (!m2_rgb.empty()) m2_rgb[pixel] *= scale;
+    samples[pixel] = most;
+  }
+};
+
+}  // namespace relume

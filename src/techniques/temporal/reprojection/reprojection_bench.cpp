@@ -1,0 +1,48 @@
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "builtin_scenes/builtin.h"
+#include "frame/launch.h"
+#include "scene/compiled_scene.h"
+#include "techniques/temporal/reprojection/reprojection.h"
+
+namespace relume {
+namespace {
+
+/// One stored sample a pixel of the Cornell box, judged from where it was stored.
+void bm_claim(benchmark::State& state) {
+  constexpr uint32_t kSize = 256;
+  const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
+  std::vector<Hit> hits(kSize * kSize);
+  const PrimaryHitsKernel primary{
+      scene.view().accel, scene.view().camera, SampleIndex{}, mutable_view_of(hits), {}, kSize};
+  Backend backend(1);
+  launch(backend, "gbuffer", primary, kSize, kSize);
+  std::vector<StoredSample> stored(hits.size());
+  for (size_t i = 0; i < hits.size(); ++i) {
+    stored[i].hit = hits[i];
+    stored[i].scatter = stored[i].to_light = pack_direction(Vec3(0, 1, 0));
+  }
+  const std::vector<StoredPixel> pixels(hits.size());
+  std::vector<uint64_t> claims(hits.size(), kNoClaim);
+  std::vector<uint32_t> fates(hits.size());
+  const std::vector<Rgb> mean(hits.size(), Rgb(0.5f));
+  std::vector<uint32_t> limits(hits.size());
+  ClaimKernel kernel;
+  kernel.mean = view_of(mean);
+  kernel.limits = mutable_view_of(limits);
+  kernel.scene = scene.view();
+  kernel.stored = view_of(stored);
+  kernel.pixels = view_of(pixels);
+  kernel.claims = mutable_view_of(claims);
+  kernel.fates = mutable_view_of(fates);
+  kernel.max_error = 1.0f;
+  kernel.width = kSize;
+  for (auto _ : state) launch(backend, "claim", kernel, kSize, kSize);
+  state.SetItemsProcessed(state.iterations() * kSize * kSize);
+}
+BENCHMARK(bm_claim);
+
+}  // namespace
+}  // namespace relume

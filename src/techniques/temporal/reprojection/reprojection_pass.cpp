@@ -1,0 +1,358 @@
+#include "techniques/temporal/reprojection/reprojection_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <istream>
+#include <iterator>
+#include <optional>
+#include <ostream>
+
+#include "core/stream_io.h"
+#include "techniques/temporal/reprojection/backward_buffers.h"
+#include "techniques/temporal/reprojection/reprojection.h"
+#include "techniques/transport/path/first_vertex.h"
+
+namespace relume {
+namespace {
+
+/// What a surface that moves takes along. Materials and settings are another matter: then everything starts anew.
+constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
+constexpr Change kEnds = Change::materials | Change::settings;
+
+/// Changes of indirect light. No validation covers it, so it lags in every kept history.
+constexpr Change kMovesScene = Change::geometry | Change::lights;
+
+template <typename T>
+void move_elements(const FrameContext& frame, std::vector<std::byte>& before, Buffer& buffer,
+                   const std::vector<uint32_t>& sources) {
+  const auto bytes = buffer.bytes();
+  before.assign(bytes.begin(), bytes.end());
+  const View<const T> old{reinterpret_cast<const T*>(before.data()), frame.pixels()};
+  const View<T> moved{reinterpret_cast<T*>(bytes.data()), frame.pixels()};
+  frame.launch("reproject", MoveKernel<T>{old, moved, view_of(sources), frame.width()});
+}
+
+/// Whether kernels may look the sample up in the scene.
+bool exists_in(const SceneView& scene, const StoredSample& sample) {
+  const auto in_unit_interval = [](float x) { return x >= 0.0f && x < 1.0f; };
+  const Hit& hit = sample.hit;
+  return hit.instance < scene.instances.size &&
+         hit.primitive < scene.meshes[scene.instances[hit.instance].mesh].triangle_count && std::isfinite(hit.u) &&
+         std::isfinite(hit.v) && in_unit_interval(sample.light_u.x) && in_unit_interval(sample.light_u.y);
+}
+
+}  // namespace
+
+/// Copies of the buffers that are interpolated, as the frame before left them.
+class ReprojectionPass::HistoryBuffers {
+ public:
+  explicit HistoryBuffers(const FrameContext& frame)
+      : mean_(copy(frame.write(kMean))),
+        m2_(copy(frame.write(kM2))),
+        m2_rgb_(copy(frame.write(kM2Rgb))),
+        samples_(copy(frame.write(kSamples))) {}
+
+  InterpolatedHistory interpolated(const FrameContext& frame) const {
+    return {.mean_before = view_of(mean_),
+            .m2_before = view_of(m2_),
+            .m2_rgb_before = view_of(m2_rgb_),
+            .samples_before = view_of(samples_),
+            .mean = frame.write(kMean),
+            .m2 = frame.write(kM2),
+            .m2_rgb = frame.write(kM2Rgb),
+            .samples = frame.write(kSamples)};
+  }
+
+ private:
+  template <typename T>
+  static std::vector<T> copy(const View<T>& view) {
+    return {view.begin(), view.end()};
+  }
+
+  std::vector<Rgb> mean_;
+  std::vector<float> m2_;
+  std::vector<Rgb> m2_rgb_;
+  std::vector<uint32_t> samples_;
+};
+
+LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
+  return {.reprojection = backward_reprojection(frame, kSurface),
+          .fates = frame.read(kHistoryFate),
+          .limits = view_of(limits_before_)};
+}
+
+bool ReprojectionPass::fills(const FrameContext& frame) const {
+  return settings_.fill && !includes(frame.changes, kMovesScene);
+}
+
+bool ReprojectionPass::looks_back() const { return settings_.method == ReprojectionMethod::backward || settings_.fill; }
+
+PassDeclaration ReprojectionPass::declaration() const {
+  std::vector<BufferId> reads{kMean, kM2, kSamples};
+  if (looks_back())
+    reads.insert(reads.end(), {kSurface.motion, kSurface.previous, kSurface.position, kSurface.normal, kSurface.depth,
+                               kSurface.surface});
+  const auto shown = [](const BufferId& id, const char* help) {
+    return BufferDescription{.id = id, .help = help, .display = BufferDisplay::value};
+  };
+  const bool forward = settings_.method == ReprojectionMethod::forward;
+  std::vector<BufferDescription> owns{
+      shown(kHistoryKept, "1 where this frame's pixel continues a history, 0 where it starts one"),
+      shown(kHistoryReason,
+            forward
+                ? "why, of this frame's pixel: 1 kept, 10 filled from where its surface was, 0 nothing came to "
+                  "lie here; what did was 3 occluded, 4 view dependent, 5 near specular, 6 several surfaces, 7 relit, "
+                  "9 another surface than this frame's sample hit"
+                : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
+                  "another surface was seen where it was")};
+  if (forward) {
+    owns.push_back(
+        shown(kHistoryFate,
+              "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
+              "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+  }
+  if (forward) reads.push_back(kPrimaryHits);
+  return {.name = "reproject",
+          .stage = Stage::history,
+          .owns = std::move(owns),
+          .reads = std::move(reads),
+          .writes = {kMean, kM2, kSamples},
+          .writes_if_any = {kM2Rgb, kLightPaths},
+          .moves_surfaces = true};
+}
+
+bool ReprojectionPass::run(const FrameContext& frame) {
+  allocate(frame);
+  if (loaded_) drop_unknown(frame.scene);
+  loaded_ = false;
+  if (includes(frame.changes, kEnds) || frame.number == 0) {
+    std::fill(stored_.begin(), stored_.end(), StoredSample{});
+    std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
+    tell_all(frame, false);
+    rests_ = false;
+    return true;
+  }
+  if (!includes(frame.changes, kMoves)) {
+    if (!rests_) tell_all(frame, true);
+    rests_ = true;
+    return true;
+  }
+  rests_ = false;
+  if (settings_.method == ReprojectionMethod::forward) {
+    run_forward(frame);
+  } else {
+    run_backward(frame);
+  }
+  limit(frame);
+  return true;
+}
+
+void ReprojectionPass::allocate(const FrameContext& frame) {
+  sources_.resize(frame.pixels());
+  const bool forward = settings_.method == ReprojectionMethod::forward;  // backward, nobody reads the rest
+  const size_t count = forward ? frame.pixels() : 0;
+  const uint32_t capacity = forward ? settings_.capacity() : 0;
+  if (capacity_ == capacity && pixels_.size() == count) return;
+  capacity_ = capacity;
+  stored_.assign(count * capacity_, StoredSample{});
+  pixels_.assign(count, StoredPixel{});
+  stored_before_ = stored_;
+  pixels_before_ = pixels_;
+  claims_.resize(count);
+  winners_.resize(count);
+  limits_.resize(count);
+  limits_before_.resize(count);
+}
+
+void ReprojectionPass::drop_unknown(const SceneView& scene) {
+  for (StoredSample& sample : stored_) {
+    if (sample.valid() && !exists_in(scene, sample)) sample = StoredSample{};
+  }
+}
+
+void ReprojectionPass::run_forward(const FrameContext& frame) {
+  stored_.swap(stored_before_);
+  pixels_.swap(pixels_before_);
+  claim_places(frame);
+  take_over(frame);
+  std::optional<HistoryBuffers> before;
+  if (fills(frame)) before.emplace(frame);
+  frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
+  if (before) fill(frame, *before);
+  note_covered(frame);
+}
+
+/// From `sources_`.
+void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
+  if (buffer.description().id.type == BufferType::rgb32f) {
+    move_elements<Rgb>(frame, before_, buffer, sources_);
+  } else {
+    move_elements<uint32_t>(frame, before_, buffer, sources_);
+  }
+}
+
+void ReprojectionPass::claim_places(const FrameContext& frame) {
+  std::fill(claims_.begin(), claims_.end(), kNoClaim);
+  ClaimKernel claim;
+  claim.scene = frame.scene;
+  claim.stored = view_of(stored_before_);
+  claim.pixels = view_of(pixels_before_);
+  claim.claims = mutable_view_of(claims_);
+  claim.fates = frame.write(kHistoryFate);
+  claim.mean = frame.read(kMean);
+  claim.limits = mutable_view_of(limits_before_);
+  claim.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
+  claim.capacity = capacity_;
+  claim.max_error = settings_.error;
+  claim.max_light_error = settings_.light_error;
+  claim.exposure = std::exp2(settings_.exposure);
+  claim.lights_changed = includes(frame.changes, kMovesScene);
+  claim.seed = hash(frame.index.seed, frame.number);
+  claim.width = frame.width();
+  frame.launch("reproject", claim);
+}
+
+void ReprojectionPass::take_over(const FrameContext& frame) {
+  SourceKernel source;
+  source.claims = view_of(claims_);
+  source.stored_before = view_of(stored_before_);
+  source.pixels_before = view_of(pixels_before_);
+  source.stored = mutable_view_of(stored_);
+  source.pixels = mutable_view_of(pixels_);
+  source.limits_before = view_of(limits_before_);
+  source.limits = mutable_view_of(limits_);
+  source.sources = mutable_view_of(sources_);
+  source.kept = frame.write(kHistoryKept);
+  source.reasons = frame.write(kHistoryReason);
+  if (fills(frame)) source.look_back = look_back(frame);
+  source.scene = frame.scene;
+  source.hits = frame.read(kPrimaryHits);
+  source.max_distance = settings_.max_distance;
+  source.capacity = capacity_;
+  source.width = frame.width();
+  frame.launch("reproject", source);
+}
+
+void ReprojectionPass::note_covered(const FrameContext& frame) {
+  std::fill(winners_.begin(), winners_.end(), 0u);
+  const WinnerKernel winner{view_of(sources_), mutable_view_of(winners_), frame.width()};
+  frame.launch("reproject", winner);
+  const CoveredKernel covered{view_of(winners_), frame.write(kHistoryFate), frame.width()};
+  frame.launch("reproject", covered);
+}
+
+void ReprojectionPass::fill(const FrameContext& frame, const HistoryBuffers& before) const {
+  FillKernel kernel;
+  kernel.look_back = look_back(frame);
+  kernel.reasons = frame.read(kHistoryReason);
+  kernel.history = before.interpolated(frame);
+  kernel.width = frame.width();
+  frame.launch("reproject", kernel);
+}
+
+void ReprojectionPass::run_backward(const FrameContext& frame) {
+  const HistoryBuffers before(frame);
+  BackwardHistoryKernel kernel;
+  kernel.reprojection = backward_reprojection(frame, kSurface);
+  kernel.history = before.interpolated(frame);
+  kernel.sources = mutable_view_of(sources_);
+  kernel.kept = frame.write(kHistoryKept);
+  kernel.reasons = frame.write(kHistoryReason);
+  frame.launch("reproject", kernel);
+  constexpr BufferId kMoved[] = {kMean, kM2, kM2Rgb, kSamples};
+  frame.for_each_surface_buffer([&](Buffer& buffer) {
+    if (std::find(std::begin(kMoved), std::end(kMoved), buffer.description().id) == std::end(kMoved))
+      move(frame, buffer);
+  });
+}
+
+void ReprojectionPass::limit(const FrameContext& frame) const {
+  const bool scene_moved = includes(frame.changes, kMovesScene);
+  LimitKernel kernel;
+  kernel.samples = frame.write(kSamples);
+  kernel.m2 = frame.write(kM2);
+  kernel.m2_rgb = frame.write(kM2Rgb);
+  if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
+  kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
+  kernel.light_paths = frame.write(kLightPaths);
+  kernel.width = frame.width();
+  frame.launch("reproject", kernel);
+}
+
+void ReprojectionPass::tell_all(const FrameContext& frame, bool kept) const {
+  static_assert(static_cast<uint32_t>(ReprojectionFate::empty) == 0 &&
+                static_cast<uint32_t>(ReprojectionFate::kept) == 1);  // what is kept, why, and what became of it
+  const auto tell = [&](const BufferKey<uint32_t>& key) {
+    const View<uint32_t> values = frame.write(key);
+    std::fill(values.begin(), values.end(), kept ? 1u : 0u);
+  };
+  tell(kHistoryKept);
+  tell(kHistoryReason);
+  if (settings_.method == ReprojectionMethod::forward) tell(kHistoryFate);
+}
+
+size_t ReprojectionPass::memory_bytes() const {
+  return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
+         claims_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
+         before_.capacity();
+}
+
+void ReprojectionPass::save(std::ostream& out) const {
+  write_vector(out, stored_);
+  write_vector(out, pixels_);
+}
+
+void ReprojectionPass::load(std::istream& in) {
+  // Whatever goes wrong, the next frame overwrites these.
+  read_vector(in, stored_before_);
+  read_vector(in, pixels_before_);
+  const size_t stored = stored_before_.size();
+  const bool nothing = stored == 0 && pixels_before_.empty();  // saved before the first frame, or backward
+  const size_t capacity = stored / pixel_count_;  // not settings_.capacity() if that has changed since a frame
+  if (!nothing && (pixels_before_.size() != pixel_count_ || stored != capacity * pixel_count_ || capacity < 1 ||
+                   capacity > kMaxStoredSamples))
+    in.setstate(std::ios::failbit);
+  if (!in) return;
+  stored_ = stored_before_;
+  pixels_ = pixels_before_;
+  loaded_ = true;
+  capacity_ = static_cast<uint32_t>(capacity);
+  claims_.resize(pixels_.size());
+  winners_.resize(pixels_.size());
+  limits_.resize(pixels_.size());
+  limits_before_.resize(pixels_.size());
+}
+
+PassDeclaration StoreSamplesPass::declaration() const {
+  return {.name = "store",
+          .stage = Stage::present,
+          .reads = {kPrimaryHits, kFirstVertices, kRadiance},
+          .writes = {kMean, kM2, kSamples},
+          .reads_if_any = {kAllocation, kEdgeRays},
+          .writes_if_any = {kM2Rgb},
+          .only_sampled_pixels = true};
+}
+
+bool StoreSamplesPass::run(const FrameContext& frame) {
+  StoreKernel kernel;
+  kernel.hits = frame.read(kPrimaryHits);
+  kernel.first_vertices = frame.read(kFirstVertices);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.edge_rays = frame.read(kEdgeRays);
+  kernel.radiance = frame.read(kRadiance);
+  kernel.samples = frame.write(kSamples);
+  kernel.mean = frame.write(kMean);
+  kernel.m2 = frame.write(kM2);
+  kernel.m2_rgb = frame.write(kM2Rgb);
+  kernel.scene = frame.scene;
+  kernel.stored = mutable_view_of(history_.stored());
+  kernel.pixels = mutable_view_of(history_.pixels());
+  kernel.capacity = history_.capacity();
+  kernel.max_distance = settings_.max_distance;
+  kernel.width = frame.width();
+  frame.launch("store", kernel);
+  return true;
+}
+
+}  // namespace relume

@@ -1,0 +1,91 @@
+// The history "reproject" as two passes: one that takes the past along, one that remembers the present.
+#pragma once
+
+#include <vector>
+
+#include "frame/pass.h"
+#include "techniques/temporal/reprojection/look_back.h"
+#include "techniques/temporal/reprojection/settings.h"
+#include "techniques/temporal/reprojection/stored_sample.h"
+
+namespace relume {
+
+// What happened to histories; docs of the values with the declaration.
+inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
+inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
+inline constexpr BufferKey<uint32_t> kHistoryFate{"history-fate"};
+
+/// Moves every buffer that follows the surface to where the surface is now, if anything but materials and settings has
+/// changed.
+class ReprojectionPass final : public Pass {
+ public:
+  /// `pixel_count`: of the picture; a checkpoint must agree.
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count)
+      : settings_(settings), pixel_count_(pixel_count) {}
+
+  void configure(const ReprojectionSettings& settings) { settings_ = settings; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool keeps_state() const override { return true; }
+  size_t memory_bytes() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+  /// What pixels have stored; for the pass that adds to it.
+  std::vector<StoredSample>& stored() { return stored_; }
+  std::vector<StoredPixel>& pixels() { return pixels_; }
+  uint32_t capacity() const { return capacity_; }
+
+ private:
+  class HistoryBuffers;
+
+  bool looks_back() const;
+  /// Whether pixels to which nothing came look back in this frame.
+  bool fills(const FrameContext& frame) const;
+  void allocate(const FrameContext& frame);
+  void drop_unknown(const SceneView& scene);
+  void run_forward(const FrameContext& frame);
+  void claim_places(const FrameContext& frame);
+  void take_over(const FrameContext& frame);
+  LookBack look_back(const FrameContext& frame) const;
+  void fill(const FrameContext& frame, const HistoryBuffers& before) const;
+  void note_covered(const FrameContext& frame);
+  void run_backward(const FrameContext& frame);
+  void move(const FrameContext& frame, Buffer& buffer);
+  void limit(const FrameContext& frame) const;
+  /// Says of all pixels that they go on with what they have, or begin anew.
+  void tell_all(const FrameContext& frame, bool kept) const;
+
+  ReprojectionSettings settings_;
+  const uint32_t pixel_count_;
+  uint32_t capacity_ = 0;
+  bool loaded_ = false;  ///< from a file, and not looked through yet
+  bool rests_ = false;   ///< nothing has moved since the last frame, and the buffers say that all go on
+  std::vector<StoredSample> stored_;
+  std::vector<StoredPixel> pixels_;
+  std::vector<StoredSample> stored_before_;
+  std::vector<StoredPixel> pixels_before_;
+  std::vector<uint64_t> claims_;
+  std::vector<uint32_t> sources_;
+  std::vector<uint32_t> winners_;
+  std::vector<uint32_t> limits_;         ///< samples that each history may count for
+  std::vector<uint32_t> limits_before_;  ///< the same where the pixels were
+  std::vector<std::byte> before_;        ///< the buffer that is being moved
+};
+
+/// Stores what this frame's samples found.
+class StoreSamplesPass final : public Pass {
+ public:
+  StoreSamplesPass(const ReprojectionSettings& settings, ReprojectionPass& history)
+      : settings_(settings), history_(history) {}
+
+  void configure(const ReprojectionSettings& settings) { settings_ = settings; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+
+ private:
+  ReprojectionSettings settings_;
+  ReprojectionPass& history_;
+};
+
+}  // namespace relume

@@ -1,0 +1,382 @@
+#include "techniques/temporal/reprojection/reprojection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "builtin_scenes/builtin.h"
+#include "scene/compiled_scene.h"
+
+namespace relume {
+namespace {
+
+constexpr uint32_t kSize = 24;
+constexpr uint32_t kPixels = kSize * kSize;
+
+/// A scene, and what one frame of it leaves behind.
+struct Stage {
+  explicit Stage(Scene source, std::vector<Index> movable = {})
+      : scene(std::move(source), {.width = kSize, .height = kSize, .movable = std::move(movable)}) {}
+
+  /// To the camera's right, metres.
+  void shift_camera(float distance) {
+    PlacedCamera camera = scene.camera();
+    camera.to_world[3] += distance * camera.to_world[0];
+    scene.set_camera(camera);
+  }
+
+  /// About the vertical axis, radians.
+  void turn_camera(float angle) {
+    PlacedCamera camera = scene.camera();
+    camera.to_world = glm::rotate(camera.to_world, angle, Vec3(0, 1, 0));
+    scene.set_camera(camera);
+  }
+
+  void render() {
+    std::fill(hits.begin(), hits.end(), Hit{});
+    const SampleIndex index{.seed = 1, .sample = 3};
+    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kSize};
+    FirstVertexPathKernel kernel;
+    kernel.context.scene = scene.view();
+    kernel.context.selector.kind = LightSelectorKind::uniform;
+    kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
+    kernel.context.max_bounces = 2;
+    kernel.index = index;
+    kernel.hits = view_of(hits);
+    kernel.observation.radiance = mutable_view_of(radiance);
+    kernel.rays = mutable_view_of(rays);
+    kernel.width = kSize;
+    kernel.observation.first_vertices = mutable_view_of(vertices);
+    StoreKernel store;
+    store.hits = view_of(hits);
+    store.first_vertices = view_of(vertices);
+    store.radiance = view_of(radiance);
+    store.samples = mutable_view_of(samples);
+    store.mean = mutable_view_of(mean);
+    store.m2 = mutable_view_of(m2);
+    store.m2_rgb = mutable_view_of(m2_rgb);
+    store.scene = scene.view();
+    store.stored = mutable_view_of(stored);
+    store.pixels = mutable_view_of(pixels);
+    store.max_distance = 0.02f;
+    store.width = kSize;
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) {
+        primary(x, y);
+        kernel(x, y);
+        store(x, y);
+      }
+    }
+    scene.end_frame();
+  }
+
+  void claim(float max_error, bool lights_changed) {
+    std::fill(claims.begin(), claims.end(), kNoClaim);
+    ClaimKernel kernel;
+    kernel.scene = scene.view();
+    kernel.stored = view_of(stored);
+    kernel.pixels = view_of(pixels);
+    kernel.claims = mutable_view_of(claims);
+    kernel.fates = mutable_view_of(fates);
+    kernel.max_error = max_error;
+    kernel.max_light_error = max_error;
+    kernel.lights_changed = lights_changed;
+    kernel.mean = view_of(radiance);
+    kernel.limits = mutable_view_of(limits);
+    kernel.max_samples_changed = 16;
+    kernel.width = kSize;
+    for (uint32_t y = 0; y < kSize; ++y) {
+      for (uint32_t x = 0; x < kSize; ++x) kernel(x, y);
+    }
+  }
+
+  int count(ReprojectionFate fate) const {
+    return static_cast<int>(std::count(fates.begin(), fates.end(), static_cast<uint32_t>(fate)));
+  }
+
+  CompiledScene scene;
+  std::vector<Hit> hits = std::vector<Hit>(kPixels);
+  std::vector<FirstVertex> vertices = std::vector<FirstVertex>(kPixels);
+  std::vector<Rgb> radiance = std::vector<Rgb>(kPixels);
+  std::vector<uint32_t> rays = std::vector<uint32_t>(kPixels);
+  std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 1);
+  std::vector<Rgb> mean = std::vector<Rgb>(kPixels);
+  std::vector<float> m2 = std::vector<float>(kPixels);
+  std::vector<Rgb> m2_rgb = std::vector<Rgb>(kPixels);
+  std::vector<StoredSample> stored = std::vector<StoredSample>(kPixels);
+  std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
+  std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
+  std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
+  std::vector<uint32_t> limits = std::vector<uint32_t>(kPixels);
+};
+
+Scene cornell() { return find_builtin_scene("cornell")->build(); }
+
+/// The Cornell box with one look for every surface that does not emit.
+Scene cornell_of(float roughness, float metallic) {
+  Scene scene = cornell();
+  for (Material& m : scene.materials) {
+    m.roughness = roughness;
+    m.metallic = metallic;
+  }
+  return scene;
+}
+
+TEST(Reprojection, AStillCameraClaimsItsOwnPixels) {
+  Stage stage(cornell());
+  stage.render();
+  stage.claim(1e-4f, false);
+  int surfaces = 0;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (!stage.hits[i].valid() || max_component(stage.radiance[i]) > 5.0f) continue;  // the lamp reflects nothing
+    ++surfaces;
+    EXPECT_EQ(static_cast<ReprojectionFate>(stage.fates[i]), ReprojectionFate::kept) << i;
+    EXPECT_EQ(static_cast<uint32_t>(stage.claims[i]), i);
+  }
+  EXPECT_GT(surfaces, static_cast<int>(kPixels) / 2);
+}
+
+TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
+  Stage stage(cornell());
+  stage.render();
+  stage.shift_camera(0.3f);
+  stage.claim(10.0f, false);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (!is_claim(stage.claims[i])) continue;
+    const auto source = static_cast<uint32_t>(stage.claims[i]);
+    const Vec3 p = surface_position(stage.scene.view(), stage.stored[source].hit).now;
+    Vec2 film;
+    const CameraView& view = stage.scene.view().camera;
+    ASSERT_TRUE(film_position(view, {view.position, glm::normalize(p - view.position), kInfinity}, &film));
+    EXPECT_EQ(static_cast<uint32_t>(film.y) * kSize + static_cast<uint32_t>(film.x), i);
+  }
+}
+
+TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
+  Stage stage(cornell());
+  stage.render();
+  stage.turn_camera(kPi);
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::off_screen), 0);
+}
+
+TEST(Reprojection, NoticesWhatIsHiddenNow) {
+  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  Stage stage(cornell());
+  stage.render();
+  stage.shift_camera(1.2f);
+  stage.claim(10.0f, false);
+  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+}
+
+TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
+  Stage stage(cornell_of(0.05f, 1.0f));  // α = 0.0025
+  stage.render();
+  stage.shift_camera(0.01f);
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::near_specular), 0);
+}
+
+TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
+  Stage stage(cornell_of(0.05f, 1.0f));
+  stage.render();
+  stage.turn_camera(0.1f);
+  stage.claim(0.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::near_specular), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  stage.claim(10.0f, true);  // what they mirror may have moved
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+}
+
+// The paper refuses materials, not lobes.
+TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
+  Scene scene = cornell_of(0.05f, 0.0f);
+  for (Material& m : scene.materials) m.specular = 1.0f;
+  Stage stage(std::move(scene));
+  stage.render();
+  stage.shift_camera(0.01f);
+  stage.claim(10.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::near_specular), static_cast<int>(kPixels) / 2);
+}
+
+TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
+  const auto reasons = [](Stage& stage, ReprojectionFate reason) {
+    return std::count_if(stage.claims.begin(), stage.claims.end(), [&](uint64_t c) { return reason_of(c) == reason; });
+  };
+  Stage mirrors(cornell_of(0.05f, 1.0f));
+  mirrors.render();
+  mirrors.shift_camera(0.01f);
+  mirrors.claim(10.0f, false);
+  const int refused = mirrors.count(ReprojectionFate::near_specular);
+  EXPECT_LE(reasons(mirrors, ReprojectionFate::near_specular), refused);  // two may come to lie in one pixel
+  EXPECT_GT(reasons(mirrors, ReprojectionFate::near_specular), refused * 9 / 10);
+  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  Stage stage(cornell());
+  stage.render();
+  stage.shift_camera(1.2f);
+  stage.claim(10.0f, false);
+  EXPECT_GT(reasons(stage, ReprojectionFate::kept), 0);
+  EXPECT_GT(reasons(stage, ReprojectionFate::occluded), 0);
+  EXPECT_GT(reasons(stage, ReprojectionFate::empty), 0);
+  EXPECT_EQ(reasons(stage, ReprojectionFate::off_screen), 0);
+}
+
+TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
+  const auto refused = [](float roughness, float max_error) {
+    Stage stage(cornell_of(roughness, 1.0f));
+    stage.render();
+    stage.shift_camera(0.5f);
+    stage.claim(max_error, false);
+    return stage.count(ReprojectionFate::view_dependent);
+  };
+  EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(0.3f, 0.25f));
+  EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
+}
+
+TEST(Reprojection, GlossLooksTheSameToACameraThatTurnsInItsPlace) {
+  Stage stage(cornell_of(0.3f, 1.0f));
+  stage.render();
+  stage.turn_camera(0.1f);
+  stage.claim(0.0f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
+  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+}
+
+TEST(Reprojection, AHighlightDoesNotTurnWithItsObject) {
+  const auto refused = [](float degrees) {
+    Scene scene = cornell_of(0.3f, 1.0f);
+    const auto box =
+        std::find_if(scene.nodes.begin(), scene.nodes.end(), [](const Node& n) { return n.name == "tall box"; });
+    const auto node = static_cast<Index>(box - scene.nodes.begin());
+    Stage stage(std::move(scene), {node});
+    stage.render();
+    Transform turned = stage.scene.source().nodes[static_cast<size_t>(node)].transform;
+    turned.rotation = glm::angleAxis(glm::radians(degrees), Vec3(0, 1, 0)) * turned.rotation;
+    stage.scene.set_transform(node, turned);
+    stage.claim(1.0f / 256.0f, false);
+    return stage.count(ReprojectionFate::view_dependent);
+  };
+  EXPECT_EQ(refused(0), 0);
+  EXPECT_GE(refused(20), 5);  // of the box, which has some dozen pixels; none if its frame had stayed
+}
+
+TEST(Reprojection, LambertNeverDependsOnTheView) {
+  Scene scene = cornell_of(1.0f, 0.0f);
+  for (Material& m : scene.materials) m.specular = 0.0f;
+  Stage stage(std::move(scene));
+  stage.render();
+  stage.shift_camera(0.5f);
+  stage.claim(1e-6f, false);
+  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
+}
+
+TEST(Reprojection, FollowsAnObjectThatMoves) {
+  Scene scene = cornell();
+  Index node = kNone;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!scene.nodes[i].meshes.empty() && scene.nodes[i].name.find("tall") != std::string::npos)
+      node = static_cast<Index>(i);
+  }
+  ASSERT_NE(node, kNone);
+  Stage stage(std::move(scene), {node});
+  stage.render();
+  Transform moved = stage.scene.source().nodes[static_cast<size_t>(node)].transform;
+  moved.translation.x += 0.3f;
+  stage.scene.set_transform(node, moved);
+  stage.claim(10.0f, false);
+  int shifted = 0;
+  for (uint32_t i = 0; i < kPixels; ++i) {
+    if (is_claim(stage.claims[i]) && static_cast<uint32_t>(stage.claims[i]) != i) ++shifted;
+  }
+  EXPECT_GT(shifted, 5);
+  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+}
+
+TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
+  Scene scene = cornell();
+  scene.materials.push_back({});
+  PunctualLight light;
+  light.intensity = Rgb(5);
+  scene.lights.push_back(light);
+  Node node;
+  node.light = 0;
+  node.transform.translation = {0, 1, 0};
+  scene.add_node(node);
+  Stage stage(std::move(scene));
+  stage.render();
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_EQ(stage.count(ReprojectionFate::relit), 0);  // verified, and the same
+  const auto limited = [&] {
+    return std::count_if(stage.limits.begin(), stage.limits.end(), [](uint32_t n) { return n < 16; });
+  };
+  EXPECT_EQ(limited(), 0);
+  light.intensity = Rgb(4.5f);
+  stage.scene.set_light(0, light);
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_GT(limited(), 20);  // a little: they count for less
+  light.intensity = Rgb(0.5f);
+  stage.scene.set_light(0, light);
+  stage.claim(1.0f / 256.0f, true);
+  EXPECT_GT(stage.count(ReprojectionFate::relit), 20);  // a lot: not at all
+  EXPECT_EQ(std::count(stage.limits.begin(), stage.limits.end(), 0u), stage.count(ReprojectionFate::relit));
+}
+
+TEST(Reprojection, ASampleOnAnotherSurfaceShortensAnInheritedHistory) {
+  Stage stage(cornell());
+  stage.render();
+  uint32_t other = 1;
+  while (!stage.hits[other].valid() || stage.hits[other].instance == stage.hits[0].instance) ++other;
+  stage.render();
+  stage.pixels[other].inherited = 1;
+  stage.stored[other].hit = stage.hits[0];  // what it inherited lies elsewhere
+  stage.samples[other] = 20;                // 19 of them inherited, with a mean of 7
+  const Rgb value = stage.radiance[other];
+  stage.mean[other] = (Rgb(7) * 19.0f + value) / 20.0f;
+  stage.m2[other] = 38;  // a variance of 2
+  stage.m2_rgb[other] = Rgb(19, 38, 57);
+  stage.render();
+  EXPECT_EQ(stage.samples[other], kMixedSamples + 1);
+  const Rgb expected = (Rgb(7) * static_cast<float>(kMixedSamples) + value) / static_cast<float>(kMixedSamples + 1);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(stage.mean[other][c], expected[c], 1e-4f);
+    EXPECT_FLOAT_EQ(stage.m2_rgb[other][c], static_cast<float>(c + 1) * static_cast<float>(kMixedSamples));
+  }
+  EXPECT_FLOAT_EQ(stage.m2[other], 2.0f * static_cast<float>(kMixedSamples));
+  EXPECT_EQ(stage.pixels[other].mixed, 1u);
+}
+
+TEST(FirstVertex, AccountsForWhatThePathReflects) {
+  // Radiance = emission + f(scatter) · indirect + f(light) · direct, for every sample.
+  Stage stage(cornell());
+  stage.render();
+  int checked = 0;
+  for (uint32_t y = 0; y < kSize; ++y) {
+    for (uint32_t x = 0; x < kSize; ++x) {
+      const uint32_t i = y * kSize + x;
+      if (!stage.hits[i].valid()) continue;
+      Sampler sampler = SampleIndex{.seed = 1, .sample = 3}.sampler(x, y);
+      const CameraView& camera = stage.scene.view().camera;
+      const Ray ray = lone_camera_ray(camera, x, y, sampler);
+      SurfacePoint sp;
+      make_surface_point(stage.scene.view(), ray, stage.hits[i], camera.cone_spread() * stage.hits[i].t, sp);
+      const FirstVertex& v = stage.vertices[i];
+      Rgb sum = sp.emission;
+      if (length_squared(v.scatter) > 0) sum += eval_pdf(sp, v.scatter).f * v.indirect;
+      if (length_squared(v.to_light) > 0) sum += eval_pdf(sp, v.to_light).f * v.direct;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], stage.radiance[i][c], 1e-3f * (1.0f + stage.radiance[i][c]));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 100);
+}
+
+}  // namespace
+}  // namespace relume

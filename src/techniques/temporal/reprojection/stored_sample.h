@@ -1,0 +1,156 @@
+// What a pixel remembers of its samples, so that they can be judged from another viewpoint ([Schalk18] §3.2.1).
+#pragma once
+
+#include "core/octahedral.h"
+#include "techniques/temporal/reprojection/reprojection_fate.h"
+#include "techniques/transport/path/first_vertex.h"
+
+namespace relume {
+
+inline constexpr uint32_t kMaxStoredSamples = 4;
+
+/// One of the samples that a pixel stores: where it lies on the surface, and the directions it took from there.
+struct StoredSample {
+  Hit hit;                ///< instance kNoHit: nothing is stored
+  uint32_t scatter = 0;   ///< octahedral; 0: none
+  uint32_t to_light = 0;  ///< octahedral; 0: none
+  LightId light = kNoLight;
+  Vec2 light_u{0};
+  float light_value = 0;  ///< see FirstVertex
+  float light_scale = 0;
+
+  RELUME_HD bool valid() const { return hit.valid(); }
+};
+
+/// What the samples of a pixel have in common.
+struct StoredPixel {
+  Rgb indirect{0};         ///< mean of FirstVertex::indirect over the samples
+  Rgb direct{0};           ///< mean of FirstVertex::direct
+  uint32_t mixed = 0;      ///< 1: the samples lie further apart than one surface explains
+  uint32_t inherited = 0;  ///< 1: some of them come from before the last reprojection
+  Rgb fresh{0};            ///< mean of those that do not
+  uint32_t fresh_samples = 0;
+};
+
+/// Direction and back; 0 stands for "none", whose own code is given up.
+RELUME_HD inline uint32_t store_direction(const Vec3& w) {
+  if (length_squared(w) == 0.0f) return 0;
+  const uint32_t bits = pack_direction(w);
+  return bits == 0 ? 1u : bits;
+}
+
+/// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses small α and what refracts.
+RELUME_HD inline bool near_specular(const Lobe& lobe) {
+  switch (lobe.kind) {
+    case LobeKind::lambert:
+    case LobeKind::covered_lambert:
+    case LobeKind::multiple_reflection: return false;
+    case LobeKind::reflection: return lobe.microfacet.alpha < kNarrowAlpha;
+    case LobeKind::mirror:
+    case LobeKind::dielectric:
+    case LobeKind::smooth_dielectric:
+    case LobeKind::thin_transmission:
+    case LobeKind::pass_through: return true;
+  }
+  return true;
+}
+
+/// One such lobe is enough, as the paper refuses materials: a smooth coat over a diffuse base mirrors the room, and the
+/// mean that is kept cannot be taken apart into both.
+RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    if (near_specular(bsdf.lobes[i])) return true;
+  }
+  return false;
+}
+
+/// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
+/// belongs to neither. Surfaces of different instances are told apart however close they are: a lamp lies on its
+/// ceiling. `max_distance`: between samples of one pixel, as a share of the distance to the camera.
+RELUME_HD inline bool far_apart(const SceneView& scene, const StoredSample& stored, const Hit& hit,
+                                float max_distance) {
+  if (!stored.valid() || !hit.valid()) return stored.valid() != hit.valid();
+  if (stored.hit.instance != hit.instance) return true;
+  const Vec3 a = surface_position(scene, stored.hit).now;
+  const Vec3 b = surface_position(scene, hit).now;
+  return length_squared(a - b) > sqr(max_distance * hit.t);
+}
+
+/// Samples that an inherited history counts for at most once its pixel has shown another surface.
+inline constexpr uint32_t kMixedSamples = 8;
+
+/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean.
+struct StoreKernel {
+  View<const Hit> hits;  ///< of this frame
+  View<const FirstVertex> first_vertices;
+  View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
+  View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
+  View<const Rgb> radiance;         ///< of this frame
+  View<uint32_t> samples;           ///< that the pixel keeps, this one included
+  View<Rgb> mean;
+  View<float> m2;
+  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
+  SceneView scene;
+  View<StoredSample> stored;  ///< capacity a pixel
+  View<StoredPixel> pixels;
+  uint32_t capacity = 1;
+  float max_distance = 0;  ///< between samples of one pixel, as a share of the distance to the camera
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t i = y * width + x;
+    if (!allocation.empty() && allocation[i] == 0) return;
+    const Hit& hit = hits[i];
+    const FirstVertex& vertex = first_vertices[i];
+    StoredPixel& pixel = pixels[i];
+    StoredSample* const samples_of_pixel = &stored[i * capacity];
+    // A pixel that looked back may have a history without a stored sample.
+    const bool first = samples[i] <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
+    const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
+    if (samples[i] <= 1) forget(pixel, samples_of_pixel);
+    if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
+    if (elsewhere && pixel.inherited) shorten(i);
+    if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
+    const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
+    if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
+    if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
+    for (uint32_t k = 0; k < capacity; ++k) {
+      if (samples_of_pixel[k].valid()) continue;
+      samples_of_pixel[k] = {hit,
+                             store_direction(vertex.scatter),
+                             store_direction(vertex.to_light),
+                             vertex.light,
+                             vertex.light_u,
+                             vertex.light_value,
+                             vertex.light_scale};
+      break;
+    }
+  }
+
+ private:
+  RELUME_HD void forget(StoredPixel& pixel, StoredSample* samples_of_pixel) const {
+    pixel = StoredPixel{};
+    for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
+  }
+
+  /// The past of a pixel that shows several surfaces knows one of them: it counts for few samples from now on.
+  RELUME_HD void shorten(uint32_t i) const {
+    const StoredPixel& pixel = pixels[i];
+    const uint32_t inherited = samples[i] - pixel.fresh_samples;
+    if (inherited <= kMixedSamples) return;
+    const Rgb past =
+        mean[i] + (mean[i] - pixel.fresh) * (static_cast<float>(pixel.fresh_samples) / static_cast<float>(inherited));
+    const uint32_t count = kMixedSamples + pixel.fresh_samples;
+    mean[i] = pixel.fresh + (past - pixel.fresh) * (static_cast<float>(kMixedSamples) / static_cast<float>(count));
+    const float scale = static_cast<float>(count - 1) / static_cast<float>(samples[i] - 1);
+    m2[i] *= scale;
+    if (!m2_rgb.empty()) m2_rgb[i] *= scale;
+    samples[i] = count;
+  }
+
+  RELUME_HD static void add_fresh(StoredPixel& pixel, const Rgb& value) {
+    pixel.fresh += (value - pixel.fresh) / static_cast<float>(++pixel.fresh_samples);
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,60 @@
+// Bidirectional path tracing ([Veach97], ch. 10; [Sun20], ch. 3 and 4), and light tracing as its special case: the pass
+// kernels over the steps in light_subpath.h and camera_subpath.h.
+#pragma once
+
+#include "techniques/transport/bdpt/camera_subpath.h"
+#include "techniques/transport/bdpt/light_subpath.h"
+
+namespace relume {
+
+/// One light and one camera subpath a pixel, with all their connections.
+struct BdptKernel {
+  BdptContext context;
+  SampleIndex index;
+  View<const Hit> hits;
+  View<const uint32_t> allocation;  ///< paths the pixel gets, 0 or 1; empty: 1
+  View<Rgb> radiance;               ///< of this sample but for splats; may be not finite
+  View<uint32_t> rays;              ///< of this sample
+  View<uint64_t> saturated;         ///< one, to which splats that were cut are added
+  View<uint64_t> nonfinite;         ///< one, to which those are added that were left out for not being finite
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * context.width + x;
+    if (!allocation.empty() && allocation[pixel] == 0) {
+      radiance[pixel] = Rgb(0);
+      rays[pixel] = 0;
+      return;
+    }
+    BdptCounters counters;
+    LightVertices kept;
+    Sampler light_sampler = index.sampler(x, y);
+    trace_light_subpath(context, light_sampler, kept, counters);
+    Sampler sampler = index.sampler(x, y);
+    ConnectionRoulette roulette;
+    const Rgb seen = trace_camera_subpath(context, x, y, hits[pixel], kept.view(), sampler, roulette, counters);
+    try_camera_connections(context, kept, roulette, counters);
+    radiance[pixel] = seen;
+    rays[pixel] = counters.rays;
+    if (counters.saturated > 0) atomic_add(&saturated[0], uint64_t{counters.saturated});
+    if (counters.nonfinite > 0) atomic_add(&nonfinite[0], uint64_t{counters.nonfinite});
+  }
+};
+
+/// Adds the frame's splats to the radiance of its samples and clears them for the next.
+struct AddSplatsKernel {
+  View<FixedPointRgb> splats;
+  View<Rgb> radiance;
+  View<Rgb> brought;  ///< what they add; may be empty
+  float scale = 1;    ///< pixels over light subpaths of the frame
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const Rgb splat = splats[pixel].value() * scale;
+    radiance[pixel] += splat;
+    if (!brought.empty()) brought[pixel] = splat;
+    splats[pixel] = {};
+  }
+};
+
+}  // namespace relume

@@ -1,0 +1,112 @@
+#include "techniques/transport/bdpt/bdpt_pass.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "core/stream_io.h"
+#include "techniques/transport/bdpt/bdpt.h"
+#include "techniques/transport/bdpt/light_medium.h"
+
+namespace relume {
+namespace {
+
+constexpr BufferKey<FixedPointRgb> kSplats{"splats"};
+
+}  // namespace
+
+PassDeclaration BdptPass::declaration() const {
+  std::vector<BufferDescription> owns = estimator_buffers();
+  owns.push_back({.id = kSplats,
+                  .help = "light that light subpaths have brought to the pixel, of the frame that is being traced"});
+  if (film_) {
+    owns.push_back({.id = kLightRadiance,
+                    .help = "radiance that this frame's light paths brought",
+                    .display = BufferDisplay::value});
+  }
+  return {.name = "trace",
+          .stage = Stage::trace,
+          .owns = std::move(owns),
+          .reads = {kPrimaryHits},
+          .reads_if_any = {kAllocation},
+          .only_sampled_pixels = true};
+}
+
+void BdptPass::prepare_lights(const FrameContext& frame) {
+  if (prepared_ && !includes(frame.changes, kRebuildsLights)) return;
+  prepared_ = true;
+  const LightsAtInfinity infinity =
+      mode_ == BdptMode::light_only ? LightsAtInfinity::all : LightsAtInfinity::worth_sampling;
+  frame.backend.run("lights", [&] {
+    emission_ = build_power_lights(frame.scene.lights, infinity);
+    connection_ = build_power_lights(frame.scene.lights, selection_.infinity());
+  });
+  light_medium_.assign(frame.scene.absorbs ? frame.scene.lights.lights.size : 0, Rgb(0));
+  const LightMediumKernel medium{frame.scene, mutable_view_of(light_medium_)};
+  launch(frame.backend, "lights", medium, static_cast<uint32_t>(light_medium_.size()), 1);
+}
+
+bool BdptPass::run(const FrameContext& frame) {
+  prepare_lights(frame);
+  BdptKernel kernel;
+  BdptContext& c = kernel.context;
+  c.path = make_path_context(source_, frame);
+  c.emission = {{view_of(emission_)}};
+  c.connection = {{view_of(connection_)}};
+  c.light_medium = view_of(light_medium_);
+  c.splats = frame.write(kSplats);
+  c.width = frame.width();
+  c.max_light_vertices = static_cast<uint32_t>(settings_.max_light_vertices);
+  c.connection_roulette = settings_.connection_roulette;
+  c.light_only = mode_ == BdptMode::light_only;
+  kernel.index = frame.index;
+  kernel.hits = frame.read(kPrimaryHits);
+  kernel.allocation = frame.read(kAllocation);
+  kernel.radiance = frame.write(kRadiance);
+  kernel.rays = frame.write(kRays);
+  uint64_t saturated = 0;
+  uint64_t nonfinite = 0;
+  kernel.saturated = {&saturated, 1};
+  kernel.nonfinite = {&nonfinite, 1};
+
+  AddSplatsKernel add{c.splats, kernel.radiance, {}, 1.0f, c.width};
+  if (film_) add.brought = frame.write(kLightRadiance);
+  if (!kernel.allocation.empty()) {
+    const uint64_t traced = std::accumulate(kernel.allocation.begin(), kernel.allocation.end(), uint64_t{0});
+    add.scale = traced > 0 ? static_cast<float>(frame.pixels()) / static_cast<float>(traced) : 0.0f;
+  }
+  if (!frame.launch_or_stop("trace", kernel) || !frame.launch_or_stop("splats", add)) {
+    std::fill(c.splats.begin(), c.splats.end(), FixedPointRgb{});  // those of a frame that is abandoned
+    return false;
+  }
+  saturated_ += saturated;
+  nonfinite_ += nonfinite;
+  return true;
+}
+
+std::vector<std::string> BdptPass::warnings() const {
+  std::vector<std::string> result;
+  if (saturated_ > 0) {
+    result.push_back(fmt::format(
+        "{} contributions of light paths were brighter than {} and were cut to that, so that some places are "
+        "too dark; make the scene's lights weaker and raise the exposure instead",
+        saturated_, kFixedPointMax));
+  }
+  if (nonfinite_ > 0) {
+    result.push_back(fmt::format(
+        "{} contributions of light paths were not finite and are missing; please report the scene", nonfinite_));
+  }
+  return result;
+}
+
+void BdptPass::save(std::ostream& out) const {
+  write_value(out, saturated_);
+  write_value(out, nonfinite_);
+}
+void BdptPass::load(std::istream& in) {
+  read_value(in, saturated_);
+  read_value(in, nonfinite_);
+}
+
+}  // namespace relume

@@ -1,0 +1,56 @@
+// The estimators "bdpt" and "light" as a pass.
+#pragma once
+
+#include <vector>
+
+#include "frame/pass.h"
+#include "techniques/light_sampling/light_selection/settings.h"
+#include "techniques/transport/bdpt/settings.h"
+#include "techniques/transport/path/path_pass.h"
+
+namespace relume {
+
+enum class BdptMode : uint8_t {
+  bidirectional,
+  light_only,  ///< light tracing
+};
+
+/// Traces one light and one camera subpath for each pixel that the allocation gives a path.
+class BdptPass final : public Pass {
+ public:
+  /// `film`: splats also go into a buffer of their own, for a history that keeps them apart.
+  BdptPass(const BdptSettings& settings, const LightSelectionSettings& selection, BdptMode mode,
+           const PathSource& source, bool film)
+      : settings_(settings), selection_(selection), mode_(mode), source_(source), film_(film) {}
+
+  void configure(const BdptSettings& settings) { settings_ = settings; }
+  void configure(const LightSelectionSettings& selection) { selection_ = selection; }
+  void configure(const PathSettings& path) { source_.settings = path; }
+  PassDeclaration declaration() const override;
+  bool run(const FrameContext& frame) override;
+  bool keeps_to_pixels() const override { return false; }
+  size_t memory_bytes() const override {
+    return (emission_.capacity() + connection_.capacity()) * sizeof(AliasEntry) +
+           light_medium_.capacity() * sizeof(Rgb);
+  }
+  std::vector<std::string> warnings() const override;
+  void save(std::ostream& out) const override;
+  void load(std::istream& in) override;
+
+ private:
+  void prepare_lights(const FrameContext& frame);
+
+  BdptSettings settings_;
+  LightSelectionSettings selection_;
+  BdptMode mode_;
+  PathSource source_;
+  bool film_;
+  std::vector<AliasEntry> emission_;    ///< by power; light tracing has no other way to find a constant environment
+  std::vector<AliasEntry> connection_;  ///< by power, among the lights that connections sample
+  std::vector<Rgb> light_medium_;       ///< of each light; empty: there are no tinted bodies
+  bool prepared_ = false;
+  uint64_t saturated_ = 0;  ///< splats cut so far
+  uint64_t nonfinite_ = 0;  ///< splats left out so far
+};
+
+}  // namespace relume

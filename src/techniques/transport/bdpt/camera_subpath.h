@@ -1,0 +1,221 @@
+// Camera subpaths: they meet lights (s = 0), connect to sampled points on lights (s = 1) and to the vertices of a light
+// subpath (s ≥ 2).
+#pragma once
+
+#include "techniques/transport/bdpt/bdpt_context.h"
+
+namespace relume {
+
+struct CameraSubpath {
+  PathState path;
+  SubpathWeights weights;
+
+  /// Vertices so far, the one on the camera included, with the surface point at hand as the last.
+  RELUME_HD uint32_t count() const { return path.bounce + 2; }
+};
+
+RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Sampler& sampler,
+                                           CameraSubpath& e) {
+  const CameraView& camera = c.scene().camera;
+  e.path.ray = camera_ray(camera, x, y, sampler);
+  e.path.cone_width = camera.cone_width();
+  e.path.cone_spread = camera.cone_spread();
+  e.path.medium = c.scene().camera_medium;
+  const CameraPdf pdf = pdf_of_generated(camera, e.path.ray);
+  const bool parallel = camera.projection == Projection::orthographic;
+  const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;
+  const float cosine = can_be_hit ? -glm::dot(e.path.ray.direction, camera.axes.n) : 1.0f;
+  e.weights = SubpathWeights::start(parallel ? pdf.pdf_a : pdf.pdf_w, can_be_hit ? 1.0f / pdf.pdf_a : 0.0f, cosine,
+                                    1.0f, parallel);
+}
+
+/// Densities with which light sampling finds a place on a light, per area (at infinity: per solid angle).
+struct LightDensities {
+  float connected;  ///< by a connection
+  float emitted;    ///< as the start of a light subpath
+};
+
+RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id, float pdf) {
+  return {weighting_pmf(c, id) * pdf, c.emission.pmf(id) * pdf};
+}
+
+/// Weight of having met a light at the subpath's last vertex. `onwards`: the light's density of emitting towards the
+/// vertex before, as SubpathWeights take it.
+RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
+                                           const LightDensities& densities, float onwards) {
+  float rivals = at.last(densities.connected);
+  if (e.count() <= c.max_bidirectional_vertices()) rivals += sqr(densities.emitted * onwards) * at.b;
+  return weight_from(rivals, 0.0f);
+}
+
+/// s = 0: emission of the last vertex. What the camera sees directly is left to this strategy.
+RELUME_HD inline void add_met_emission(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e) {
+  if (is_black(sp.emission)) return;
+  float weight = 1.0f;
+  if (e.path.bounce > 0 && sp.light != kNoLight) {
+    const EmissionPdf pdf = pdf_le(c.scene().lights, sp.light, sp.emitter_point(), sp.wo);
+    weight = weight_of_light_hit(c, e, e.weights.at(), light_densities(c, sp.light, pdf.pdf_a), pdf.pdf_w);
+  }
+  e.path.radiance += e.path.throughput * sp.emission * weight;
+}
+
+/// s = 0: light from infinity along a ray that left the scene.
+RELUME_HD inline void add_met_infinite_lights(const BdptContext& c, CameraSubpath& e) {
+  const LightsView& lights = c.scene().lights;
+  const Vec3& wi = e.path.ray.direction;
+  const PartialWeights at = e.weights.arrive(1.0f, 1.0f);
+  for (LightId id = lights.first_infinite; id < lights.lights.size; ++id) {
+    const Rgb radiance = radiance_from_infinity(lights, id, wi);
+    if (is_black(radiance)) continue;
+    float weight = 1.0f;
+    if (e.path.bounce > 0) {
+      const EmissionPdf pdf = pdf_le(lights, id, {}, -wi);
+      weight = weight_of_light_hit(c, e, at, light_densities(c, id, pdf.pdf_w), pdf.pdf_a);
+    }
+    e.path.radiance += e.path.throughput * radiance * weight;
+  }
+}
+
+/// BSDF at the last vertex. The reverse density costs as much as the rest and matters only where strategies that cut
+/// before the vertex exist.
+RELUME_HD inline BsdfEval eval_camera_vertex(const CameraSubpath& e, const SurfacePoint& sp, const Vec3& wi) {
+  BsdfEval result = eval_pdf(sp, wi);
+  if (e.weights.at().b > 0.0f && !is_black(result.f)) result.pdf_reverse = other_sides_pdf(sp, wi);
+  return result;
+}
+
+/// Weight of a connection to a point on a light (s = 1).
+RELUME_HD inline float weight_of_light_connection(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                                  const LightPick& pick, const BsdfEval& bsdf) {
+  const LightSample& light = pick.light;
+  const float pmf = weighting_pmf(c, pick.id);
+  if (!(pmf > 0.0f)) return 0.0f;
+  const float met = light.delta ? 0.0f : sqr(bsdf.pdf_forward / (pmf * light.pdf_w));
+  if (e.count() + 1 > c.max_bidirectional_vertices()) return weight_from(met, 0.0f);
+  const EmissionPdf pdf = pdf_le(c.scene().lights, pick.id, {light.position, light.barycentric}, -light.wi);
+  const bool infinite = pick.id >= c.scene().lights.first_infinite;
+  const float onwards = infinite ? pdf.pdf_a : pdf.pdf_w / sqr(light.distance);
+  const float found = c.emission.pmf(pick.id) / pmf * onwards * std::fabs(glm::dot(sp.ng, light.wi));
+  return weight_from(met, e.weights.at().sum(found, bsdf.pdf_reverse));
+}
+
+/// s = 1: a point on a light that a selector chose.
+RELUME_HD inline Connection connect_to_light(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                             Sampler& sampler) {
+  const LightPick pick = pick_light(c.path, sp, sampler);
+  const LightSample& light = pick.light;
+  if (!light.valid()) return {};
+  const Rgb medium = medium_along(c.scene(), sp, light.wi, e.path.medium);
+  const BsdfEval bsdf = eval_camera_vertex(e, sp, light.wi);
+  if (is_black(bsdf.f)) return {};
+  const float weight = weight_of_light_connection(c, sp, e, pick, bsdf);
+  Connection connection;
+  connection.ray = shadow_ray(sp, light);
+  connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
+                            (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
+  return connection;
+}
+
+/// Weight of a connection along `w`, √distance_squared metres, to a vertex of the light subpath.
+RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const CameraSubpath& e, const BsdfEval& bsdf,
+                                                   const PathVertex& v, const AdjointEval& adjoint, const Vec3& w,
+                                                   float distance_squared) {
+  const float found_light = bsdf.pdf_forward * std::fabs(glm::dot(v.ng, w)) / distance_squared;
+  const float found_camera = adjoint.pdf_light * std::fabs(glm::dot(sp.ng, w)) / distance_squared;
+  return weight_from(v.weights.sum(found_light, adjoint.pdf_camera),
+                     e.weights.at().sum(found_camera, bsdf.pdf_reverse));
+}
+
+/// s ≥ 2: a vertex of the light subpath.
+RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                              const PathVertex& v) {
+  const Vec3 d = v.position - sp.position;
+  const float distance_squared = length_squared(d);
+  if (!(distance_squared > 0.0f)) return {};
+  const float distance = std::sqrt(distance_squared);
+  const Vec3 w = d / distance;
+  const BsdfEval bsdf = eval_camera_vertex(e, sp, w);
+  if (is_black(bsdf.f)) return {};
+  const AdjointEval adjoint = eval_vertex(c.scene(), v, -w);
+  if (is_black(adjoint.f)) return {};
+  const float weight = weight_of_vertex_connection(sp, e, bsdf, v, adjoint, w, distance_squared);
+  Connection connection;
+  connection.ray = shadow_ray(sp, w, distance);
+  connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
+                            (shading_cosine(sp, w) * std::fabs(glm::dot(v.ng, w)) * weight / distance_squared) *
+                            transmittance(medium_along(c.scene(), sp, w, e.path.medium), distance);
+  return connection;
+}
+
+/// Adds a connection if it is tested and not blocked.
+RELUME_HD inline void try_connection(const BdptContext& c, const Connection& connection, uint32_t ray_id,
+                                     CameraSubpath& e, ConnectionRoulette& roulette, BdptCounters& counters) {
+  if (!connection.valid()) return;
+  Rgb contribution = connection.contribution;
+  if (!roulette.survives(c, ray_id, contribution)) return;
+  if (visible(c, connection.ray, ray_id, counters)) e.path.radiance += contribution;
+}
+
+/// All connections of the last vertex; `kept` holds the light subpath's vertices but the first.
+RELUME_HD inline void connect(const BdptContext& c, const SurfacePoint& sp, View<const PathVertex> kept,
+                              CameraSubpath& e, Sampler& sampler, ConnectionRoulette& roulette,
+                              BdptCounters& counters) {
+  const Connection to_light = connect_to_light(c, sp, e, sampler);
+  // Only now: before the draws for the light this would be the identity of the ray that led here, and what is partly
+  // transparent would let both pass or neither.
+  const uint32_t ray_id = sampler.ray_id();
+  try_connection(c, to_light, ray_id, e, roulette, counters);
+  const uint32_t longest = c.max_bidirectional_vertices();
+  for (uint32_t i = 0; i < kept.size && e.count() + i + 2 <= longest; ++i) {
+    if (!kept[i].connectable()) continue;
+    try_connection(c, connect_to_vertex(c, sp, e, kept[i]), hash(ray_id, i), e, roulette, counters);
+  }
+}
+
+/// Next direction; false if the subpath ends here.
+RELUME_HD inline bool continue_camera_subpath(const BdptContext& c, const SurfacePoint& sp, CameraSubpath& e,
+                                              Sampler& sampler) {
+  if (!continue_path(c.path, sp, e.path, sampler)) return false;
+  const Vec3& wi = e.path.ray.direction;
+  const float cosine = std::fabs(glm::dot(sp.ng, wi));
+  if (e.path.delta) {
+    e.weights.leave_delta(cosine, delta_density_ratio(sp, wi));
+  } else {
+    e.weights.leave(cosine, e.path.pdf_w, e.weights.at().b > 0.0f ? other_sides_pdf(sp, wi) : 0.0f);
+  }
+  return true;
+}
+
+/// What the pixel sees of its camera subpath, from the primary hit on, with all connections but those to the camera
+/// itself.
+RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint32_t y, Hit hit,
+                                          View<const PathVertex> kept, Sampler& sampler, ConnectionRoulette& roulette,
+                                          BdptCounters& counters) {
+  CameraSubpath e;
+  start_camera_subpath(c, x, y, sampler, e);
+  ++counters.rays;
+  for (;;) {
+    if (!hit.valid()) {
+      add_met_infinite_lights(c, e);
+      break;
+    }
+    SurfacePoint sp;
+    make_surface_point(c.scene(), e.path.ray, hit, e.path.cone_width + e.path.cone_spread * hit.t, sp);
+    absorb(c.scene(), sp, hit.t, e.path);
+    // A vertex seen edge-on has no density per area; there is nothing to be weighted.
+    const float cosine = glm::dot(sp.ng, sp.wo);
+    if (!(cosine > 0.0f)) break;
+    e.weights.arrive(cosine, sqr(hit.t));
+    add_met_emission(c, sp, e);
+    if (c.light_only || e.path.bounce >= c.path.max_bounces || sp.bsdf.empty()) break;
+
+    sampler.start_dimension(kCameraDimensions + e.path.bounce * kDimensionsPerBounce);
+    if (has_non_delta(sp.bsdf)) connect(c, sp, kept, e, sampler, roulette, counters);
+    if (!continue_camera_subpath(c, sp, e, sampler)) break;
+    hit = intersect(c.scene().accel, e.path.ray, sampler.ray_id());
+    ++counters.rays;
+  }
+  return e.path.radiance;
+}
+
+}  // namespace relume

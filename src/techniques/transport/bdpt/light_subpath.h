@@ -1,0 +1,206 @@
+// Light subpaths: from a light through the scene. Every vertex is connected to the camera (t = 1), rays may meet the
+// lens (t = 0), and vertices are kept for connections with the camera subpath.
+#pragma once
+
+#include "techniques/transport/bdpt/bdpt_context.h"
+#include "techniques/transport/bdpt/light_medium.h"
+
+namespace relume {
+
+struct LightSubpath {
+  PathState path;  ///< its radiance takes what is not finite, and nothing else
+  SubpathWeights weights;
+  uint32_t count = 0;  ///< vertices, the one on the light included
+  bool from_infinity = false;
+};
+
+/// First vertex and direction. False if no light can be chosen or the sample carries nothing.
+RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler, LightSubpath& l) {
+  sampler.start_dimension(kLightDimensions);
+  const LightSelection selection = c.emission.sample(sampler.reusable(sampler.next_1d()));
+  if (!(selection.pmf > 0.0f)) return false;
+  const Vec2 u_position = sampler.next_2d();
+  const EmissionSample e = sample_le(c.scene().lights, selection.light, u_position, sampler.next_2d());
+  if (!e.valid() || !(e.cos_theta > 0.0f)) return false;
+  l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
+  l.path.ray = emitted_ray(e);
+  l.path.cone_spread = 0.0f;
+  if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
+  l.count = 1;
+  l.from_infinity = e.infinite;
+  // At infinity the direction is the vertex, and the position goes with the next one.
+  const bool can_be_hit = e.infinite ? !e.delta_direction : !e.delta_position;
+  const float inverse_density = 1.0f / (selection.pmf * (e.infinite ? e.pdf_w : e.pdf_a));
+  const float direct_ratio = weighting_pmf(c, selection.light) / selection.pmf;
+  l.weights = SubpathWeights::start(e.infinite ? e.pdf_a : e.pdf_w, can_be_hit ? inverse_density : 0.0f, e.cos_theta,
+                                    direct_ratio, e.infinite);
+  return true;
+}
+
+/// Weight of a connection to the camera, which finds the last vertex with density `pdf_a` per area.
+RELUME_HD inline float weight_of_camera_connection(const LightSubpath& l, const CameraSample& s, const AdjointEval& e,
+                                                   float pdf_a) {
+  const float lens_met = s.delta ? 0.0f : sqr(e.pdf_light / s.pdf_w);
+  return weight_from(l.weights.at().sum(pdf_a, e.pdf_camera), lens_met);
+}
+
+/// A connection to the camera, and where its light would arrive.
+struct CameraConnection {
+  Ray ray;
+  Rgb contribution{0};  ///< where nothing is in between
+  Vec2 film{0};
+  uint32_t ray_id = 0;
+
+  RELUME_HD bool valid() const { return !is_black(contribution); }
+};
+
+/// t = 1: light that the camera sees at `sp`, the last vertex.
+RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
+                                                    Sampler& sampler) {
+  const CameraView& camera = c.scene().camera;
+  const Vec2 u_lens = camera.lens_radius > 0.0f ? sampler.next_2d() : Vec2(0);
+  const CameraSample s = sample_wi(camera, sp.position, u_lens);
+  if (!s.valid()) return {};
+  const AdjointEval e = eval_adjoint(sp, s.wi);
+  if (is_black(e.f)) return {};
+  // The camera's density of finding this point per area; as importance is normalised, also the measured share.
+  const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
+  const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a);
+  const Rgb medium = medium_along(c.scene(), sp, s.wi, l.path.medium);
+  CameraConnection connection;
+  connection.contribution = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
+  connection.ray = sp.spawn_ray(s.wi);
+  connection.ray.t_max = s.distance;
+  connection.film = s.film;
+  constexpr uint32_t kSalt = 0xffffffffu;  // the ray that goes on has the identity itself
+  connection.ray_id = hash(sampler.ray_id(), kSalt);
+  return connection;
+}
+
+RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnection& connection, const Rgb& contribution,
+                                     BdptCounters& counters) {
+  if (visible(c, connection.ray, connection.ray_id, counters)) splat(c, connection.film, contribution, counters);
+}
+
+/// What is kept of a light subpath until the camera subpath is there.
+struct LightVertices {
+  PathVertex vertices[kMaxLightVertices - 1];  ///< without the one on the light
+  CameraConnection to_camera[kMaxLightVertices - 1];
+  uint32_t count = 0;        ///< of vertices
+  uint32_t connections = 0;  ///< to the camera
+
+  RELUME_HD View<const PathVertex> view() const { return {vertices, count}; }
+};
+
+/// Tests the connections to the camera. `tried` is the camera subpath's: each is compared with the connections of that
+/// alone, since the others arrive at other pixels.
+RELUME_HD inline void try_camera_connections(const BdptContext& c, const LightVertices& light,
+                                             const ConnectionRoulette& tried, BdptCounters& counters) {
+  for (uint32_t i = 0; i < light.connections; ++i) {
+    ConnectionRoulette roulette = tried;
+    Rgb contribution = light.to_camera[i].contribution;
+    if (roulette.survives(c, light.to_camera[i].ray_id, contribution))
+      add_if_visible(c, light.to_camera[i], contribution, counters);
+  }
+}
+
+/// Where `ray` passes through the lens from the front: its film position and distance.
+struct LensHit {
+  Vec2 film{0};
+  float distance = kInfinity;
+  float importance = 0;
+  float cosine = 0;
+};
+
+RELUME_HD inline LensHit meet_lens(const CameraView& c, const Ray& ray) {
+  const float cosine = glm::dot(ray.direction, c.axes.n);
+  if (c.projection != Projection::perspective || c.lens_radius == 0.0f || cosine <= 0.0f) return {};
+  const float distance = glm::dot(c.position - ray.origin, c.axes.n) / cosine;
+  if (distance <= 0.0f) return {};
+  const Ray out{ray.origin + distance * ray.direction, -ray.direction, kInfinity};
+  if (length_squared(out.origin - c.position) >= sqr(c.lens_radius)) return {};
+  LensHit hit;
+  if (!film_position(c, out, &hit.film)) return {};
+  hit.distance = distance;
+  hit.importance = we(c, out);
+  hit.cosine = cosine;
+  return hit;
+}
+
+RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightSubpath& l, const LensHit& hit) {
+  SubpathWeights weights = l.weights;
+  const PartialWeights at_lens = weights.arrive(hit.cosine, sqr(hit.distance));
+  return weight_from(at_lens.sum(1.0f / camera.lens_area(), hit.importance * camera.lens_area() * hit.cosine), 0.0f);
+}
+
+/// t = 0: the subpath's ray has met the lens.
+RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, const LightSubpath& l,
+                                   BdptCounters& counters) {
+  const float weight = weight_of_lens_hit(c.scene().camera, l, hit);
+  splat(c, hit.film, l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight),
+        counters);
+}
+
+/// Next direction; false if the subpath ends here.
+RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const SurfacePoint& sp, LightSubpath& l,
+                                             Sampler& sampler) {
+  if (bent(sp)) return false;
+  BsdfSample s = c.path.directions.sample(sp, sampler, TransportMode::importance);
+  if (!s.valid || !scatters_alike(sp, s.wi)) return false;
+  s.weight *= adjoint_correction(sp, s.wi);
+  const float cosine = std::fabs(glm::dot(sp.ng, s.wi));
+  if (s.delta) {
+    l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi));
+  } else {
+    l.weights.leave(cosine, s.pdf_w, other_sides_pdf(sp, s.wi));
+  }
+  return follow(c.path, sp, s, l.path, sampler);
+}
+
+/// Moves the subpath to `hit`, its next vertex. False if it cannot go on from there.
+RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath& l, SurfacePoint& sp) {
+  make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp);
+  const float cosine = glm::dot(sp.ng, sp.wo);
+  if (!(cosine > 0.0f) || sp.bsdf.empty()) return false;
+  // Where light from infinity enters the scene is not known, so nothing absorbs it on the way, as seen from the camera.
+  absorb(c.scene(), sp, l.from_infinity && l.count == 1 ? kInfinity : hit.t, l.path);
+  l.weights.arrive(cosine, sqr(hit.t));
+  ++l.count;
+  return true;
+}
+
+/// Traces a whole light subpath. Vertex i (from 1 on, the light is 0) is kept in kept.vertices[i - 1], with its
+/// connection to the camera; light tracing keeps none and adds the connections at once.
+RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler, LightVertices& kept,
+                                          BdptCounters& counters) {
+  const uint32_t max_count = c.max_bidirectional_vertices() - 1;
+  LightSubpath l;
+  if (max_count < 2 || !start_light_subpath(c, sampler, l)) return;
+  const bool lens = !c.light_only && c.scene().camera.lens_radius > 0.0f;
+  for (;;) {
+    const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
+    if (l.count == max_count) {  // nothing but the lens may follow
+      l.path.ray.t_max = lens_hit.distance;
+      if (lens_hit.importance > 0.0f && visible(c, l.path.ray, sampler.ray_id(), counters))
+        add_lens_hit(c, lens_hit, l, counters);
+      break;
+    }
+    const Hit hit = intersect(c.scene().accel, l.path.ray, sampler.ray_id());
+    ++counters.rays;
+    if (lens_hit.importance > 0.0f && lens_hit.distance < hit.t) add_lens_hit(c, lens_hit, l, counters);
+    SurfacePoint sp;
+    if (!hit.valid() || !arrive(c, hit, l, sp)) break;
+    sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);
+    if (has_non_delta(sp.bsdf)) {
+      const CameraConnection connection = connect_to_camera(c, sp, l, sampler);
+      if (connection.valid() && c.light_only) add_if_visible(c, connection, connection.contribution, counters);
+      if (connection.valid() && !c.light_only) kept.to_camera[kept.connections++] = connection;
+    }
+    if (!c.light_only) kept.vertices[kept.count++] = make_path_vertex(sp, l.path.throughput, l.weights.at());
+    if (l.count == max_count && !lens) break;
+    if (!continue_light_subpath(c, sp, l, sampler)) break;
+  }
+  if (!is_finite(l.path.radiance)) ++counters.nonfinite;  // a throughput that ended the subpath
+}
+
+}  // namespace relume

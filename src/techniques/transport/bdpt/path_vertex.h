@@ -1,0 +1,70 @@
+// A vertex of a light subpath, as small as it can be kept until it is connected to.
+#pragma once
+
+#include "techniques/transport/bdpt/partial_weights.h"
+#include "techniques/transport/bdpt/scattering.h"
+
+namespace relume {
+
+/// Most vertices that a light subpath may have, the one on the light included. Longer paths are found from the camera.
+inline constexpr uint32_t kMaxLightVertices = 32;
+
+/// Lambert surfaces, the most frequent by far, keep all that a connection needs; others are looked up again from the
+/// hit. No member has a default, because a subpath has many vertices.
+struct PathVertex {
+  Vec3 position;
+  Vec3 ng;         ///< geometric normal on the side of wo
+  Vec3 ns;         ///< shading normal on the side of wo
+  Vec3 wo;         ///< to the previous vertex
+  Rgb throughput;  ///< of the light that arrives; black: nothing can be connected here
+  Rgb albedo;      ///< of a Lambert surface; negative: of another kind
+  PartialWeights weights;
+  uint32_t instance;
+  uint32_t primitive;
+  Vec2 barycentric;
+
+  RELUME_HD bool connectable() const { return !is_black(throughput); }
+};
+static_assert(sizeof(PathVertex) <= 96);
+
+RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& throughput,
+                                             const PartialWeights& weights) {
+  PathVertex v;
+  v.throughput = has_non_delta(sp.bsdf) ? throughput : Rgb(0);
+  v.position = sp.position;
+  v.ng = sp.ng;
+  v.ns = sp.ns;
+  v.wo = sp.wo;
+  const bool plain = is_lambert(sp.bsdf) && !bent(sp);  // bent frames are looked up for their view dependence
+  v.albedo = plain ? sp.bsdf.lobes[0].color : Rgb(-1);
+  v.weights = weights;
+  v.instance = sp.instance;
+  v.primitive = sp.primitive;
+  v.barycentric = sp.barycentric;
+  return v;
+}
+
+/// The surface point that the vertex was made of. Textures are read at their finest level.
+RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, SurfacePoint& sp) {
+  const Ray arrived{v.position, -v.wo, kInfinity};
+  make_surface_point(scene, arrived, {v.instance, v.primitive, v.barycentric.x, v.barycentric.y, 0.0f}, 0.0f, sp);
+}
+
+/// Scattering of a stored vertex towards `w`.
+RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVertex& v, const Vec3& w) {
+  if (v.albedo.r >= 0.0f) {
+    const float cos_s = glm::dot(v.ns, w);
+    const float cos_g = glm::dot(v.ng, w);
+    if (cos_g <= 0.0f) return {};
+    if (cos_s >= kMinShadingCosine) {
+      const float cos_light = glm::dot(v.ns, v.wo);
+      const Rgb f = v.albedo * (kInvPi * cos_light / glm::dot(v.ng, v.wo));
+      return {f, cosine_hemisphere_pdf(cos_s), cosine_hemisphere_pdf(cos_light)};
+    }
+  }
+  SurfacePoint sp;
+  restore(scene, v, sp);
+  return eval_adjoint(sp, w);
+}
+
+}  // namespace relume

@@ -1,0 +1,138 @@
+// How a host thread runs kernels that trace one path a pixel: the paths of neighbouring pixels side by side, each step
+// for all of them before the next. A processor then works on one path while it waits for another, which it cannot do
+// along a single path, and shadow rays travel in packets. Steps, random numbers and results are those of trace_path.
+#pragma once
+
+#include "techniques/transport/path/path.h"
+
+namespace relume {
+
+/// Paths that have all scattered equally often, and their connections to lights.
+struct PathBatch {
+  static constexpr uint32_t kSize = 32;  ///< few, so that what they touch stays in the first-level cache
+
+  PathState paths[kSize];
+  Sampler samplers[kSize];
+  Hit hits[kSize];
+  SurfacePoint points[2][kSize];  ///< this vertex and the previous one, in turn
+  uint32_t active[kSize];         ///< paths that go on
+  uint32_t count = 0;
+
+  Connection connections[kSize];
+  uint32_t owners[kSize];  ///< path of each connection, ascending
+  uint32_t connection_count = 0;
+};
+
+namespace path_batch {
+
+/// Keeps the active paths for which `step` returns true.
+template <typename Step>
+inline void filter(PathBatch& b, const Step& step) {
+  uint32_t kept = 0;
+  for (uint32_t k = 0; k < b.count; ++k) {
+    const uint32_t i = b.active[k];
+    b.active[kept] = i;
+    if (step(i)) ++kept;
+  }
+  b.count = kept;
+}
+
+/// Adds the contributions whose rays reach their light.
+template <typename Observer>
+inline void add_visible(const AccelView& accel, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+  for (uint32_t first = 0; first < b.connection_count; first += kPacketSize) {
+    const uint32_t left = b.connection_count - first;
+    const int size = static_cast<int>(left < kPacketSize ? left : kPacketSize);
+    Ray rays[kPacketSize];
+    uint32_t ids[kPacketSize];
+    bool blocked[kPacketSize];
+    for (int k = 0; k < size; ++k) {
+      rays[k] = b.connections[first + k].ray;
+      ids[k] = b.connections[first + k].ray_id;
+    }
+    occluded_packet(accel, rays, ids, blocked, size);
+    for (int k = 0; k < size; ++k) {
+      const Connection& connection = b.connections[first + k];
+      const uint32_t i = b.owners[first + k];
+      if (!blocked[k]) b.paths[i].radiance += connection.contribution;
+      observers[i].connected(points[i], b.paths[i], connection, !blocked[k]);
+    }
+  }
+}
+
+/// Next event estimation for all active paths.
+template <typename Observer>
+inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+  b.connection_count = 0;
+  for (uint32_t k = 0; k < b.count; ++k) {
+    const uint32_t i = b.active[k];
+    if (!connect(c, points[i], b.paths[i], b.samplers[i], b.connections[b.connection_count])) continue;
+    b.owners[b.connection_count++] = i;
+    ++b.paths[i].rays;
+  }
+  add_visible(c.scene.accel, points, b, observers);
+}
+
+/// Follows all paths from their primary hits to their ends; one observer a path.
+template <typename Observer>
+inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
+  for (uint32_t bounce = 0; b.count > 0; ++bounce) {
+    SurfacePoint* points = b.points[bounce & 1u];
+    const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
+    filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], observers[i]); });
+    if constexpr (DecidesLater<Observer>) filter(b, [&](uint32_t i) { return observers[i].goes_on(b.paths[i]); });
+    connect_all(c, points, b, observers);
+    filter(b, [&](uint32_t i) {
+      const BsdfSample s = c.directions.sample(points[i], b.samplers[i]);
+      if (!follow(c, points[i], s, b.paths[i], b.samplers[i])) return false;
+      observers[i].scattered(points[i], s, b.paths[i]);
+      return true;
+    });
+    for (uint32_t k = 0; k < b.count; ++k) {
+      const uint32_t i = b.active[k];
+      b.hits[i] = intersect(c.scene.accel, b.paths[i].ray, b.samplers[i].ray_id());
+      ++b.paths[i].rays;
+    }
+  }
+}
+
+/// The tile form of ObservedPathKernel.
+template <typename Kernel>
+inline void trace_tile(const Kernel& kernel, const Tile& tile) {
+  using Observer = decltype(kernel.observer(0u, 0u));
+  PathBatch b;
+  Observer observers[PathBatch::kSize];
+  uint32_t pixels[PathBatch::kSize];
+  uint32_t x = tile.x0;
+  uint32_t y = tile.y0;
+  while (y < tile.y1) {
+    uint32_t count = 0;
+    while (count < PathBatch::kSize && y < tile.y1) {
+      const uint32_t pixel = y * kernel.width + x;
+      if (kernel.wanted(pixel)) {
+        pixels[count] = pixel;
+        b.active[count] = count;
+        b.hits[count] = kernel.hits[pixel];
+        b.samplers[count] = kernel.index.sampler(x, y);
+        b.paths[count] = start_path(kernel.context, x, y, b.samplers[count]);
+        observers[count] = kernel.observer(x, y);
+        ++count;
+      } else {
+        kernel.leave_out(pixel);
+      }
+      if (++x < tile.x1) continue;
+      x = tile.x0;
+      ++y;
+    }
+    b.count = count;
+    trace(kernel.context, b, observers);
+    for (uint32_t i = 0; i < count; ++i) {
+      observers[i].finished(b.paths[i]);
+      kernel.finish(pixels[i], observers[i], b.paths[i]);
+    }
+  }
+}
+
+}  // namespace path_batch
+
+}  // namespace relume
