@@ -43,8 +43,9 @@ TECHNIQUE_MAY_INCLUDE = {
     "directional_quadtree": "octree path",
     "visibility_light_cache": "octree",
     "features": "path primary_hits reprojection",
-    "bmfr": "features",
-    "svgf": "features",
+    "shared": "features path primary_hits reprojection",  # by denoisers
+    "bmfr": "features shared",
+    "svgf": "shared",
     "reprojection": "path",
     "path_space_filter": "hash_grid path primary_hits",
     "adaptive_psf": "path path_space_filter",

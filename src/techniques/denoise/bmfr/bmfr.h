@@ -2,7 +2,7 @@
 // accumulated over frames before it, and what it fits is accumulated again.
 #pragma once
 
-#include "techniques/gbuffer/features/light_history.h"
+#include "techniques/denoise/shared/light_history.h"
 
 namespace relume {
 

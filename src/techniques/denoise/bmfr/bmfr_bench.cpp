@@ -5,7 +5,7 @@
 
 #include "techniques/denoise/bmfr/bmfr.h"
 #include "techniques/denoise/bmfr/regression_kernel.h"
-#include "techniques/gbuffer/features/testing/denoiser_bench.h"
+#include "techniques/denoise/shared/testing/denoiser_bench.h"
 
 namespace relume {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "techniques/denoise/bmfr/bmfr.h"
 #include "techniques/denoise/bmfr/regression_kernel.h"
-#include "techniques/gbuffer/features/features_pass.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
 
 namespace relume {
 namespace {

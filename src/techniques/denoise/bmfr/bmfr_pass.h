@@ -6,8 +6,8 @@
 #include "frame/pass.h"
 #include "techniques/denoise/bmfr/bmfr.h"
 #include "techniques/denoise/bmfr/settings.h"
-#include "techniques/gbuffer/features/features_pass.h"
-#include "techniques/gbuffer/features/find_light_change.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
+#include "techniques/denoise/shared/find_light_change.h"
 
 namespace relume {
 

@@ -3,8 +3,8 @@
 
 #include "frame/launch.h"
 #include "techniques/denoise/bmfr/block_regression.h"
+#include "techniques/denoise/shared/picture_history.h"
 #include "techniques/gbuffer/features/features.h"
-#include "techniques/gbuffer/features/picture_history.h"
 
 namespace relume {
 

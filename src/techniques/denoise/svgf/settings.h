@@ -1,7 +1,7 @@
 // Settings of the denoiser "svgf".
 #pragma once
 
-#include "techniques/gbuffer/features/history_settings.h"
+#include "techniques/denoise/shared/history_settings.h"
 
 namespace relume {
 

@@ -2,8 +2,8 @@
 // accumulated over frames, and their variance says how far the filter may reach.
 #pragma once
 
+#include "techniques/denoise/shared/light_history.h"
 #include "techniques/denoise/svgf/atrous.h"
-#include "techniques/gbuffer/features/light_history.h"
 
 namespace relume {
 

@@ -1,4 +1,4 @@
-#include "techniques/gbuffer/features/testing/denoiser_bench.h"
+#include "techniques/denoise/shared/testing/denoiser_bench.h"
 
 namespace relume {
 namespace {

@@ -1,7 +1,7 @@
 #include "techniques/denoise/svgf/svgf_pass.h"
 
+#include "techniques/denoise/shared/denoiser_buffers.h"
 #include "techniques/denoise/svgf/svgf.h"
-#include "techniques/gbuffer/features/features_pass.h"
 
 namespace relume {
 namespace {

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "frame/pass.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
+#include "techniques/denoise/shared/find_light_change.h"
 #include "techniques/denoise/svgf/settings.h"
-#include "techniques/gbuffer/features/features_pass.h"
-#include "techniques/gbuffer/features/find_light_change.h"
 
 namespace relume {
 

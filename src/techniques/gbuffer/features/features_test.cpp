@@ -10,6 +10,7 @@
 #include "render/session.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
 #include "techniques/gbuffer/features/features_pass.h"
 
 namespace relume {

@@ -10,7 +10,7 @@
 #include "render/session.h"
 #include "scene/compiled_scene.h"
 #include "scene/testing/bodies.h"
-#include "techniques/gbuffer/features/split_light.h"
+#include "techniques/denoise/shared/split_light.h"
 
 namespace relume {
 namespace {

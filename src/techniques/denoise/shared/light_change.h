@@ -5,7 +5,7 @@
 
 #include "frame/launch.h"
 #include "sampling/chi2_bound.h"
-#include "techniques/gbuffer/features/light_history.h"
+#include "techniques/denoise/shared/light_history.h"
 
 namespace relume {
 

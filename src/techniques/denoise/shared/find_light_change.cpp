@@ -1,6 +1,6 @@
-#include "techniques/gbuffer/features/find_light_change.h"
+#include "techniques/denoise/shared/find_light_change.h"
 
-#include "techniques/gbuffer/features/light_change.h"
+#include "techniques/denoise/shared/light_change.h"
 
 namespace relume {
 

@@ -1,6 +1,7 @@
-#include "techniques/gbuffer/features/edge_emission_pass.h"
+#include "techniques/denoise/shared/edge_emission_pass.h"
 
-#include "techniques/gbuffer/features/edge_emission.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
+#include "techniques/denoise/shared/edge_emission.h"
 #include "techniques/gbuffer/features/features_pass.h"
 #include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
 

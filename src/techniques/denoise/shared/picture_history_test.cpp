@@ -1,4 +1,4 @@
-#include "techniques/gbuffer/features/picture_history.h"
+#include "techniques/denoise/shared/picture_history.h"
 
 #include <gtest/gtest.h>
 

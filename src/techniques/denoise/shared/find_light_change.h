@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "frame/frame_context.h"
-#include "techniques/gbuffer/features/light_history.h"
+#include "techniques/denoise/shared/light_history.h"
 
 namespace relume {
 

@@ -1,4 +1,4 @@
-#include "techniques/gbuffer/features/edge_emission.h"
+#include "techniques/denoise/shared/edge_emission.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "render/session.h"
-#include "techniques/gbuffer/features/features_pass.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
 
 namespace relume {
 namespace {

@@ -1,4 +1,4 @@
-#include "techniques/gbuffer/features/light_change.h"
+#include "techniques/denoise/shared/light_change.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "techniques/gbuffer/features/split_light_pass.h"
-#include "techniques/gbuffer/features/features_pass.h"
+#include "techniques/denoise/shared/split_light_pass.h"
+#include "techniques/denoise/shared/denoiser_buffers.h"
 
-#include "techniques/gbuffer/features/split_light.h"
+#include "techniques/denoise/shared/split_light.h"
 
 namespace relume {
 

@@ -3,6 +3,7 @@
 
 #include "frame/pass.h"
 #include "techniques/gbuffer/features/settings.h"
+#include "techniques/transport/path/settings.h"
 
 namespace relume {
 
