@@ -13,7 +13,7 @@
 #include "techniques/denoise/svgf/svgf_pass.h"
 #include "techniques/gbuffer/features/features_pass.h"
 #include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
-#include "techniques/guiding/directional_quadtree/direction_view.h"
+#include "techniques/guiding/direction_view/direction_view_pass.h"
 #include "techniques/light_sampling/light_selection/light_selection_pass.h"
 #include "techniques/light_sampling/light_tree/light_tree_pass.h"
 #include "techniques/light_sampling/static_light_lists/static_light_lists_pass.h"

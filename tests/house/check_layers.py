@@ -40,7 +40,8 @@ MAY_INCLUDE = {
 TECHNIQUE_MAY_INCLUDE = {
     "path": "octree primary_hits",
     "bdpt": "path",
-    "directional_quadtree": "octree path",
+    "directional_quadtree": "octree",
+    "direction_view": "directional_quadtree path",
     "visibility_light_cache": "octree",
     "features": "path primary_hits reprojection",
     "shared": "features path primary_hits reprojection",  # by denoisers

@@ -12,7 +12,7 @@
 #include "core/octahedral.h"
 #include "files/testing/temp_folder.h"
 #include "render/session.h"
-#include "techniques/guiding/directional_quadtree/direction_view.h"
+#include "techniques/guiding/direction_view/direction_view_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache_pass.h"
 #include "techniques/spatial/octree/octree_pass.h"
 

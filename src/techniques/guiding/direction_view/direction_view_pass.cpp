@@ -1,10 +1,10 @@
-#include "techniques/guiding/directional_quadtree/direction_view.h"
+#include "techniques/guiding/direction_view/direction_view_pass.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/stream_io.h"
-#include "techniques/guiding/directional_quadtree/incident_light.h"
+#include "techniques/guiding/direction_view/incident_light.h"
 
 namespace relume {
 namespace {
