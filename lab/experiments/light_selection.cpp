@@ -43,6 +43,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   std::vector<NamedSettings> list;
   RenderSettings base = scene.settings;
   set_size(context, base, scene.scale);
+  if (context.quick) base.static_lists.rays = 32;
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) -> RenderSettings& {
     list.push_back({std::move(name), base});
     list.back().settings.lights = lights;

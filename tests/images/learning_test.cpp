@@ -252,7 +252,9 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
                         last_pictures(session, way.settings, repeats, 1), expected, options);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("slit", "turntable", "warehouse"), scene_name);
+INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("turntable", "warehouse"), scene_name);
+// Four times as many frames: 79 s of a suite of twenty minutes.
+INSTANTIATE_TEST_SUITE_P(SlowBuiltin, LearningInMotion, ::testing::Values("slit"), scene_name);
 
 }  // namespace
 }  // namespace relume::support

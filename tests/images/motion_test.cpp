@@ -345,7 +345,7 @@ TEST(Motion, PixelsSayWhyTheyHaveAHistory) {
 TEST(Motion, ObjectsLeaveNoTrails) { expect_no_ghosts(box()); }
 TEST(Motion, NothingIsStuckWhenEverythingRests) { expect_no_stuck_pixels(box()); }
 
-TEST(Motion, SponzaToo) {
+TEST(SlowMotion, InSponzaToo) {
   const std::optional<MovingScene> hall = sponza();
   if (!hall) GTEST_SKIP() << "RELUME_SCENES names no folder with Sponza";
   expect_explained(*hall);

@@ -16,10 +16,10 @@ COMPILER = os.environ.get("RELUME_CXX", "c++")
 class TheFile(unittest.TestCase):
     def test_compiles(self):
         source = re.search(r"^```cpp\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)[1]
-        with tempfile.TemporaryDirectory(prefix="relume_") as folder:
-            file = pathlib.Path(folder) / "filter_error.cpp"
+        with tempfile.TemporaryDirectory(prefix="relume_") as name:
+            file = pathlib.Path(name) / "filter_error.cpp"
             file.write_text(source)
-            command = [COMPILER, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", f"-I{ROOT / 'src'}", file]
+            command = [COMPILER, "-std=c++20", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *(f"-I{ROOT / folder}" for folder in ("src", "lab")), file]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr[-4000:])
 

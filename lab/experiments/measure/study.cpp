@@ -59,7 +59,7 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.repetitions = context.choose(options.repetitions, std::min(options.repetitions, 2));
   o.times_s = options.times_s;
   o.reference_settings = options.reference;
-  o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 256));
+  o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 64));
   o.cache_folder = context.cache_folder;
   o.program = context.program;
   o.keep_pictures = true;

@@ -9,7 +9,7 @@ namespace relume {
 namespace {
 
 /// Of the scenes that a paper shows; for variations of them half as many will do.
-int reference_spp(const ExperimentContext& context) { return context.choose(1024, 256); }
+int reference_spp(const ExperimentContext& context) { return context.choose(1024, 64); }
 
 }  // namespace
 
