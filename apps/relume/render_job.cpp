@@ -18,11 +18,10 @@
 #include "progress.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
+#include "render/stop_criteria.h"
 #include "render_plan.h"
 #include "reports.h"
 #include "scene_source.h"
-#include "stop_criteria.h"
-#include "timed_stop.h"
 #include "version.h"
 #include "video.h"
 
@@ -186,19 +185,11 @@ void RenderJob::check_earlier_pictures() const {
 
 StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   const StopCriteria criteria = stop_criteria(settings_.stop);
-  const FrameSource source{
-      .render_frame = [this](std::stop_token token) { return session_->render_frame(std::move(token)); },
-      .picture_frames = [this] { return session_->picture_frames(); },
-      .picture_samples = [this] { return session_->picture_samples(); },
-      .estimated_error = [this] { return session_->estimated_error(); },
-  };
-  const TimedStop timer(stop, criteria.time_s);
-  session_->shorten_preparation_on(timer.token());
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
   printer.show_stage("first sample", 0);
   const auto done = [&](const Accumulation& state) { frame_done(index, state, criteria, printer); };
-  const StopReason reason = render_until(source, criteria, now_s, stop, done);
+  const StopReason reason = render_until(*session_, criteria, stop, done);
   printer.clear();
   display_.show(*session_);
   keep(index, reason);

@@ -6,7 +6,7 @@
 #include "picture.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
-#include "stop_criteria.h"
+#include "render/stop_criteria.h"
 #include "video.h"
 
 namespace relume::cli {

@@ -10,8 +10,8 @@
 #include "core/clock.h"
 #include "core/error.h"
 #include "platform.h"
-#include "stop_criteria.h"
-#include "timed_stop.h"
+#include "render/stop_criteria.h"
+#include "render/timed_stop.h"
 #include "viewer/inspect.h"
 
 namespace relume::viewer {
@@ -216,7 +216,7 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
       token = refinement_.get_token();
     }
   }
-  std::optional<cli::TimedStop> preparation;
+  std::optional<TimedStop> preparation;
   if (session.frames_since_change() == 0 || !session.prepared()) {
     preparation.emplace(hurry, static_cast<double>(request_.pace.preparation_s));
     hurry = preparation->token();

@@ -1,4 +1,4 @@
-// When a picture is done, and the loop that renders frames until it is.
+// When an image is done, and the loop that renders frames until then.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,11 @@
 
 #include "render/settings.h"
 
-namespace relume::cli {
+namespace relume {
 
-/// What the loop needs of a session; tests put something else in its place.
+class Session;
+
+/// What the loop needs of a session. Tests provide other functions.
 struct FrameSource {
   std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
   std::function<uint32_t()> picture_frames;           ///< Session::picture_frames
@@ -58,4 +60,9 @@ bool checks_error_at(uint32_t frames);
 StopReason render_until(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
                         std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done);
 
-}  // namespace relume::cli
+/// The same with a session's frames and the real clock. A time limit also ends long preparation early
+/// (Session::shorten_preparation_on).
+StopReason render_until(Session& session, const StopCriteria& criteria, std::stop_token stop = {},
+                        const std::function<void(const Accumulation&)>& frame_done = {});
+
+}  // namespace relume

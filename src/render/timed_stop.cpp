@@ -1,10 +1,10 @@
-#include "timed_stop.h"
+#include "render/timed_stop.h"
 
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
-namespace relume::cli {
+namespace relume {
 
 TimedStop::TimedStop(std::stop_token outer, double seconds)
     : outer_(std::move(outer), [this] { source_.request_stop(); }) {
@@ -18,4 +18,4 @@ void TimedStop::wait(const std::stop_token& end, double seconds) {
   if (!end.stop_requested()) source_.request_stop();
 }
 
-}  // namespace relume::cli
+}  // namespace relume

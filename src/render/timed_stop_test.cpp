@@ -1,4 +1,4 @@
-#include "timed_stop.h"
+#include "render/timed_stop.h"
 
 #include <memory>
 
@@ -6,7 +6,7 @@
 
 #include "core/clock.h"
 
-namespace relume::cli {
+namespace relume {
 namespace {
 
 TEST(TimedStop, ComesAfterItsTime) {
@@ -40,4 +40,4 @@ TEST(TimedStop, EndsAtOnceWithoutBeingOver) {
 }
 
 }  // namespace
-}  // namespace relume::cli
+}  // namespace relume

@@ -1,11 +1,14 @@
-#include "stop_criteria.h"
+#include "render/stop_criteria.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-namespace relume::cli {
+#include "builtin_scenes/builtin.h"
+#include "render/session.h"
+
+namespace relume {
 namespace {
 
 /// A session whose frames take a second each and whose error falls as it does in theory.
@@ -124,6 +127,23 @@ TEST(RenderUntil, InterruptAfterTheLastSampleIsACompletePicture) {
   EXPECT_EQ(session.run({.samples = 1}), StopReason::samples);
 }
 
+TEST(RenderUntil, EndsASession) {
+  RenderSettings settings;
+  settings.width = settings.height = 16;
+  Session session(find_builtin_scene("furnace")->build(), settings);
+  EXPECT_EQ(render_until(session, {.samples = 3}), StopReason::samples);
+  EXPECT_EQ(session.picture_frames(), 3u);
+  EXPECT_EQ(render_until(session, {.time_s = 0.01}), StopReason::time);
+  EXPECT_EQ(render_until(session, {.error = 0.5}), StopReason::error);
+  std::stop_source stop;
+  int frames = 0;
+  const auto stop_at_two = [&](const Accumulation&) {
+    if (++frames == 2) stop.request_stop();
+  };
+  EXPECT_EQ(render_until(session, {.samples = 1000000}, stop.get_token(), stop_at_two), StopReason::interrupted);
+  EXPECT_EQ(frames, 2);
+}
+
 TEST(StopCriteria, DefaultAppliesOnlyWithoutAny) {
   EXPECT_EQ(stop_criteria({}).samples, static_cast<uint32_t>(kDefaultSpp));
   EXPECT_EQ(stop_criteria({.time_s = 10}).samples, 0u);
@@ -163,4 +183,4 @@ TEST(Progress, RemainingTimeFollowsTheNearestCriterion) {
 }
 
 }  // namespace
-}  // namespace relume::cli
+}  // namespace relume

@@ -1,9 +1,14 @@
-#include "stop_criteria.h"
+#include "render/stop_criteria.h"
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
-namespace relume::cli {
+#include "core/clock.h"
+#include "render/session.h"
+#include "render/timed_stop.h"
+
+namespace relume {
 
 StopCriteria stop_criteria(const StopSettings& settings) {
   StopCriteria criteria{static_cast<uint32_t>(settings.spp), static_cast<double>(settings.time_s),
@@ -74,8 +79,21 @@ StopReason render_until(const FrameSource& source, const StopCriteria& criteria,
     ++state.frames_done_here;
     state.samples_done_here = state.samples - loaded;
     state.elapsed_s = now_s() - start_s;
-    frame_done(state);
+    if (frame_done) frame_done(state);
   }
 }
 
-}  // namespace relume::cli
+StopReason render_until(Session& session, const StopCriteria& criteria, std::stop_token stop,
+                        const std::function<void(const Accumulation&)>& frame_done) {
+  const FrameSource source{
+      .render_frame = [&session](std::stop_token token) { return session.render_frame(std::move(token)); },
+      .picture_frames = [&session] { return session.picture_frames(); },
+      .picture_samples = [&session] { return session.picture_samples(); },
+      .estimated_error = [&session] { return session.estimated_error(); },
+  };
+  const TimedStop timer(stop, criteria.time_s);
+  session.shorten_preparation_on(timer.token());
+  return render_until(source, criteria, now_s, stop, frame_done);
+}
+
+}  // namespace relume

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <thread>
 
-namespace relume::cli {
+namespace relume {
 
 /// Requests a stop when `outer` does or after `seconds`, whichever comes first.
 class TimedStop {
@@ -27,4 +27,4 @@ class TimedStop {
   std::jthread timer_;  ///< last: it uses the others
 };
 
-}  // namespace relume::cli
+}  // namespace relume
