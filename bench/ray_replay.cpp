@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
-#include "core/error.h"
 #include "embree_recorder.h"
 #include "frame/launch.h"
+#include "relume/error.h"
 #include "render/session.h"
 #include "render/settings.h"
 #include "scene_source.h"
@@ -97,7 +97,7 @@ void time_round(const Scene& scene, RenderSettings settings, const Recording& re
   }
 }
 
-Settings settings_of(const std::vector<std::string>& arguments, const Scene& scene) {
+AllSettings settings_of(const std::vector<std::string>& arguments, const Scene& scene) {
   SettingSources sources{.scene_json = scene.settings_json, .scene_place = arguments[0]};
   for (size_t i = 1; i + 1 < arguments.size(); i += 2) {
     if (!arguments[i].starts_with("--")) throw Error(arguments[i] + " is not a setting; write --NAME VALUE");
@@ -132,7 +132,7 @@ void print(const RenderSettings& settings, const Recording& recording, const Tim
 void run(const std::vector<std::string>& arguments) {
   if (arguments.size() % 2 != 1) throw Error("usage: relume_ray_replay SCENE [--SETTING VALUE]...");
   Scene scene = cli::open_scene(arguments[0]);
-  const Settings settings = settings_of(arguments, scene);
+  const AllSettings settings = settings_of(arguments, scene);
   apply(settings.scene, scene);
   const Recording recording = record(scene, settings.render);
   Times times[2];

@@ -1,4 +1,5 @@
-# Libraries, all from the packages of Debian 12 and 13 (scripts/install_packages names them).
+# What the library links, all from the packages of Debian 12 and 13 (scripts/install_packages names them). The installed
+# CMake package looks for the same.
 find_package(Threads REQUIRED)
 # src/accel/embree/embree.h takes version 4 where both are installed.
 find_package(embree 4 QUIET)
@@ -15,7 +16,6 @@ find_package(meshoptimizer REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
-find_package(CLI11 REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/vec3.hpp REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_library(STB_LIBRARY stb REQUIRED)

@@ -1,13 +1,15 @@
-# cmake --install: the component `library` with headers and CMake package (find_package(relume) gives relume::relume), and
-# the component `program`.
+# cmake --install: the components `library`, with headers and CMake package (find_package(relume) gives relume::relume),
+# `shared` (relume::shared) and `program`.
 include(CMakePackageConfigHelpers)
 
 set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
 
-install(TARGETS relume relume_lab EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+install(TARGETS relume EXPORT relumeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
 install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT library)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ ${PROJECT_SOURCE_DIR}/lab/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/relume COMPONENT library
-  FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
+# A component of its own: Debian's development package has the static library alone.
+install(TARGETS relume_shared EXPORT relumeSharedTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT shared)
+install(EXPORT relumeSharedTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT shared)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in
   ${PROJECT_BINARY_DIR}/relumeConfig.cmake INSTALL_DESTINATION ${relume_package_dir})

@@ -40,7 +40,7 @@ endfunction()
 # (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that each file still has to include what it uses.
 set(RELUME_PRECOMPILED
   <algorithm> <chrono> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <stop_token> <string>
-  <string_view> <vector> <core/error.h> <core/vec.h>)
+  <string_view> <vector> <relume/error.h> <core/vec.h>)
 
 # What every target of the project compiles with.
 add_library(relume_flags INTERFACE)

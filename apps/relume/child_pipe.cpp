@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 extern char** environ;
 

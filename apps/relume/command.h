@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/settings_docs.h"
 
 namespace relume::cli {

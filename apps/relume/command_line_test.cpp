@@ -15,7 +15,7 @@ struct Fixture {
   std::string output;
   int count = 3;
   bool loud = false;
-  Settings defaults;
+  AllSettings defaults;
   std::vector<std::pair<std::string, std::string>> flags;
   int runs = 0;
 
@@ -75,7 +75,7 @@ TEST(CommandLine, CollectsSettings) {
   Fixture f;
   parse_arguments(f.command(), {"in", "--exposure", "-1", "--time", "10s", "--no-path.russian-roulette", "--env",
                                 "1,1,1", "--seed", "1", "--seed", "2"});
-  const Settings settings = resolve({.flags = f.flags});
+  const AllSettings settings = resolve({.flags = f.flags});
   EXPECT_EQ(settings.output.exposure, -1);
   EXPECT_EQ(settings.stop.time_s, 10);
   EXPECT_FALSE(settings.render.path.russian_roulette);
@@ -140,7 +140,7 @@ TEST(Help, ShowsExamplesFirstAndEverySetting) {
   EXPECT_LT(help.find("Examples:"), help.find("Usage:"));
   EXPECT_NE(help.find("  -o, --output FILE           Where to\n"), std::string::npos) << help;
   EXPECT_NE(help.find("  --count N                   How often [3]\n"), std::string::npos) << help;
-  Settings settings;
+  AllSettings settings;
   for (const Setting& setting : describe(settings)) {
     const bool is_switch = std::holds_alternative<bool*>(setting.value);
     EXPECT_NE(help.find((is_switch ? "  --[no-]" : "  --") + setting.name), std::string::npos) << setting.name;

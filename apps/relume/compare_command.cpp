@@ -115,7 +115,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
       throw Error(fmt::format("{}: there is no such file", picture.file.string()));
   }
   options.common.flags = o.flags;
-  const Settings common = resolve(options.common);
+  const AllSettings common = resolve(options.common);
   for (const Contender& contender : options.contenders) resolve_contender(contender, options.common);
   if (o.budget_s > 0 && common.stop.spp > 0)
     throw UsageError("--spp compares at equal samples and --budget at equal time; choose one");
@@ -180,7 +180,7 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   warn_all(verbosity, scene.warnings);
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = o.scene;
-  const Settings common = resolve(options.common);
+  const AllSettings common = resolve(options.common);
   apply(common.scene, scene);
   options.times_s = frame_times(o, common.render.time_s);
   // What the scene's own settings leave possible, before a reference is rendered, which may take long.
@@ -278,7 +278,7 @@ std::vector<Option> declare(CompareOptions& o) {
 
 Command compare_command(Verbosity& verbosity) {
   const auto options = std::make_shared<CompareOptions>();
-  const auto defaults = std::make_shared<Settings>();
+  const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "compare",
       .summary = "Compare techniques on a scene, against a reference and each other.",

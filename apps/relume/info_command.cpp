@@ -10,7 +10,7 @@
 #include "console.h"
 #include "core/clock.h"
 #include "files/extension.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "reports.h"
 #include "scene_source.h"
 #include "scene_summary.h"

@@ -6,9 +6,9 @@
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
-#include "image/image.h"
 #include "metrics/metrics.h"
 #include "picture.h"
+#include "relume/image_io.h"
 #include "reports.h"
 
 namespace relume::cli {

@@ -11,7 +11,7 @@
 #include "file_roles.h"
 #include "files/extension.h"
 #include "framebuffer/tone_map.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "render/session.h"
 #include "reports.h"
 #include "settings/nearest_name.h"
@@ -63,8 +63,8 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
   return names;
 }
 
-Metadata picture_metadata(const Session& session, const std::string& scene, Settings settings, double load_s) {
-  settings.render = session.settings();
+Metadata picture_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s) {
+  settings.render = render_settings(session);
   return {
       {"relume.version", kVersion},
       {"relume.scene", scene},

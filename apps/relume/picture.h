@@ -29,7 +29,7 @@ using Metadata = std::map<std::string, std::string>;
 /// How a picture of the session was made: program, scene, settings, seed, samples a pixel and render
 /// seconds (those of Session::picture_samples() and picture_render_s()), and seconds of the stages before. Of
 /// `settings`, those of `render` are the session's own. `load_s`: what reading the scene took.
-Metadata picture_metadata(const Session& session, const std::string& scene, Settings settings, double load_s);
+Metadata picture_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
 /// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
 /// tone-mapped. Throws Error.

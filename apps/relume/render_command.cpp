@@ -47,7 +47,7 @@ std::vector<Option> declare(RenderOptions& o) {
 Command render_command(Verbosity& verbosity) {
   // Both live as long as the command that refers to them.
   const auto options = std::make_shared<RenderOptions>();
-  const auto defaults = std::make_shared<Settings>();
+  const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "render",
       .summary = "Render a scene to a picture, or an animation to pictures.",

@@ -88,7 +88,7 @@ class RenderJob {
   size_t picture_of_checkpoint() const;
   void check_earlier_pictures() const;
   StopReason render_picture(size_t index, std::stop_token stop);
-  void frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria, ProgressPrinter& printer);
+  void frame_done(size_t index, const RenderProgress& state, const RenderLimits& criteria, ProgressPrinter& printer);
   void keep(size_t index, StopReason reason);
   void save_checkpoint();
   void try_checkpoint();
@@ -104,7 +104,7 @@ class RenderJob {
   const Verbosity& verbosity_;
   RenderPlan plan_;
   Display display_;
-  Settings settings_;
+  AllSettings settings_;
   float scene_time_s_ = 0;  ///< of frame 0
   std::optional<Session> session_;
   size_t first_picture_ = 0;  ///< later than 0 if a sequence is resumed
@@ -162,12 +162,12 @@ void RenderJob::resume() {
 
 size_t RenderJob::picture_of_checkpoint() const {
   for (size_t i = 0; i < plan_.files.size(); ++i) {
-    if (time_of(i) == session_->settings().time_s) return i;
+    if (time_of(i) == render_settings(*session_).time_s) return i;
   }
   throw Error(
       fmt::format("{}: the checkpoint was made at time {} s, which is not asked for; use the same frames or "
                   "time, or delete it",
-                  options_.checkpoint, session_->settings().time_s));
+                  options_.checkpoint, render_settings(*session_).time_s));
 }
 
 /// A checkpoint of another range would leave out what comes before it.
@@ -184,11 +184,11 @@ void RenderJob::check_earlier_pictures() const {
 }
 
 StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
-  const StopCriteria criteria = stop_criteria(settings_.stop);
+  const RenderLimits criteria = stop_criteria(settings_.stop);
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
   printer.show_stage("first sample", 0);
-  const auto done = [&](const Accumulation& state) { frame_done(index, state, criteria, printer); };
+  const auto done = [&](const RenderProgress& state) { frame_done(index, state, criteria, printer); };
   const StopReason reason = render_until(*session_, criteria, stop, done);
   printer.clear();
   display_.show(*session_);
@@ -196,7 +196,7 @@ StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
   return reason;
 }
 
-void RenderJob::frame_done(size_t index, const Accumulation& state, const StopCriteria& criteria,
+void RenderJob::frame_done(size_t index, const RenderProgress& state, const RenderLimits& criteria,
                            ProgressPrinter& printer) {
   printer.show(
       {
@@ -310,7 +310,7 @@ void RenderJob::report(StopReason reason) const {
       .figures = {},
   };
   for (const PassTime& pass : statistics.passes) run.passes.emplace_back(pass.name, pass.seconds);
-  for (const PassFigure& figure : statistics.figures) run.figures.emplace_back(figure.name, figure.value);
+  for (const PassStatistic& figure : statistics.pass_statistics) run.figures.emplace_back(figure.name, figure.value);
   write_file(options_.stats, to_json(run));
 }
 

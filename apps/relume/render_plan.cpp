@@ -71,8 +71,8 @@ RenderPlan make_plan(const RenderOptions& options) {
   return plan;
 }
 
-void check_stop_settings(const Settings& settings) {
-  const StopCriteria criteria = stop_criteria(settings.stop);
+void check_stop_settings(const AllSettings& settings) {
+  const RenderLimits criteria = stop_criteria(settings.stop);
   const uint32_t pilot = pilot_samples(settings.render);
   if (criteria.samples > 0 && criteria.samples <= pilot) {
     throw UsageError(fmt::format(

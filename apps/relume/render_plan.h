@@ -30,6 +30,6 @@ RenderPlan make_plan(const RenderOptions& options);
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
 
 /// Waiting for an error that never becomes known would not end, and a pilot alone is no picture: throws UsageError.
-void check_stop_settings(const Settings& settings);
+void check_stop_settings(const AllSettings& settings);
 
 }  // namespace relume::cli

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 struct Metrics;

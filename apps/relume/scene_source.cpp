@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene_io/scene_io.h"
 #include "settings/nearest_name.h"
 

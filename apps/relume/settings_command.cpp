@@ -25,7 +25,7 @@ std::string to_text(const SettingList& list) {
 }
 
 int run_settings(const SettingsOptions& options) {
-  Settings settings = resolve({.preset = options.preset});
+  AllSettings settings = resolve({.preset = options.preset});
   const SettingList list = describe(settings);
   const std::string text = options.markdown ? settings_reference()
                            : options.json   ? settings_to_json(list) + "\n"

@@ -8,7 +8,7 @@
 
 #include "child_pipe.h"
 #include "files/atomic_file.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume::cli {
 

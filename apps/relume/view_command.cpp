@@ -42,7 +42,7 @@ int run([[maybe_unused]] const ViewOptions& options, [[maybe_unused]] const Verb
 Command view_command(Verbosity& verbosity) {
   // Both live as long as the command that refers to them.
   const auto options = std::make_shared<ViewOptions>();
-  const auto defaults = std::make_shared<Settings>();
+  const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "view",
       .summary = "Walk through a scene in a window; change everything while it renders.",

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/rounds.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
@@ -15,7 +15,7 @@
 namespace relume {
 namespace {
 
-std::vector<std::pair<std::string, std::string>> differences_from_defaults(Settings settings, Settings defaults) {
+std::vector<std::pair<std::string, std::string>> differences_from_defaults(AllSettings settings, AllSettings defaults) {
   std::vector<std::pair<std::string, std::string>> result;
   const SettingList list = describe(settings);
   for (const Setting* setting : differing_settings(list, describe(defaults)))
@@ -77,7 +77,7 @@ class Comparing {
   const Scene& scene_;
   const std::stop_token& stop_;
   const ComparisonProgress& progress_;
-  std::vector<Settings> settings_;  ///< of the contenders
+  std::vector<AllSettings> settings_;  ///< of the contenders
   std::vector<Image> pictures_;     ///< made elsewhere
   std::vector<Reference> references_;
   Comparison result_;
@@ -85,9 +85,9 @@ class Comparing {
 
 void Comparing::prepare() {
   const ComparisonOptions& o = options();
-  Settings common = resolve(o.common);
+  AllSettings common = resolve(o.common);
   for (const Contender& contender : o.contenders) {
-    Settings settings = resolve_contender(contender, o.common);
+    AllSettings settings = resolve_contender(contender, o.common);
     if (!o.times_s.empty()) settings.render.time_s = o.times_s.front();
     result_.contenders.push_back({.name = contender.name,
                                   .settings = settings_to_json(describe(settings)),
@@ -137,7 +137,7 @@ bool Comparing::make_references() {
 bool Comparing::measure_contenders() {
   const ComparisonOptions& o = options();
   Sessions sessions;
-  for (const Settings& settings : settings_) {
+  for (const AllSettings& settings : settings_) {
     if (stop_.stop_requested()) return false;
     sessions.push_back(std::make_unique<TimedSession>(scene_, settings.render, o.clock));
     sessions.back()->session().shorten_preparation_on(stop_);

@@ -90,7 +90,7 @@ struct ReferenceNoise {
 
 struct Comparison {
   ComparisonOptions options;
-  Settings reference_settings;
+  AllSettings reference_settings;
   SettingTexts reference_left_out = {};  ///< common flags that the reference did not take
   Reference reference;                   ///< of the last frame
   ReferenceNoise reference_noise = {};

@@ -100,7 +100,7 @@ std::string csv_number(double x) { return std::isfinite(x) ? fmt::format(",{:.9g
 
 std::string to_json(const Comparison& c, const std::vector<std::pair<std::string, std::string>>& machine) {
   const bool rendered = c.threads > 0;
-  Settings reference_settings = c.reference_settings;
+  AllSettings reference_settings = c.reference_settings;
   Json json = {{"scene", c.options.scene_name},
                {"scene_hash", fmt::format("{:016x}", c.scene_hash)},
                {"triangles", c.triangles},

@@ -155,7 +155,7 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
     block.pairs.emplace_back(contender.name, what.empty() ? "nothing but the common settings" : what);
     if (!contender.is_picture) block.parts.emplace_back("All settings of " + contender.name, contender.settings);
   }
-  Settings reference_settings = c.reference_settings;
+  AllSettings reference_settings = c.reference_settings;
   if (r.spp > 0)
     block.parts.emplace_back("All settings of the reference", settings_to_json(describe(reference_settings)));
   return block;

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/comparison_page.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "builtin_scenes/builtin.h"
 
 namespace relume {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "files/extension.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
@@ -153,13 +153,13 @@ std::vector<PictureContender> parse_picture_contenders(std::string_view text, st
   return pictures;
 }
 
-Settings resolve_contender(const Contender& contender, const SettingSources& common) {
+AllSettings resolve_contender(const Contender& contender, const SettingSources& common) {
   SettingSources sources = common;
   sources.preset = contender.preset;
   sources.file = contender.file;
-  Settings settings = resolve(sources);
+  AllSettings settings = resolve(sources);
   const SettingList list = describe(settings);
-  Settings shared = resolve(common);
+  AllSettings shared = resolve(common);
   for (const Setting& setting : describe(shared)) {
     if (is_shared(setting.name)) store(*find_setting(list, setting.name), load(setting));
   }
@@ -167,12 +167,12 @@ Settings resolve_contender(const Contender& contender, const SettingSources& com
   return settings;
 }
 
-ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<Settings>& contenders,
+ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<AllSettings>& contenders,
                                     const SettingTexts& own) {
   SettingSources sources = common;
   sources.preset = "reference";
-  Settings asked = resolve(sources);
-  Settings unbiased = resolve({.preset = sources.preset});
+  AllSettings asked = resolve(sources);
+  AllSettings unbiased = resolve({.preset = sources.preset});
   ReferenceSettings result{.settings = asked};
   const SettingList list = describe(result.settings);
   for (const Setting& setting : describe(unbiased)) {
@@ -181,7 +181,7 @@ ReferenceSettings resolve_reference(const SettingSources& common, const std::vec
   if (!contenders.empty()) {
     int& bounces = result.settings.render.path.max_bounces;
     bounces = 0;
-    for (const Settings& contender : contenders) bounces = std::max(bounces, contender.render.path.max_bounces);
+    for (const AllSettings& contender : contenders) bounces = std::max(bounces, contender.render.path.max_bounces);
   }
   assign_all(list, own, "--reference-settings");
   const SettingList with_flags = describe(asked);

@@ -48,17 +48,17 @@ SettingTexts parse_settings(std::string_view text, std::string_view place);
 /// The contender's settings. `common` holds what the scene and the command line say; what belongs to the comparison
 /// rather than to a technique (size, camera, time, environment, number of samples, threads) is as `common` has it. The
 /// order is defaults, scene, preset, file, `common.flags`, inline. Throws Error for what does not fit.
-Settings resolve_contender(const Contender& contender, const SettingSources& common);
+AllSettings resolve_contender(const Contender& contender, const SettingSources& common);
 
 struct ReferenceSettings {
-  Settings settings;
+  AllSettings settings;
   SettingTexts left_out = {};  ///< of `common.flags`, what the reference does otherwise
 };
 
 /// What the contenders are measured against: as `common` has it, but with the techniques of preset "reference" in every
 /// slot and its values wherever some bias; with as many bounces as the contender that has the most, for light from
 /// longer paths is nobody's error; and with `own` on top. Throws Error for what does not fit.
-ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<Settings>& contenders,
+ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<AllSettings>& contenders,
                                     const SettingTexts& own);
 
 }  // namespace relume

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {
@@ -79,7 +79,7 @@ TEST(Contender, WhatTheComparisonDecidesIsNotTakenFromFiles) {
   std::ofstream(file) << R"({"width": 17, "spp": 3, "lights": "uniform"})";
   SettingSources common;
   common.flags = {{"width", "64"}};
-  const Settings settings = resolve_contender(parse_contenders(file.string(), "-t")[0], common);
+  const AllSettings settings = resolve_contender(parse_contenders(file.string(), "-t")[0], common);
   EXPECT_EQ(settings.render.width, 64);
   EXPECT_EQ(settings.stop.spp, 0);
   EXPECT_EQ(settings.render.lights, LightSelectionChoice::uniform);
@@ -137,12 +137,12 @@ TEST(ReferenceSettings, NoFlagForAllBiasesThem) {
 }
 
 TEST(ReferenceSettings, EverySlotIsThePresets) {
-  Settings preset = resolve({.preset = "reference"});
+  AllSettings preset = resolve({.preset = "reference"});
   for (const Setting& slot : describe_slots(preset.render)) {
     for (const std::string_view name : std::get<ChoiceRef>(slot.value).names) {
       SettingSources common;
       common.flags = {{slot.name, std::string(name)}};
-      Settings settings = resolve_reference(common, {}, {}).settings;
+      AllSettings settings = resolve_reference(common, {}, {}).settings;
       EXPECT_EQ(to_string(require_setting(describe(settings), slot.name, "")), to_string(slot)) << name;
     }
   }
@@ -169,8 +169,8 @@ TEST(ReferenceSettings, WhatIsNamedForThemAloneWins) {
 TEST(ReferenceSettings, HaveAsManyBouncesAsTheContenderThatHasMost) {
   SettingSources common;
   common.flags = {{"max-bounces", "7"}};
-  Settings few;
-  Settings more;
+  AllSettings few;
+  AllSettings more;
   few.render.path.max_bounces = 2;
   more.render.path.max_bounces = 4;
   EXPECT_EQ(resolve_reference(common, {few, more, few}, {}).settings.render.path.max_bounces, 4);

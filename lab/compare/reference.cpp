@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "core/fnv1a.h"
 #include "files/atomic_file.h"
 #include "metrics/metrics.h"
@@ -110,7 +110,7 @@ ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& s
 }
 
 std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_s,
-                                              const std::optional<PlacedCamera>& camera) const {
+                                              const std::optional<CameraPose>& camera) const {
   RenderSettings copy = settings_;
   copy.threads = 0;
   copy.time_s = time_s;
@@ -160,7 +160,7 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
 }
 
 std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,
-                                                   const std::optional<PlacedCamera>& camera,
+                                                   const std::optional<CameraPose>& camera,
                                                    const std::stop_token& stop, const ReferenceProgress& progress) {
   const std::filesystem::path target = file(time_s, previous_time_s, camera);
   Reference reference;

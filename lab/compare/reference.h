@@ -9,7 +9,7 @@
 #include <stop_token>
 #include <string>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "metrics/temporal.h"
 #include "render/session.h"
 
@@ -42,7 +42,7 @@ class ReferenceRenderer {
 
   /// The reference at a time of the animation, seen by `camera` if there is one. std::nullopt if `stop` was requested
   /// first.
-  std::optional<Reference> render(float time_s, float previous_time_s, const std::optional<PlacedCamera>& camera,
+  std::optional<Reference> render(float time_s, float previous_time_s, const std::optional<CameraPose>& camera,
                                   const std::stop_token& stop, const ReferenceProgress& progress);
   /// Without motion.
   std::optional<Reference> render(float time_s, const std::stop_token& stop, const ReferenceProgress& progress) {
@@ -51,7 +51,7 @@ class ReferenceRenderer {
 
   const RenderSettings& settings() const { return settings_; }
   /// The file in which such a reference is, or will be, kept.
-  std::filesystem::path file(float time_s, float previous_time_s, const std::optional<PlacedCamera>& camera) const;
+  std::filesystem::path file(float time_s, float previous_time_s, const std::optional<CameraPose>& camera) const;
 
  private:
   bool render_half(int half, const std::filesystem::path& checkpoint, const std::stop_token& stop,

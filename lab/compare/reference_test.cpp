@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "metrics/metrics.h"
 #include "builtin_scenes/builtin.h"
 
@@ -73,7 +73,7 @@ TEST_F(ReferenceTest, WhatIsDifferentHasAFileOfItsOwn) {
   EXPECT_NE(first, file(spheres, settings, 16));
   EXPECT_NE(first, file(cornell, settings, 32));
   EXPECT_NE(first, file(cornell, settings, 16, 0.5f));
-  PlacedCamera camera;
+  CameraPose camera;
   EXPECT_NE(first, ReferenceRenderer(cornell, settings, 16, folder_).file(0, 0, camera));
   settings.threads = 3;
   settings.seed = 5;

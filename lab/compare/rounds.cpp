@@ -97,7 +97,7 @@ class Recorder {
     for (size_t i = 0; i < sessions_.size(); ++i) {
       const TimedSession& session = *sessions_[i];
       Repetition& result = results_[i];
-      result.seed = session.session().settings().seed;
+      result.seed = render_settings(session.session()).seed;
       result.frames = session.frames();
       result.samples = session.samples_per_pixel();
       result.time_s = session.time_s();
@@ -191,7 +191,7 @@ std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::ve
   }
   for (const auto& session : sessions) {
     if (!times_s.empty()) session->session().set_time(times_s.front());
-    session->restart(session->session().settings().seed);
+    session->restart(render_settings(session->session()).seed);
   }
   const std::optional<FrameTimes> frame_s = time_pictures(sessions, times_s, kTimedShare * budget_s, stop, progress);
   if (!frame_s) return std::nullopt;
@@ -206,7 +206,7 @@ bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, 
                     const std::function<void(double)>& progress) {
   for (const auto& session : sessions) {
     if (!options.times_s.empty()) session->session().set_time(options.times_s.front());
-    const int last_seed = session->session().settings().seed;
+    const int last_seed = render_settings(session->session()).seed;
     session->restart(repetition == 0 ? last_seed : last_seed + 1);
   }
   results.assign(sessions.size(), {});

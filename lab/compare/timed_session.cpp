@@ -46,7 +46,7 @@ void TimedSession::render_frame() {
 }
 
 double TimedSession::samples_per_pixel() const {
-  const RenderSettings& settings = session_.settings();
+  const RenderSettings& settings = render_settings(session_);
   return static_cast<double>(session_.statistics().paths) / (double(settings.width) * settings.height);
 }
 

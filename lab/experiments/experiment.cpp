@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "experiments/all.h"
 #include "settings/nearest_name.h"
 

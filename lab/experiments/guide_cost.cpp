@@ -76,7 +76,7 @@ TableBlock memory_table(const std::vector<SceneResult>& scenes) {
   TableBlock block{"Octree", "What passes reported after the last frame with `vlc` and `cdq`.", "scene", {}, {}};
   for (const SceneResult& scene : scenes) {
     TableRow row{scene.name, kNeutralColor, {}};
-    for (const PassFigure& figure : scene.errors[kGuided].figures) {
+    for (const PassStatistic& figure : scene.errors[kGuided].figures) {
       if (&scene == &scenes.front()) block.columns.push_back({figure.name});
       row.cells.push_back({fmt::format("{:.4g}", figure.value), figure.value});
     }

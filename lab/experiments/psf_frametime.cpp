@@ -54,7 +54,7 @@ int counted_frames(const ExperimentContext& context) { return context.choose(24,
 double processor_time(const Session&) { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double figure_of(const Session& session, std::string_view name) {
-  for (const PassFigure& figure : session.statistics().figures) {
+  for (const PassStatistic& figure : session.statistics().pass_statistics) {
     if (figure.name == name) return figure.value;
   }
   return 0;

@@ -137,7 +137,7 @@ Overhead measure_overhead(const ExperimentContext& context, const ExperimentScen
   const std::vector<double> four_s = usual_s(*sessions[2]);
   const auto pixel_bytes = [](const TimedSession& session) {
     const Statistics& s = session.session().statistics();
-    const RenderSettings& settings = session.session().settings();
+    const RenderSettings& settings = render_settings(session.session());
     return static_cast<double>(s.buffer_bytes + s.technique_bytes) / (double{1} * settings.width * settings.height);
   };
   const double anew_bytes = pixel_bytes(*sessions[0]);

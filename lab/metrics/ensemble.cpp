@@ -1,6 +1,6 @@
 #include "metrics/ensemble.h"
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "metrics/estimate.h"
 #include "metrics/metrics.h"
 

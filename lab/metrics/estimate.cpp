@@ -5,7 +5,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 

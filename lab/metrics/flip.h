@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "core/hash.h"
 #include "metrics/flip_filters.h"
 

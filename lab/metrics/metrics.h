@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "framebuffer/tone_map.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "metrics/flip.h"
 
 namespace relume {

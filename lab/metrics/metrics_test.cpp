@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "core/hash.h"
 #include "core/srgb.h"
 

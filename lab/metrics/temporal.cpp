@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "metrics/metrics.h"
 
 namespace relume {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "framebuffer/tone_map.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "report/page.h"
 
 namespace relume {

@@ -10,8 +10,8 @@
 
 #include "accel/embree/embree.h"
 #include "accel/triangle.h"
-#include "core/error.h"
 #include "core/hash.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

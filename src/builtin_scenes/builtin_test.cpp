@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -1,40 +1,15 @@
-// Vectors and matrices (glm), and the few scalar helpers that every kernel uses.
+// Vectors and matrices for kernels, and the few scalar helpers that all of them use.
 #pragma once
-
-#if defined(__CUDACC__)
-#include <cuda.h>  // glm 0.9.9 finds the CUDA version only through this header
-#endif
 
 #include <cmath>
 #include <cstdint>
 
-#include <glm/geometric.hpp>
-#include <glm/mat2x2.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/mat4x4.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
-
 #include "core/hd.h"
+#include "relume/math.h"
 
 namespace relume {
 
-using Vec2 = glm::vec2;
-using Vec3 = glm::vec3;
-using Vec4 = glm::vec4;
-using IVec2 = glm::ivec2;
-using UVec2 = glm::uvec2;
-using UVec3 = glm::uvec3;
-using Mat3 = glm::mat3;
-using Mat4 = glm::mat4;
-
-/// Linear Rec. 709 colour: radiance, reflectance or throughput.
-using Rgb = glm::vec3;
-
-inline constexpr float kPi = 3.14159265358979324f;
 inline constexpr float kInvPi = 0.318309886183790672f;
-inline constexpr float kInfinity = __builtin_huge_valf();
 /// Largest float below one: keeps uniform numbers in [0, 1).
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/read_record.h"
 #include "files/temporary_file.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {
@@ -54,7 +54,8 @@ PendingFile::PendingFile(const fs::path& target) : target_(link_target(target)) 
     throw Error(fmt::format("{}: this is a folder; give the name of a file in it", target.string()));
   const fs::path folder = folder_of(target_);
   if (!fs::is_directory(folder, ignored))
-    throw Error(fmt::format("{}: the folder {} does not exist; create it first", target.string(), folder.string()));
+    throw Error(ErrorCode::io,
+                fmt::format("{}: the folder {} does not exist; create it first", target.string(), folder.string()));
   const bool special = fs::exists(target_, ignored) && !fs::is_regular_file(target_, ignored);
   if (!special && !is_temporary_file(target_)) temporary_ = std::make_unique<TemporaryFile>(target_);
 }
@@ -70,8 +71,8 @@ AtomicFile::AtomicFile(const fs::path& target) : target_(target), pending_(targe
   errno = 0;
   stream_.open(pending_.path(), std::ios::binary | std::ios::trunc);
   if (!stream_)
-    throw Error(fmt::format("{}: cannot be written ({}); check the permissions of {}", target_.string(), reason(),
-                            folder_of(pending_.path()).string()));
+    throw Error(ErrorCode::io, fmt::format("{}: cannot be written ({}); check the permissions of {}", target_.string(),
+                                           reason(), folder_of(pending_.path()).string()));
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -84,7 +85,8 @@ void AtomicFile::close() {
   errno = 0;
   stream_.close();
   if (!stream_) {
-    throw Error(fmt::format("{}: writing failed ({}); check the free space{}", target_.string(),
+    throw Error(ErrorCode::io,
+                fmt::format("{}: writing failed ({}); check the free space{}", target_.string(),
                             failed_before ? "the disk is full, or the file too large" : reason(), size_limit()));
   }
 }
@@ -114,11 +116,14 @@ std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
   record_read(file);
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) throw Error(fmt::format("{}: there is no such file; check its name", file.string()));
+  if (!fs::exists(status))
+    throw Error(ErrorCode::not_found, fmt::format("{}: there is no such file; check its name", file.string()));
   if (fs::is_directory(status)) throw Error(fmt::format("{}: this is a folder; name a file", file.string()));
   errno = 0;
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(fmt::format("{}: cannot be opened ({}); check its permissions", file.string(), reason()));
+  if (!in)
+    throw Error(ErrorCode::io,
+                fmt::format("{}: cannot be opened ({}); check its permissions", file.string(), reason()));
   std::vector<std::byte> bytes;
   if (fs::is_regular_file(status)) {
     const uint64_t size = fs::file_size(file, error);
@@ -137,7 +142,8 @@ std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
     const auto* begin = reinterpret_cast<const std::byte*>(block.data());
     bytes.insert(bytes.end(), begin, begin + count);
   }
-  if (in.bad()) throw Error(fmt::format("{}: reading failed ({}); check the device", file.string(), reason()));
+  if (in.bad())
+    throw Error(ErrorCode::io, fmt::format("{}: reading failed ({}); check the device", file.string(), reason()));
   return bytes;
 }
 

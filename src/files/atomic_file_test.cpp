@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

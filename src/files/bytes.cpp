@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {
@@ -34,7 +34,7 @@ Bytes read_file_bytes(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (error || !std::filesystem::exists(status))
-    throw Error(fmt::format("{}: the file does not exist; check its path", file.string()));
+    throw Error(ErrorCode::not_found, fmt::format("{}: the file does not exist; check its path", file.string()));
   if (!std::filesystem::is_regular_file(status))
     throw Error(fmt::format("{}: this is not a regular file; give the path of a file", file.string()));
   return read_file(file);

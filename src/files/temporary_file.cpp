@@ -24,7 +24,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {
@@ -131,8 +131,8 @@ TemporaryFile::TemporaryFile(const fs::path& target) {
   for (uint64_t tag = 0; lock && tag < kTags; ++tag) remove_if_stale(name_for(target, tag));
   for (uint64_t tag = 0; lock && !made && tag < kTags; ++tag) made = create(name_for(target, tag), true);
   if (!made && !create(name_for(target, random_tag()), false)) {
-    throw Error(fmt::format("{}: cannot be written ({}); check the permissions of {}", target.string(),
-                            std::strerror(errno), folder.string()));
+    throw Error(ErrorCode::io, fmt::format("{}: cannot be written ({}); check the permissions of {}", target.string(),
+                                           std::strerror(errno), folder.string()));
   }
   remember(path_);
 }
@@ -168,7 +168,8 @@ void TemporaryFile::commit(const fs::path& target) {
   std::error_code error;
   fs::rename(path_, target, error);
   if (error)
-    throw Error(fmt::format("{}: cannot be replaced ({}); choose another name", target.string(), error.message()));
+    throw Error(ErrorCode::io,
+                fmt::format("{}: cannot be replaced ({}); choose another name", target.string(), error.message()));
   path_.clear();
 }
 

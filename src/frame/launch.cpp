@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -61,15 +62,23 @@ ThreadLimit::~ThreadLimit() = default;
 int ThreadLimit::threads() const { return state_->count; }
 
 struct Backend::State {
-  explicit State(int threads) : limit(threads), arena(limit.threads()) {}
-  ThreadLimit limit;  // before the arena, or TBB complains about more threads than cores
+  explicit State(int threads) : count(threads > 0 ? threads : tbb::info::default_concurrency()) {
+    // TBB has as many threads as cores unless it is told otherwise. The arena bounds those of this backend alone:
+    // another in the same process may have more or fewer.
+    if (count > tbb::info::default_concurrency()) more_threads.emplace(count);
+    arena.initialize(count);
+  }
+  int count;
+  std::optional<ThreadLimit> more_threads;
   tbb::task_arena arena;
 };
 
 Backend::Backend(int threads) : state_(std::make_unique<State>(threads)) {}
 Backend::~Backend() = default;
 
-int Backend::threads() const { return state_->limit.threads(); }
+int Backend::threads() const { return state_->count; }
+
+void Backend::execute(const std::function<void()>& function) { state_->arena.execute(function); }
 
 void Backend::add_time(std::string_view name, double seconds) {
   const auto found = std::find_if(times_.begin(), times_.end(), [&](const LaunchTime& t) { return t.name == name; });

@@ -86,7 +86,10 @@ class Backend {
                      void (*run_tile)(const void* context, const Tile& tile), const void* context,
                      const std::stop_token& stop, uint32_t tile_size = kTileSize);
 
-  /// Runs host code on the backend's threads, timed like a launch: for preparing passes that are not grids.
+  /// Runs host code whose parallel loops use the backend's threads.
+  void execute(const std::function<void()>& function);
+
+  /// The same, timed like a launch: for preparing passes that are not grids.
   void run(std::string_view name, const std::function<void()>& function);
 
  private:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frame/frame_context.h"
+#include "relume/statistics.h"
 
 namespace relume {
 
@@ -37,12 +38,6 @@ struct PassDeclaration {
   bool only_sampled_pixels = false;          ///< reads no pixel without a sample in this frame
 };
 
-/// A number that a pass reports: how full its structures are, what it had to leave out.
-struct PassFigure {
-  std::string name;
-  double value = 0;
-};
-
 class Pass {
  public:
   virtual ~Pass() = default;
@@ -70,7 +65,7 @@ class Pass {
   virtual size_t memory_bytes() const { return 0; }
 
   /// Numbers for reports, as of the last frame.
-  virtual std::vector<PassFigure> figures() const { return {}; }
+  virtual std::vector<PassStatistic> statistics() const { return {}; }
 
   /// What a user should know of the frames so far, because results suffered: one sentence each.
   virtual std::vector<std::string> warnings() const { return {}; }

@@ -103,9 +103,10 @@ void Pipeline::add_buffers(BufferTable& table) const {
   }
 }
 
-bool Pipeline::run(const FrameContext& frame) {
+bool Pipeline::run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass) {
   for (size_t i = 0; i < passes_.size(); ++i) {
     if (!passes_[i]->run(frame.limited_to(*access_[i]))) return false;
+    if (after_pass) after_pass(std::string(passes_[i]->declaration().name));
   }
   return true;
 }
@@ -143,11 +144,11 @@ std::vector<PassDeclaration> Pipeline::declarations() const {
   return list;
 }
 
-std::vector<PassFigure> Pipeline::figures() const {
-  std::vector<PassFigure> all;
+std::vector<PassStatistic> Pipeline::statistics() const {
+  std::vector<PassStatistic> all;
   for (const auto& pass : passes_) {
     const std::string prefix = std::string(pass->declaration().name) + ".";
-    for (const PassFigure& figure : pass->figures()) all.push_back({prefix + figure.name, figure.value});
+    for (const PassStatistic& figure : pass->statistics()) all.push_back({prefix + figure.name, figure.value});
   }
   return all;
 }

@@ -1,7 +1,9 @@
 // The passes of a frame, in order.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "frame/pass.h"
@@ -21,9 +23,9 @@ class Pipeline {
   /// Adds the buffers that the passes own.
   void add_buffers(BufferTable& table) const;
 
-  /// Runs one frame. False if a stop was requested first. Throws std::logic_error where a pass looks at a buffer that
-  /// it does not declare.
-  bool run(const FrameContext& frame);
+  /// Runs one frame, and calls `after_pass`, unless it is empty, with the name of each pass behind it. False if a stop
+  /// was requested first. Throws std::logic_error where a pass accesses a buffer that it does not declare.
+  bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
   /// The shortest of the passes that learn; 0: none does.
   uint32_t longest_epoch() const;
@@ -33,7 +35,7 @@ class Pipeline {
   size_t memory_bytes() const;
   std::vector<PassDeclaration> declarations() const;
   /// Of all passes; names begin with the pass's: "cells.occupancy".
-  std::vector<PassFigure> figures() const;
+  std::vector<PassStatistic> statistics() const;
   std::vector<std::string> warnings() const;
 
   void save(std::ostream& out) const;

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/little_endian.h"
 #include "image/image_limits.h"
+#include "relume/error.h"
 
 namespace relume::detail {
 namespace {

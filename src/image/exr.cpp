@@ -18,10 +18,10 @@
 #include <ImfThreading.h>
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
 #include "image/exr_header.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
-#include "image/image.h"
 #include "image/image_limits.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume::detail {
 namespace {

@@ -13,10 +13,10 @@
 #include <ImfOutputFile.h>
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

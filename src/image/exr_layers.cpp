@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/error.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

@@ -11,11 +11,12 @@
 #include <gtest/gtest.h>
 #include <half.h>
 
-#include "core/error.h"
 #include "core/hash.h"
+#include "core/vec.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

@@ -1,5 +1,5 @@
 // Reading and writing by format: exr.cpp, rgbe.cpp and stb_decode.cpp do the work.
-#include "image/image.h"
+#include "relume/image_io.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
-#include "core/error.h"
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "files/extension.h"
 #include "image/image_limits.h"
 #include "image/rgbe.h"
 #include "image/stb_decode.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

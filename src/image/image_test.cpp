@@ -1,15 +1,15 @@
-#include "image/image.h"
+#include "relume/image_io.h"
 
 #include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "core/hash.h"
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "image/image_limits.h"
+#include "relume/error.h"
 
 namespace relume::detail {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume::detail {
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <stb_image.h>
 
-#include "core/error.h"
 #include "image/bmp.h"
 #include "image/image_complete.h"
 #include "image/image_limits.h"
+#include "relume/error.h"
 
 namespace relume::detail {
 namespace {

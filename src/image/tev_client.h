@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

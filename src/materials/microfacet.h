@@ -3,11 +3,10 @@
 #pragma once
 
 #include "core/vec.h"
+#include "relume/material_types.h"
 #include "sampling/warp.h"
 
 namespace relume {
-
-enum class MicrofacetModel : uint8_t { ggx, beckmann };
 
 /// Below this α a surface is treated as perfectly smooth: lobes become delta lobes.
 inline constexpr float kMinAlpha = 1e-3f;

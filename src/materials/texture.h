@@ -4,15 +4,9 @@
 #include "core/hash.h"
 #include "core/vec.h"
 #include "core/view.h"
+#include "relume/material_types.h"
 
 namespace relume {
-
-enum class PixelFormat : uint8_t {
-  rgba8_srgb,    ///< 4 bytes a texel; RGB carries the sRGB transfer function, alpha is linear
-  rgba8_linear,  ///< 4 bytes a texel, data (roughness, normals)
-  rgba32_float,  ///< 16 bytes a texel, linear
-};
-enum class WrapMode : uint8_t { repeat, clamp, mirror };
 
 /// How textures are interpolated. `linear`: after decoding, as glTF asks, with mip levels. `encoded`: as Cycles does,
 /// between the sRGB codes and always at full resolution; that darkens busy textures.

@@ -6,7 +6,7 @@
 
 #include "frame/pass.h"
 #include "framebuffer/buffer_table.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

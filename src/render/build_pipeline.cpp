@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp_pass.h"
 #include "techniques/denoise/oidn/oidn_filter.h"

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/fnv1a.h"
 #include "core/stream_io.h"
 #include "files/atomic_file.h"
+#include "relume/error.h"
 #include "settings/settings_json.h"
 
 namespace relume {

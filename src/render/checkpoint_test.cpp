@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

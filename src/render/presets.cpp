@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/nearest_name.h"
 
 namespace relume {
@@ -59,7 +59,7 @@ const Preset& require_preset(std::string_view name) {
     if (preset.name == name) return preset;
     names.emplace_back(preset.name);
   }
-  throw Error("there is no preset '" + std::string(name) + "'" + suggestion(name, names));
+  throw Error(ErrorCode::not_found, "there is no preset '" + std::string(name) + "'" + suggestion(name, names));
 }
 
 }  // namespace relume

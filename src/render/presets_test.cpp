@@ -14,12 +14,12 @@ namespace {
 class Presets : public ::testing::TestWithParam<Preset> {};
 
 TEST_P(Presets, RenderFramesWhileTheCameraMoves) {
-  Settings settings = resolve({.preset = std::string(GetParam().name)});
+  AllSettings settings = resolve({.preset = std::string(GetParam().name)});
   settings.render.width = 24;
   settings.render.height = 16;
   settings.render.threads = 1;
   Session session(find_builtin_scene("cornell")->build(), settings.render);
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   for (int frame = 0; frame < 4; ++frame) {
     camera.to_world[3].x += 0.02f;
     session.set_camera(camera);

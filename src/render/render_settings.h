@@ -4,6 +4,7 @@
 #include <string>
 
 #include "materials/texture.h"
+#include "relume/settings.h"
 #include "settings/setting.h"
 #include "techniques/denoise/bmfr/settings.h"
 #include "techniques/denoise/firefly_clamp/settings.h"
@@ -73,6 +74,9 @@ struct RenderSettings {
   FeatureSettings features;
   BmfrSettings bmfr;
   SvgfSettings svgf;
+
+  /// As the public interface takes them; whatever is not part of these has its default.
+  operator Settings() const;
 };
 
 /// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.

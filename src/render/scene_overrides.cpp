@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "render/settings.h"
 #include "scene/scene.h"
 #include "scene_io/scene_io.h"

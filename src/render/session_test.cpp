@@ -6,14 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/testing/plate.h"
 
 namespace relume {
 namespace {
 
 /// A white sphere in uniform light: every pixel is 1.
-Session furnace(const RenderSettings& settings) { return {find_builtin_scene("furnace")->build(), settings}; }
+Session furnace(const RenderSettings& settings) { return Session(find_builtin_scene("furnace")->build(), settings); }
 
 RenderSettings small_settings() {
   RenderSettings settings;
@@ -58,8 +58,8 @@ TEST(Session, IsAsItWasWhereATimeIsRefused) {
   settings.time_s = 1;
   settings.denoise = DenoiseChoice::svgf;
   EXPECT_THROW(session.set_settings(settings), Error);
-  EXPECT_EQ(session.settings().time_s, 0);
-  EXPECT_EQ(session.settings().denoise, DenoiseChoice::none);
+  EXPECT_EQ(render_settings(session).time_s, 0);
+  EXPECT_EQ(render_settings(session).denoise, DenoiseChoice::none);
   EXPECT_EQ(session.frames_since_change(), 4u);
   session.render_frame();
   EXPECT_EQ(session.kept_samples(), 5);
@@ -98,7 +98,7 @@ TEST(Session, LayersStayUntilTheNextFrame) {
   Session session = furnace(settings);
   for (int i = 0; i < 8; ++i) session.render_frame();
   const float before = session.aov("albedo").front().values[6 * 16 + 8];
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   camera.to_world[3].x += 1;
   session.set_camera(camera);
   EXPECT_EQ(session.aov("albedo").front().values[6 * 16 + 8], before);
@@ -131,18 +131,18 @@ TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
     return session.image().pixels;
   };
   const auto untouched = picture_after([](Session&) {});
-  EXPECT_EQ(picture_after([](Session& s) { s.set_camera(s.scene().camera()); }), untouched);
+  EXPECT_EQ(picture_after([](Session& s) { s.set_camera(s.camera()); }), untouched);
   const auto moved = [](Session& s) {
-    PlacedCamera camera = s.scene().camera();
+    CameraPose camera = s.camera();
     camera.to_world[3].x += 0.1f;
     s.set_camera(camera);
   };
   EXPECT_NE(picture_after(moved), untouched);
   EXPECT_EQ(picture_after([&](Session& s) {
-              const PlacedCamera camera = s.scene().camera();
+              const CameraPose camera = s.camera();
               moved(s);
               s.set_camera(camera);
-              s.restart(s.settings().seed);
+              s.restart(render_settings(s).seed);
             }),
             untouched);
 }

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/extension.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "render/aov_reference.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
@@ -71,7 +71,7 @@ SettingList describe(OutputSettings& s) {
   };
 }
 
-std::vector<SettingGroup> setting_groups(Settings& s) {
+std::vector<SettingGroup> setting_groups(AllSettings& s) {
   return {
       {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)}),
        SettingGroupRole::picture},
@@ -89,7 +89,7 @@ std::vector<SettingGroup> setting_groups(Settings& s) {
   };
 }
 
-SettingList describe(Settings& settings) { return flatten(setting_groups(settings)); }
+SettingList describe(AllSettings& settings) { return flatten(setting_groups(settings)); }
 
 namespace {
 
@@ -102,7 +102,7 @@ std::string as_flag(const Setting& setting) {
 }  // namespace
 
 std::string settings_reference() {
-  Settings defaults;
+  AllSettings defaults;
   std::string text =
       "# Settings\n\n"
       "<!-- Made by `relume settings --markdown` from the declarations in the code; a test compares. -->\n\n"
@@ -122,7 +122,7 @@ std::string settings_reference() {
       "the scene file has it. All others fill every slot, with the default where nothing is listed.\n\n"
       "| `--preset` | what for | settings |\n|---|---|---|\n";
   for (const Preset& preset : presets()) {
-    Settings changed;
+    AllSettings changed;
     settings_from_json(describe(changed), preset.json, preset.name);
     std::string values;
     const SettingList list = describe(changed);  // the result points into it
@@ -134,8 +134,8 @@ std::string settings_reference() {
   return text + aov_reference();
 }
 
-Settings resolve(const SettingSources& sources) {
-  Settings settings;
+AllSettings resolve(const SettingSources& sources) {
+  AllSettings settings;
   const SettingList list = describe(settings);
   if (!sources.scene_json.empty()) settings_from_json(list, sources.scene_json, sources.scene_place);
   if (!sources.preset.empty())

@@ -34,7 +34,7 @@ struct OutputSettings {
   ToneMap tone_map = ToneMap::agx;
 };
 
-struct Settings {
+struct AllSettings {
   RenderSettings render;
   SceneOverrides scene;
   StopSettings stop;
@@ -46,8 +46,11 @@ SettingList describe(StopSettings& settings);
 SettingList describe(OutputSettings& settings);
 
 /// In the order in which help and docs/settings.md show them.
-std::vector<SettingGroup> setting_groups(Settings& settings);
-SettingList describe(Settings& settings);
+std::vector<SettingGroup> setting_groups(AllSettings& settings);
+SettingList describe(AllSettings& settings);
+
+/// The values of the public interface's settings.
+const AllSettings& all_settings(const Settings& settings);
 
 /// Text of docs/settings.md.
 std::string settings_reference();
@@ -62,7 +65,7 @@ struct SettingSources {
 };
 
 /// Throws Error for whatever does not fit.
-Settings resolve(const SettingSources& sources);
+AllSettings resolve(const SettingSources& sources);
 
 /// Applies `overrides` to the scene. Throws Error (unreadable file, numbers that are not a radiance).
 void apply(const SceneOverrides& overrides, Scene& scene);

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <set>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "render/presets.h"
 #include "scene/scene.h"
 #include "settings/settings_json.h"
@@ -41,7 +41,7 @@ class SettingsFile {
 };
 
 TEST(Settings, NamesAreKebabCaseAndUnique) {
-  Settings settings;
+  AllSettings settings;
   std::set<std::string> names;
   for (const Setting& setting : describe(settings)) {
     EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
@@ -52,7 +52,7 @@ TEST(Settings, NamesAreKebabCaseAndUnique) {
 }
 
 TEST(Settings, HaveTheNamesThatScriptsRelyOn) {
-  Settings settings;
+  AllSettings settings;
   const SettingList list = describe(settings);
   for (const char* name :
        {"width", "height", "spp", "max-bounces", "seed", "threads", "exposure", "camera", "env", "estimator", "lights",
@@ -62,13 +62,13 @@ TEST(Settings, HaveTheNamesThatScriptsRelyOn) {
 }
 
 TEST(Settings, DefaultsFitTheirOwnRanges) {
-  Settings settings;
+  AllSettings settings;
   for (const Setting& setting : describe(settings))
     EXPECT_NO_THROW(parse_value(setting, to_string(setting), "default"));
 }
 
 TEST(Settings, SurviveJson) {
-  Settings written;
+  AllSettings written;
   for (const Setting& setting : describe(written)) {  // away from every default
     if (auto* const* flag = std::get_if<bool*>(&setting.value)) **flag = !**flag;
     if (auto* const* number = std::get_if<int*>(&setting.value)) **number += **number < setting.traits.max ? 1 : -1;
@@ -77,7 +77,7 @@ TEST(Settings, SurviveJson) {
     if (const auto* slot = std::get_if<ChoiceRef>(&setting.value))
       *slot->value = static_cast<int>(slot->names.size()) - 1;
   }
-  Settings read;
+  AllSettings read;
   settings_from_json(describe(read), settings_to_json(describe(written)), "test");
   EXPECT_TRUE(differing_settings(describe(read), describe(written)).empty());
 }
@@ -93,7 +93,7 @@ TEST(Settings, LaterSourcesWin) {
   sources.file = file.path();
   EXPECT_EQ(resolve(sources).render.path.max_bounces, 5);
   sources.flags = {{"max-bounces", "6"}, {"max-bounces", "7"}};
-  const Settings settings = resolve(sources);
+  const AllSettings settings = resolve(sources);
   EXPECT_EQ(settings.render.path.max_bounces, 7);
   EXPECT_EQ(settings.render.seed, 5);      // file
   EXPECT_EQ(settings.stop.spp, 4096);      // preset

@@ -10,8 +10,8 @@
 
 namespace relume {
 
-StopCriteria stop_criteria(const StopSettings& settings) {
-  StopCriteria criteria{static_cast<uint32_t>(settings.spp), static_cast<double>(settings.time_s),
+RenderLimits stop_criteria(const StopSettings& settings) {
+  RenderLimits criteria{static_cast<uint32_t>(settings.spp), static_cast<double>(settings.time_s),
                         static_cast<double>(settings.error)};
   const bool none = criteria.samples == 0 && criteria.time_s == 0 && criteria.error == 0;
   if (none) criteria.samples = kDefaultSpp;
@@ -28,7 +28,7 @@ const char* name_of(StopReason reason) {
   return "";
 }
 
-double fraction_done(const Accumulation& state, const StopCriteria& criteria) {
+double fraction_done(const RenderProgress& state, const RenderLimits& criteria) {
   double fraction = 0;
   if (criteria.samples > 0) fraction = state.samples / criteria.samples;
   if (criteria.time_s > 0) fraction = std::max(fraction, state.elapsed_s / criteria.time_s);
@@ -39,7 +39,7 @@ double fraction_done(const Accumulation& state, const StopCriteria& criteria) {
   return std::min(fraction, 1.0);
 }
 
-double remaining_s(const Accumulation& state, const StopCriteria& criteria) {
+double remaining_s(const RenderProgress& state, const RenderLimits& criteria) {
   double remaining = std::numeric_limits<double>::infinity();
   if (criteria.time_s > 0) remaining = criteria.time_s - state.elapsed_s;
   if (state.samples_done_here > 0) {
@@ -56,10 +56,10 @@ bool checks_error_at(uint32_t frames) {
   return frames >= kFirst && frames % (std::bit_floor(frames) / kFirst) == 0;
 }
 
-StopReason render_until(const FrameSource& source, const StopCriteria& criteria, const std::function<double()>& now_s,
-                        std::stop_token stop, const std::function<void(const Accumulation&)>& frame_done) {
+StopReason render_until(const FrameSource& source, const RenderLimits& criteria, const std::function<double()>& now_s,
+                        std::stop_token stop, const std::function<void(const RenderProgress&)>& frame_done) {
   const double start_s = now_s();
-  Accumulation state{.frames = source.picture_frames(), .samples = source.picture_samples()};
+  RenderProgress state{.frames = source.picture_frames(), .samples = source.picture_samples()};
   const double loaded = state.samples;
   const bool errors_count = criteria.error > 0;
   while (true) {
@@ -83,8 +83,8 @@ StopReason render_until(const FrameSource& source, const StopCriteria& criteria,
   }
 }
 
-StopReason render_until(Session& session, const StopCriteria& criteria, std::stop_token stop,
-                        const std::function<void(const Accumulation&)>& frame_done) {
+StopReason render_until(Session& session, const RenderLimits& criteria, std::stop_token stop,
+                        const std::function<void(const RenderProgress&)>& frame_done) {
   const FrameSource source{
       .render_frame = [&session](std::stop_token token) { return session.render_frame(std::move(token)); },
       .picture_frames = [&session] { return session.picture_frames(); },

@@ -29,7 +29,7 @@ struct FakeSession {
     return true;
   }
 
-  StopReason run(const StopCriteria& criteria) {
+  StopReason run(const RenderLimits& criteria) {
     const FrameSource source{
         .render_frame = [this](std::stop_token stop) { return render_frame(stop); },
         .picture_frames = [this] { return samples; },
@@ -38,10 +38,10 @@ struct FakeSession {
     };
     return render_until(
         source, criteria, [this] { return clock_s; }, stop_source.get_token(),
-        [this](const Accumulation& state) { seen.push_back(state); });
+        [this](const RenderProgress& state) { seen.push_back(state); });
   }
 
-  std::vector<Accumulation> seen;
+  std::vector<RenderProgress> seen;
 };
 
 TEST(RenderUntil, StopsAtTheSampleCount) {
@@ -137,21 +137,21 @@ TEST(RenderUntil, EndsASession) {
   EXPECT_EQ(render_until(session, {.error = 0.5}), StopReason::error);
   std::stop_source stop;
   int frames = 0;
-  const auto stop_at_two = [&](const Accumulation&) {
+  const auto stop_at_two = [&](const RenderProgress&) {
     if (++frames == 2) stop.request_stop();
   };
   EXPECT_EQ(render_until(session, {.samples = 1000000}, stop.get_token(), stop_at_two), StopReason::interrupted);
   EXPECT_EQ(frames, 2);
 }
 
-TEST(StopCriteria, DefaultAppliesOnlyWithoutAny) {
+TEST(RenderLimits, DefaultAppliesOnlyWithoutAny) {
   EXPECT_EQ(stop_criteria({}).samples, static_cast<uint32_t>(kDefaultSpp));
   EXPECT_EQ(stop_criteria({.time_s = 10}).samples, 0u);
   EXPECT_EQ(stop_criteria({.error = 0.1f}).samples, 0u);
   EXPECT_EQ(stop_criteria({.spp = 7, .time_s = 10}).samples, 7u);
 }
 
-TEST(StopCriteria, ErrorIsCheckedMoreRarelyAsItChangesLess) {
+TEST(RenderLimits, ErrorIsCheckedMoreRarelyAsItChangesLess) {
   EXPECT_FALSE(checks_error_at(0));
   EXPECT_FALSE(checks_error_at(15));
   EXPECT_TRUE(checks_error_at(16));
@@ -163,7 +163,7 @@ TEST(StopCriteria, ErrorIsCheckedMoreRarelyAsItChangesLess) {
 }
 
 TEST(Progress, FractionFollowsTheNearestCriterion) {
-  const Accumulation state{
+  const RenderProgress state{
       .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 25, .samples_done_here = 25, .error = 0.2};
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100}), 0.25);
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100, .time_s = 20}), 0.5);
@@ -172,7 +172,7 @@ TEST(Progress, FractionFollowsTheNearestCriterion) {
 }
 
 TEST(Progress, RemainingTimeFollowsTheNearestCriterion) {
-  const Accumulation state{
+  const RenderProgress state{
       .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 20, .samples_done_here = 20, .error = 0.2};
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100}), 0.5 * 75);
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100, .time_s = 12}), 2);

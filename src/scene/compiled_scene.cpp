@@ -7,8 +7,8 @@
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/error.h"
 #include "core/parallel.h"
+#include "relume/error.h"
 #include "scene/placement.h"
 #include "scene/surface_point.h"
 
@@ -180,7 +180,7 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
 }
 
 void CompiledScene::build_meshes() {
-  std::vector<uint32_t> shared(source_.meshes.size(), kNoHit);
+  shared_meshes_.assign(source_.meshes.size(), kNoHit);
   for (size_t i = 0; i < appearances_.size(); ++i) {
     const Appearance& a = appearances_[i];
     if (world_space_[i]) {
@@ -189,11 +189,11 @@ void CompiledScene::build_meshes() {
       append_mesh(a.mesh, &transform);
       continue;
     }
-    if (shared[a.mesh] == kNoHit) {
-      shared[a.mesh] = static_cast<uint32_t>(meshes_.size());
+    if (shared_meshes_[a.mesh] == kNoHit) {
+      shared_meshes_[a.mesh] = static_cast<uint32_t>(meshes_.size());
       append_mesh(a.mesh, nullptr);
     }
-    mesh_of_appearance_.push_back(shared[a.mesh]);
+    mesh_of_appearance_.push_back(shared_meshes_[a.mesh]);
   }
   for (Mesh& m : source_.meshes) {  // the compiled copy replaces the arrays
     m = Mesh{.name = std::move(m.name),
@@ -266,7 +266,8 @@ Index find_camera(const Scene& scene, const std::string& name) {
   });
   if (name.empty()) return nodes.empty() ? kNone : nodes.front();
   if (nodes.empty()) {
-    throw Error(fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
+    throw Error(ErrorCode::not_found,
+                fmt::format("{}: there is no camera '{}', nor any other; leave --camera out to use a default view",
                             scene.name, name));
   }
   size_t index = 0;
@@ -279,7 +280,7 @@ Index find_camera(const Scene& scene, const std::string& name) {
     if (node.name == name || camera_name == name || (is_number && i == index)) return nodes[i];
     known += (i ? ", '" : "'") + (node.name.empty() ? camera_name : node.name) + "'";
   }
-  throw Error(fmt::format("{}: there is no camera '{}'; it has {}", scene.name, name, known));
+  throw Error(ErrorCode::not_found, fmt::format("{}: there is no camera '{}'; it has {}", scene.name, name, known));
 }
 
 void CompiledScene::choose_camera(const std::string& name) {

@@ -25,12 +25,6 @@ struct CompileOptions {
   std::vector<Index> movable = {};  ///< nodes that set_transform() will move, beside those with animation
 };
 
-/// A camera that is not a node of the scene.
-struct PlacedCamera {
-  Mat4 to_world{1};
-  Camera camera;
-};
-
 /// The node of the camera of that name or number, or of the first camera; kNone if there is none and none is named.
 /// Throws Error with the names that there are.
 Index find_camera(const Scene& scene, const std::string& name);
@@ -51,7 +45,7 @@ class CompiledScene {
   /// bear (a camera that a scale of 0 collapses, a node beyond kMaxCoordinate); then everything stays as it was.
   Change set_time(float time_s);
   /// Looks through another camera; std::nullopt returns to that of the scene.
-  Change set_camera(const std::optional<PlacedCamera>& camera);
+  Change set_camera(const std::optional<CameraPose>& camera);
   /// Places a node, whose own animation ends with that. It, or a node above it, must be movable.
   Change set_transform(Index node, const Transform& transform);
   Change set_light(Index light, const PunctualLight& value);
@@ -61,8 +55,22 @@ class CompiledScene {
   /// Another size of the image.
   Change set_resolution(int width, int height);
 
+  /// Add parts, whose indices are returned. Nodes refer to meshes, lights and parents that are there already; a node
+  /// that is added may be moved. Throw Error for values and references that are not valid; then nothing is added.
+  Index add_material(const Material& material);
+  Index add_mesh(const Mesh& mesh);
+  Index add_light(const PunctualLight& light);
+  Index add_node(const Node& node);
+  /// Removes a node and the nodes below it, which are returned. Other indices stay.
+  std::vector<Index> remove_node(Index node);
+  /// Removes a mesh or a light that no node has any more. Throws Error if one has.
+  void remove_mesh(Index mesh);
+  void remove_light(Index light);
+  /// Builds what parts that were added or removed need. Before anything else is asked of the scene.
+  Change commit_edits();
+
   bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
-  PlacedCamera camera() const;
+  CameraPose camera() const;
   /// The node that an instance belongs to.
   Index node_of(uint32_t instance) const { return static_cast<Index>(appearances_[instance].node); }
 
@@ -86,6 +94,7 @@ class CompiledScene {
   void build_materials();
   void build_meshes();
   void append_mesh(uint32_t mesh, const Mat4* transform);
+  Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();
   void note_collapsed_lights();
@@ -93,8 +102,8 @@ class CompiledScene {
   bool is_lit() const;
   void add_missing_light();
   void choose_camera(const std::string& name);
-  CameraView view_through(const PlacedCamera& camera) const;
-  PlacedCamera scene_camera(const std::vector<Mat4>& world) const;
+  CameraView view_through(const CameraPose& camera) const;
+  CameraPose scene_camera(const std::vector<Mat4>& world) const;
   std::vector<Mat4> checked_world(float time_s) const;
   void check_extent(const Box& box) const;
   Box placed_box(const std::vector<Mat4>& world, bool moving_only = false) const;  ///< of what instance nodes place
@@ -113,6 +122,8 @@ class CompiledScene {
   bool was_moved_ = false;               ///< some previous position differs from the present one
   std::vector<Appearance> appearances_;  ///< one an instance
   std::vector<bool> world_space_;        ///< one an appearance
+  std::vector<uint32_t> shared_meshes_;  ///< by mesh of the source: its copy in its own space; kNoHit: none
+  bool edited_ = false;                  ///< since commit_edits()
   std::vector<Vertex> vertices_;
   std::vector<UVec3> triangles_;
   std::vector<Vec2> uv1_;
@@ -128,7 +139,7 @@ class CompiledScene {
   Index camera_node_ = kNone;
   Camera camera_;
   Mat4 default_camera_{1};
-  std::optional<PlacedCamera> placed_camera_;
+  std::optional<CameraPose> placed_camera_;
   CameraView camera_view_;
   CameraView previous_camera_view_;
   IVec2 resolution_;

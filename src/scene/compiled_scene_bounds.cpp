@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/parallel.h"
+#include "relume/error.h"
 #include "scene/compiled_scene.h"
 #include "scene/placement.h"
 
@@ -55,14 +55,18 @@ void CompiledScene::check_extent(const Box& box) const {
                             source_.name, reach, kMaxCoordinate));
 }
 
+Box CompiledScene::box_of(const MeshView& mesh) const {
+  Box box;
+  for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
+    const UVec3 index = triangles_[mesh.first_triangle + t];
+    for (int k = 0; k < 3; ++k) box.add(vertices_[index[k]].position);
+  }
+  return box;
+}
+
 void CompiledScene::compute_bounds() {
   boxes_.assign(meshes_.size(), {});
-  parallel_for(meshes_.size(), [&](size_t m) {
-    for (uint32_t t = 0; t < meshes_[m].triangle_count; ++t) {
-      const UVec3 index = triangles_[meshes_[m].first_triangle + t];
-      for (int k = 0; k < 3; ++k) boxes_[m].add(vertices_[index[k]].position);
-    }
-  });
+  parallel_for(meshes_.size(), [&](size_t m) { boxes_[m] = box_of(meshes_[m]); });
   for (size_t i = 0; i < appearances_.size(); ++i) {
     if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]]);
   }

@@ -113,7 +113,7 @@ TEST(CompiledScene, EnvironmentsAndMaterialsCanBeReplaced) {
 TEST(CompiledScene, AnotherCameraAndBack) {
   CompiledScene compiled(cornell(), {.width = kSize, .height = kSize});
   const CameraView before = compiled.view().camera;
-  PlacedCamera camera = compiled.camera();
+  CameraPose camera = compiled.camera();
   EXPECT_EQ(compiled.set_camera(camera), Change::none);
   camera.to_world[3].x += 1.0f;
   EXPECT_EQ(compiled.set_camera(camera), Change::camera);

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/compiled_scene.h"
 #include "scene/medium.h"
 #include "scene/placement.h"
@@ -43,7 +43,7 @@ Change CompiledScene::set_time(float time_s) {
   return place_everything(std::move(world));
 }
 
-Change CompiledScene::set_camera(const std::optional<PlacedCamera>& camera) {
+Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   if (camera) {
     validate(camera->camera, source_.name);
     if (!(max_component(abs(Vec3(camera->to_world[3]))) <= kMaxCoordinate))
@@ -161,11 +161,11 @@ void CompiledScene::collect_lights() {
   refresh_view();
 }
 
-PlacedCamera CompiledScene::scene_camera(const std::vector<Mat4>& world) const {
+CameraPose CompiledScene::scene_camera(const std::vector<Mat4>& world) const {
   return {camera_node_ == kNone ? default_camera_ : world[static_cast<size_t>(camera_node_)], camera_};
 }
 
-PlacedCamera CompiledScene::camera() const { return placed_camera_ ? *placed_camera_ : scene_camera(world_); }
+CameraPose CompiledScene::camera() const { return placed_camera_ ? *placed_camera_ : scene_camera(world_); }
 
 bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
@@ -187,7 +187,7 @@ bool CompiledScene::place_instances() {
   return moved;
 }
 
-CameraView CompiledScene::view_through(const PlacedCamera& placed) const {
+CameraView CompiledScene::view_through(const CameraPose& placed) const {
   const auto& [m, camera] = placed;
   const std::optional<Mat3> axes = orientation(m);
   if (!axes)

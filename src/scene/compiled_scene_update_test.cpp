@@ -30,7 +30,7 @@ TEST(CompiledScene, StaysAsItWasWhenAChangeIsRefused) {
   EXPECT_TRUE(is_unchanged());
   EXPECT_EQ(compiled.source().nodes[0].transform.translation, Vec3(0));
   EXPECT_EQ(compiled.source().animation.size(), 1u);
-  PlacedCamera camera = compiled.camera();
+  CameraPose camera = compiled.camera();
   camera.to_world[3].x = 1e20f;
   EXPECT_NE(problem_of([&] { compiled.set_camera(camera); }).find("stands beyond"), std::string::npos);
   camera.to_world = Mat4(0);

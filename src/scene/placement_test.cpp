@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

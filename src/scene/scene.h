@@ -1,101 +1,15 @@
-// The scene as its author describes it: a node hierarchy that owns meshes, materials, textures, lights,
-// cameras and animation. Loaders and built-in scenes fill it; `CompiledScene` turns it into the flat
-// arrays that kernels read. Conventions: metres, right-handed, +Y up, linear Rec. 709 radiance.
+// What the library asks of a scene beyond its public interface.
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <glm/gtc/quaternion.hpp>
-
 #include "core/box.h"
 #include "core/vec.h"
-#include "materials/microfacet.h"
-#include "materials/texture.h"
+#include "relume/scene.h"
 
 namespace relume {
-
-/// The brightest radiance, intensity or irradiance that lights may have: squares and sums of it are still finite.
-inline constexpr float kMaxRadiance = 1e15f;
-
-/// Index into one of the scene's arrays; kNone is "absent".
-using Index = int32_t;
-inline constexpr Index kNone = -1;
-
-// --- Textures -----------------------------------------------------------------------------------------
-
-enum class FilterMode : uint8_t { nearest, linear };
-
-/// An image for look-ups on surfaces. Row 0 is the top row; glTF's v runs downwards.
-struct Texture {
-  std::string name;
-  int width = 0;
-  int height = 0;
-  PixelFormat format = PixelFormat::rgba8_srgb;
-  WrapMode wrap_u = WrapMode::repeat;
-  WrapMode wrap_v = WrapMode::repeat;
-  FilterMode filter = FilterMode::linear;
-  std::vector<std::byte> texels;  ///< width · height · bytes per texel, tightly packed
-};
-
-/// Where a material takes a texture from (KHR_texture_transform): uv' = offset + R · (scale ⊙ uv), R = (cos sin; −sin
-/// cos) of the rotation, which is counter-clockwise because V points down.
-struct TextureRef {
-  Index texture = kNone;
-  int uv_set = 0;  ///< 0 or 1
-  Vec2 offset{0};
-  Vec2 scale{1};
-  float rotation_rad = 0;
-
-  bool used() const { return texture != kNone; }
-};
-
-// --- Materials ----------------------------------------------------------------------------------------
-
-enum class AlphaMode : uint8_t { opaque, mask, blend };
-
-/// glTF 2.0 metallic-roughness with the KHR extensions named beside each member. A texture multiplies its
-/// factor, in the channels that glTF says.
-struct Material {
-  std::string name;
-
-  Rgb base_color{1};
-  float alpha = 1;
-  TextureRef base_color_texture;  ///< RGB colour, A alpha
-  float metallic = 1;
-  float roughness = 1;                    ///< perceptual r in [0, 1]; microfacet α = r²
-  TextureRef metallic_roughness_texture;  ///< G roughness, B metallic
-  TextureRef normal_texture;
-  float normal_scale = 1;
-
-  Rgb emission{0};  ///< radiance: emissive factor × strength (KHR_materials_emissive_strength)
-  TextureRef emission_texture;
-
-  AlphaMode alpha_mode = AlphaMode::opaque;
-  float alpha_cutoff = 0.5f;
-  bool double_sided = false;  ///< emission leaves from the front only unless set
-  bool unlit = false;         ///< KHR_materials_unlit: base colour is emitted, nothing is reflected
-
-  float ior = 1.5f;             ///< KHR_materials_ior
-  float specular = 1;           ///< KHR_materials_specular
-  TextureRef specular_texture;  ///< A
-  Rgb specular_color{1};
-  TextureRef specular_color_texture;  ///< RGB
-  float transmission = 0;             ///< KHR_materials_transmission
-  TextureRef transmission_texture;    ///< R
-  float thickness = 0;                ///< KHR_materials_volume, metres; 0: thin-walled, no refraction
-  Rgb attenuation_color{1};
-  float attenuation_distance = kInfinity;  ///< metres
-  float clearcoat = 0;                     ///< KHR_materials_clearcoat
-  TextureRef clearcoat_texture;            ///< R
-  float clearcoat_roughness = 0;
-  TextureRef clearcoat_roughness_texture;  ///< G
-  MicrofacetModel microfacet_model = MicrofacetModel::ggx;
-};
 
 /// All uses of textures that a material makes or could make.
 inline std::array<const TextureRef*, 9> texture_refs(const Material& m) {
@@ -104,138 +18,11 @@ inline std::array<const TextureRef*, 9> texture_refs(const Material& m) {
           &m.transmission_texture, &m.clearcoat_texture,          &m.clearcoat_roughness_texture};
 }
 
-// --- Geometry -----------------------------------------------------------------------------------------
-
-/// Triangles with one material. Either every optional attribute array is empty or it has one entry a vertex.
-struct Mesh {
-  std::string name;
-  std::vector<Vec3> positions;
-  std::vector<Vec3> normals;   ///< unit; empty: flat shading
-  std::vector<Vec4> tangents;  ///< xyz unit, w = ±1 handedness; empty: derived from uv where needed
-  std::vector<Vec2> uv0;
-  std::vector<Vec2> uv1;
-  std::vector<Vec4> colors;  ///< linear RGBA, multiplies base colour and alpha
-  std::vector<UVec3> triangles;
-  Index material = kNone;  ///< kNone: glTF's default material
-};
-
-// --- Lights and environment ---------------------------------------------------------------------------
-
-enum class PunctualType : uint8_t { point, spot, directional };
-
-/// KHR_lights_punctual; shines along the node's -Z. Candela and lux map one to one to radiometric units.
-struct PunctualLight {
-  std::string name;
-  PunctualType type = PunctualType::point;
-  Rgb intensity{1};                ///< point, spot: W/sr; directional: irradiance on a facing plane, W/m²
-  float inner_cone_rad = 0;        ///< spot: full intensity inside this half-angle
-  float outer_cone_rad = kPi / 4;  ///< spot: none outside this half-angle
-  float angular_diameter_rad = 0;  ///< directional: 0 is a delta light
-};
-
-struct SunSky {
-  float sun_elevation_rad = 0.6f;
-  float sun_azimuth_rad = 0.0f;  ///< from +Z towards +X
-  float turbidity = 3.0f;        ///< 1.7 (clear) … 10 (hazy)
-  float sky_scale = 1.0f;
-  float sun_scale = 1.0f;
-  float sun_angular_diameter_rad = 0.00925f;
-  Rgb ground_albedo{0.3f};
-};
-
-enum class EnvironmentKind : uint8_t { none, constant, map, sun_sky };
-
-/// Light from infinity. Map: equirectangular, row 0 is +Y, the centre column looks along -Z for rotation 0,
-/// and +X lies to its right.
-struct Environment {
-  EnvironmentKind kind = EnvironmentKind::none;
-  Rgb color{1};            ///< constant: radiance; map, sun_sky: multiplies
-  int width = 0;           ///< map
-  int height = 0;          ///< map
-  std::vector<Rgb> map;    ///< radiance, row by row from the top
-  float rotation_rad = 0;  ///< about +Y
-  SunSky sun_sky;
-};
-
-// --- Cameras ------------------------------------------------------------------------------------------
-
-enum class Projection : uint8_t { perspective, orthographic, panoramic };
-
-/// Looks along the node's -Z with +Y up. The image's own aspect ratio decides the horizontal extent.
-struct Camera {
-  std::string name;
-  Projection projection = Projection::perspective;
-  float fov_y_rad = 0.8f;    ///< perspective, full vertical angle
-  float half_height = 1;     ///< orthographic, metres
-  float lens_radius = 0;     ///< perspective, metres; 0: pinhole
-  float focus_distance = 1;  ///< metres along -Z
-};
-
-// --- Hierarchy and animation --------------------------------------------------------------------------
-
-struct Transform {
-  Vec3 translation{0};
-  glm::quat rotation{1, 0, 0, 0};
-  Vec3 scale{1};
-};
-
-struct Node {
-  std::string name;
-  Index parent = kNone;
-  Transform transform;         ///< local; what animation changes
-  std::optional<Mat4> matrix;  ///< replaces `transform` when the file gives one (cannot be animated)
-  std::vector<Index> meshes;
-  std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: meshes appear once per matrix; empty: once
-  Index light = kNone;
-  Index camera = kNone;
-};
-
-enum class AnimatedProperty : uint8_t { translation, rotation, scale };
-enum class Interpolation : uint8_t { step, linear, cubic_spline };
-
-/// Key frames of one property of one node.
-struct AnimationChannel {
-  Index node = kNone;
-  AnimatedProperty property = AnimatedProperty::translation;
-  Interpolation interpolation = Interpolation::linear;
-  std::vector<float> times;  ///< seconds, strictly increasing
-  /// One value a key (xyz, or quaternion xyzw); cubic_spline: in-tangent, value, out-tangent a key.
-  std::vector<Vec4> values;
-};
-
-struct Scene {
-  std::string name;
-  std::vector<Texture> textures;
-  std::vector<Material> materials;
-  std::vector<Mesh> meshes;
-  std::vector<PunctualLight> lights;
-  std::vector<Camera> cameras;
-  std::vector<Node> nodes;  ///< any order; parents may follow children; no cycles
-  std::vector<AnimationChannel> animation;
-  Environment environment;
-  std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
-  std::vector<std::string> warnings;                ///< what was ignored or repaired, one sentence each
-  std::vector<std::filesystem::path> source_files;  ///< that load_scene() read, missing ones included
-
-  Index add_node(Node node) {
-    nodes.push_back(std::move(node));
-    return static_cast<Index>(nodes.size()) - 1;
-  }
-};
-
-/// Checks what kernels rely on: indices in range, no cycles, finite numbers, array sizes that agree. Throws
-/// Error with `place` (a file name) in its sentence. Loaders repair what they can before they call it.
-void validate(const Scene& scene, const std::string& place);
-
 /// The same for one part of a scene that is about to be replaced.
 void validate(const Material& material, const std::string& place);
 void validate(const PunctualLight& light, const std::string& place);
 void validate(const Camera& camera, const std::string& place);
 void validate(const Environment& environment, const std::string& place);
-
-/// World matrix of every node at `time_s`, animation applied (values are held before the first and after
-/// the last key).
-std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
 /// Calls f(mesh, to_node) for every place of a node's meshes: once for each instance, or once with the identity.
 template <typename F>
@@ -246,19 +33,10 @@ void for_each_place(const Node& node, const F& f) {
   }
 }
 
-/// As many as the nodes of a valid scene place, every instance counted.
-size_t placed_triangles(const Scene& scene);
-
 /// About each mesh, in its own space.
 std::vector<Box> mesh_boxes(const Scene& scene);
 
 /// Whether each node may move: it or an ancestor has an animation channel or is one of `movable`.
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});
-
-/// Time of the last key in seconds; 0 without animation.
-float animation_end(const Scene& scene);
-
-/// Transform of a camera node at `eye` that looks at `target` with +Y up.
-Transform look_at(const Vec3& eye, const Vec3& target);
 
 }  // namespace relume

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
 

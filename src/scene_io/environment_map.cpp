@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "scene_io/scene_io.h"
 
 namespace relume {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "core/srgb.h"
-#include "image/image.h"
 #include "image/rgbe.h"
 #include "image/stb_decode.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

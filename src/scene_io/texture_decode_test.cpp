@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
-#include "image/image.h"
 #include "image/testing/png.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 
 namespace relume {
 namespace {

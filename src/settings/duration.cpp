@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/duration.h"
 #include "settings/nearest_name.h"
 
@@ -135,7 +135,8 @@ const Setting& require_setting(const SettingList& list, std::string_view name, s
   if (const Setting* setting = find_setting(list, name)) return *setting;
   std::vector<std::string> names;
   for (const Setting& setting : list) names.push_back(setting.name);
-  throw Error(fmt::format("{}: there is no setting '{}'{}", place, name, suggestion(name, names)));
+  throw Error(ErrorCode::not_found,
+              fmt::format("{}: there is no setting '{}'{}", place, name, suggestion(name, names)));
 }
 
 SettingConstant parse_value(const Setting& setting, std::string_view text, std::string_view place) {

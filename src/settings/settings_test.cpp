@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/duration.h"
 #include "settings/nearest_name.h"
 #include "settings/setting.h"

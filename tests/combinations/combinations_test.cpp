@@ -50,7 +50,7 @@ struct Mean {
 Means means_after_a_move(const RenderSettings& settings, int frames) {
   Session session(open_box(), settings);
   for (int i = 0; i < kFramesBefore; ++i) session.render_frame();
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   camera.to_world[3] += 0.1f * camera.to_world[0];
   session.set_camera(camera);
   const int first = frames / 2;
@@ -211,7 +211,7 @@ TEST(CombinationTable, EveryCellIsComparedOnceOrRefused) {
 
 TEST(Presets, ShowTheRightMean) {
   for (const Preset& preset : presets()) {
-    Settings settings = resolve({.preset = std::string(preset.name)});
+    AllSettings settings = resolve({.preset = std::string(preset.name)});
     settings.render.width = settings.render.height = kSize;
     settings.render.threads = 1;
     EXPECT_EQ(problem_of(deviations_of(scaled(settings.render)), bias_of(settings.render)), "") << preset.name;

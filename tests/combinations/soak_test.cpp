@@ -11,9 +11,9 @@
 
 #include "builtin_scenes/builtin.h"
 #include "combinations/cells.h"
-#include "core/error.h"
 #include "core/hash.h"
 #include "metrics/statistics.h"
+#include "relume/error.h"
 #include "render/session.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
@@ -48,7 +48,7 @@ class Dice {
 struct Stage {
   Scene scene;
   Index mover = kNone;
-  PlacedCamera camera;
+  CameraPose camera;
 
   Stage() : scene(find_builtin_scene("cornell-spheres")->build()) {
     PunctualLight light;
@@ -129,7 +129,7 @@ constexpr std::array kDetails = {
 void change_settings(Session& session, Dice& dice) {
   const std::vector<Choice>& choices = all_choices();
   RenderSettings settings =
-      combine(session.settings(), choices[dice.below(choices.size())], choices[dice.below(choices.size())]);
+      combine(render_settings(session), choices[dice.below(choices.size())], choices[dice.below(choices.size())]);
   if (dice.once_in(4)) settings.width = kWidth + static_cast<int>(dice.below(9));
   if (dice.once_in(4)) settings.path.max_bounces = static_cast<int>(dice.below(9));
   const Detail& detail = kDetails[dice.below(kDetails.size())];
@@ -172,7 +172,7 @@ void change_scene(Session& session, const Stage& stage, Dice& dice) {
       break;
     }
     default: {
-      PlacedCamera camera = stage.camera;
+      CameraPose camera = stage.camera;
       camera.to_world[3] += Vec4(dice.between(-0.4f, 0.4f), dice.between(-0.4f, 0.4f), dice.between(-0.4f, 0.4f), 0);
       if (dice.once_in(4)) camera.camera.lens_radius = dice.between(0, 0.1f);
       session.set_camera(camera);
@@ -201,7 +201,7 @@ std::string described(const RenderSettings& settings, int frame) {
 /// had time to. Pixels count as L / (1 + L): a mean that single bright paths decide says nothing of drift.
 double brightness_shown(Session& session, int settling = kSettling, float step_m = 0) {
   constexpr int kFrames = 32;
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   double sum = 0;
   for (int i = 0; i < settling + kFrames; ++i) {
     if (step_m > 0) {
@@ -223,11 +223,11 @@ void expect_no_drift(Session& session, const std::string& when) {
   constexpr float kStep_m = 1e-3f;
   // What reprojection hands on is what drifts, if anything does: so the camera moves on. Of the light before a change
   // up to 16 samples stay (reproject.max-samples-changed), which so many frames outnumber.
-  const bool hands_on = session.settings().history == HistoryChoice::reproject;
+  const bool hands_on = render_settings(session).history == HistoryChoice::reproject;
   const float step_m = hands_on ? kStep_m : 0;
   brightness_shown(session, hands_on ? 256 : kSettling, step_m);  // cells take 32 frames to notice changes
   if (!hands_on) {
-    PlacedCamera camera = session.scene().camera();
+    CameraPose camera = session.camera();
     camera.to_world[3].x += kStep_m;
     session.set_camera(camera);  // ends the mean that has taken in what they showed until then
   }
@@ -275,7 +275,7 @@ void expect_nothing_stays(Session& session, const Stage& stage, const RenderSett
 void soak(int frames) {
   Stage stage;
   Session session(Scene(stage.scene), first_settings(), {stage.mover});
-  stage.camera = session.scene().camera();
+  stage.camera = session.camera();
   Dice dice;
   size_t settled_bytes = 0;
   int refused = 0;
@@ -290,16 +290,16 @@ void soak(int frames) {
     if (dice.once_in(3)) change_scene(session, stage, dice);
     if (dice.once_in(200)) session.restart(static_cast<int>(dice.below(1000)));
     session.render_frame();
-    ASSERT_NO_FATAL_FAILURE(expect_sane(session, described(session.settings(), frame)));
+    ASSERT_NO_FATAL_FAILURE(expect_sane(session, described(render_settings(session), frame)));
     if (frame % kFramesBetweenChecks == kFramesBetweenChecks - 1)
-      expect_no_drift(session, described(session.settings(), frame));
+      expect_no_drift(session, described(render_settings(session), frame));
     if (frame == frames / 2) settled_bytes = resident_bytes();
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, frames / 16);
   EXPECT_LT(resident_bytes(), settled_bytes + kMostGrowth);
 
-  ASSERT_NO_FATAL_FAILURE(expect_nothing_stays(session, stage, session.settings()));
+  ASSERT_NO_FATAL_FAILURE(expect_nothing_stays(session, stage, render_settings(session)));
   for (const char* json : kWhatRemembers) {
     RenderSettings settings = first_settings();
     settings_from_json(describe(settings), json, "soak");

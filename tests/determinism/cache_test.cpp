@@ -95,7 +95,7 @@ TEST_P(CacheSession, ReportsTheTable) {
   Session session(build("cornell"), settings_of(GetParam(), 2));
   session.render_frame();
   double cells = 0;
-  for (const PassFigure& figure : session.statistics().figures) {
+  for (const PassStatistic& figure : session.statistics().pass_statistics) {
     if (figure.name == "cells.cells") cells = figure.value;
   }
   EXPECT_GT(cells, 10.0);

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "../fuzz/checkpoint_case.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "testing/random.h"
 
 namespace relume {

@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "core/error.h"
 #include "determinism/same_bits.h"
+#include "relume/error.h"
 #include "settings/settings_json.h"
 #include "support/measure.h"
 #include "techniques/denoise/oidn/oidn_filter.h"
@@ -36,7 +36,7 @@ RenderSettings settings_of(DenoiseChoice denoise, int threads) {
 void play(Session& session, int frames) {
   for (int i = 0; i < frames; ++i) {
     if (i % 4 == 2) {
-      PlacedCamera camera = session.scene().camera();
+      CameraPose camera = session.camera();
       camera.to_world[3] += 0.05f * camera.to_world[0];
       session.set_camera(camera);
     }
@@ -101,19 +101,19 @@ const Combination kCombinations[] = {
     {"cornell", EstimatorChoice::path, R"({"allocation": "adaptive", "history": "reproject"})", 0.25, 0.2},
 };
 
-Image after_moves(const Combination& c, DenoiseChoice denoise, PlacedCamera* camera = nullptr) {
+Image after_moves(const Combination& c, DenoiseChoice denoise, CameraPose* camera = nullptr) {
   RenderSettings s = settings_of(denoise, 2);
   s.estimator = c.estimator;
   settings_from_json(describe(s), c.json, c.scene);
   Session session(build(c.scene), s);
   play(session, 6);
-  if (camera) *camera = session.scene().camera();
+  if (camera) *camera = session.camera();
   return session.image();
 }
 
 TEST(DenoisedCombination, TakesAnySamplesAndAnyHistory) {
   for (const Combination& c : kCombinations) {
-    PlacedCamera camera;
+    CameraPose camera;
     const Image plain = after_moves(c, DenoiseChoice::none, &camera);
     RenderSettings many = settings_of(DenoiseChoice::none, 2);
     many.estimator = c.estimator;

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/error.h"
 #include "determinism/same_bits.h"
+#include "relume/error.h"
 #include "support/measure.h"
 
 namespace relume::support {

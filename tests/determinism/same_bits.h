@@ -34,8 +34,8 @@ inline std::vector<uint32_t> bits_of(const Session& session) {
   };
   const Image image = session.image();
   add(image.pixels.data(), image.pixels.size() * 3);
-  for (const std::string& name : Session::aov_names(session.settings())) {
-    const Buffer* buffer = session.buffers().find(name);
+  for (const std::string& name : Session::aov_names(render_settings(session))) {
+    const Buffer* buffer = buffer_table(session).find(name);
     if (buffer && !buffer->description().persistent) continue;  // of this frame only, which may have been abandoned
     for (const ExrChannel& channel : session.aov(name)) add(channel.values.data(), channel.values.size());
   }

@@ -1,5 +1,4 @@
 // Every header that kernels include, and every pass kernel, compiled for the device.
-#include "core/error.h"
 #include "core/fixed_point.h"
 #include "core/frame.h"
 #include "core/hash.h"
@@ -10,6 +9,7 @@
 #include "core/vec.h"
 #include "core/view.h"
 #include "framebuffer/tone_map.h"
+#include "relume/error.h"
 #include "techniques/denoise/bmfr/bmfr.h"
 #include "techniques/denoise/bmfr/regression_kernel.h"
 #include "techniques/denoise/firefly_clamp/firefly_clamp.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "rendered.h"
 #include "scene_io/assimp/assimp_loader.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "checkpoint_case.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "scratch.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "compare/contender.h"
-#include "core/error.h"
 #include "frame_sequence.h"
+#include "relume/error.h"
 #include "settings/duration.h"
 
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/error.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "render/settings.h"
 #include "settings/settings_json.h"
 
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::span bytes(reinterpret_cast<const std::byte*>(data), size);
   try {
     const relume::ExrFile exr = relume::parse_exr(bytes, "fuzz.exr");
-    relume::Settings settings;
+    relume::AllSettings settings;
     for (const auto& [name, text] : exr.attributes) {
       if (name == "relume.settings") relume::settings_from_json(relume::describe(settings), text, "fuzz.exr");
     }

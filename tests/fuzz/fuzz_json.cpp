@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "rendered.h"
 #include "scene_io/relume_json/relume_json.h"
 

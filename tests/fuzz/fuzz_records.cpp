@@ -6,11 +6,11 @@
 #include <fstream>
 #include <string>
 
-#include "core/error.h"
 #include "experiments/measure/adapted_file.h"
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
 #include "record_case.h"
+#include "relume/error.h"
 #include "scratch.h"
 #include "viewer/camera_path.h"
 #include "viewer/script.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/error.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "scene_io/texture_decode.h"
 
 namespace {

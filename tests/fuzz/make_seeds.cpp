@@ -11,8 +11,8 @@
 #include "checkpoint_case.h"
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
-#include "image/image.h"
 #include "record_case.h"
+#include "relume/image_io.h"
 #include "render/settings.h"
 #include "scene_io/testing/example_files.h"
 #include "settings/settings_json.h"
@@ -55,7 +55,7 @@ void write_pictures(const fs::path& folder) {
 }
 
 void write_settings(const fs::path& folder) {
-  relume::Settings settings;
+  relume::AllSettings settings;
   const std::string text = relume::settings_to_json(relume::describe(settings));
   write(folder / "settings" / "all.json", relume::testing::to_bytes(text));
   write(folder / "settings" / "nested.json",

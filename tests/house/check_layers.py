@@ -12,6 +12,9 @@ import house
 # The roots of includes. Those of lab/ build on those of src/, never the reverse.
 ROOTS = ("src", "lab")
 
+# The public interface, include/relume, which everything may include and which includes nothing else of the project.
+INTERFACE = "relume"
+
 # Folder -> the folders it may include, besides itself. No cycles.
 MAY_INCLUDE = {
     "core": "",
@@ -26,14 +29,14 @@ MAY_INCLUDE = {
     "files": "core",
     "image": "core files",
     "scene_io": "core scene builtin_scenes files image",
-    "framebuffer": "core image",
-    "metrics": "core framebuffer image",
-    "report": "core framebuffer image metrics",
+    "framebuffer": "core",
+    "metrics": "core framebuffer",
+    "report": "core framebuffer metrics",
     "frame": "core sampling scene framebuffer",
     "techniques": "core settings sampling lights scene framebuffer frame",
-    "render": "core settings sampling materials scene files image scene_io framebuffer frame techniques",
-    "compare": "core settings scene files image metrics report render",
-    "experiments": "core settings scene builtin_scenes files image scene_io metrics report techniques render compare",
+    "render": "core settings sampling materials scene files scene_io framebuffer frame techniques",
+    "compare": "core settings scene files metrics report render",
+    "experiments": "core settings scene builtin_scenes files scene_io metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".
@@ -92,6 +95,8 @@ def check_table(table):
 def check_include(folder, technique, target):
     """What is wrong with an include of `target`, a path below src/, or None."""
     parts = target.split("/")
+    if parts[0] == INTERFACE:
+        return None
     if len(parts) < 2 or parts[0] not in MAY_INCLUDE:
         return "is not a path from src/ or lab/"
     if parts[0] != folder and parts[0] not in MAY_INCLUDE[folder].split():
@@ -115,6 +120,12 @@ def includes(path):
 
 def check_file(root, path):
     parts = path.relative_to(root).parts
+    if parts[0] == "include":
+        return [
+            f"{path}:{line}: #include of {match[2]}: the public interface includes only itself, the standard library and glm"
+            for match, line in includes(path)
+            if (match[1] == '"' and not match[2].startswith(f"{INTERFACE}/")) or (match[1] == "<" and "/" in match[2] and not match[2].startswith("glm/"))
+        ]
     in_src = parts[0] in ROOTS and len(parts) > 2
     if in_src and parts[1] not in MAY_INCLUDE:
         return [f"{path}:1: {parts[0]}/{parts[1]} is not in the table of layers"]

@@ -57,7 +57,7 @@ class Repository(unittest.TestCase):
             self.assertIn(part, problem)
 
     def test_layers(self):
-        self.write("src/core/a.h", '#include <cmath>\n#include "core/b.h"\n// #include "image/image.h"\n')
+        self.write("src/core/a.h", '#include <cmath>\n#include "core/b.h"\n// #include "relume/image_io.h"\n')
         self.write("src/core/b.h", '#include "scene/scene.h"\n#include "b.h"\n')
         self.write("src/core/b_test.cpp", '#include "scene/scene.h"\n')
         self.write("src/scene_io/a.cpp", "#include <tiny_gltf.h>\n")
@@ -66,11 +66,12 @@ class Repository(unittest.TestCase):
         self.write("src/techniques/transport/path/a.h", '#include "techniques/transport/bdpt/b.h"\n#include "techniques/light_sampling/light_selection/a.h"\n')
         self.write("src/techniques/light_sampling/light_selection/a.h", '#include "techniques/transport/bdpt/b.h"\n')
         self.write("src/other/a.h", "\n")
+        self.write("include/relume/a.h", '#include "core/a.h"\n#include "relume/b.h"\n')
         self.write("src/render/a.h", '#include "compare/a.h"\n')
         self.write("lab/compare/a.h", '#include "experiments/a.h"\n')
         self.write("apps/a.cpp", '#include "core/a.h"\n#include <embree3/rtcore.h>\n')
         self.assert_finds(
-            check_layers.check, "only accel may use", "compare may include", "core may include nothing", "not a path from src/ or lab/",
+            check_layers.check, "only accel may use", "the public interface includes only itself", "compare may include", "core may include nothing", "not a path from src/ or lab/",
             "not in the table", "render may include", "only scene_io may use", "slow to compile", "know another technique")
 
     def test_table_of_layers(self):

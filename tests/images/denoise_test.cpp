@@ -45,7 +45,7 @@ double shown_mse(const Image& a, const Image& b, const Region& r = {}) {
   return sum / ((r.x1 - r.x0) * (r.y1 - r.y0));
 }
 
-PlacedCamera moved(PlacedCamera camera, int frames) {
+CameraPose moved(CameraPose camera, int frames) {
   camera.to_world[3] += 0.04f * static_cast<float>(frames) * camera.to_world[0];
   return camera;
 }
@@ -58,7 +58,7 @@ const Image& reference_of(const char* scene, EstimatorChoice estimator, int movi
     RenderSettings settings = settings_of(DenoiseChoice::none, estimator);
     settings.seed = 77;
     Session session(build(scene), settings);
-    session.set_camera(moved(session.scene().camera(), moving));
+    session.set_camera(moved(session.camera(), moving));
     for (int i = 0; i < 256; ++i) session.render_frame();
     image = session.image();
   }
@@ -70,7 +70,7 @@ struct Shown {
   Shown(const char* scene, const RenderSettings& settings, int still, int moving)
       : reference(reference_of(scene, settings.estimator, moving)) {
     Session session(build(scene), settings);
-    const PlacedCamera start = session.scene().camera();
+    const CameraPose start = session.camera();
     for (int i = 0; i < still; ++i) session.render_frame();
     for (int i = 1; i <= moving; ++i) {
       session.set_camera(moved(start, i));
@@ -83,7 +83,7 @@ struct Shown {
 
   static Image picture(const Session& session, const BufferKey<Rgb>& buffer) {
     Image image(kWidth, kHeight);
-    const auto pixels = session.buffers().view(buffer);
+    const auto pixels = buffer_table(session).view(buffer);
     std::copy(pixels.begin(), pixels.end(), image.pixels.begin());
     return image;
   }
@@ -170,8 +170,8 @@ TEST_F(DenoisedPicture, AFurnaceStaysWhite) {
 /// What is shown in the first frame of a view, after frames of another one or (0) of none.
 Image first_of_a_view(const RenderSettings& settings, int frames_before) {
   Session session(build("cornell-closed"), settings);
-  const PlacedCamera there = session.scene().camera();
-  PlacedCamera elsewhere = there;
+  const CameraPose there = session.camera();
+  CameraPose elsewhere = there;
   elsewhere.to_world[0] = -there.to_world[0];  // turned around
   elsewhere.to_world[2] = -there.to_world[2];
   session.set_camera(elsewhere);

@@ -72,8 +72,8 @@ std::vector<Truth> truths(const Scene& scene) {
     session.set_time(static_cast<float>(frame) / kFps);
     for (int i = 0; i < kSamples; ++i) session.render_frame();
     Truth truth{session.image(), {}};
-    const View<const Vec3> position = session.buffers().view(kSurface.position);
-    const View<const Vec3> normal = session.buffers().view(kSurface.normal);
+    const View<const Vec3> position = buffer_table(session).view(kSurface.position);
+    const View<const Vec3> normal = buffer_table(session).view(kSurface.normal);
     for (uint32_t i = 0; i < position.size; ++i)
       truth.floor.push_back(normal[i].y > 0.9f && std::fabs(position[i].y) < 0.01f);
     list.push_back(std::move(truth));

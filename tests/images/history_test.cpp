@@ -24,8 +24,8 @@ RenderSettings settings_of(AllocationChoice allocation, HistoryChoice history, i
 }
 
 /// The camera of the scene, `shift` metres to its right.
-PlacedCamera moved(const Session& session, float shift) {
-  PlacedCamera camera = session.scene().camera();
+CameraPose moved(const Session& session, float shift) {
+  CameraPose camera = session.camera();
   camera.to_world[3] += shift * camera.to_world[0];
   return camera;
 }
@@ -37,7 +37,7 @@ Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames
     RenderSettings seeded = settings;
     seeded.seed = seed;
     Session session(cornell(), seeded);
-    const PlacedCamera start = session.scene().camera();
+    const CameraPose start = session.camera();
     const auto stay = [&](int count) {
       for (int i = 0; i < count; ++i) session.render_frame();
     };
@@ -145,7 +145,7 @@ TEST(History, NoneShowsTheLatestSampleOnly) {
   const Image first = session.image();
   session.render_frame();
   EXPECT_NE(session.image().pixels, first.pixels);
-  EXPECT_EQ(session.buffers().view(kSamples)[0], 1u);
+  EXPECT_EQ(buffer_table(session).view(kSamples)[0], 1u);
   EXPECT_EQ(session.frames_since_change(), 2u);
   EXPECT_EQ(session.kept_samples(), 1);
 }

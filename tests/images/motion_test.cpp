@@ -96,7 +96,7 @@ float time_of(int frame) { return static_cast<float>(frame) / kFps; }
 
 template <typename T>
 std::vector<T> copy_of(const Session& session, const BufferKey<T>& buffer) {
-  const View<const T> view = session.buffers().view(buffer);
+  const View<const T> view = buffer_table(session).view(buffer);
   return {view.begin(), view.end()};
 }
 
@@ -253,8 +253,8 @@ struct Errors {
 std::vector<bool> instances_of(const MovingScene& moving, size_t count) {
   const Session session(moving.scene, settings_of(HistoryChoice::none, 0));
   std::vector<bool> result(count, false);
-  for (uint32_t i = 0; i < count && i < session.scene().view().instances.size; ++i) {
-    const Index node = session.scene().node_of(i);
+  for (uint32_t i = 0; i < count && i < compiled_scene(session).view().instances.size; ++i) {
+    const Index node = compiled_scene(session).node_of(i);
     result[i] = moving.scene.nodes[static_cast<size_t>(node)].name == moving.object;
   }
   return result;

@@ -81,7 +81,7 @@ Flicker walk(CacheChoice cache, bool disturbed = false, int seed = 0) {
   double other_count = 0;
   Image before;
   for (int frame = 0; frame < 60; ++frame) {
-    PlacedCamera placed;
+    CameraPose placed;
     placed.to_world[3] = Vec4(0, kEye, -kStep * static_cast<float>(frame), 1);  // looks along -z
     session.set_camera(placed);
     transform.translation.x += 0.1f;

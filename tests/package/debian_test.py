@@ -71,7 +71,7 @@ class Packages(unittest.TestCase):
 
     def test_the_library_brings_headers_and_its_cmake_package(self):
         files = contents(self.library)
-        for ending in ("/librelume.a", "/relume/relumeConfig.cmake", "/relume/render/session.h", "/librelume-dev/copyright"):
+        for ending in ("/librelume.a", "/relume/relumeConfig.cmake", "/relume/session.h", "/librelume-dev/copyright"):
             self.assertTrue(any(file.endswith(ending) for file in files), ending)
         self.assertFalse([file for file in files if "/bin/" in file or "/testing/" in file])
 

@@ -1,11 +1,9 @@
-// Makes a scene, writes and reads it as a file, renders it and writes the picture: the scene, io and render parts of
-// the library, each of which brings other dependencies along.
+// Makes a scene, writes and reads it as a file, renders it and writes the image: parts of the
+// library that each bring other dependencies along.
 #include <filesystem>
 #include <iostream>
 
-#include <image/image.h>
-#include <render/session.h>
-#include <scene_io/scene_io.h>
+#include <relume/relume.h>
 
 namespace {
 
@@ -26,16 +24,15 @@ relume::Scene card() {
 int main() {
   const std::filesystem::path folder = std::filesystem::current_path();
   relume::write_gltf(folder / "card.glb", card());
-  relume::RenderSettings settings;
-  settings.width = 8;
-  settings.height = 4;
+  relume::Settings settings;
+  settings.set("width", 8).set("height", 4);
   relume::Session session(relume::load_scene(folder / "card.glb"), settings);
   session.render_frame();
   relume::write_image(folder / "card.exr", session.image());
   const relume::Image image = relume::read_image(folder / "card.exr");
   for (const relume::Rgb& pixel : image.pixels) {
     if (pixel == relume::Rgb(0.5f, 0.25f, 0.125f)) continue;
-    std::cout << "the picture shows " << pixel.r << ' ' << pixel.g << ' ' << pixel.b << '\n';
+    std::cout << "the image shows " << pixel.r << ' ' << pixel.g << ' ' << pixel.b << '\n';
     return 1;
   }
   return 0;

@@ -175,7 +175,7 @@ std::vector<std::string> other_values(const Setting& setting) {
 void move(Session& session, Motion motion, int step) {
   if (motion == Motion::lamp) session.set_time(0.2f * static_cast<float>(step));
   if (motion != Motion::camera) return;
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   camera.to_world[3] += Vec4(0.17f, 0.03f, -0.45f, 0);  // also nearer: cells of another size
   session.set_camera(camera);
 }
@@ -192,7 +192,7 @@ Bits rendered(const Context& context, const RenderSettings& settings) {
     session.render_frame();
   }
   if (!context.buffer.empty()) {
-    const Buffer* buffer = session.buffers().find(context.buffer);
+    const Buffer* buffer = buffer_table(session).find(context.buffer);
     if (!buffer) throw std::runtime_error("there is no buffer " + std::string(context.buffer));
     return {buffer->bytes().begin(), buffer->bytes().end()};
   }

@@ -1,7 +1,7 @@
 // Renders small scenes and says what was measured, for tests that know the answer.
 #pragma once
 
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "render/render_settings.h"
 #include "scene/scene.h"
 

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
 
-#include "core/error.h"
 #include "files/extension.h"
 #include "picture.h"
+#include "relume/error.h"
 #include "reports.h"
 #include "viewer/panels.h"
 #include "viewer/save_view.h"
@@ -23,7 +23,7 @@ constexpr double kRecordInterval_s = 0.1;
 constexpr const char* kNoCamera = "the camera is not known before the first picture; wait for it";
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
-float selection_depth(const State& state, const PlacedCamera& camera) {
+float selection_depth(const State& state, const CameraPose& camera) {
   const Index node = selected_node(state);
   if (node == kNone) return 0;
   const Document& document = *state.document;
@@ -34,7 +34,7 @@ float selection_depth(const State& state, const PlacedCamera& camera) {
 
 /// Brings a point into focus: by its depth, or by its distance where the camera looks all around.
 void focus_at(State& state, const Vec3& point) {
-  PlacedCamera placed = current_camera(state);
+  CameraPose placed = current_camera(state);
   const Vec3 to_point = point - Vec3(placed.to_world[3]);
   const float depth = placed.camera.projection == Projection::panoramic
                           ? glm::length(to_point)
@@ -60,7 +60,7 @@ void post_picture(State& state, std::function<std::filesystem::path()> name) {
                                 const Session& session, const LoadedScene& scene) {
     const std::filesystem::path file = name();
     std::vector<std::string> aovs;
-    if (lower_extension(file) == ".exr") aovs = Session::aov_names(session.settings());
+    if (lower_extension(file) == ".exr") aovs = Session::aov_names(render_settings(session));
     const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
     cli::write_picture(file, session, settings.output, aovs, metadata);
     const std::string samples = cli::format_samples(session.kept_samples());
@@ -225,7 +225,7 @@ Index selected_node(const State& state) {
 }
 
 void drag_selection(State& state, const Vec2& delta) {
-  const PlacedCamera camera = current_camera(state);
+  const CameraPose camera = current_camera(state);
   const float depth = selection_depth(state, camera);
   if (!(depth > 0)) return;
   const float height = camera.camera.projection == Projection::orthographic

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "viewer/actions.h"
 #include "viewer/imgui_input.h"
 #include "viewer/panels.h"
@@ -25,7 +25,7 @@ constexpr float kTiming_px = 148;
 constexpr double kPatience_s = 300;  // for a frame, also one for which a scene is compiled, before smoke tests give up
 
 /// A window in which a picture of the wanted size has room, as far as screens usually go.
-IVec2 window_size(const Settings& settings, bool fixed_size) {
+IVec2 window_size(const AllSettings& settings, bool fixed_size) {
   if (!fixed_size) return {1440, 900};
   return {std::clamp(settings.render.width + static_cast<int>(kSidebar_px), 960, 1920),
           std::clamp(settings.render.height + static_cast<int>(kTiming_px), 600, 1200)};
@@ -33,7 +33,7 @@ IVec2 window_size(const Settings& settings, bool fixed_size) {
 
 }  // namespace
 
-App::App(const cli::ViewOptions& options, const Settings& settings, bool fixed_size, ScriptPlayer script,
+App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
          std::shared_ptr<const LoadedScene> scene)
     : options_(options),
       smoke_(options.smoke > 0),

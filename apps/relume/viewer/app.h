@@ -18,7 +18,7 @@ namespace relume::viewer {
 
 class App {
  public:
-  App(const cli::ViewOptions& options, const Settings& settings, bool fixed_size, ScriptPlayer script,
+  App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
       std::shared_ptr<const LoadedScene> scene);
 
   /// Runs until the window is closed, or the script and the wanted frames are through. Throws Error if the first scene

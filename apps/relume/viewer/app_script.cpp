@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "viewer/actions.h"
 #include "viewer/app.h"
 #include "viewer/panels.h"
@@ -167,7 +167,7 @@ std::string App::report() const {
   }
   if (const auto worst = monitor_.worst_interface_hz()) result["worst_interface_hz"] = *worst;
   for (const Toast& toast : state_.toasts) result["messages"].push_back(toast.text);
-  Settings settings = state_.settings[0];
+  AllSettings settings = state_.settings[0];
   for (const Setting& slot : describe_slots(settings.render)) result["slots"][slot.name] = to_string(slot);
   result["graph_frames"] = state_.times[0].entries.size();
   if (state_.frame()) result.update(frame_report(*state_.frame()));

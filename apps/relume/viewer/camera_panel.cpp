@@ -5,7 +5,7 @@
 #include <imgui/imgui.h>
 #include <glm/trigonometric.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"
@@ -15,7 +15,7 @@ namespace relume::viewer {
 namespace {
 
 void draw_lens(State& state) {
-  PlacedCamera placed = current_camera(state);
+  CameraPose placed = current_camera(state);
   Vec3 eye(placed.to_world[3]);
   bool changed = false;
   if (ImGui::DragFloat3("eye", &eye.x, 0.01f, 0, 0, "%.3f")) {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
+#include "relume/error.h"
 
 namespace relume::viewer {
 namespace {

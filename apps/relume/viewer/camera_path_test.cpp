@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 #include "scene/scene.h"
 
 namespace relume::viewer {

@@ -38,7 +38,7 @@ Document::Document(std::shared_ptr<const LoadedScene> loaded)
       mesh_boxes_(mesh_boxes(loaded_->scene)),
       duration_s_(animation_end(loaded_->scene)) {}
 
-void Document::set_camera(const std::optional<PlacedCamera>& camera) { edits_.camera = {camera, next_version()}; }
+void Document::set_camera(const std::optional<CameraPose>& camera) { edits_.camera = {camera, next_version()}; }
 
 void Document::set_time(float time_s) {
   edits_.time_s = {time_s, next_version()};

@@ -22,7 +22,7 @@ class Document {
   /// The scene as edited, without the bulk: no vertices, texels or environment map.
   const Scene& outline() const { return outline_; }
 
-  void set_camera(const std::optional<PlacedCamera>& camera);
+  void set_camera(const std::optional<CameraPose>& camera);
   void set_time(float time_s);
   /// Places a node below its parent; its own animation ends with that.
   void set_transform(Index node, const Transform& transform);

@@ -7,7 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "scene_io/scene_io.h"
 #include "viewer/save_view.h"
 
@@ -120,7 +120,7 @@ struct Saved {
 };
 
 /// Writes the view and loads it again.
-Saved round_trip(const Document& document, const Settings& settings, const PlacedCamera& camera,
+Saved round_trip(const Document& document, const AllSettings& settings, const CameraPose& camera,
                  const CameraPath* path) {
   const TempFolder folder;
   const std::filesystem::path file = folder / "view.json";
@@ -134,8 +134,8 @@ Document cornell() {
   return Document(std::make_shared<const LoadedScene>(LoadedScene{"cornell", find_builtin_scene("cornell")->build()}));
 }
 
-PlacedCamera some_camera() {
-  PlacedCamera camera;
+CameraPose some_camera() {
+  CameraPose camera;
   const Transform t = look_at({1, 2, 5}, {0, 1, 0});
   camera.to_world = glm::mat4_cast(t.rotation);
   camera.to_world[3] = Vec4(t.translation, 1);
@@ -144,9 +144,9 @@ PlacedCamera some_camera() {
 }
 
 TEST(SaveView, CameraAndSettingsComeBack) {
-  Settings settings;
+  AllSettings settings;
   settings.render.path.max_bounces = 3;
-  const PlacedCamera camera = some_camera();
+  const CameraPose camera = some_camera();
   const Saved saved = round_trip(cornell(), settings, camera, nullptr);
   EXPECT_TRUE(saved.omissions.empty());
   const Mat4 loaded = world_matrices(saved.scene, 0).back();
@@ -172,7 +172,7 @@ TEST(SaveView, EnvironmentAndTimeComeBack) {
   for (Rgb& texel : sky_map.pixels) texel = Rgb(0.5f, 1, 2);
   write_image(folder / "sky.hdr", sky_map);
   Document document = cornell();
-  Settings settings;
+  AllSettings settings;
   settings.scene.env = (folder / "sky.hdr").string();
   Scene sky;
   apply(settings.scene, sky);

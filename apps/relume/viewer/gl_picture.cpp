@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.h"
 #include "core/srgb.h"
+#include "relume/error.h"
 
 namespace relume::viewer {
 namespace {

@@ -50,7 +50,7 @@ Vec2 value_range(const std::vector<Rgb>& values, size_t channels) {
 
 void read_buffer(const Session& session, const std::string& name, ViewerFrame& frame) {
   if (name.empty()) return;
-  const std::vector<std::string> known = names_of(aov_layers(session.passes()));
+  const std::vector<std::string> known = names_of(aov_layers(pass_declarations(session)));
   if (std::find(known.begin(), known.end(), name) == known.end()) return;
   const std::vector<ExrChannel> planes = session.aov(name);
   const size_t channels = std::min<size_t>(planes.size(), 3);

@@ -18,7 +18,7 @@ void fly(State& state, float seconds, float picture_height_px) {
   input.turn_px = state.look_px;
   state.look_px = Vec2(0);
   if (input.idle() || !state.knows_camera()) return;
-  PlacedCamera placed = current_camera(state);
+  CameraPose placed = current_camera(state);
   if (!state.flying) state.fly.place(placed.to_world);
   if (!state.fly.update(input, seconds, placed.camera.fov_y_rad, picture_height_px)) return;
   state.flying = true;
@@ -29,7 +29,8 @@ void fly(State& state, float seconds, float picture_height_px) {
 }
 
 void expose(State& state, float stops) {
-  for (Settings& settings : state.settings) settings.output.exposure = clamp(settings.output.exposure + stops, -64, 64);
+  for (AllSettings& settings : state.settings)
+    settings.output.exposure = clamp(settings.output.exposure + stops, -64, 64);
 }
 
 void handle_control_keys(State& state) {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
-#include "core/error.h"
 #include "platform.h"
+#include "relume/error.h"
 #include "render/stop_criteria.h"
 #include "render/timed_stop.h"
 #include "viewer/inspect.h"
@@ -247,10 +247,10 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->seconds = seconds;
   frame->rays_per_s = static_cast<double>(frame->statistics.rays - rays_before) / std::max(seconds, 1e-9);
   frame->passes = differences(frame->statistics.passes, passes_before, seconds);
-  frame->camera = session.scene().camera();
-  frame->time_s = session.settings().time_s;
+  frame->camera = session.camera();
+  frame->time_s = render_settings(session).time_s;
   frame->notes = session.notes();
-  frame->buffers = inspectable_buffers(session.settings());
+  frame->buffers = inspectable_buffers(render_settings(session));
   read_buffer(session, request_.buffer, *frame);
   frame->reached_goal = goal_reached(side);
   const std::lock_guard lock(mutex_);
@@ -262,7 +262,7 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
 bool RenderThread::has_final_size(const Session& session) const {
   if (!request_.pace.hold_rate || !request_.pace.full_at_rest) return true;
   const RenderSettings& wanted = request_.settings[0].render;
-  return session.settings().width == wanted.width && session.settings().height == wanted.height;
+  return render_settings(session).width == wanted.width && render_settings(session).height == wanted.height;
 }
 
 bool RenderThread::goal_reached(int side) {
@@ -282,7 +282,7 @@ bool RenderThread::error_reached(int side) {
   ErrorVerdict& verdict = verdicts_[static_cast<size_t>(side)];
   if (frames <= verdict.frames || limit != verdict.limit) verdict = {limit, 0, false};
   verdict.frames = frames;
-  if (limit > 0 && !verdict.met && cli::checks_error_at(frames))
+  if (limit > 0 && !verdict.met && checks_error_at(frames))
     verdict.met = session.estimated_error() <= static_cast<double>(limit);
   return verdict.met;
 }

@@ -8,7 +8,7 @@
 #include <future>
 #include <thread>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/scene_hash.h"
 #include "viewer/settings_panel.h"
 #include "viewer/testing/render_stage.h"
@@ -43,7 +43,7 @@ TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByPictures) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());
-  PlacedCamera camera = stage.next()->camera;
+  CameraPose camera = stage.next()->camera;
   const uint64_t enough = stage.thread.frame(0)->serial + 5;
   for (int i = 0; i < kPatience_ms && stage.thread.frame(0)->serial <= enough; ++i) {  // faster than frames
     camera.to_world[3].x += 0.001f;
@@ -121,7 +121,7 @@ TEST(RenderThread, BothSidesStopAtTheWantedErrorThoughOneIsAFrameAhead) {
   // From 64 frames on the error is looked at in every fourth, which is never the same one on both sides.
   for (int i = 0; i < kPatience_ms && stage.thread.frame(1)->samples < 70; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  for (Settings& s : stage.settings) s.stop.error = 1000;
+  for (AllSettings& s : stage.settings) s.stop.error = 1000;
   stage.post();
   const auto both_stopped = [&] { return stage.thread.frame(0)->reached_goal && stage.thread.frame(1)->reached_goal; };
   for (int i = 0; i < kPatience_ms && !both_stopped(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -141,7 +141,7 @@ TEST(RenderThread, TakesOnEverySlotAndSettingWithoutARestart) {
   for (const Setting& slot : slots) {
     for (const std::string_view name : std::get<ChoiceRef>(slot.value).names) {
       if (!refusal(stage.settings[0], slot.name, name).empty()) continue;
-      Settings wanted = stage.settings[0];
+      AllSettings wanted = stage.settings[0];
       store(require_setting(describe(wanted), slot.name, ""), std::string(name));
       std::swap(stage.settings[0], wanted);
       stage.post();
@@ -165,7 +165,7 @@ TEST(RenderThread, ShowsBothSidesAndTheSameEditsOnEach) {
   auto b = stage.next(1);
   ASSERT_TRUE(a && b);
   EXPECT_GT(mean_luminance(*a), 1.1 * mean_luminance(*b)) << "B has no indirect light, nor any but emission";
-  PlacedCamera camera = a->camera;
+  CameraPose camera = a->camera;
   camera.to_world[3].z += 0.1f;
   stage.document.set_camera(camera);
   stage.post();
@@ -301,7 +301,7 @@ TEST(RenderThread, APictureOfWhatIsNewIsMadeForWhatWasAskedForLast) {
   std::this_thread::sleep_for(std::chrono::milliseconds(3));
   stage.thread.post_task([&](const Session& session, const LoadedScene&) {
     EXPECT_GT(session.frames_since_change(), 0u);
-    width = session.settings().width;
+    width = render_settings(session).width;
   });
   stage.thread.stop();
   EXPECT_GT(width, 0);
@@ -312,7 +312,7 @@ TEST(RenderThread, TasksFindAPictureThoughTheNextIsBegun) {
   stage.post();
   ASSERT_TRUE(stage.next());
   for (int i = 0; i < 20; ++i) {
-    PlacedCamera camera = stage.thread.frame(0)->camera;
+    CameraPose camera = stage.thread.frame(0)->camera;
     camera.to_world[3].x += 0.01f;
     stage.document.set_camera(camera);
     stage.post();

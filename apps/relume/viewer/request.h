@@ -33,7 +33,7 @@ struct Edit {
 /// Everything that differs from the scene as it was loaded. A session takes on what is newer than what it has seen, and
 /// a new session all of it.
 struct SceneEdits {
-  Edit<std::optional<PlacedCamera>> camera;  ///< std::nullopt: that of the scene
+  Edit<std::optional<CameraPose>> camera;  ///< std::nullopt: that of the scene
   Edit<float> time_s;
   Edit<std::shared_ptr<const Environment>> environment;
   std::map<Index, Edit<Transform>> nodes;
@@ -60,7 +60,7 @@ struct RenderRequest {
   uint64_t picture_version = 0;  ///< changes only where the picture does; what else changes disturbs no rest
   std::shared_ptr<const LoadedScene> scene;
   SceneEdits edits;
-  std::array<Settings, kSides> settings;
+  std::array<AllSettings, kSides> settings;
   bool split = false;  ///< render B too
   bool paused = false;
   Pace pace;
@@ -85,7 +85,7 @@ struct ViewerFrame {
   double rays_per_s = 0;      ///< of this frame
   bool reached_goal = false;  ///< --spp, --time or --error asks for no more
   std::vector<PassTime> passes;
-  PlacedCamera camera;
+  CameraPose camera;
   float time_s = 0;
   Statistics statistics;
   std::vector<AovLayer> buffers;  ///< that can be inspected

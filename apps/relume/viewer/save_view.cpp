@@ -88,10 +88,10 @@ void put_edits(const Document& document, json& root, std::vector<std::string>& o
 }
 
 /// `time_s`: of the animation, or 0 where the view moves by itself from the beginning on.
-void put_settings(const Settings& settings, float time_s, json& root) {
-  Settings now = settings;
+void put_settings(const AllSettings& settings, float time_s, json& root) {
+  AllSettings now = settings;
   now.render.time_s = time_s;
-  Settings defaults;
+  AllSettings defaults;
   const json all = json::parse(settings_to_json(describe(now)));
   json chosen = json::object();
   const SettingList list = describe(now);  // the result points into it

@@ -12,8 +12,8 @@ namespace relume::viewer {
 
 struct SavedView {
   const Document& document;
-  const Settings& settings;
-  PlacedCamera camera;
+  const AllSettings& settings;
+  CameraPose camera;
   const CameraPath* path = nullptr;  ///< two keys or more move the camera; nullptr: it rests
 };
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/text_list.h"
 
 namespace relume::viewer {

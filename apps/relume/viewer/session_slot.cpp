@@ -55,7 +55,7 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
 }
 
 PickResult pick(const Session& session, const Vec2& point) {
-  const CompiledScene& scene = session.scene();
+  const CompiledScene& scene = compiled_scene(session);
   const SceneView& view = scene.view();
   CameraView camera = view.camera;
   camera.lens_radius = 0;

@@ -15,13 +15,13 @@ bool names(std::string_view choice, std::string_view technique) {
 
 }  // namespace
 
-std::string refusal(const Settings& settings, const std::string& setting, std::string_view choice) {
-  Settings wanted = settings;
+std::string refusal(const AllSettings& settings, const std::string& setting, std::string_view choice) {
+  AllSettings wanted = settings;
   store(require_setting(describe(wanted), setting, setting), std::string(choice));
   return refusal(wanted.render);
 }
 
-std::string takes_effect_with(const Settings& settings, const std::string& setting) {
+std::string takes_effect_with(const AllSettings& settings, const std::string& setting) {
   const size_t dot = setting.find('.');
   if (dot == std::string::npos) return {};
   const std::string technique = setting.substr(0, dot);

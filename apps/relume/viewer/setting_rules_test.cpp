@@ -6,7 +6,7 @@ namespace relume::viewer {
 namespace {
 
 TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
-  Settings settings;
+  AllSettings settings;
   EXPECT_EQ(takes_effect_with(settings, "max-bounces"), "");
   EXPECT_EQ(takes_effect_with(settings, "path.russian-roulette"), "");
   settings.render.history = HistoryChoice::none;
@@ -32,7 +32,7 @@ TEST(SettingRules, OnlyOtherChoicesOfASlotMakeASettingIdle) {
 }
 
 TEST(SettingRules, WhatDoesNotCombineSaysWhy) {
-  Settings settings;
+  AllSettings settings;
   EXPECT_EQ(refusal(settings, "cache", "psf"), "");
   settings.render.lights = LightSelectionChoice::vlc;
   EXPECT_NE(refusal(settings, "cache", "psf").find("lights 'vlc'"), std::string::npos);

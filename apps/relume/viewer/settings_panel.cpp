@@ -7,7 +7,7 @@
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "render/presets.h"
 #include "viewer/theme.h"
 #include "viewer/widgets.h"
@@ -39,7 +39,7 @@ bool float_widget(float* value, const SettingTraits& t) {
   return ImGui::DragFloat("##v", value, speed, low, high, format.c_str(), ImGuiSliderFlags_AlwaysClamp);
 }
 
-bool choice_widget(const Settings& settings, const Setting& setting, const ChoiceRef& choice) {
+bool choice_widget(const AllSettings& settings, const Setting& setting, const ChoiceRef& choice) {
   bool changed = false;
   const std::string current(choice.names.at(static_cast<size_t>(*choice.value)));
   if (!ImGui::BeginCombo("##v", current.c_str())) return false;
@@ -79,7 +79,7 @@ bool text_widget(std::string* value) {
 }
 
 /// The widget for the setting's type. Returns whether the value changed.
-bool value_widget(const Settings& settings, const Setting& setting) {
+bool value_widget(const AllSettings& settings, const Setting& setting) {
   if (const auto* flag = std::get_if<bool*>(&setting.value)) return ImGui::Checkbox("##v", *flag);
   if (const auto* number = std::get_if<int*>(&setting.value)) return int_widget(*number, setting.traits);
   if (const auto* number = std::get_if<float*>(&setting.value)) return float_widget(*number, setting.traits);
@@ -97,7 +97,7 @@ std::string help_of(const Setting& setting, const Setting& standard, const std::
 }
 
 /// One line: name, widget, and on a right click the default.
-bool setting_row(const Settings& settings, const Setting& setting, const Setting& standard) {
+bool setting_row(const AllSettings& settings, const Setting& setting, const Setting& standard) {
   const std::string inactive = takes_effect_with(settings, setting.name);
   const bool differs = load(setting) != load(standard);
   ImGui::PushID(setting.name.c_str());
@@ -166,7 +166,8 @@ void draw_sides(State& state) {
   }
 }
 
-void draw_group(State& state, const SettingGroup& group, Settings& wanted, const SettingList& standard, bool& changed) {
+void draw_group(State& state, const SettingGroup& group, AllSettings& wanted, const SettingList& standard,
+                bool& changed) {
   const std::string title(group.title);
   const bool rarely_used = group.role == SettingGroupRole::stopping;
   if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return;
@@ -189,7 +190,7 @@ void draw_group(State& state, const SettingGroup& group, Settings& wanted, const
 void draw_settings_panel(State& state) {
   draw_sides(state);
   draw_presets(state);
-  Settings wanted = state.settings[static_cast<size_t>(state.edited_side)];
+  AllSettings wanted = state.settings[static_cast<size_t>(state.edited_side)];
   const SettingList standard = describe(state.defaults);
   bool changed = false;
   ImGui::BeginChild("settings");

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 #include "settings/settings_json.h"
@@ -25,7 +25,7 @@ bool chooses_technique(const SettingSources& sources) {
 }
 
 /// Everything of `wanted` but what is rendered, which stays.
-void keep_picture(Settings current, Settings& wanted) {
+void keep_picture(AllSettings current, AllSettings& wanted) {
   const SettingList from = describe_picture(current.render);
   const SettingList to = describe_picture(wanted.render);
   for (size_t i = 0; i < from.size(); ++i) assign(to[i], to_string(from[i]), "");
@@ -36,7 +36,7 @@ void keep_picture(Settings current, Settings& wanted) {
 
 }  // namespace
 
-Settings resolve_start(SettingSources sources) {
+AllSettings resolve_start(SettingSources sources) {
   if (!chooses_technique(sources)) sources.preset = "interactive";
   return resolve(sources);
 }
@@ -49,9 +49,9 @@ bool chooses_size(const SettingSources& sources) {
                      [](const auto& flag) { return flag.first == "width" || flag.first == "height"; });
 }
 
-Settings apply_preset(const Settings& current, const std::string& scene_json, const std::string& scene_place,
-                      const std::string& preset) {
-  Settings wanted = resolve({.scene_json = scene_json, .scene_place = scene_place});
+AllSettings apply_preset(const AllSettings& current, const std::string& scene_json, const std::string& scene_place,
+                         const std::string& preset) {
+  AllSettings wanted = resolve({.scene_json = scene_json, .scene_place = scene_place});
   keep_picture(current, wanted);
   wanted.render.path.max_bounces = current.render.path.max_bounces;
   settings_from_json(describe(wanted), require_preset(preset).json, "preset " + preset);
@@ -59,16 +59,17 @@ Settings apply_preset(const Settings& current, const std::string& scene_json, co
   return wanted;
 }
 
-Settings settings_in_scene(const Settings& current, const std::string& scene_json, const std::string& scene_place) {
-  Settings kept = current;
+AllSettings settings_in_scene(const AllSettings& current, const std::string& scene_json,
+                              const std::string& scene_place) {
+  AllSettings kept = current;
   kept.render.camera.clear();
   kept.render.time_s = 0;
   kept.scene.env.clear();
   if (scene_json.empty()) return kept;
-  Settings over = kept;
+  AllSettings over = kept;
   settings_from_json(describe(over), scene_json, scene_place);
   if (refusal(over.render).empty()) return over;
-  Settings own = resolve_start({.scene_json = scene_json, .scene_place = scene_place});
+  AllSettings own = resolve_start({.scene_json = scene_json, .scene_place = scene_place});
   if (const std::string why = refusal(own.render); !why.empty()) throw Error(scene_place + ": " + why);
   keep_picture(over, own);
   return own;

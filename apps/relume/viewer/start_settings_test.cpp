@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "files/atomic_file.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 
@@ -18,7 +18,7 @@ DenoiseChoice interactive_denoiser() { return resolve({.preset = "interactive"})
 TEST(StartSettings, AreInteractiveWhereNobodySaysOtherwise) {
   SettingSources sources;
   sources.flags = {{"width", "100"}, {"max-bounces", "3"}};
-  const Settings settings = resolve_start(sources);
+  const AllSettings settings = resolve_start(sources);
   EXPECT_EQ(settings.render.lights, interactive_lights());
   EXPECT_EQ(settings.render.denoise, interactive_denoiser());
   EXPECT_EQ(settings.render.width, 100);
@@ -55,11 +55,11 @@ TEST(StartSettings, HaveTheSizeThatIsAskedForByFlagOrFile) {
 
 TEST(Presets, MeanTheSameWhateverWasChosenBefore) {
   for (const Preset& before : presets()) {
-    const Settings first = apply_preset(resolve_start({}), "", "", std::string(before.name));
+    const AllSettings first = apply_preset(resolve_start({}), "", "", std::string(before.name));
     for (const Preset& preset : presets()) {
-      Settings applied = apply_preset(first, "", "", std::string(preset.name));
+      AllSettings applied = apply_preset(first, "", "", std::string(preset.name));
       EXPECT_NO_THROW(check_combination(applied.render)) << preset.name << " after " << before.name;
-      Settings fresh = resolve({.preset = std::string(preset.name)});
+      AllSettings fresh = resolve({.preset = std::string(preset.name)});
       fresh.render.path.max_bounces = applied.render.path.max_bounces;
       const SettingList a = describe(applied.render);
       const SettingList b = describe(fresh.render);
@@ -70,14 +70,14 @@ TEST(Presets, MeanTheSameWhateverWasChosenBefore) {
 }
 
 TEST(Presets, KeepThePictureAndWhatTheSceneAsksFor) {
-  Settings current;
+  AllSettings current;
   current.render.width = 123;
   current.render.camera = "side";
   current.render.path.max_bounces = 5;
   current.scene.env = "none";
   current.output.exposure = 2;
   current.stop.spp = 7;
-  const Settings settings = apply_preset(current, R"({"psf.cell-size": 3})", "scene", "paper-003");
+  const AllSettings settings = apply_preset(current, R"({"psf.cell-size": 3})", "scene", "paper-003");
   EXPECT_EQ(settings.render.width, 123);
   EXPECT_EQ(settings.render.camera, "side");
   EXPECT_EQ(settings.render.path.max_bounces, 5);
@@ -90,26 +90,26 @@ TEST(Presets, KeepThePictureAndWhatTheSceneAsksFor) {
 }
 
 TEST(SettingsInScene, StayButForWhatTheSceneAsksFor) {
-  Settings current = resolve_start({});
+  AllSettings current = resolve_start({});
   current.render.camera = "side";
   current.render.time_s = 2;
   current.scene.env = "none";
   current.render.width = 123;
-  const Settings kept = settings_in_scene(current, "", "scene");
+  const AllSettings kept = settings_in_scene(current, "", "scene");
   EXPECT_EQ(kept.render.camera, "");
   EXPECT_EQ(kept.render.time_s, 0);
   EXPECT_EQ(kept.scene.env, "");
   EXPECT_EQ(kept.render.lights, interactive_lights());
-  const Settings asked = settings_in_scene(current, R"({"max-bounces": 3})", "scene");
+  const AllSettings asked = settings_in_scene(current, R"({"max-bounces": 3})", "scene");
   EXPECT_EQ(asked.render.path.max_bounces, 3);
   EXPECT_EQ(asked.render.width, 123);
   EXPECT_EQ(asked.render.lights, interactive_lights());
 }
 
 TEST(SettingsInScene, AreTheScenesWhereTheyDoNotCombineWithTheUsers) {
-  Settings current = resolve_start({.preset = "paper-000"});
+  AllSettings current = resolve_start({.preset = "paper-000"});
   current.render.width = 123;
-  const Settings settings = settings_in_scene(current, R"({"guide": "cdq"})", "scene");
+  const AllSettings settings = settings_in_scene(current, R"({"guide": "cdq"})", "scene");
   EXPECT_NO_THROW(check_combination(settings.render));
   EXPECT_EQ(settings.render.guide, GuideChoice::cdq);
   EXPECT_EQ(settings.render.cache, CacheChoice::none);

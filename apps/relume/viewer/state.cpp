@@ -8,9 +8,9 @@
 
 #include "builtin_scenes/builtin.h"
 #include "core/clock.h"
-#include "core/error.h"
 #include "core/fnv1a.h"
 #include "platform.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/presets.h"
 #include "scene_source.h"
@@ -110,9 +110,9 @@ void finish_loading(State& state) {
 
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first) {
   // Nothing of the state changes before all that can fail has been done.
-  std::array<Settings, kSides> settings = state.settings;
+  std::array<AllSettings, kSides> settings = state.settings;
   if (!first) {
-    for (Settings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
+    for (AllSettings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
   }
   Document document(loaded);
   if (!settings[0].scene.env.empty()) document.replace_environment(environment_in(*loaded, settings[0].scene));
@@ -147,8 +147,8 @@ void revert_document(State& state) {
   state.touch();
 }
 
-void take_settings(State& state, int side, const Settings& wanted) {
-  Settings& current = state.settings[static_cast<size_t>(side)];
+void take_settings(State& state, int side, const AllSettings& wanted) {
+  AllSettings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
   if (state.document) find_camera(state.document->outline(), wanted.render.camera);
   if (wanted.scene.env != current.scene.env && state.document) {
@@ -163,7 +163,7 @@ void take_settings(State& state, int side, const Settings& wanted) {
   if (wanted.render.camera != current.render.camera) release_camera(state);
   current = wanted;
   // One picture, one scene: what is not a matter of technique is the same on both sides.
-  Settings& other = state.settings[static_cast<size_t>(1 - side)];
+  AllSettings& other = state.settings[static_cast<size_t>(1 - side)];
   other.scene = current.scene;
   other.render.camera = current.render.camera;
   other.render.time_s = current.render.time_s;
@@ -173,7 +173,7 @@ void take_settings(State& state, int side, const Settings& wanted) {
 }
 
 void change_setting(State& state, int side, const std::string& name, const std::string& text) {
-  Settings wanted = state.settings[static_cast<size_t>(side)];
+  AllSettings wanted = state.settings[static_cast<size_t>(side)];
   const SettingList list = describe(wanted);
   assign(require_setting(list, name, "set"), text, "");
   if (name == "width" || name == "height") state.follow_window = false;
@@ -181,7 +181,7 @@ void change_setting(State& state, int side, const std::string& name, const std::
 }
 
 void apply_preset(State& state, int side, const std::string& name) {
-  const Settings& current = state.settings[static_cast<size_t>(side)];
+  const AllSettings& current = state.settings[static_cast<size_t>(side)];
   const LoadedScene& loaded = *state.document->loaded();
   take_settings(state, side, apply_preset(current, loaded.scene.settings_json, loaded.name, name));
 }
@@ -194,24 +194,24 @@ void set_split(State& state, bool split) {
 
 void set_scene_time(State& state, float time_s) {
   state.document->set_time(time_s);
-  for (Settings& settings : state.settings) settings.render.time_s = time_s;
+  for (AllSettings& settings : state.settings) settings.render.time_s = time_s;
   state.touch();
 }
 
-PlacedCamera current_camera(const State& state) {
+CameraPose current_camera(const State& state) {
   if (state.document && state.document->edits().camera.value) return *state.document->edits().camera.value;
-  return state.frame() ? state.frame()->camera : PlacedCamera{};
+  return state.frame() ? state.frame()->camera : CameraPose{};
 }
 
 Viewpoint current_view(const State& state) {
-  const PlacedCamera placed = current_camera(state);
+  const CameraPose placed = current_camera(state);
   FlyCamera fly;
   fly.place(placed.to_world);
   return {fly.eye(), fly.rotation(), placed.camera.fov_y_rad};
 }
 
 void set_view(State& state, const Viewpoint& view) {
-  PlacedCamera placed = current_camera(state);
+  CameraPose placed = current_camera(state);
   state.fly.place(view.eye, view.rotation);
   state.flying = true;
   placed.to_world = state.fly.to_world();

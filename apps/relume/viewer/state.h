@@ -67,7 +67,7 @@ struct PathTools {
 /// A scene that was shown, and how.
 struct Shown {
   Document document;
-  std::array<Settings, kSides> settings;
+  std::array<AllSettings, kSides> settings;
   PathTools path;
   float speed = 1;
 };
@@ -78,8 +78,8 @@ struct State {
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
 
-  std::array<Settings, kSides> settings;
-  Settings defaults;  ///< what "reset" goes back to
+  std::array<AllSettings, kSides> settings;
+  AllSettings defaults;  ///< what "reset" goes back to
   int edited_side = 0;
   bool split = false;
   float split_at = 0.5f;
@@ -151,7 +151,7 @@ void revert_document(State& state);
 void change_setting(State& state, int side, const std::string& name, const std::string& text);
 
 /// Replaces settings of a side: checks that they combine, and takes an environment on that they name. Throws Error.
-void take_settings(State& state, int side, const Settings& settings);
+void take_settings(State& state, int side, const AllSettings& settings);
 
 /// Applies a preset to a side. Throws Error.
 void apply_preset(State& state, int side, const std::string& name);
@@ -163,7 +163,7 @@ void set_split(State& state, bool split);
 void set_scene_time(State& state, float time_s);
 
 /// The camera that is shown: the user's, or the scene's. Means nothing unless State::knows_camera().
-PlacedCamera current_camera(const State& state);
+CameraPose current_camera(const State& state);
 
 /// Puts the camera somewhere; it is the user's from now on.
 void set_view(State& state, const Viewpoint& view);

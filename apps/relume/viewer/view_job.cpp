@@ -67,7 +67,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   Scene scene = loading.get();
   sources.scene_json = scene.settings_json;
   sources.scene_place = options.scene;
-  const Settings settings = viewer::resolve_start(sources);
+  const AllSettings settings = viewer::resolve_start(sources);
   roles.reads("SCENE", scene.source_files);
   roles.reads("--env", settings.scene.env);
   const double load_s = now_s() - start_s;

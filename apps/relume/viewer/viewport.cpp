@@ -35,7 +35,7 @@ void follow_room(State& state, const Rect& room, IVec2& wanted, double& wanted_s
   const RenderSettings& a = state.settings[0].render;
   if (!state.follow_window || size == IVec2(a.width, a.height)) return;
   if (state.frame() && state.now_s - wanted_s < kSettle_s) return;
-  for (Settings& settings : state.settings) {
+  for (AllSettings& settings : state.settings) {
     settings.render.width = size.x;
     settings.render.height = size.y;
   }
@@ -50,7 +50,7 @@ void bind_sampler(const ImDrawList*, const ImDrawCmd* command) {
 }
 
 Development Viewport::development(const State& state, int side) const {
-  const Settings& settings = state.settings[static_cast<size_t>(side)];
+  const AllSettings& settings = state.settings[static_cast<size_t>(side)];
   Development d = shows_buffer_[static_cast<size_t>(side)] ? state.inspector.development : Development{};
   d.tone_map = settings.output.tone_map;
   d.exposure = settings.output.exposure;
@@ -121,7 +121,7 @@ void Viewport::draw_split(State& state) {
 }
 
 bool Viewport::project(const State& state, const Vec3& p, ImVec2& at) const {
-  const PlacedCamera placed = current_camera(state);
+  const CameraPose placed = current_camera(state);
   if (placed.camera.projection == Projection::panoramic) return false;
   const Vec3 d = p - Vec3(placed.to_world[3]);
   const float depth = -glm::dot(d, glm::normalize(Vec3(placed.to_world[2])));

@@ -12,9 +12,9 @@
 #include <imgui/backends/imgui_impl_opengl3.h>
 #include <imgui/imgui.h>
 
-#include "core/error.h"
 #include "core/srgb.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "viewer/gl.h"
 #include "viewer/theme.h"
 

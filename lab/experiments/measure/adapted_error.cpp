@@ -115,7 +115,7 @@ std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, cons
   std::vector<AdaptedError> results;
   for (Running& r : running) {
     for (auto& [pass, seconds] : r.result.pass_s) seconds /= options.sessions * options.frames;
-    r.result.figures = r.timed.session().statistics().figures;
+    r.result.figures = r.timed.session().statistics().pass_statistics;
     results.push_back(std::move(r.result));
   }
   if (!file.empty()) save_adapted(file, results);

@@ -17,7 +17,7 @@ std::string layer_of(size_t i) { return fmt::format("contender{}", i); }
 
 nlohmann::json to_json(const AdaptedError& e) {
   nlohmann::json figures = nlohmann::json::array();
-  for (const PassFigure& figure : e.figures) figures.push_back({figure.name, figure.value});
+  for (const PassStatistic& figure : e.figures) figures.push_back({figure.name, figure.value});
   return {{"name", e.name}, {"mse", e.mse}, {"frame_s", e.frame_s}, {"pass_s", e.pass_s}, {"figures", figures}};
 }
 

@@ -22,9 +22,9 @@ Image mean_image(const std::vector<glm::dvec3>& sums, int count, int width, int 
 }
 
 double mean_termination(const Session& session) {
-  if (session.settings().cache == CacheChoice::none) return 0;
+  if (render_settings(session).cache == CacheChoice::none) return 0;
   double sum = 0;
-  const View<const float> layer = session.buffers().view(kCellTermination);
+  const View<const float> layer = buffer_table(session).view(kCellTermination);
   for (const float bounce : layer) sum += static_cast<double>(bounce);
   return sum / static_cast<double>(layer.size);
 }

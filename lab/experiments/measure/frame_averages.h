@@ -8,7 +8,7 @@
 #include "experiments/measure/estimate.h"
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/setup/scenes.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

@@ -6,7 +6,7 @@
 #include "experiments/experiment.h"
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/setup/scenes.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

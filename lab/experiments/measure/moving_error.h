@@ -7,7 +7,7 @@
 #include "compare/timed_session.h"
 #include "experiments/experiment.h"
 #include "experiments/setup/scenes.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

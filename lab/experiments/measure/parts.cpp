@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "core/fnv1a.h"
 #include "scene/scene_hash.h"
 

@@ -9,7 +9,7 @@
 
 #include "experiments/experiment.h"
 #include "experiments/setup/scenes.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

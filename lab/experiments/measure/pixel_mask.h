@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compare/reference.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

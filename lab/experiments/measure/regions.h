@@ -9,7 +9,7 @@
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/study.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "report/page.h"
 
 namespace relume {

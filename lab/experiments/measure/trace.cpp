@@ -33,7 +33,7 @@ struct Runner {
 };
 
 /// The camera when `degrees` of the way are left.
-std::optional<PlacedCamera> camera_on(const Turn& way, const ExperimentScene& scene, float degrees) {
+std::optional<CameraPose> camera_on(const Turn& way, const ExperimentScene& scene, float degrees) {
   return turned_aside(scene, -degrees, way.aside_m * degrees / way.total_deg);
 }
 

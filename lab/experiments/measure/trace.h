@@ -9,7 +9,7 @@
 #include "experiments/experiment.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/scenes.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "report/page.h"
 
 namespace relume {

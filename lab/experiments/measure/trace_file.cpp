@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "experiments/measure/parts.h"
 #include "files/json_parse.h"
 #include "settings/settings_json.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "settings/nearest_name.h"
 
 namespace relume {

@@ -5,7 +5,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "experiments/setup/named.h"
 #include "scene_io/scene_io.h"
 #include "builtin_scenes/builtin.h"
@@ -15,9 +15,9 @@
 namespace relume {
 namespace {
 
-PlacedCamera camera_at(const Vec3& eye, const Vec3& target, float fov_y_deg) {
+CameraPose camera_at(const Vec3& eye, const Vec3& target, float fov_y_deg) {
   const Transform transform = look_at(eye, target);
-  PlacedCamera camera;
+  CameraPose camera;
   camera.to_world = glm::translate(Mat4(1), transform.translation) * glm::mat4_cast(transform.rotation);
   camera.camera.fov_y_rad = glm::radians(fov_y_deg);
   return camera;
@@ -178,15 +178,15 @@ ExperimentScene at_rest(ExperimentScene scene) {
   const std::vector<Node>& nodes = scene.scene.nodes;
   const auto node = std::find_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.camera != kNone; });
   if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
-  PlacedCamera camera;  // built-in scenes have it on a node without parents
+  CameraPose camera;  // built-in scenes have it on a node without parents
   camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
   camera.camera = scene.scene.cameras[static_cast<size_t>(node->camera)];
   scene.camera = std::move(camera);
   return scene;
 }
 
-std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees) {
-  std::optional<PlacedCamera> camera = scene.camera;
+std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees) {
+  std::optional<CameraPose> camera = scene.camera;
   if (degrees == 0) return camera;
   if (!camera) throw Error(scene.name + ": the camera can only be turned if the experiment places it");
   const Vec4 eye = camera->to_world[3];
@@ -196,8 +196,8 @@ std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees) 
   return camera;
 }
 
-std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
-  std::optional<PlacedCamera> camera = turned(scene, degrees);
+std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m) {
+  std::optional<CameraPose> camera = turned(scene, degrees);
   if (aside_m == 0) return camera;
   if (!camera) throw Error(scene.name + ": the camera can only be moved if the experiment places it");
   camera->to_world[3] += aside_m * scene.camera->to_world[0];

@@ -17,7 +17,7 @@ struct ExperimentScene {
   std::string name;
   std::string property = {};  ///< what a variation varies: "light", "triangles", "material"
   Scene scene;
-  std::optional<PlacedCamera> camera = {};  ///< at which a turn ends; empty: the scene's own
+  std::optional<CameraPose> camera = {};  ///< at which a turn ends; empty: the scene's own
   RenderSettings settings = {};             ///< bounces
   int scale = 1;                            ///< edges of its pictures over the usual ones, in a full run
 };
@@ -57,10 +57,10 @@ ExperimentScene city_street();
 
 /// The scene's camera turned to the left by an angle about +Y. Throws Error for an angle if the scene has none of the
 /// experiment's own.
-std::optional<PlacedCamera> turned(const ExperimentScene& scene, float degrees);
+std::optional<CameraPose> turned(const ExperimentScene& scene, float degrees);
 /// The same, and moved to its own right (as it looks when it is not turned) by `aside_m`. Without the scene's camera
 /// both have to be 0.
-std::optional<PlacedCamera> turned_aside(const ExperimentScene& scene, float degrees, float aside_m);
+std::optional<CameraPose> turned_aside(const ExperimentScene& scene, float degrees, float aside_m);
 
 inline constexpr const char* kNoSponza = "needs Sponza: say with --scenes where sponza/sponza.gltf is";
 

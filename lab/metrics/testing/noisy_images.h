@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/hash.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume::testing {
 

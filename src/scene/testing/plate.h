@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/scene.h"
 
 namespace relume::testing {

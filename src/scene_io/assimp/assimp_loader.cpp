@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/error.h"
 #include "files/bytes.h"
 #include "files/extension.h"
+#include "relume/error.h"
 #include "scene_io/assimp/assimp_import.h"
 #include "scene_io/assimp/assimp_textures.h"
 #include "scene_io/assimp/trial_run.h"
@@ -67,7 +67,7 @@ Scene load_assimp(const std::filesystem::path& file) {
   std::error_code error;
   const uintmax_t size = std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
   if (error || !std::filesystem::is_regular_file(file))
-    throw Error(fmt::format("{}: the file does not exist; check its path", file.string()));
+    throw Error(ErrorCode::not_found, fmt::format("{}: the file does not exist; check its path", file.string()));
   if (size > kMaxFileSize)
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
   if (size == 0) throw Error(fmt::format("{}: the file is empty; export or copy it again", file.string()));

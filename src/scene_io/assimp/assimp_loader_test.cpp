@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "image/image.h"
 #include "image/testing/png.h"
+#include "relume/image_io.h"
 #include "scene_io/scene_io.h"
 #include "scene_io/testing/example_files.h"
 

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
 #include "files/bytes.h"
+#include "relume/error.h"
 #include "scene_io/texture_decode.h"
 
 namespace relume {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene/scene_hash.h"
 
 namespace relume {

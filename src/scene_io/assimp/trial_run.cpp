@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

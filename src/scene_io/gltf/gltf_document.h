@@ -8,8 +8,8 @@
 
 #include <tiny_gltf.h>
 
-#include "core/error.h"
 #include "files/bytes.h"
+#include "relume/error.h"
 #include "scene_io/gltf/gltf_json.h"
 #include "scene_io/warnings.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "files/json_parse.h"
+#include "relume/error.h"
 
 namespace relume::gltf {
 namespace {

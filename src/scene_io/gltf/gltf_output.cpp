@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "files/extension.h"
+#include "relume/error.h"
 
 namespace relume::gltf {
 namespace {

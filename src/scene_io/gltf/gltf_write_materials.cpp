@@ -8,7 +8,7 @@
 
 #include "core/srgb.h"
 #include "files/atomic_file.h"
-#include "image/image.h"
+#include "relume/image_io.h"
 
 namespace relume::gltf {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
 
-#include "image/image.h"
+#include "relume/image_io.h"
 #include "scene_io/gltf/gltf_output.h"
 #include "scene_io/gltf/gltf_write_materials.h"
 #include "scene_io/gltf/gltf_write_nodes.h"

@@ -7,9 +7,9 @@
 
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/shapes.h"
-#include "core/error.h"
 #include "files/testing/temp_folder.h"
-#include "image/image.h"
+#include "relume/error.h"
+#include "relume/image_io.h"
 #include "scene_io/gltf/gltf_output.h"
 #include "scene_io/scene_io.h"
 #include "scene_io/testing/written_gltf.h"

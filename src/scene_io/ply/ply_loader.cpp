@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/srgb.h"
+#include "relume/error.h"
 #include "scene_io/mesh_repair.h"
 #include "scene_io/ply/ply_header.h"
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "scene_io/relume_json/overrides.h"
 
 namespace relume {

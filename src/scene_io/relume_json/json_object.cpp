@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
 #include "files/bytes.h"
 #include "files/extension.h"
 #include "files/json_parse.h"
+#include "relume/error.h"
 #include "scene_io/relume_json/overrides.h"
 #include "scene_io/scene_io.h"
 

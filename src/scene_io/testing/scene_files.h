@@ -95,7 +95,7 @@ bool mentions(const std::vector<std::string>& sentences, std::string_view part);
 
 }  // namespace relume::testing
 
-#include "core/error.h"
+#include "relume/error.h"
 
 template <typename Call>
 std::string relume::testing::error_of(Call call) {

@@ -19,7 +19,7 @@ inline constexpr int kPatience_ms = 60000;  // of a busy machine
 struct Stage {
   explicit Stage(const char* scene = "cornell")
       : document(std::make_shared<const LoadedScene>(LoadedScene{scene, find_builtin_scene(scene)->build()})) {
-    for (Settings& s : settings) {
+    for (AllSettings& s : settings) {
       s.render.width = 32;
       s.render.height = 24;
       s.render.threads = 1;
@@ -61,7 +61,7 @@ struct Stage {
   }
 
   Document document;
-  std::array<Settings, kSides> settings;
+  std::array<AllSettings, kSides> settings;
   bool split = false;
   bool paused = false;
   std::string buffer;

@@ -1,6 +1,6 @@
 #include "techniques/denoise/oidn/oidn_filter.h"
 
-#include "core/error.h"
+#include "relume/error.h"
 
 #if defined(RELUME_WITH_OIDN)
 #include <OpenImageDenoise/oidn.hpp>

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "techniques/denoise/oidn/oidn.h"
 #include "techniques/denoise/oidn/oidn_filter.h"
 

@@ -31,7 +31,7 @@ Session box(const RenderSettings& settings, const char* scene = "cornell") {
 }
 
 std::vector<uint32_t> edges_of(Session& session) {
-  const auto rays = session.buffers().view(kEdgeRays);
+  const auto rays = buffer_table(session).view(kEdgeRays);
   std::vector<uint32_t> edges;
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (rays[i] > 0) edges.push_back(i);
@@ -54,7 +54,7 @@ TEST(EmissionEdge, IsWhereNeighboursDifferByFarMoreThanItIsBright) {
 TEST(EdgeEmission, FramesTheLampAndNothingElse) {
   Session session = box(settings_with(16));
   session.render_frame();
-  const auto emission = session.buffers().view(kShownEmission);
+  const auto emission = buffer_table(session).view(kShownEmission);
   const std::vector<uint32_t> edges = edges_of(session);
   EXPECT_GT(edges.size(), 20u);
   EXPECT_LT(edges.size(), 160u);
@@ -77,7 +77,7 @@ TEST(EdgeEmission, StayEdgesUntilSomethingChanges) {
     EXPECT_GE(now, before);
     before = now;
   }
-  PlacedCamera camera = session.scene().camera();
+  CameraPose camera = session.camera();
   camera.to_world[3].y -= 4.0f;  // below the floor: no lamp in sight
   session.set_camera(camera);
   session.render_frame();
@@ -96,7 +96,7 @@ Moments moments(const std::vector<uint32_t>& pixels, const RenderSettings& setti
   std::vector<double> squares(pixels.size(), 0);
   for (int frame = 0; frame < frames; ++frame) {
     session.render_frame();
-    const auto radiance = session.buffers().view(kRadiance);
+    const auto radiance = buffer_table(session).view(kRadiance);
     for (size_t k = 0; k < pixels.size(); ++k) {
       const auto value = static_cast<double>(luminance(radiance[pixels[k]]));
       sum[k] += value;
@@ -174,7 +174,7 @@ TEST(EdgeEmission, MeansOfStillPicturesConvergeNoSlower) {
     for (int seed = 1; seed <= 8; ++seed) {
       Session session = box(settings_with(edge_rays, seed));
       for (int frame = 0; frame < 64; ++frame) session.render_frame();
-      const auto mean = session.buffers().view(kMean);
+      const auto mean = buffer_table(session).view(kMean);
       Image picture(static_cast<int>(kSize), static_cast<int>(kSize));
       for (uint32_t i = 0; i < kPixels; ++i) picture.pixels[i] = mean[i];
       sum += error_of(picture, reference);
@@ -189,7 +189,7 @@ TEST(EdgeEmission, KeepsLampsSharpWhileTheCameraMoves) {
   const auto error = [&](int edge_rays) {
     const int frames = 10;
     Session session = box(settings_with(edge_rays));
-    PlacedCamera camera = session.scene().camera();
+    CameraPose camera = session.camera();
     camera.to_world[3].x -= 0.02f * static_cast<float>(frames);
     for (int frame = 0; frame < frames; ++frame) {
       camera.to_world[3].x += 0.02f;

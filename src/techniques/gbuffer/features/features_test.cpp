@@ -43,7 +43,7 @@ struct Frame {
 
   template <typename T>
   View<const T> view(const BufferKey<T>& key) const {
-    return session.buffers().view(key);
+    return buffer_table(session).view(key);
   }
   /// Whether the pixel shows its surface by way of a mirror or interface.
   bool indirect(uint32_t pixel) const { return view(kFeature.surface)[pixel] != view(kPrimaryHits)[pixel].instance; }

@@ -63,7 +63,7 @@ RenderSettings settings_of(bool split = true) {
 
 template <typename T>
 View<const T> view(const Session& session, const BufferKey<T>& key) {
-  return session.buffers().view(key);
+  return buffer_table(session).view(key);
 }
 
 /// The node that the camera is on, moved by `way`.

@@ -173,7 +173,7 @@ TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
   // A camera that moves to its right by 0.1 m shifts a point at distance z to the left by 0.1 / (z · pixel width at 1
   // m).
   CompiledScene scene(find_builtin_scene("cornell")->build(), CompileOptions{.width = kWidth, .height = kHeight});
-  PlacedCamera camera = scene.camera();
+  CameraPose camera = scene.camera();
   camera.to_world[3] += 0.1f * camera.to_world[0];
   EXPECT_EQ(scene.set_camera(camera), Change::camera);
   std::vector<Hit> hits;

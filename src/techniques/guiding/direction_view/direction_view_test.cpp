@@ -65,7 +65,7 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
   s.cdq.view = true;
   Session session(floor_scene(0), s);
   render(session, 32);
-  const View<const float> shown = session.buffers().view(kDirections);
+  const View<const float> shown = buffer_table(session).view(kDirections);
   double known = 0;
   double light = 0;
   for (int y = 0; y < kEdge; ++y) {
@@ -96,7 +96,7 @@ TEST(DirectionView, ShowsNothingOnceItIsOff) {
   s.cdq.view = true;
   Session session(floor_scene(0), s);
   render(session, 2);
-  const View<const float> shown = session.buffers().view(kDirections);
+  const View<const float> shown = buffer_table(session).view(kDirections);
   const auto any = [&] { return std::any_of(shown.begin(), shown.end(), [](float v) { return v != 0.0f; }); };
   EXPECT_TRUE(any());
   s.cdq.view = false;
@@ -111,7 +111,7 @@ TEST(DirectionView, GoesOnFromACheckpoint) {
   s.guide = GuideChoice::cdq;
   s.cdq.view = true;
   const auto shown_by = [](const Session& session) {
-    const View<const float> shown = session.buffers().view(kDirections);
+    const View<const float> shown = buffer_table(session).view(kDirections);
     return std::vector<float>(shown.begin(), shown.end());
   };
   Session whole(floor_scene(0), s);
@@ -130,9 +130,9 @@ TEST(RegionView, ShowsLeavesThatAreAsLargeAsTheirDepthSays) {
   s.lights = LightSelectionChoice::vlc;
   Session session(floor_scene(3), s);
   render(session, 8);
-  const View<const uint32_t> regions = session.buffers().view(kRegion);
-  const View<const uint32_t> depths = session.buffers().view(kRegionDepth);
-  const View<const Hit> hits = session.buffers().view(kPrimaryHits);
+  const View<const uint32_t> regions = buffer_table(session).view(kRegion);
+  const View<const uint32_t> depths = buffer_table(session).view(kRegionDepth);
+  const View<const Hit> hits = buffer_table(session).view(kPrimaryHits);
   std::map<uint32_t, std::pair<Vec2, Vec2>> boxes;
   std::map<uint32_t, uint32_t> depth_of;
   const float pixel = 2 * 5 * std::tan(glm::radians(30.0f)) / 48;  // on the floor
@@ -158,7 +158,7 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   s.lights = LightSelectionChoice::vlc;
   Session session(floor_scene(3), s);
   render(session, 12);
-  const View<const uint32_t> known = session.buffers().view(kKnownLights);
+  const View<const uint32_t> known = buffer_table(session).view(kKnownLights);
   uint32_t all = 0;
   for (const uint32_t count : known) {
     EXPECT_LE(count, 6u);  // two triangles a lamp
@@ -167,7 +167,7 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   EXPECT_GT(all, known.size / 2);
   Session single(floor_scene(1), s);
   render(single, 4);
-  for (const uint32_t count : single.buffers().view(kKnownLights)) EXPECT_LE(count, 2u);
+  for (const uint32_t count : buffer_table(single).view(kKnownLights)) EXPECT_LE(count, 2u);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ class DirectionalQuadtreePass final : public Pass {
   size_t memory_bytes() const override {
     return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.size() * sizeof(QuadtreeWeights);
   }
-  std::vector<PassFigure> figures() const override {
+  std::vector<PassStatistic> statistics() const override {
     return {{"migrations", static_cast<double>(moved_)},
             {"quadtree-bytes", static_cast<double>(trees_.memory_bytes())},
             {"memory-bytes", static_cast<double>(weights_.size() * sizeof(QuadtreeWeights))}};

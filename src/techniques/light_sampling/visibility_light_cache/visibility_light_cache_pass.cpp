@@ -67,7 +67,7 @@ void VisibilityLightCachePass::build_tables(const FrameContext& frame, const std
   view.lights = lights;
 }
 
-std::vector<PassFigure> VisibilityLightCachePass::figures() const {
+std::vector<PassStatistic> VisibilityLightCachePass::statistics() const {
   uint64_t regions = 0;
   uint64_t buckets = 0;
   uint64_t lights = 0;

@@ -26,7 +26,7 @@ class VisibilityLightCachePass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool keeps_state() const override { return true; }
   size_t memory_bytes() const override;
-  std::vector<PassFigure> figures() const override;
+  std::vector<PassStatistic> statistics() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 

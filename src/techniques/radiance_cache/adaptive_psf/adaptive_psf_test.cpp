@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "techniques/radiance_cache/path_graphs/testing/cache_scenes.h"
 #include "techniques/radiance_cache/path_graphs/testing/cached_frames.h"
 

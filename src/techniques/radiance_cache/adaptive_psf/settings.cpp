@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "relume/error.h"
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"
 
 namespace relume {

@@ -50,7 +50,7 @@ void CellsPass::advance(const FrameContext& frame) {
 
 size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes; }
 
-std::vector<PassFigure> CellsPass::figures() const {
+std::vector<PassStatistic> CellsPass::statistics() const {
   const HashGridStatistics s = grid_.statistics();
   return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
           {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
@@ -117,7 +117,7 @@ PassDeclaration ResolveCellsPass::declaration() const {
           .writes = {kRadiance, kRays}};
 }
 
-std::vector<PassFigure> ResolveCellsPass::figures() const {
+std::vector<PassStatistic> ResolveCellsPass::statistics() const {
   uint64_t filtered = 0;
   uint64_t culled = 0;
   for (const FilteredPixel& p : pixels_) {

@@ -32,7 +32,7 @@ class CellsPass final : public Pass {
   bool keeps_state() const override { return true; }
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override;
-  std::vector<PassFigure> figures() const override;
+  std::vector<PassStatistic> statistics() const override;
   std::vector<std::string> warnings() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
@@ -64,7 +64,7 @@ class ResolveCellsPass final : public Pass {
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  std::vector<PassFigure> figures() const override;
+  std::vector<PassStatistic> statistics() const override;
 
  private:
   PathSource source_;

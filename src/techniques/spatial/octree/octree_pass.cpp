@@ -80,7 +80,7 @@ size_t OctreePass::memory_bytes() const {
          (previous_ ? previous_->memory_bytes() : 0) + snapshot_.memory_bytes();
 }
 
-std::vector<PassFigure> OctreePass::figures() const {
+std::vector<PassStatistic> OctreePass::statistics() const {
   if (!tree_) return {};
   return {{"leaves", static_cast<double>(tree_->leaf_count())},
           {"leaf-slots", static_cast<double>(tree_->leaf_slots())},

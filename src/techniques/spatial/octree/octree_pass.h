@@ -28,7 +28,7 @@ class OctreePass final : public Pass {
   bool keeps_state() const override { return true; }
   uint32_t longest_epoch() const override { return epochs_ ? static_cast<uint32_t>(settings_.longest_epoch) : 1; }
   size_t memory_bytes() const override;
-  std::vector<PassFigure> figures() const override;
+  std::vector<PassStatistic> statistics() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
@@ -174,7 +174,7 @@ TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
   std::vector<uint32_t> changed_in;
   for (uint32_t frame = 0; frame < 17; ++frame) {
     session.render_frame();
-    const View<const float> view = session.buffers().view(kSamplingProbability);
+    const View<const float> view = buffer_table(session).view(kSamplingProbability);
     const std::vector<float> now(view.begin(), view.end());
     if (now != before) changed_in.push_back(frame);
     before = now;
@@ -191,7 +191,7 @@ double average_rate(const char* scene, float least) {
   settings.adaptive.rate = least;
   Session session(find_builtin_scene(scene)->build(), settings);
   for (int i = 0; i < 17; ++i) session.render_frame();
-  const View<const float> view = session.buffers().view(kSamplingProbability);
+  const View<const float> view = buffer_table(session).view(kSamplingProbability);
   return std::accumulate(view.begin(), view.end(), 0.0) / static_cast<double>(view.size);
 }
 

@@ -24,14 +24,14 @@ struct Stage {
 
   /// To the camera's right, metres.
   void shift_camera(float distance) {
-    PlacedCamera camera = scene.camera();
+    CameraPose camera = scene.camera();
     camera.to_world[3] += distance * camera.to_world[0];
     scene.set_camera(camera);
   }
 
   /// About the vertical axis, radians.
   void turn_camera(float angle) {
-    PlacedCamera camera = scene.camera();
+    CameraPose camera = scene.camera();
     camera.to_world = glm::rotate(camera.to_world, angle, Vec3(0, 1, 0));
     scene.set_camera(camera);
   }

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "builtin_scenes/builtin.h"
-#include "core/error.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "scene/testing/bodies.h"

@@ -1,4 +1,4 @@
-// Images in memory, and reading and writing them: EXR, HDR, PNG, JPEG, TGA, BMP.
+// Reading and writing images: EXR, HDR, PNG, JPEG, TGA, BMP.
 #pragma once
 
 #include <cstddef>
@@ -10,23 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vec.h"
+#include "relume/export.h"
+#include "relume/image.h"
 
 namespace relume {
-
-/// Linear RGB image; row 0 is the top row.
-struct Image {
-  int width = 0;
-  int height = 0;
-  std::vector<Rgb> pixels;  ///< width · height, row by row
-
-  Image() = default;
-  Image(int w, int h) : width(w), height(h), pixels(static_cast<size_t>(w) * static_cast<size_t>(h), Rgb(0)) {}
-  Rgb& at(int x, int y) { return pixels[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)]; }
-  const Rgb& at(int x, int y) const {
-    return pixels[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
-  }
-};
 
 /// One named plane of 32-bit floats of a layered EXR.
 struct ExrChannel {
@@ -35,7 +22,7 @@ struct ExrChannel {
 };
 
 /// A layered EXR: planes of one size plus string attributes (settings, seed, timings).
-struct ExrFile {
+struct RELUME_API ExrFile {
   int width = 0;
   int height = 0;
   std::vector<ExrChannel> channels;
@@ -55,34 +42,34 @@ inline constexpr int64_t kMaxDecodedBytes = int64_t{1} << 33;
 
 /// The format is recognised by content. EXR, HDR: linear values (EXPOSURE of HDR divided out). PNG, JPEG, TGA, BMP: 8
 /// or 16 bit, decoded from sRGB. Alpha is dropped.
-Image read_image(const std::filesystem::path& file);
+RELUME_API Image read_image(const std::filesystem::path& file);
 
 /// The same over a file's bytes; `name` is for messages.
-Image parse_image(std::span<const std::byte> bytes, const std::string& name);
+RELUME_API Image parse_image(std::span<const std::byte> bytes, const std::string& name);
 
 /// By extension: .exr and .hdr store linear values; .png, .jpg, .jpeg, .tga expect display-ready values in [0, 1]
 /// that are still linear, and apply the sRGB transfer function.
-void write_image(const std::filesystem::path& file, const Image& image);
+RELUME_API void write_image(const std::filesystem::path& file, const Image& image);
 
 /// A PNG of display-ready values as write_image() stores them.
-std::vector<uint8_t> encode_png(const Image& image);
+RELUME_API std::vector<uint8_t> encode_png(const Image& image);
 /// A PNG of `rgb`, 3 · width · height bytes as they are.
-std::vector<uint8_t> encode_png(std::span<const uint8_t> rgb, int width, int height);
+RELUME_API std::vector<uint8_t> encode_png(std::span<const uint8_t> rgb, int width, int height);
 
 /// Every channel of the first part, whatever its stored type (half, float, unsigned integer), compression and
 /// tiling, over the *display* window: pixels outside the data window are 0, pixels beyond the display window are cut
 /// off. Subsampled channels are replicated. Of the attributes, the strings. Deep files are refused.
-ExrFile read_exr(const std::filesystem::path& file);
-ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name);
+RELUME_API ExrFile read_exr(const std::filesystem::path& file);
+RELUME_API ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name);
 
 /// 32-bit float scan lines with ZIP compression. The same contents give the same bytes.
-void write_exr(const std::filesystem::path& file, const ExrFile& exr);
+RELUME_API void write_exr(const std::filesystem::path& file, const ExrFile& exr);
 
 /// Channels "R", "G", "B" of a layer, or "LAYER.R" … if `layer` is not empty. Without a layer also, in this order:
 /// the first layer that has all three, luminance-chroma (Y, RY, BY), luminance alone (Y). `name` is for messages.
-Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::string& name);
+RELUME_API Image image_from_exr(const ExrFile& exr, const std::string& layer, const std::string& name);
 
 /// Channels R, G, B of a layer (none: empty string), ready to append to an ExrFile of the same size.
-std::vector<ExrChannel> exr_channels(const Image& image, const std::string& layer = {});
+RELUME_API std::vector<ExrChannel> exr_channels(const Image& image, const std::string& layer = {});
 
 }  // namespace relume

@@ -1,0 +1,33 @@
+// What went wrong: a code for programs, and a sentence for people.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include "relume/export.h"
+
+namespace relume {
+
+/// Kinds of errors, for programs that react to them.
+enum class ErrorCode {
+  invalid_input,  ///< a file, setting, value or combination that cannot be used
+  invalid_handle,  ///< a handle whose object was removed, or that belongs to another session
+  not_found,      ///< a file, camera, setting or layer that does not exist
+  not_supported,  ///< valid, but not supported by this build
+  io,             ///< reading or writing failed
+};
+
+/// Thrown where input from outside cannot be used, never inside kernels. `what()` is one sentence that names the place
+/// (file, line, setting), the problem and the remedy. The program prints it and exits with a non-zero code.
+class RELUME_API Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+
+  ErrorCode code() const { return code_; }
+
+ private:
+  ErrorCode code_ = ErrorCode::invalid_input;
+};
+
+}  // namespace relume

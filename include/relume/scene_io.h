@@ -1,0 +1,27 @@
+// Scene files in: glTF, what assimp reads, relume JSON. Scene files out: glTF.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "relume/export.h"
+#include "relume/scene.h"
+
+namespace relume {
+
+/// Loads by extension and content: .gltf and .glb; .json (relume's own, which refers to another scene file or to a
+/// built-in scene by name and overrides parts of it); PLY by our own reader; everything else through assimp. What is
+/// ignored or repaired becomes one of Scene::warnings. Throws Error; never crashes or hangs on malformed files.
+RELUME_API Scene load_scene(const std::filesystem::path& file);
+
+/// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives
+/// the same picture; docs/scenes.md says where things go that glTF has no form for. Returns what could not be said
+/// exactly, one sentence each. Throws Error for other extensions, when a file cannot be written
+/// and where one would replace a file of Scene::source_files.
+RELUME_API std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene);
+
+/// Replaces the environment by an equirectangular EXR or HDR file. Throws Error.
+RELUME_API void load_environment_map(const std::filesystem::path& file, Environment& environment);
+
+}  // namespace relume

@@ -1,0 +1,61 @@
+// Settings by name, as on the command line: size, techniques and their parameters, when to stop, how to display.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relume/export.h"
+
+namespace relume {
+
+struct AllSettings;
+
+/// A declared setting.
+struct SettingInfo {
+  std::string name;           ///< in kebab case, with the technique's prefix: "psf.cell-size"
+  std::string type;           ///< "integer from 0 to 1024", "one of path, bdpt"
+  std::string default_value;  ///< as set() takes it
+  std::string help;
+};
+
+/// A value for every setting; the default where nothing else was set. docs/settings.md lists them.
+class RELUME_API Settings {
+ public:
+  Settings();
+  ~Settings();
+  Settings(const Settings& other);
+  Settings(Settings&& other) noexcept;
+  Settings& operator=(const Settings& other);
+  Settings& operator=(Settings&& other) noexcept;
+
+  /// Sets `name` to the value that `text` stands for. Throws Error for unknown names (with the nearest one), values out
+  /// of range and unknown choices. Returns *this.
+  Settings& set(std::string_view name, std::string_view text);
+  Settings& set(std::string_view name, const char* text) { return set(name, std::string_view(text)); }
+  Settings& set(std::string_view name, bool value);
+  Settings& set(std::string_view name, int value);
+  Settings& set(std::string_view name, double value);
+
+  /// The shortest text from which set() gives the same value. Throws Error for unknown names.
+  std::string get(std::string_view name) const;
+
+  /// Sets what a preset sets ("interactive"), and leaves the rest. Throws Error for unknown presets.
+  Settings& apply_preset(std::string_view name);
+  /// Sets what a JSON object of names and values sets. `place` names its source in errors.
+  Settings& apply_json(std::string_view json, std::string_view place);
+  /// JSON of all values.
+  std::string to_json() const;
+
+  /// All settings, in the order of docs/settings.md.
+  static std::vector<SettingInfo> list();
+  /// Names of the presets.
+  static std::vector<std::string> presets();
+
+ private:
+  friend struct SettingsAccess;
+  std::unique_ptr<AllSettings> values_;
+};
+
+}  // namespace relume

@@ -1,0 +1,44 @@
+// What a session has done so far.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "relume/export.h"
+
+namespace relume {
+
+struct PassTime {
+  std::string name;
+  double seconds = 0;
+};
+
+/// A number that a pass reports: how full its structures are, what it had to leave out.
+struct PassStatistic {
+  std::string name;  ///< "pass.number"
+  double value = 0;
+};
+
+/// Totals since the session began. Counters are exact and do not depend on the number of threads.
+struct Statistics {
+  double build_s = 0;    ///< compiling the scene and building the acceleration structure
+  double render_s = 0;   ///< inside render_frame
+  uint64_t frames = 0;   ///< complete ones
+  uint64_t samples = 0;  ///< camera samples, all pixels together
+  uint64_t paths = 0;
+  uint64_t rays = 0;  ///< path and shadow rays
+  uint64_t nonfinite_samples = 0;
+  uint64_t scene_bytes = 0;      ///< the compiled scene
+  uint64_t buffer_bytes = 0;     ///< per-pixel buffers
+  uint64_t technique_bytes = 0;  ///< further structures of the passes
+  int threads = 0;
+  std::vector<PassTime> passes;
+  std::vector<PassStatistic> pass_statistics;  ///< as of the last frame
+};
+
+/// Time of each pass of `now` since `before`, which may lack passes that had not run by then. "build", compiling the
+/// scene, is among them if it is in `now`.
+RELUME_API std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vector<PassTime>& before);
+
+}  // namespace relume

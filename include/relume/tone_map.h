@@ -1,0 +1,27 @@
+// From scene radiance to values that a display shows: exposure, then a tone curve.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "relume/export.h"
+#include "relume/image.h"
+
+namespace relume {
+
+/// Tone curves. All map linear Rec. 709 in [0, ∞) to display-linear Rec. 709 in [0, 1]; the display's transfer
+/// function comes after.
+enum class ToneMap : int {
+  none,      ///< clamp
+  reinhard,  ///< [Reinhard02 eq. 3]: L/(1+L) on the luminance
+  aces,      ///< [Hill15]: fit of the ACES reference rendering transform and the sRGB output transform
+  agx,       ///< [Sobotka22], default look, with the polynomial of [Wrensch23]
+};
+
+/// Names of the enum's values for settings, in order.
+inline constexpr std::array<std::string_view, 4> kToneMapNames{"none", "reinhard", "aces", "agx"};
+
+/// Every pixel tone-mapped; write_image() then stores it as PNG, JPEG or TGA.
+RELUME_API Image tone_map(const Image& image, ToneMap curve, float exposure);
+
+}  // namespace relume

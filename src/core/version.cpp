@@ -1,0 +1,7 @@
+#include "relume/version.h"
+
+namespace relume {
+
+const char* version() { return RELUME_VERSION; }
+
+}  // namespace relume

@@ -1,0 +1,100 @@
+// Reading what a session shows.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/srgb.h"
+#include "framebuffer/tone_map.h"
+#include "relume/error.h"
+#include "render/session_state.h"
+
+namespace relume {
+namespace {
+
+void write_pixel(const Rgb& radiance, std::byte* target, const ImageTarget& format, ToneMap curve, float exposure) {
+  if (format.layout == PixelLayout::rgba8) {
+    const Rgb shown = srgb_from_linear(tone_map(curve, exposure, radiance));
+    for (int c = 0; c < 3; ++c) target[c] = static_cast<std::byte>(quantise_unorm8(shown[c]));
+    target[3] = std::byte{255};
+    return;
+  }
+  const Vec4 values(radiance, 1.0f);
+  std::copy_n(reinterpret_cast<const std::byte*>(&values), pixel_bytes(format.layout), target);
+}
+
+void check_target(const ImageTarget& target, const BufferTable& buffers) {
+  const auto width = static_cast<int>(buffers.width());
+  const auto height = static_cast<int>(buffers.height());
+  if (target.pixels == nullptr) throw Error("reading an image needs memory; the target's pixels are null");
+  if (target.width != width || target.height != height) {
+    throw Error(fmt::format("the image has {}x{} pixels, but the target {}x{}; make them equal", width, height,
+                            target.width, target.height));
+  }
+  const size_t row = static_cast<size_t>(width) * pixel_bytes(target.layout);
+  if (target.row_stride != 0 && target.row_stride < row)
+    throw Error(fmt::format("a row of the target has {} bytes, but needs {}", target.row_stride, row));
+}
+
+/// What can be inspected: values that are shown, of types that other programs know.
+bool is_inspectable(const BufferDescription& buffer) {
+  return buffer.display != BufferDisplay::hidden && buffer.id.type != BufferType::record;
+}
+
+BufferInfo info_of(const Buffer& buffer, const BufferTable& table) {
+  const BufferId& id = buffer.description().id;
+  return {.name = std::string(id.name),
+          .help = buffer.description().help,
+          .type = id.type == BufferType::u32 ? ElementType::uint32 : ElementType::float32,
+          .width = table.width(),
+          .height = table.height(),
+          .channels = static_cast<uint32_t>(id.element_bytes / sizeof(float)),
+          .pixel_stride = id.element_bytes,
+          .row_stride = size_t{id.element_bytes} * table.width()};
+}
+
+}  // namespace
+
+Image Session::image() const {
+  const BufferTable& buffers = *state_->buffers;
+  Image image(static_cast<int>(buffers.width()), static_cast<int>(buffers.height()));
+  const View<const Rgb> shown = state_->shown();
+  std::copy(shown.begin(), shown.end(), image.pixels.begin());
+  return image;
+}
+
+std::shared_ptr<const Image> Session::snapshot() const { return std::make_shared<const Image>(image()); }
+
+void Session::read(const ImageTarget& target, ToneMap curve, float exposure) const {
+  check_target(target, *state_->buffers);
+  const View<const Rgb> shown = state_->shown();
+  const size_t pixel = pixel_bytes(target.layout);
+  const auto width = static_cast<size_t>(target.width);
+  const size_t stride = target.row_stride > 0 ? target.row_stride : width * pixel;
+  const auto read_row = [&](size_t y) {
+    std::byte* row = static_cast<std::byte*>(target.pixels) + y * stride;
+    for (size_t x = 0; x < width; ++x) {
+      const Rgb radiance = shown.empty() ? Rgb(0) : shown[static_cast<uint32_t>(y * width + x)];
+      write_pixel(radiance, row + x * pixel, target, curve, exposure);
+    }
+  };
+  state_->backend->execute([&] { parallel_for(static_cast<size_t>(target.height), read_row); });
+}
+
+std::vector<BufferInfo> Session::buffers() const {
+  std::vector<BufferInfo> list;
+  for (const auto& buffer : state_->buffers->all()) {
+    if (is_inspectable(buffer->description())) list.push_back(info_of(*buffer, *state_->buffers));
+  }
+  return list;
+}
+
+BufferData Session::buffer(const std::string& name) const {
+  const Buffer* buffer = std::as_const(*state_->buffers).find(name);
+  if (!buffer || !is_inspectable(buffer->description()))
+    throw Error(ErrorCode::not_found, fmt::format("there is no buffer '{}' with these settings", name));
+  return {info_of(*buffer, *state_->buffers), buffer->bytes()};
+}
+
+void Session::on_pass(std::function<void(const std::string&)> hook) { state_->pass_hook = std::move(hook); }
+
+}  // namespace relume

@@ -1,0 +1,223 @@
+// What a session consists of.
+#pragma once
+
+#include <atomic>
+#include <concepts>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/hash.h"
+#include "core/parallel.h"
+#include "frame/launch.h"
+#include "relume/session.h"
+#include "render/build_pipeline.h"
+#include "render/checkpoint.h"
+#include "sampling/blue_noise.h"
+#include "sampling/sample_schedule.h"
+#include "scene/compiled_scene.h"
+#include "scene/scene_hash.h"
+
+namespace relume {
+
+/// Sum by all threads of the backend. Integers, so that the order does not matter.
+inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
+  constexpr uint32_t kPart = 65536;
+  std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
+  backend.execute([&] {
+    parallel_for(parts.size(), [&](size_t part) {
+      const uint64_t begin = part * kPart;
+      const uint64_t end = std::min<uint64_t>(begin + kPart, values.size);
+      for (uint64_t i = begin; i < end; ++i) parts[part] += values[static_cast<uint32_t>(i)];
+    });
+  });
+  return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
+}
+
+/// Which parts of the scene have been removed; by index.
+struct RemovedParts {
+  RemovedParts() = default;
+  explicit RemovedParts(const Scene& scene)
+      : nodes(scene.nodes.size()),
+        meshes(scene.meshes.size()),
+        materials(scene.materials.size()),
+        lights(scene.lights.size()) {}
+
+  std::vector<bool> nodes;
+  std::vector<bool> meshes;
+  std::vector<bool> materials;
+  std::vector<bool> lights;
+};
+
+/// Differs between the sessions of a process; from 1.
+inline uint64_t next_session_number() {
+  static std::atomic<uint64_t> last{0};
+  return ++last;
+}
+
+struct Session::State {
+  State(Scene source, const RenderSettings& s, std::vector<Index> movable)
+      : settings(s), hash(relume::scene_hash(source)), backend(std::make_unique<Backend>(s.threads)) {
+    const double start_s = now_s();
+    rebuild_pipeline();
+    backend->run("build", [&] {
+      scene = std::make_unique<CompiledScene>(
+          std::move(source), CompileOptions{settings.camera, settings.time_s, settings.width, settings.height,
+                                            settings.texture_filter, std::move(movable)});
+    });
+    counters.time_s = counters.previous_time_s = settings.time_s;
+    statistics.build_s = now_s() - start_s;
+    removed = RemovedParts(scene->source());
+  }
+
+  /// Buffers and passes for the settings, both empty.
+  void rebuild_pipeline() { take(empty_pipeline()); }
+
+  struct Fresh {
+    std::unique_ptr<BufferTable> buffers;
+    FramePasses passes;
+  };
+  Fresh empty_pipeline() const {
+    Fresh fresh{
+        std::make_unique<BufferTable>(static_cast<uint32_t>(settings.width), static_cast<uint32_t>(settings.height)),
+        build_passes(settings)};
+    fresh.passes.pipeline.add_buffers(*fresh.buffers);
+    return fresh;
+  }
+  void take(Fresh fresh) {
+    buffers = std::move(fresh.buffers);
+    passes = std::move(fresh.passes);
+  }
+
+  /// Takes pending changes on: what they make invalid is cleared, and where no history survives them, new sequences of
+  /// samples begin.
+  void apply_changes() {
+    if (changes != Change::none) {
+      buffers->reset(changes);
+      counters.since_change = 0;
+    }
+    if (includes(changes, ends_sequences(settings))) {
+      if (edited && counters.sequence_age > 0) ++counters.epoch;
+      counters.sequence_age = 0;
+    }
+    edited = false;
+    if (counters.sequence_age == 0) counters.stretch_time_s = counters.time_s;
+  }
+
+  /// The image of the last complete frame; empty before the first.
+  View<const Rgb> shown() const {
+    if (shows_kept_image) return view_of(kept_image);
+    if (counters.frames == 0) return {};
+    const View<const Rgb> denoised = buffers->view(kDenoised);
+    return denoised.empty() ? buffers->view(kMean) : denoised;
+  }
+  /// Keeps it while what it is made of is cleared: until a frame is complete, reading goes on to give it.
+  void keep_image() {
+    if (shows_kept_image) return;
+    const View<const Rgb> image = shown();
+    kept_image.assign(image.begin(), image.end());
+  }
+  void show_kept_image() { shows_kept_image = shows_kept_image || !kept_image.empty(); }
+  void drop_kept_image() {
+    shows_kept_image = false;
+    kept_image.clear();
+  }
+
+  void edit(Change change) {
+    changes |= change;
+    edited = edited || change != Change::none;
+  }
+  /// Changes the scene by the session's threads. Returns what differs afterwards.
+  template <typename F>
+  Change change_scene(const F& change) {
+    Change result = Change::none;
+    backend->execute([&] {
+      commit_edits();
+      result = change(*scene);
+    });
+    return result;
+  }
+  /// Parts that were added or removed: their lights and places have other numbers, so that no history or cache holds.
+  void commit_edits() {
+    if (scene->commit_edits() == Change::none) return;
+    keep_image();
+    show_kept_image();
+    rebuild_pipeline();
+    edit(Change::any);
+  }
+  template <typename F>
+  requires std::invocable<F, CompiledScene&>
+  void edit(const F& change) { edit(change_scene(change)); }
+
+  /// Seed of the sequences. Each time of the animation at which they start has numbers of its own, whichever frames
+  /// came before.
+  uint32_t scramble() const {
+    const auto seed = static_cast<uint32_t>(settings.seed);
+    if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
+    return relume::hash(relume::hash(seed, counters.epoch), float_bits(counters.stretch_time_s));
+  }
+
+  SampleIndex sample_index(const SampleSchedule& schedule) const {
+    SampleIndex index{.seed = scramble(),
+                      .sequence = counters.frames,
+                      .frame = counters.frames,
+                      .age = counters.sequence_age,
+                      .width = buffers->width(),
+                      .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
+    if (!settings.stratify) return index;  // a sequence of one element in each frame
+    index.sample = schedule.sample(counters.sequence_age, counters.since_change);
+    index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
+    index.taken = buffers->view(kSequenceSamples);
+    index.camera_runs = schedule.longest_epoch > 0;
+    return index;
+  }
+
+  FrameContext frame(const std::stop_token& stop) {
+    const SampleSchedule schedule{passes.pipeline.longest_epoch(), pilot_samples(settings)};
+    const SampleIndex index = sample_index(schedule);
+    const bool own_sequence = index.sample >= counters.since_change && index.taken.empty();
+    return FrameContext(scene->view(), *buffers, *backend,
+                        {.index = index,
+                         .number = counters.frames,
+                         .since_change = counters.since_change,
+                         .changes = changes,
+                         .begins_picture = counters.since_change == 0 || counters.picture_frames == counters.frames,
+                         .begins_epoch = schedule.begins_epoch(counters.since_change),
+                         .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
+                         .stop = passes.pipeline.keeps_state() ? std::stop_token{} : stop,
+                         .hurry = hurry});
+  }
+
+  void count_frame() {
+    const View<const uint32_t> allocation = buffers->view(kAllocation);
+    counters.paths += allocation.empty() ? uint64_t{buffers->width()} * buffers->height() : sum(*backend, allocation);
+    counters.rays += sum(*backend, buffers->view(kRays));
+    ++counters.frames;
+    ++counters.since_change;
+    ++counters.sequence_age;
+  }
+
+  const uint64_t number = next_session_number();
+  RenderSettings settings;
+  uint64_t hash;
+  std::unique_ptr<Backend> backend;
+  std::unique_ptr<BufferTable> buffers;
+  FramePasses passes;
+  std::unique_ptr<CompiledScene> scene;
+  Change changes = Change::none;
+  bool edited = false;  ///< some of them are not the animation's
+  Counters counters;
+  std::stop_token hurry;
+  RemovedParts removed;
+  std::function<void(const std::string&)> pass_hook;
+  std::vector<Rgb> kept_image;  ///< where its buffers are cleared or replaced
+  bool shows_kept_image = false;
+  mutable Statistics statistics;
+  double picture_begun_s = 0;  ///< statistics.render_s when the picture began
+};
+
+}  // namespace relume

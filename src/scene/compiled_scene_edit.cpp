@@ -1,0 +1,170 @@
+// Adding parts to a compiled scene, and removing them. Indices stay: what is removed leaves an empty place.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "relume/error.h"
+#include "scene/compiled_scene.h"
+#include "scene/placement.h"
+
+namespace relume {
+namespace {
+
+template <typename T>
+Index append(std::vector<T>& list, T value) {
+  list.push_back(std::move(value));
+  return static_cast<Index>(list.size()) - 1;
+}
+
+/// Throws Error unless `index` is kNone or one of `count` parts of this kind ("mesh").
+void check_reference(Index index, size_t count, const char* kind, const std::string& place) {
+  if (index == kNone || (index >= 0 && static_cast<size_t>(index) < count)) return;
+  throw Error(fmt::format("{}: {} {} does not exist; add it first", place, kind, index));
+}
+
+/// A scene of one mesh that passes for valid if the mesh is.
+void validate(const Mesh& mesh, const std::string& place) {
+  Scene scene;
+  scene.meshes.push_back(mesh);
+  scene.meshes.back().material = kNone;
+  relume::validate(scene, place);
+}
+
+}  // namespace
+
+Index CompiledScene::add_material(const Material& material) {
+  validate(material, source_.name);
+  for (const TextureRef* ref : texture_refs(material))
+    check_reference(ref->texture, source_.textures.size(), "texture", source_.name);
+  const Index index = append(source_.materials, material);
+  build_materials();
+  // The default material, which meshes without one have, is behind the others.
+  for (MeshView& mesh : meshes_) mesh.material += mesh.material >= static_cast<uint32_t>(index) ? 1 : 0;
+  edited_ = true;
+  return index;
+}
+
+Index CompiledScene::add_mesh(const Mesh& mesh) {
+  validate(mesh, source_.name);
+  check_reference(mesh.material, source_.materials.size(), "material", source_.name);
+  const Index index = append(source_.meshes, mesh);
+  shared_meshes_.resize(source_.meshes.size(), kNoHit);
+  shared_meshes_.back() = static_cast<uint32_t>(meshes_.size());
+  append_mesh(static_cast<uint32_t>(index), nullptr);
+  Mesh& kept = source_.meshes.back();  // the compiled copy replaces the arrays
+  kept = Mesh{};
+  kept.name = mesh.name;
+  kept.material = mesh.material;
+  boxes_.push_back(box_of(meshes_.back()));
+  edited_ = true;
+  return index;
+}
+
+Index CompiledScene::add_light(const PunctualLight& light) {
+  validate(light, source_.name);
+  edited_ = true;
+  return append(source_.lights, light);
+}
+
+Index CompiledScene::add_node(const Node& node) {
+  check_reference(node.parent, source_.nodes.size(), "node", source_.name);
+  check_reference(node.light, source_.lights.size(), "light", source_.name);
+  check_reference(node.camera, source_.cameras.size(), "camera", source_.name);
+  for (const Index mesh : node.meshes) {
+    check_reference(mesh, source_.meshes.size(), "mesh", source_.name);
+    if (mesh == kNone || shared_meshes_[static_cast<size_t>(mesh)] == kNoHit) {
+      throw Error(
+          fmt::format("{}: mesh {} is placed once and does not move, so it has no copy for another node; add it "
+                      "as a mesh of its own",
+                      source_.name, mesh));
+    }
+  }
+  const Index index = append(source_.nodes, node);
+  try {
+    std::vector<Mat4> world = world_matrices(source_, time_s_);
+    check_placement(source_, world, source_.name);
+    world_ = std::move(world);
+  } catch (const Error&) {
+    source_.nodes.pop_back();
+    throw;
+  }
+  moves_.push_back(true);
+  for_each_place(node, [&](Index mesh, const Mat4& to_node) {
+    appearances_.push_back({static_cast<uint32_t>(index), static_cast<uint32_t>(mesh), to_node});
+    world_space_.push_back(false);
+    mesh_of_appearance_.push_back(shared_meshes_[static_cast<size_t>(mesh)]);
+  });
+  edited_ = true;
+  return index;
+}
+
+std::vector<Index> CompiledScene::remove_node(Index node) {
+  std::vector<bool> gone(source_.nodes.size(), false);
+  gone[static_cast<size_t>(node)] = true;
+  for (bool more = true; more;) {
+    more = false;
+    for (size_t i = 0; i < gone.size(); ++i) {
+      const Index parent = source_.nodes[i].parent;
+      if (gone[i] || parent == kNone || !gone[static_cast<size_t>(parent)]) continue;
+      gone[i] = more = true;
+    }
+  }
+  size_t kept = 0;
+  for (size_t i = 0; i < appearances_.size(); ++i) {
+    if (gone[appearances_[i].node]) continue;
+    appearances_[kept] = appearances_[i];
+    world_space_[kept] = world_space_[i];
+    mesh_of_appearance_[kept++] = mesh_of_appearance_[i];
+  }
+  appearances_.resize(kept);
+  world_space_.resize(kept);
+  mesh_of_appearance_.resize(kept);
+  std::vector<Index> removed;
+  for (size_t i = 0; i < gone.size(); ++i) {
+    if (!gone[i]) continue;
+    removed.push_back(static_cast<Index>(i));
+    if (static_cast<Index>(i) == camera_node_) {  // the view stays
+      default_camera_ = world_[i];
+      camera_node_ = kNone;
+    }
+    source_.nodes[i] = Node{.name = {}, .parent = kNone, .transform = {}, .matrix = {}, .meshes = {}, .instances = {}};
+    std::erase_if(source_.animation, [&](const AnimationChannel& c) { return c.node == static_cast<Index>(i); });
+  }
+  world_ = world_matrices(source_, time_s_);
+  edited_ = true;
+  return removed;
+}
+
+void CompiledScene::remove_mesh(Index mesh) {
+  for (const Node& node : source_.nodes) {
+    if (std::find(node.meshes.begin(), node.meshes.end(), mesh) != node.meshes.end())
+      throw Error(fmt::format("{}: mesh {} is part of node '{}'; remove that first", source_.name, mesh, node.name));
+  }
+  shared_meshes_[static_cast<size_t>(mesh)] = kNoHit;
+}
+
+void CompiledScene::remove_light(Index light) {
+  for (const Node& node : source_.nodes) {
+    if (node.light == light)
+      throw Error(fmt::format("{}: light {} is part of node '{}'; remove that first", source_.name, light, node.name));
+  }
+}
+
+Change CompiledScene::commit_edits() {
+  if (!edited_) return Change::none;
+  edited_ = false;
+  instances_.clear();
+  place_instances();
+  extent_.add(placed_box(world_));
+  check_extent(extent_);
+  set_bounds();
+  build_accel();
+  view_.accel = accel_->view();
+  lights_.forget_textures();
+  collect_lights();
+  was_moved_ = true;
+  return Change::any;
+}
+
+}  // namespace relume

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Follows docs/embedding.md: builds its programs against the installed package, and runs them."""
+
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ["RELUME_BUILD"])
+PAGE = (ROOT / "docs/embedding.md").read_text()
+
+PROJECT = """cmake_minimum_required(VERSION 3.25)
+project(embedding LANGUAGES CXX)
+{package}
+foreach(program {programs})
+  add_executable(${{program}} ${{program}}.cpp)
+  {link}
+endforeach()
+"""
+
+
+def run(*command, cwd=None):
+    done = subprocess.run([str(part) for part in command], cwd=cwd, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+class Embedding(unittest.TestCase):
+    def succeed(self, *command, cwd=None):
+        code, output = run(*command, cwd=cwd)
+        self.assertEqual(code, 0, output[-4000:])
+        return output
+
+    def test_every_program(self):
+        programs = dict(re.findall(r"^```cpp\n// (\w+)\.cpp\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
+        self.assertEqual(sorted(programs), ["editor", "frame_loop", "offline"])
+        package, link = re.search(r"^```cmake\n(.*)\n(.*)\n```", PAGE, re.MULTILINE).groups()
+        with tempfile.TemporaryDirectory(prefix="relume_") as name:
+            folder = pathlib.Path(name)
+            for component in ("library", "shared"):
+                self.succeed("cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", component)
+            installed = {file.name for file in (folder / "prefix/include").rglob("*.h")}
+            self.assertEqual(installed, {file.name for file in (ROOT / "include").rglob("*.h")})
+            scene = folder / "room.glb"
+            self.succeed(os.environ["RELUME_PROGRAM"], "export", "cornell", "-o", scene)
+            for library in ("relume", "shared"):
+                project = folder / library
+                project.mkdir()
+                for program, text in programs.items():
+                    (project / f"{program}.cpp").write_text(text)
+                linked = link.replace("program", "${program}").replace("relume::relume", f"relume::{library}")
+                (project / "CMakeLists.txt").write_text(PROJECT.format(package=package, link=linked, programs=" ".join(programs)))
+                with self.subTest(library=library):
+                    self.build_and_run(project, folder / "prefix", scene)
+
+    def build_and_run(self, project, prefix, scene):
+        flags = [f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={os.environ['RELUME_CXX']}", f"-DCMAKE_CXX_FLAGS={os.environ.get('RELUME_CXX_FLAGS', '')}"]
+        self.succeed("cmake", "-S", project, "-B", project / "build", *flags)
+        self.succeed("cmake", "--build", project / "build")
+        self.assertIn("pixels are lit", self.succeed(project / "build/frame_loop", scene))
+        self.assertIn("was removed", self.succeed(project / "build/editor", scene))
+        output = self.succeed(project / "build/offline", scene, project / "room.png")
+        self.assertRegex(output, "ended by: (interrupted|error)")
+        self.assertGreater((project / "room.png").stat().st_size, 0)
+        code, output = run(project / "build/offline", project / "missing.glb", project / "none.png")
+        self.assertEqual(code, 2, output)
+        self.assertIn("missing.glb", output)
+
+
+if __name__ == "__main__":
+    unittest.main()
