@@ -10,11 +10,11 @@ namespace relume {
 
 /// Kinds of errors, for programs that react to them.
 enum class ErrorCode {
-  invalid_input,  ///< a file, setting, value or combination that cannot be used
+  invalid_input,   ///< a file, setting, value or combination that cannot be used
   invalid_handle,  ///< a handle whose object was removed, or that belongs to another session
-  not_found,      ///< a file, camera, setting or layer that does not exist
-  not_supported,  ///< valid, but not supported by this build
-  io,             ///< reading or writing failed
+  not_found,       ///< a file, camera, setting or layer that does not exist
+  not_supported,   ///< valid, but not supported by this build
+  io,              ///< reading or writing failed
 };
 
 /// Thrown where input from outside cannot be used, never inside kernels. `what()` is one sentence that names the place

@@ -1,5 +1,5 @@
-// A rendering session: a scene, its settings, and the frames rendered so far. Used frame by frame, on any thread, by one
-// thread at a time.
+// A rendering session: a scene, its settings, and the frames rendered so far. Used frame by frame, on any thread, by
+// one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -112,8 +112,8 @@ class RELUME_API Session {
   Image image() const;
   /// The same, in memory that later frames never change.
   std::shared_ptr<const Image> snapshot() const;
-  /// Copies the same to the caller's memory, without allocating. `curve` and `exposure` (stops) are for PixelLayout::rgba8.
-  /// Throws Error unless the target has memory and the session's size.
+  /// Copies the same to the caller's memory, without allocating. `curve` and `exposure` (stops) are for
+  /// PixelLayout::rgba8. Throws Error unless the target has memory and the session's size.
   void read(const ImageTarget& target, ToneMap curve = ToneMap::agx, float exposure = 0) const;
 
   /// Per-pixel buffers that can be inspected.

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "compare/rounds.h"
-#include "relume/error.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
+#include "relume/error.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
@@ -78,7 +78,7 @@ class Comparing {
   const std::stop_token& stop_;
   const ComparisonProgress& progress_;
   std::vector<AllSettings> settings_;  ///< of the contenders
-  std::vector<Image> pictures_;     ///< made elsewhere
+  std::vector<Image> pictures_;        ///< made elsewhere
   std::vector<Reference> references_;
   Comparison result_;
 };

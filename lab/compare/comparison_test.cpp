@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "builtin_scenes/builtin.h"
 #include "compare/comparison_page.h"
 #include "relume/error.h"
-#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

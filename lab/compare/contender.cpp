@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "relume/error.h"
 #include "files/extension.h"
+#include "relume/error.h"
 #include "render/presets.h"
 #include "settings/nearest_name.h"
 #include "settings/text_list.h"

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
-#include "relume/error.h"
 #include "core/fnv1a.h"
 #include "files/atomic_file.h"
 #include "metrics/metrics.h"
+#include "relume/error.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
@@ -160,8 +160,8 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
 }
 
 std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_time_s,
-                                                   const std::optional<CameraPose>& camera,
-                                                   const std::stop_token& stop, const ReferenceProgress& progress) {
+                                                   const std::optional<CameraPose>& camera, const std::stop_token& stop,
+                                                   const ReferenceProgress& progress) {
   const std::filesystem::path target = file(time_s, previous_time_s, camera);
   Reference reference;
   reference.spp = 2 * half_spp_;

@@ -9,8 +9,8 @@
 #include <stop_token>
 #include <string>
 
-#include "relume/image_io.h"
 #include "metrics/temporal.h"
+#include "relume/image_io.h"
 #include "render/session.h"
 
 namespace relume {

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "builtin_scenes/builtin.h"
+#include "metrics/metrics.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
-#include "metrics/metrics.h"
-#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "relume/error.h"
 #include "experiments/all.h"
+#include "relume/error.h"
 #include "settings/nearest_name.h"
 
 namespace relume {

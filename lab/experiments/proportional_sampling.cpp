@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "builtin_scenes/builtin.h"
 #include "experiments/all.h"
 #include "experiments/measure/trace.h"
 #include "experiments/setup/references.h"
 #include "experiments/setup/scenes.h"
-#include "builtin_scenes/builtin.h"
 
 namespace relume {
 namespace {

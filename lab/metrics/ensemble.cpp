@@ -1,8 +1,8 @@
 #include "metrics/ensemble.h"
 
-#include "relume/error.h"
 #include "metrics/estimate.h"
 #include "metrics/metrics.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relume/error.h"
 #include "core/hash.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "relume/error.h"
 #include "metrics/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

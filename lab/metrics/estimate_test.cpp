@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relume/error.h"
 #include "metrics/testing/noisy_images.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

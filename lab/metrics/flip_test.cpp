@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "relume/error.h"
 #include "core/hash.h"
 #include "metrics/flip_filters.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "relume/error.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

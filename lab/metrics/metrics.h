@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "framebuffer/tone_map.h"
-#include "relume/image_io.h"
 #include "metrics/flip.h"
+#include "relume/image_io.h"
 
 namespace relume {
 

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "relume/error.h"
 #include "core/hash.h"
 #include "core/srgb.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "relume/error.h"
 #include "metrics/metrics.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relume/error.h"
 #include "core/hash.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -1,4 +1,4 @@
-// Written by scripts/fit_ltc.cpp.
+// Written by tools/fit_ltc.cpp.
 #include "materials/ltc.h"
 
 namespace relume {

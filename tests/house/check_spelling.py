@@ -52,7 +52,7 @@ def prose(path):
         return of_cpp(path.read_text(encoding="utf-8"))
     if path.suffix == ".py":
         return of_python(path.read_text(encoding="utf-8"))
-    if path.suffix in TEXT_SUFFIXES or path.parent.name == "scripts":
+    if path.suffix in TEXT_SUFFIXES or path.parent.name in ("scripts", "tools"):
         return path.read_text(encoding="utf-8")
     return None
 

@@ -11,8 +11,8 @@
 #include "experiments/measure/pixel_mask.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/scenes.h"
-#include "relume/image_io.h"
 #include "metrics/statistics.h"
+#include "relume/image_io.h"
 #include "render/session.h"
 #include "report/page.h"
 
@@ -34,7 +34,7 @@ struct AdaptedError {
   std::vector<std::vector<double>> mse;                ///< by region, by block of frames; without the reference's noise
   std::vector<double> frame_s;                         ///< seconds of each measured frame
   std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean of the measured frames
-  std::vector<PassStatistic> figures;                     ///< after the last frame
+  std::vector<PassStatistic> figures;                  ///< after the last frame
   Image last;                                          ///< the last frame
 
   double mean_mse(size_t region = 0) const { return mean(mse[region]); }

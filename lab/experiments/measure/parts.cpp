@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "relume/error.h"
 #include "core/fnv1a.h"
+#include "relume/error.h"
 #include "scene/scene_hash.h"
 
 namespace relume {

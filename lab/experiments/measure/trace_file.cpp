@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "relume/error.h"
 #include "experiments/measure/parts.h"
 #include "files/json_parse.h"
+#include "relume/error.h"
 #include "settings/settings_json.h"
 
 namespace relume {

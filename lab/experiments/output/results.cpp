@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "relume/error.h"
 #include "files/json_parse.h"
+#include "relume/error.h"
 
 namespace relume {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "core/hash.h"
-#include "experiments/setup/references.h"
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/shapes.h"
+#include "core/hash.h"
+#include "experiments/setup/references.h"
 
 namespace relume {
 namespace {

@@ -5,12 +5,12 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "relume/error.h"
-#include "experiments/setup/named.h"
-#include "scene_io/scene_io.h"
-#include "builtin_scenes/builtin.h"
 #include "builtin_scenes/builder.h"
+#include "builtin_scenes/builtin.h"
 #include "builtin_scenes/shapes.h"
+#include "experiments/setup/named.h"
+#include "relume/error.h"
+#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {

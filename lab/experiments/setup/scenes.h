@@ -18,8 +18,8 @@ struct ExperimentScene {
   std::string property = {};  ///< what a variation varies: "light", "triangles", "material"
   Scene scene;
   std::optional<CameraPose> camera = {};  ///< at which a turn ends; empty: the scene's own
-  RenderSettings settings = {};             ///< bounces
-  int scale = 1;                            ///< edges of its pictures over the usual ones, in a full run
+  RenderSettings settings = {};           ///< bounces
+  int scale = 1;                          ///< edges of its pictures over the usual ones, in a full run
 };
 
 /// A technique that an experiment measures.

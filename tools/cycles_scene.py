@@ -1,6 +1,6 @@
-"""What scripts/compare_cycles runs inside Blender: renders a glTF scene with Cycles as relume sees it.
+"""What tools/compare_cycles runs inside Blender: renders a glTF scene with Cycles as relume sees it.
 
-    blender -b --factory-startup --python scripts/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
+    blender -b --factory-startup --python tools/cycles_scene.py -- SCENE.gltf --width W ... --output FILE.exr
 
 Surfaces become Lambert surfaces of their base colour, so scenes should have no others. Emissive materials emit their
 emissive factor times KHR_materials_emissive_strength; masks cut where glTF says. No denoiser, clamp or adaptive sampling,

@@ -1,6 +1,6 @@
 // Fits linearly transformed cosines to GGX reflection ([Heitz16]) and prints src/materials/ltc_table.cpp:
 //
-//   g++ -std=c++20 -O2 -Isrc scripts/fit_ltc.cpp -o /tmp/fit_ltc && /tmp/fit_ltc > src/materials/ltc_table.cpp
+//   g++ -std=c++20 -O2 -Isrc tools/fit_ltc.cpp -o /tmp/fit_ltc && /tmp/fit_ltc > src/materials/ltc_table.cpp
 //
 // For each roughness and angle of the viewer the lobe is aligned with the mean direction of reflection, and three
 // numbers (its two widths and a shear in the plane of incidence) are found by the simplex method of Nelder and Mead, so
@@ -153,7 +153,7 @@ Parameters nelder_mead(const std::function<double(const Parameters&)>& f, const 
 
 int main() {
   std::printf(
-      "// Written by scripts/fit_ltc.cpp.\n#include \"materials/ltc.h\"\n\nnamespace relume {\nnamespace {\n\n"
+      "// Written by tools/fit_ltc.cpp.\n#include \"materials/ltc.h\"\n\nnamespace relume {\nnamespace {\n\n"
       "// clang-format off\nconstexpr LtcMatrix kEntries[kLtcTableSize * kLtcTableSize] = {\n");
   for (uint32_t row = 0; row < kLtcTableSize; ++row) {
     const float r = lerp(kLtcMinR, 1.0f, static_cast<float>(row) / (kLtcTableSize - 1));
