@@ -89,8 +89,8 @@ class RELUME_API Session {
   void set_material(MaterialHandle material, const Material& value);
 
   /// Add parts to the scene. A node refers to meshes and lights by Handle::index, and may be moved. The acceleration
-  /// structure is built again before the next frame, and histories and caches start over. Throw Error for values and
-  /// references that are not valid; then nothing is added.
+  /// structure is built again before the next frame, histories and caches start over, and the session can no longer
+  /// save or load checkpoints. Throw Error for values and references that are not valid; then nothing is added.
   MaterialHandle add_material(const Material& material);
   MeshHandle add_mesh(const Mesh& mesh);
   LightHandle add_light(const PunctualLight& light);

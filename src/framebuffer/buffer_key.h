@@ -1,5 +1,5 @@
-// Names of per-pixel buffers, typed by their elements. A key is declared once, as a constant, by whoever owns the
-// buffer; keys that several techniques use are in shared_buffers.h.
+// Names of per-pixel buffers with the types of their elements. Each key is one constant: in shared_buffers.h if several
+// techniques use the buffer, else beside the pass that owns it.
 #pragma once
 
 #include <cstdint>

@@ -56,7 +56,8 @@ bool Session::render_frame(std::stop_token stop) {
   State& s = *state_;
   const double start_s = now_s();
   s.backend->execute([&] { s.commit_edits(); });
-  const bool may_lose_image = stop.stop_possible() && s.changes != Change::none;
+  const bool may_stop = stop.stop_possible() && !s.passes.pipeline.keeps_state();
+  const bool may_lose_image = may_stop && s.changes != Change::none;
   if (may_lose_image) s.keep_image();
   s.apply_changes();
   s.buffers->swap();
@@ -157,7 +158,7 @@ bool Session::set_settings(const Settings& wanted) {
   if (settings.texture_filter != current.texture_filter || settings.camera != current.camera) return false;
   check_size(settings);
   // Throws for what does not combine, before anything changes.
-  const bool same_passes = same_plan(plan(settings), plan(current));
+  const bool same_passes = same_plan(plan(settings), s.passes.pipeline.declarations());
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
   const bool resized = settings.width != current.width || settings.height != current.height;
@@ -200,20 +201,22 @@ void Session::restart(int seed) {
 }
 
 void Session::save_checkpoint(const std::filesystem::path& file) const {
+  state_->check_unedited(file);
   write_checkpoint(file, {state_->hash, checkpoint_key(state_->settings), state_->counters}, *state_->buffers,
                    state_->passes.pipeline);
 }
 
 void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
+  s.check_unedited(file);
   // Into passes that have not run: others remember the scene at the time that they were run for.
   State::Fresh fresh = s.empty_pipeline();
   const Counters counters =
       read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.passes.pipeline);
-  s.change_scene([&](CompiledScene& scene) {
-    return scene.set_time(counters.previous_time_s);
-  });  // before the rest: it may refuse
+  // Before the rest: it may refuse.
+  s.change_scene([&](CompiledScene& scene) { return scene.set_time(counters.previous_time_s); });
   s.counters = counters;
+  s.drop_kept_image();
   s.take(std::move(fresh));
   s.picture_begun_s = s.statistics.render_s;
   s.scene->end_frame();

@@ -62,7 +62,8 @@ MaterialHandle Session::add_material(const Material& material) {
 }
 
 MeshHandle Session::add_mesh(const Mesh& mesh) {
-  const Index index = state_->scene->add_mesh(mesh);
+  Index index = kNone;
+  state_->backend->execute([&] { index = state_->scene->add_mesh(mesh); });
   state_->removed.meshes.push_back(false);
   return {index, state_->number};
 }

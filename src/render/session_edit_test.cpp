@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "builtin_scenes/builtin.h"
+#include "files/testing/temp_folder.h"
 #include "relume/error.h"
 #include "render/session.h"
 
@@ -115,11 +116,46 @@ TEST(SessionEdit, HandlesAreChecked) {
   EXPECT_EQ(code_of([&] { session.set_light(99, {}); }), ErrorCode::invalid_handle);
 }
 
+TEST(SessionEdit, OtherChangesMayFollowBeforeAFrame) {
+  Session session(find_builtin_scene("cornell")->build(), small_settings());
+  session.render_frame();
+  const Card card(session, 7);
+  RenderSettings settings = small_settings();
+  settings.width = 32;
+  ASSERT_TRUE(session.set_settings(settings));
+  EXPECT_NEAR(rendered_luminance(session), 7, 1e-4);
+  const Card second(session, 7);
+  session.restart(5);
+  EXPECT_NEAR(rendered_luminance(session), 7, 1e-4);
+}
+
+TEST(SessionEdit, WhatReachesTooFarIsRefusedAndRenderingContinues) {
+  Session session(find_builtin_scene("cornell")->build(), small_settings());
+  const double before = rendered_luminance(session);
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}};
+  Node node;
+  node.meshes = {session.add_mesh(mesh).index};
+  node.transform.scale = Vec3(1e10f);
+  EXPECT_EQ(code_of([&] { session.add_node(node); }), ErrorCode::invalid_input);
+  EXPECT_NEAR(rendered_luminance(session), before, 0.1 * before);
+}
+
+TEST(SessionEdit, CheckpointsDoNotHoldOtherParts) {
+  Session session(find_builtin_scene("cornell")->build(), small_settings());
+  const Card card(session, 7);
+  session.render_frame();
+  const TempFolder folder;
+  EXPECT_EQ(code_of([&] { session.save_checkpoint(folder / "a.ckpt"); }), ErrorCode::not_supported);
+  EXPECT_EQ(code_of([&] { session.load_checkpoint(folder / "a.ckpt"); }), ErrorCode::not_supported);
+}
+
 TEST(SessionEdit, NodesAreFoundByName) {
   const Session session(find_builtin_scene("cornell")->build(), small_settings());
   const NodeHandle lamp = session.find_node("lamp");
   EXPECT_EQ(compiled_scene(session).source().nodes[static_cast<size_t>(lamp.index)].name, "lamp");
-  EXPECT_EQ(code_of([&] { session.find_node("nobody"); }), ErrorCode::not_found);
+  EXPECT_EQ(code_of([&] { session.find_node("no such node"); }), ErrorCode::not_found);
 }
 
 }  // namespace

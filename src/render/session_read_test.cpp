@@ -8,6 +8,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "core/srgb.h"
+#include "files/testing/temp_folder.h"
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
 #include "render/session.h"
@@ -117,6 +118,20 @@ TEST(SessionRead, ShowsTheLastCompleteFrameAfterAnotherTechniqueIsChosen) {
   settings.width = 2 * kWidth;
   ASSERT_TRUE(session.set_settings(settings));
   EXPECT_TRUE(is_black(session.image())) << "there is none of that size";
+}
+
+TEST(SessionRead, ALoadedCheckpointReplacesTheImageThatWasKept) {
+  const TempFolder folder;
+  const Session source = cornell(4);
+  source.save_checkpoint(folder / "a.ckpt");
+  Session session = cornell(2);
+  session.set_camera(moved(session));
+  std::stop_source stop;
+  stop.request_stop();
+  session.render_frame(stop.get_token());  // shows the frame before
+  session.set_camera({});
+  session.load_checkpoint(folder / "a.ckpt");
+  EXPECT_EQ(session.image().pixels, source.image().pixels);
 }
 
 TEST(SessionRead, SnapshotsStay) {

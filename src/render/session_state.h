@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <concepts>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -14,6 +15,7 @@
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "frame/launch.h"
+#include "relume/error.h"
 #include "relume/session.h"
 #include "render/build_pipeline.h"
 #include "render/checkpoint.h"
@@ -115,7 +117,7 @@ struct Session::State {
     const View<const Rgb> denoised = buffers->view(kDenoised);
     return denoised.empty() ? buffers->view(kMean) : denoised;
   }
-  /// Keeps it while what it is made of is cleared: until a frame is complete, reading goes on to give it.
+  /// Copies the image, to show the copy from show_kept_image() until the next complete frame.
   void keep_image() {
     if (shows_kept_image) return;
     const View<const Rgb> image = shown();
@@ -141,9 +143,19 @@ struct Session::State {
     });
     return result;
   }
-  /// Parts that were added or removed: their lights and places have other numbers, so that no history or cache holds.
+  /// Throws Error if a checkpoint would belong to another scene than the one that its hash names.
+  void check_unedited(const std::filesystem::path& file) const {
+    if (!has_other_parts) return;
+    throw Error(ErrorCode::not_supported,
+                file.string() +
+                    ": parts were added to the scene or removed, which checkpoints do not hold; start a session "
+                    "with the changed scene");
+  }
+  /// Builds what parts that were added or removed need. Lights and instances then have other numbers, so that histories
+  /// and caches are discarded.
   void commit_edits() {
     if (scene->commit_edits() == Change::none) return;
+    has_other_parts = true;
     keep_image();
     show_kept_image();
     rebuild_pipeline();
@@ -213,6 +225,7 @@ struct Session::State {
   Counters counters;
   std::stop_token hurry;
   RemovedParts removed;
+  bool has_other_parts = false;  ///< than the scene that the session was constructed with
   std::function<void(const std::string&)> pass_hook;
   std::vector<Rgb> kept_image;  ///< where its buffers are cleared or replaced
   bool shows_kept_image = false;

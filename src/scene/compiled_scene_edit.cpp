@@ -84,6 +84,11 @@ Index CompiledScene::add_node(const Node& node) {
   try {
     std::vector<Mat4> world = world_matrices(source_, time_s_);
     check_placement(source_, world, source_.name);
+    Box box;
+    for_each_place(node, [&](Index mesh, const Mat4& to_node) {
+      box.add(transformed(boxes_[shared_meshes_[static_cast<size_t>(mesh)]], world.back() * to_node));
+    });
+    check_extent(box);
     world_ = std::move(world);
   } catch (const Error&) {
     source_.nodes.pop_back();
@@ -157,7 +162,6 @@ Change CompiledScene::commit_edits() {
   instances_.clear();
   place_instances();
   extent_.add(placed_box(world_));
-  check_extent(extent_);
   set_bounds();
   build_accel();
   view_.accel = accel_->view();

@@ -224,7 +224,7 @@ void CompiledScene::refresh_view() {
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
   view_.energy_tables = &energy_tables();
-  if (!accel_) return;
+  if (!accel_ || edited_) return;  // it lacks what was added; commit_edits() comes back here
   // A closed body is left in every direction; a lone sheet of glass, or a gap that a ray slips through, in one.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
   view_.camera_medium = glm::min(around(-camera_view_.axes.n), around(camera_view_.axes.n));
