@@ -145,8 +145,8 @@ void add_paths(Builder& builder, const RenderSettings& settings, const PathSourc
     return;
   }
   if (settings.cache == CacheChoice::none) {
-    const PathOutputs outputs{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
-    builder.add_tracing<PathPass>(source, outputs, octree ? &octree->recording() : nullptr);
+    const PathRecords records{.first_vertices = needs_first_vertices(settings), .specular = splits_light(settings)};
+    builder.add_tracing<PathPass>(source, records, octree ? &octree->recording() : nullptr);
     if (octree) builder.add<RegionViewPass>(*octree);
     return;
   }

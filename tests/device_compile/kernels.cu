@@ -43,7 +43,7 @@
 #include "techniques/transport/bdpt/bdpt.h"
 #include "techniques/transport/bdpt/light_medium.h"
 #include "techniques/transport/path/path_kernel.h"
-#include "techniques/transport/path/recorded_path.h"
+#include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/specular_part.h"
 
 namespace relume {
@@ -85,11 +85,14 @@ template __global__ void run(AuxiliaryKernel, uint32_t, uint32_t);
 template __global__ void run(BdptKernel, uint32_t, uint32_t);
 template __global__ void run(LightMediumKernel, uint32_t, uint32_t);
 template __global__ void run(AddSplatsKernel, uint32_t, uint32_t);
-template __global__ void run(PathKernel, uint32_t, uint32_t);
-template __global__ void run(RecordedPathKernel, uint32_t, uint32_t);
-template __global__ void run(SpecularPathKernel, uint32_t, uint32_t);
-template __global__ void run(ObservedPathKernel<SpecularObservation<RecordingObservation>>, uint32_t, uint32_t);
-template __global__ void run(ObservedPathKernel<SpecularObservation<FirstVertexObservation>>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, SpecularOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, FirstVertexOutput, SpecularOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, RecordingOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, RecordingOutput, SpecularOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, RecordingOutput, FirstVertexOutput>, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, RecordingOutput, FirstVertexOutput, SpecularOutput>, uint32_t,
+                             uint32_t);
 template __global__ void run(IncidentLightKernel, uint32_t, uint32_t);
 template __global__ void run(RegionViewKernel, uint32_t, uint32_t);
 template __global__ void run(CountKnownLightsKernel, uint32_t, uint32_t);
@@ -115,7 +118,7 @@ template __global__ void run(MoveCellsKernel, uint32_t, uint32_t);
 template __global__ void run(MoveParentsKernel, uint32_t, uint32_t);
 template __global__ void run(AddWaitingSamplesKernel, uint32_t, uint32_t);
 template __global__ void run(AccumulateKernel, uint32_t, uint32_t);
-template __global__ void run(FirstVertexPathKernel, uint32_t, uint32_t);
+template __global__ void run(PathKernel<RadianceOutput, FirstVertexOutput>, uint32_t, uint32_t);
 template __global__ void run(StoreKernel, uint32_t, uint32_t);
 template __global__ void run(ClaimKernel, uint32_t, uint32_t);
 template __global__ void run(SourceKernel, uint32_t, uint32_t);

@@ -12,7 +12,7 @@
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
 #include "techniques/light_sampling/visibility_light_cache/build_cache.h"
 #include "techniques/light_sampling/visibility_light_cache/exploration.h"
-#include "techniques/transport/path/recorded_path.h"
+#include "techniques/transport/path/recording_output.h"
 #include "testing/random.h"
 
 namespace relume::support {
@@ -139,13 +139,14 @@ class Poisoned {
     recording.pixels = kPixels;
     std::vector<Rgb> radiance(kPixels);
     std::vector<uint32_t> rays(kPixels);
-    const RecordedPathKernel kernel{.context = context,
-                                    .index = index,
-                                    .hits = view_of(hits),
-                                    .allocation = {},
-                                    .rays = mutable_view_of(rays),
-                                    .width = kWidth,
-                                    .observation = {mutable_view_of(radiance), recording, {}}};
+    const PathKernel<RadianceOutput, RecordingOutput> kernel{
+        .context = context,
+        .index = index,
+        .hits = view_of(hits),
+        .allocation = {},
+        .rays = mutable_view_of(rays),
+        .width = kWidth,
+        .outputs = path_outputs(RadianceOutput{mutable_view_of(radiance)}, RecordingOutput{recording})};
     launch(backend_, "trace", kernel, kWidth, kHeight);
     return radiance;
   }

@@ -6,7 +6,7 @@
 namespace relume {
 
 /// Leaves out what next event estimation at the first vertex could have found, and guides no direction.
-struct IncidentObserver : NoObserver {
+struct IncidentPolicy : NoPolicy {
   Rgb known{0};
 
   RELUME_HD void emitted(const PathState& path, bool lights_know) {
@@ -28,9 +28,9 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   path.bounce = 1;
   SurfacePoint points[2];
   points[0] = sp;
-  IncidentObserver observer;
-  walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, observer);
-  return path.radiance - observer.known;
+  IncidentPolicy policy;
+  walk(c, intersect(c.scene.accel, path.ray, sampler.ray_id()), points, path, sampler, policy);
+  return path.radiance - policy.known;
 }
 
 /// Adds a path's find times |cos θ| to each texel of an octahedral map of edge `edge`.

@@ -50,14 +50,16 @@ class AdaptiveVertex;
 
 /// Path space filtering with survival and blend.
 struct AdaptiveFilterContext {
+  using Policy = AdaptiveVertex;
+
   FilterContext filter;
   AdaptivePsf adaptive;
 
-  RELUME_HD AdaptiveVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+  RELUME_HD AdaptiveVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
 /// A filter vertex that may end its path.
-class AdaptiveVertex : public NoObserver {
+class AdaptiveVertex : public NoPolicy {
  public:
   AdaptiveVertex() = default;
   RELUME_HD AdaptiveVertex(const AdaptiveFilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
@@ -74,7 +76,7 @@ class AdaptiveVertex : public NoObserver {
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& path) {
     vertex_.scattered(sp, s, path);
   }
-  RELUME_HD void finish(const PathState& path) { vertex_.finish(path); }
+  RELUME_HD void finished(const PathState& path) { vertex_.finished(path); }
 
  private:
   const AdaptiveFilterContext* context_ = nullptr;
@@ -82,8 +84,7 @@ class AdaptiveVertex : public NoObserver {
   float u_survival_ = 0;
 };
 
-RELUME_HD inline AdaptiveVertex AdaptiveFilterContext::observer(const SampleIndex& index, uint32_t x,
-                                                                uint32_t y) const {
+RELUME_HD inline AdaptiveVertex AdaptiveFilterContext::policy(const SampleIndex& index, uint32_t x, uint32_t y) const {
   return {*this, index, x, y};
 }
 

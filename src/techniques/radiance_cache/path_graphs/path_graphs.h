@@ -14,6 +14,8 @@ class PathGraph;
 
 /// What the vertices of all paths share.
 struct PathGraphContext {
+  using Policy = PathGraph;
+
   FilterContext filter;
   AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
   float variance_constant = 0.1f;  ///< variance that a path may bring; in units of the measure
@@ -22,12 +24,12 @@ struct PathGraphContext {
                        ///< them where samples would weigh more than kCellWeightMax
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
 
-  RELUME_HD PathGraph observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+  RELUME_HD PathGraph policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
 /// What a path graph does at the vertices of one path. Between two vertices that have cells ("anchors"), the path's
 /// throughput and radiance are relative to the demodulated first of them.
-class PathGraph : public NoObserver {
+class PathGraph : public NoPolicy {
  public:
   PathGraph() = default;
   RELUME_HD PathGraph(const PathGraphContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
@@ -47,7 +49,7 @@ class PathGraph : public NoObserver {
     point_ = grid().keys.point(sp, jitter, static_cast<uint16_t>(path.bounce + 1u), demodulation_.glossy,
                                first ? uint16_t{0} : context_->deep_coarsening);
     address_ = grid().keys.address(point_);
-    grid().send_for_moments(address_);
+    grid().prefetch_moments(address_);
     return true;
   }
 
@@ -64,7 +66,7 @@ class PathGraph : public NoObserver {
     // would be given the light of places that many reach, and the light of the rare ones would be lost.
     const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
-    if (!grid().thin(cell)) {
+    if (!grid().undersampled(cell)) {
       close_samples(d.albedo * cell.mean);
       take_over(d.albedo, cell, path.bounce);
       if (now_.share <= 0.0f && !is_followed(d)) return false;
@@ -72,10 +74,10 @@ class PathGraph : public NoObserver {
     const bool wanted = now_.share > 0.0f || feeds_;
     // Whether there is room must not depend on how the path goes on: samples would be chosen by what they find.
     has_own_ = wanted && (closed_ || open_count_ < kMaxOpen);
-    if (wanted && !has_own_) ++unfed_;
+    if (wanted && !has_own_) ++skipped_;
     if (has_own_) {
       own_ = {point_, slot, Rgb(0), Rgb(1), sample_weight(), !first};
-      grid().send_for_sums(address_);
+      grid().prefetch_sums(address_);
     }
     at_anchor_ = true;
     albedo_ = d.albedo;
@@ -103,11 +105,11 @@ class PathGraph : public NoObserver {
     }
     albedo_ = Rgb(1);
     path.throughput *= divisor_;
-    path.first_throughput *= max_component(divisor_);
+    path.rr_reference *= max_component(divisor_);
   }
 
-  /// When the path has ended: gives what is still open to its cells.
-  RELUME_HD void finish(PathState& path) {
+  /// Gives the samples that are still open to their cells.
+  RELUME_HD void finished(PathState& path) {
     if (!pixel_.filtered) {
       pixel_.unfiltered = path.radiance;
       if (!scatters_) pixel_.seen = path.radiance;
@@ -117,7 +119,7 @@ class PathGraph : public NoObserver {
     settle(path);
     insert_open();
     if (has_own_) insert(own_);
-    if (unfed_ > 0) atomic_add(&grid().counters->unfed, uint64_t{unfed_});
+    if (skipped_ > 0) atomic_add(&grid().counters->skipped_vertices, uint64_t{skipped_});
     if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
     // What a delta lobe at the first anchor shows is no part of what its cell stands for.
     if (past_cell_) pixel_.unfiltered += contribution_ - beside_;
@@ -156,7 +158,7 @@ class PathGraph : public NoObserver {
     pixel_.slot = slot;
     arriving_ = path.throughput;
     path.radiance = Rgb(0);
-    path.first_throughput = 1.0f;
+    path.rr_reference = 1.0f;
     path.compression = 1.0f;
     return context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
   }
@@ -173,7 +175,7 @@ class PathGraph : public NoObserver {
     }
     has_own_ = false;
     // Roulette goes on comparing the whole throughput with that behind the first anchor.
-    path.first_throughput /= max_component(step);
+    path.rr_reference /= max_component(step);
   }
 
   /// Shares out what the path has found since the last anchor.
@@ -215,7 +217,7 @@ class PathGraph : public NoObserver {
 
   RELUME_HD float variance_limit(const Rgb& albedo, const CellMoments& cell) const {
     if (context_->measure == VarianceMeasure::absolute) return context_->variance_constant;
-    if (grid().thin(cell)) return kInfinity;
+    if (grid().undersampled(cell)) return kInfinity;
     return context_->variance_constant * sqr(luminance(arriving_ * albedo * cell.mean));
   }
 
@@ -272,12 +274,12 @@ class PathGraph : public NoObserver {
   bool feeds_ = false;
   bool decided_ = false;
   uint32_t open_count_ = 0;
-  uint32_t unfed_ = 0;  ///< vertices without room for their sample
+  uint32_t skipped_ = 0;  ///< vertices without room for their sample
   Sample own_;
   Sample open_[kMaxOpen];
 };
 
-RELUME_HD inline PathGraph PathGraphContext::observer(const SampleIndex& index, uint32_t x, uint32_t y) const {
+RELUME_HD inline PathGraph PathGraphContext::policy(const SampleIndex& index, uint32_t x, uint32_t y) const {
   return {*this, index, x, y};
 }
 

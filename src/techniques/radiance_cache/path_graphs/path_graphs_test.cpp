@@ -135,6 +135,22 @@ TEST_P(Caches, SameBitsWithAnyNumberOfThreads) {
   }
 }
 
+TEST_P(Caches, KeepTheirBitsWhereOtherPoliciesWatchTheirPaths) {
+  const auto run = [](bool watched) {
+    CachedFrameSettings settings = small(GetParam(), 45);
+    settings.apsf.min_samples = 16;
+    settings.watched = watched;
+    CachedFrames frames(build("cornell-spheres"), settings);
+    std::vector<Rgb> all;
+    for (int i = 0; i < 4; ++i) {
+      const std::vector<Rgb>& frame = frames.render();
+      all.insert(all.end(), frame.begin(), frame.end());
+    }
+    return all;
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
 TEST_P(Caches, ATableSixteenTimesTooSmallForgets) {
   CachedFrameSettings settings = small(GetParam(), 48);
   CachedFrames roomy(build("cornell"), settings);
@@ -305,7 +321,7 @@ TEST(PathGraph, VerticesBehindTooManyThatWaitTakeNoSampleAndAreCounted) {
   CachedFrames frames(testing::closed_furnace(0.9f), settings);
   frames.render();  // no cell knows anything: of 16 vertices, eight wait until the path has ended at the last
   EXPECT_EQ(frames.grid().statistics().samples, 8u * 16u * 16u);
-  EXPECT_EQ(frames.grid().statistics().unfed, 8u * 16u * 16u);
+  EXPECT_EQ(frames.grid().statistics().skipped_vertices, 8u * 16u * 16u);
 }
 
 TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {

@@ -28,12 +28,12 @@ struct CellEdges {
   RELUME_HD Rgb emission(uint32_t x, uint32_t y) const {
     SurfacePoint points[2];
     points[1].bsdf.lobe_count = 0;  // the camera
-    NoObserver observer;
+    NoPolicy policy;
     return mean_emission(index, rays, x, y, [&](Sampler& sampler) {
       PathState path = start_path(context, x, y, sampler);
       points[1].position = path.ray.origin;
       const Hit hit = intersect(context.scene.accel, path.ray, sampler.camera_ray_id());
-      arrive(context, hit, points[1], points[0], path, observer);
+      arrive(context, hit, points[1], points[0], path, policy);
       return path.radiance;
     });
   }

@@ -1,5 +1,4 @@
-// What caches in a hash grid have in common where they trace paths: how they watch them, and random numbers of their
-// own.
+// What caches in a hash grid have in common where they trace paths: their output, and random numbers of their own.
 #pragma once
 
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
@@ -16,29 +15,27 @@ RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uin
   return {filter_random(index, x, y, 2 * purpose + 0x10000u), filter_random(index, x, y, 2 * purpose + 0x10001u)};
 }
 
-/// Fills the cells. `Cache` makes what watches a path,
-///   observer(index, x, y)
-/// an observer of trace_path() with
-///   finish(path)   when the path has ended: gives its samples to the cells
+/// Fills the cells. `Cache` has a path policy,
+///   Policy
+///   policy(index, x, y)
+/// which steers paths, gives their samples to the cells when they are finished, and has
 ///   pixel()        what the pixel is made of once the cells have all samples
 template <typename Cache>
-struct CellObservation {
+struct CellsOutput {
+  using Policy = typename Cache::Policy;
+
   Cache cache;
   View<FilteredPixel> pixels;
 
-  RELUME_HD auto observer(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
-    return cache.observer(index, x, y);
+  RELUME_HD Policy policy(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t /*pixel*/) const {
+    return cache.policy(index, x, y);
   }
-  template <typename Observer>
-  RELUME_HD void finish(uint32_t pixel, Observer& watcher, PathState& path) const {
-    watcher.finish(path);
-    pixels[pixel] = watcher.pixel();
-  }
+  RELUME_HD void finish(uint32_t pixel, Policy& policy, const PathState&) const { pixels[pixel] = policy.pixel(); }
   RELUME_HD void leave_out(uint32_t pixel) const { pixels[pixel] = {}; }
 };
 
 /// Traces one path a pixel and fills the cells.
 template <typename Cache>
-using CellPathsKernel = ObservedPathKernel<CellObservation<Cache>>;
+using CellPathsKernel = PathKernel<CellsOutput<Cache>>;
 
 }  // namespace relume

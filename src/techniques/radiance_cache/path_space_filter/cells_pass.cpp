@@ -52,13 +52,20 @@ size_t CellsPass::memory_bytes() const { return grid_.statistics().memory_bytes;
 
 std::vector<PassStatistic> CellsPass::statistics() const {
   const HashGridStatistics s = grid_.statistics();
-  return {{"slots", static_cast<double>(s.slots)},         {"cells", static_cast<double>(s.cells)},
-          {"occupancy", static_cast<double>(s.occupancy)}, {"probes", static_cast<double>(s.mean_probes)},
-          {"samples", static_cast<double>(s.samples)},     {"inherited", static_cast<double>(s.inherited)},
-          {"evicted", static_cast<double>(s.evicted)},     {"discarded", static_cast<double>(s.discarded)},
-          {"changed", static_cast<double>(s.changed)},     {"dropped", static_cast<double>(s.dropped)},
-          {"saturated", static_cast<double>(s.saturated)}, {"nonfinite", static_cast<double>(s.nonfinite)},
-          {"unfed", static_cast<double>(s.unfed)},         {"rebuilds", static_cast<double>(s.rebuilds)},
+  return {{"slots", static_cast<double>(s.slots)},
+          {"cells", static_cast<double>(s.cells)},
+          {"occupancy", static_cast<double>(s.occupancy)},
+          {"probes", static_cast<double>(s.mean_probes)},
+          {"samples", static_cast<double>(s.samples)},
+          {"inherited", static_cast<double>(s.inherited)},
+          {"evicted", static_cast<double>(s.evicted)},
+          {"discarded", static_cast<double>(s.discarded)},
+          {"changed", static_cast<double>(s.changed)},
+          {"dropped", static_cast<double>(s.dropped)},
+          {"saturated", static_cast<double>(s.saturated)},
+          {"nonfinite", static_cast<double>(s.nonfinite)},
+          {"skipped-vertices", static_cast<double>(s.skipped_vertices)},
+          {"rebuilds", static_cast<double>(s.rebuilds)},
           {"bytes", static_cast<double>(s.memory_bytes)}};
 }
 

@@ -76,10 +76,10 @@ class ResolveCellsPass final : public Pass {
 /// Of a pass that traces paths and fills cells: owns what estimators own, and what pixels leave for the cells.
 PassDeclaration cell_paths_declaration();
 
-/// Traces paths and fills cells; `cache` as for CellObservation.
+/// Traces paths and fills cells; `cache` as for CellsOutput.
 template <typename Cache>
 bool trace_into_cells(const PathSource& source, const FrameContext& frame, const Cache& cache) {
-  return trace_paths(source, frame, CellObservation<Cache>{cache, frame.write(kFilteredPixels)});
+  return trace_paths(source, frame, CellsOutput<Cache>{cache, frame.write(kFilteredPixels)});
 }
 
 }  // namespace relume

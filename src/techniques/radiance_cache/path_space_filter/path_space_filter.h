@@ -12,15 +12,17 @@ class FilterVertex;
 
 /// What the vertices of all paths share.
 struct FilterContext {
+  using Policy = FilterVertex;
+
   HashGridView grid;
   float narrow_alpha = 0.04f;  ///< lobes below are not filtered
 
-  RELUME_HD FilterVertex observer(const SampleIndex& index, uint32_t x, uint32_t y) const;
+  RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
 /// Takes the first vertex that may be filtered out of a path. What a delta lobe there shows is followed like any other
 /// path, but stays outside the cell.
-class FilterVertex : public NoObserver {
+class FilterVertex : public NoPolicy {
  public:
   FilterVertex() = default;
   RELUME_HD FilterVertex(const FilterContext& context, const SampleIndex& index, uint32_t x, uint32_t y)
@@ -40,12 +42,12 @@ class FilterVertex : public NoObserver {
     pixel_.unfiltered = path.radiance;
     pixel_.factor = path.throughput * d.albedo;
     pixel_.point = context_->grid.keys.point(sp, filter_random_2d(*index_, x_, y_, 0), 0, d.glossy);
-    context_->grid.send_for_sums(context_->grid.keys.address(pixel_.point));
+    context_->grid.prefetch_sums(context_->grid.keys.address(pixel_.point));
     anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);
     path.throughput = 1.0f / d.divisor();
     // Roulette compares with what leaves this vertex: about 1.
-    path.first_throughput = 1.0f;
+    path.rr_reference = 1.0f;
     path.compression = 1.0f;
     return true;
   }
@@ -58,11 +60,11 @@ class FilterVertex : public NoObserver {
     sample_ = path.radiance;
     path.radiance = Rgb(0);
     path.throughput *= anchor_;
-    path.first_throughput *= max_component(anchor_);
+    path.rr_reference *= max_component(anchor_);
   }
 
-  /// When the path has ended: gives its sample to the cell.
-  RELUME_HD void finish(const PathState& path) {
+  /// Gives the path's sample to the cell.
+  RELUME_HD void finished(const PathState& path) {
     if (!reached()) {
       pixel_.unfiltered = path.radiance;
       if (!scatters_) pixel_.seen = path.radiance;
@@ -89,7 +91,7 @@ class FilterVertex : public NoObserver {
   bool apart_ = false;  ///< the path has left through a delta lobe
 };
 
-RELUME_HD inline FilterVertex FilterContext::observer(const SampleIndex& index, uint32_t x, uint32_t y) const {
+RELUME_HD inline FilterVertex FilterContext::policy(const SampleIndex& index, uint32_t x, uint32_t y) const {
   return {*this, index, x, y};
 }
 

@@ -21,12 +21,12 @@ inline constexpr uint32_t kHomeSlots = 64;
 
 /// Events that the program reports.
 struct HashGridCounters {
-  uint64_t dropped = 0;    ///< samples for which there was no memory
-  uint64_t saturated = 0;  ///< samples clamped to kCellSampleMax
-  uint64_t nonfinite = 0;  ///< samples that were not finite, and were left out
-  uint64_t made = 0;       ///< keys that this frame has placed in the table
-  uint64_t heirs = 0;      ///< cells of this frame that begin with what another level knows
-  uint64_t unfed = 0;      ///< vertices of paths that took no sample, as too many before them waited for theirs
+  uint64_t dropped = 0;           ///< samples for which there was no memory
+  uint64_t saturated = 0;         ///< samples clamped to kCellSampleMax
+  uint64_t nonfinite = 0;         ///< samples that were not finite, and were left out
+  uint64_t made = 0;              ///< keys that this frame has placed in the table
+  uint64_t heirs = 0;             ///< cells of this frame that begin with what another level knows
+  uint64_t skipped_vertices = 0;  ///< vertices of paths that took no sample, as too many before them waited for theirs
 };
 
 /// Levels above its own that a thin cell may be replaced from, and the probability with which a sample goes one higher.
@@ -67,12 +67,12 @@ struct HashGridView {
   }
 
   /// Send for what will be read of a cell soon, or added to: it is rarely near, and who adds cannot go on meanwhile.
-  RELUME_HD void send_for_moments(const CellAddress& address) const {
+  RELUME_HD void prefetch_moments(const CellAddress& address) const {
     const uint32_t slot = first_slot(address);
     prefetch(&fingerprints[slot]);
     prefetch(&histories[slot].moments);
   }
-  RELUME_HD void send_for_sums(const CellAddress& address) const {
+  RELUME_HD void prefetch_sums(const CellAddress& address) const {
     const uint32_t slot = first_slot(address);
     prefetch(&fingerprints[slot]);
     prefetch(&sums[slot]);
@@ -151,10 +151,10 @@ struct HashGridView {
   /// The same, if the slot of the cell of `p` is known already (kNoCell: it has none).
   RELUME_HD CellMoments moments(const CellPoint& p, uint32_t slot) const {
     const CellMoments own = own_moments(slot);
-    if (!thin(own) || thin_cells == ThinCells::keep) return own;
+    if (!undersampled(own) || thin_cells == ThinCells::keep) return own;
     if (thin_cells == ThinCells::neighbours) return neighbourhood(p);
     CellMoments sum = own;
-    for (int k = 1; k <= kCoarserLevels && thin(sum); ++k)
+    for (int k = 1; k <= kCoarserLevels && undersampled(sum); ++k)
       sum = pooled(sum, own_moments(find(keys.address(p, k))), kInfinity);
     return sum;
   }
@@ -171,7 +171,7 @@ struct HashGridView {
     return m;
   }
 
-  RELUME_HD bool thin(const CellMoments& m) const { return m.count < rule.min_count; }
+  RELUME_HD bool undersampled(const CellMoments& m) const { return m.count < rule.min_count; }
 
   /// Share of taken slots among those where probing begins: how crowded that part of the table is.
   RELUME_HD float occupancy(const CellAddress& address) const {
@@ -187,7 +187,7 @@ struct HashGridView {
  private:
   RELUME_HD Rgb bounded(const Rgb& value, const CellMoments& known) const {
     Rgb v = glm::max(value, Rgb(0));
-    if (clamp_factor > 0.0f && !thin(known)) {
+    if (clamp_factor > 0.0f && !undersampled(known)) {
       const float limit = clamp_factor * luminance(known.mean);
       const float y = luminance(v);
       if (y > limit) v *= limit / y;

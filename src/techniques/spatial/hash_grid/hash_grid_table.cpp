@@ -263,7 +263,7 @@ HashGridStatistics HashGrid::statistics() const {
   s.dropped = counters_.dropped;
   s.saturated = counters_.saturated;
   s.nonfinite = counters_.nonfinite;
-  s.unfed = counters_.unfed;
+  s.skipped_vertices = counters_.skipped_vertices;
   s.changed = census_.changed;
   s.rebuilds = rebuilds_;
   s.memory_bytes = s.slots * kSlotBytes + most_waiting_ * sizeof(WaitingSample);

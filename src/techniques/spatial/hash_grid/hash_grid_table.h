@@ -16,19 +16,19 @@ namespace relume {
 /// `dropped` is 0.
 struct HashGridStatistics {
   uint64_t slots = 0;
-  uint64_t cells = 0;      ///< with samples
-  float occupancy = 0;     ///< share of slots that have a key
-  float mean_probes = 0;   ///< slots looked at to find a cell
-  uint64_t samples = 0;    ///< added in the last frame
-  uint64_t evicted = 0;    ///< cells emptied for their age so far
-  uint64_t discarded = 0;  ///< cells emptied so far because a smaller table had to do
-  uint64_t inherited = 0;  ///< cells so far that began with what another level knew
-  uint64_t dropped = 0;    ///< samples without memory so far; results may then depend on timing
-  uint64_t saturated = 0;  ///< samples clamped so far
-  uint64_t nonfinite = 0;  ///< samples left out so far
-  uint64_t unfed = 0;      ///< vertices of paths without room for a sample so far
-  uint64_t changed = 0;    ///< cells in the last frame whose region was seen to change
-  uint64_t rebuilds = 0;   ///< times that the table changed its size or was cleaned
+  uint64_t cells = 0;             ///< with samples
+  float occupancy = 0;            ///< share of slots that have a key
+  float mean_probes = 0;          ///< slots looked at to find a cell
+  uint64_t samples = 0;           ///< added in the last frame
+  uint64_t evicted = 0;           ///< cells emptied for their age so far
+  uint64_t discarded = 0;         ///< cells emptied so far because a smaller table had to do
+  uint64_t inherited = 0;         ///< cells so far that began with what another level knew
+  uint64_t dropped = 0;           ///< samples without memory so far; results may then depend on timing
+  uint64_t saturated = 0;         ///< samples clamped so far
+  uint64_t nonfinite = 0;         ///< samples left out so far
+  uint64_t skipped_vertices = 0;  ///< vertices of paths without room for a sample so far
+  uint64_t changed = 0;           ///< cells in the last frame whose region was seen to change
+  uint64_t rebuilds = 0;          ///< times that the table changed its size or was cleaned
   size_t memory_bytes = 0;
 };
 

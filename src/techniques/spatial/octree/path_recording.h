@@ -1,4 +1,4 @@
-// Watches paths and writes the records of their first vertices.
+// Records of the first vertices of paths.
 #pragma once
 
 #include "core/hash.h"
@@ -34,9 +34,9 @@ struct PathRecording {
   }
 };
 
-/// Observes one path (techniques/path/path.h says what the calls mean). Radiance found along a direction is what the
-/// path's radiance grew by after it was chosen, over the throughput then, but for emission that next event estimation
-/// knows. Small, as hosts keep one for each of the paths that they follow side by side.
+/// The policy of one path (techniques/transport/path/path_policy.h). Radiance found along a direction is what the
+/// path's radiance grew by after it was chosen, over the throughput then, except for emission that next event
+/// estimation could have found. Small, as hosts keep one for each of the paths that they follow side by side.
 struct PathRecorder {
   const PathRecording* recording;
   uint32_t pixel;

@@ -40,17 +40,17 @@ struct Stage {
     std::fill(hits.begin(), hits.end(), Hit{});
     const SampleIndex index{.seed = 1, .sample = 3};
     const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kSize};
-    FirstVertexPathKernel kernel;
+    PathKernel<RadianceOutput, FirstVertexOutput> kernel;
     kernel.context.scene = scene.view();
     kernel.context.selector.kind = LightSelectorKind::uniform;
     kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
     kernel.context.max_bounces = 2;
     kernel.index = index;
     kernel.hits = view_of(hits);
-    kernel.observation.radiance = mutable_view_of(radiance);
     kernel.rays = mutable_view_of(rays);
     kernel.width = kSize;
-    kernel.observation.first_vertices = mutable_view_of(vertices);
+    kernel.outputs =
+        path_outputs(RadianceOutput{mutable_view_of(radiance)}, FirstVertexOutput{mutable_view_of(vertices)});
     StoreKernel store;
     store.hits = view_of(hits);
     store.first_vertices = view_of(vertices);

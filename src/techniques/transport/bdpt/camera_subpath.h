@@ -43,9 +43,9 @@ RELUME_HD inline LightDensities light_densities(const BdptContext& c, LightId id
 /// vertex before, as SubpathWeights take it.
 RELUME_HD inline float weight_of_light_hit(const BdptContext& c, const CameraSubpath& e, const PartialWeights& at,
                                            const LightDensities& densities, float onwards) {
-  float rivals = at.last(densities.connected);
-  if (e.count() <= c.max_bidirectional_vertices()) rivals += sqr(densities.emitted * onwards) * at.b;
-  return weight_from(rivals, 0.0f);
+  float denominator = at.last(densities.connected);
+  if (e.count() <= c.max_bidirectional_vertices()) denominator += sqr(densities.emitted * onwards) * at.b;
+  return weight_from(denominator, 0.0f);
 }
 
 /// s = 0: emission of the last vertex. What the camera sees directly is left to this strategy.

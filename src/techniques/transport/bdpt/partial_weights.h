@@ -41,9 +41,9 @@ struct PartialWeights {
   RELUME_HD float last(float p) const { return zero_or(sqr(p), a); }
 };
 
-/// The weight of a strategy whose rivals sum up to these.
-RELUME_HD inline float weight_from(float rivals_light, float rivals_camera) {
-  return 1.0f / (1.0f + rivals_light + rivals_camera);
+/// The weight of a strategy whose denominator sum up to these.
+RELUME_HD inline float weight_from(float denominator_light, float denominator_camera) {
+  return 1.0f / (1.0f + denominator_light + denominator_camera);
 }
 
 /// Carries the recursion along a subpath.

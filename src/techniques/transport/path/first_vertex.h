@@ -21,16 +21,14 @@ struct FirstVertex {
 /// What each pixel's path found at its first vertex.
 inline constexpr BufferKey<FirstVertex> kFirstVertices{"first-vertices"};
 
-/// Fills an empty one while a path is traced; none if there is none.
-struct FirstVertexObserver {
-  FirstVertex* vertex;
+/// Fills the record of a path's first vertex.
+struct FirstVertexPolicy : NoPolicy {
+  FirstVertex* vertex;  ///< empty at first
   Rgb radiance_before{0};
   Rgb throughput{0};
 
-  RELUME_HD void emitted(const PathState&, bool) {}
-  RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
   RELUME_HD void connected(const SurfacePoint&, const PathState& path, const Connection& c, bool visible) {
-    if (!vertex || path.bounce != 0) return;
+    if (path.bounce != 0) return;
     vertex->to_light = c.ray.direction;
     vertex->light = c.light;
     vertex->light_u = c.u;
@@ -40,42 +38,31 @@ struct FirstVertexObserver {
     vertex->direct = c.irradiance * c.scale;
   }
   RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, const PathState& after) {
-    if (!vertex || after.bounce != 1 || s.delta) return;
+    if (after.bounce != 1 || s.delta) return;
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
     throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
   }
   RELUME_HD void finished(const PathState& path) {
-    if (!vertex) return;
     const Rgb found = path.radiance - radiance_before;
     for (int c = 0; c < 3; ++c) vertex->indirect[c] = throughput[c] > 0.0f ? found[c] / throughput[c] : 0.0f;
   }
 };
 
-/// Begins the record of a pixel's path; none if there are no records.
-RELUME_HD inline FirstVertexObserver watch_first_vertex(const View<FirstVertex>& vertices, uint32_t pixel) {
-  if (vertices.empty()) return {nullptr};
-  vertices[pixel] = {};
-  return {&vertices[pixel]};
-}
+/// The first vertex of each path.
+struct FirstVertexOutput {
+  using Policy = FirstVertexPolicy;
 
-/// Keeps radiance and first vertex of each path.
-struct FirstVertexObservation {
-  View<Rgb> radiance;  ///< of this sample; may be not finite
   View<FirstVertex> first_vertices;
 
-  RELUME_HD FirstVertexObserver observer(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
-    return watch_first_vertex(first_vertices, pixel);
-  }
-  RELUME_HD void finish(uint32_t pixel, const FirstVertexObserver&, const PathState& path) const {
-    radiance[pixel] = path.radiance;
-  }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    radiance[pixel] = Rgb(0);
+  RELUME_HD FirstVertexPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
     first_vertices[pixel] = {};
+    FirstVertexPolicy policy;
+    policy.vertex = &first_vertices[pixel];
+    return policy;
   }
+  RELUME_HD void finish(uint32_t, const FirstVertexPolicy&, const PathState&) const {}
+  RELUME_HD void leave_out(uint32_t pixel) const { first_vertices[pixel] = {}; }
 };
-
-using FirstVertexPathKernel = ObservedPathKernel<FirstVertexObservation>;
 
 }  // namespace relume

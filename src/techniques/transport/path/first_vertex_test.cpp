@@ -29,7 +29,7 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   std::vector<uint32_t> rays(kPixels);
   const SampleIndex index{.seed = 7, .sample = 3};
   const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
-  FirstVertexPathKernel kernel;
+  PathKernel<RadianceOutput, FirstVertexOutput> kernel;
   kernel.context.scene = scene.view();
   kernel.context.selector.kind = LightSelectorKind::uniform;
   kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
@@ -38,7 +38,8 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   kernel.allocation = view_of(allocation);
   kernel.rays = mutable_view_of(rays);
   kernel.width = kWidth;
-  kernel.observation = {mutable_view_of(radiance), mutable_view_of(vertices)};
+  kernel.outputs =
+      path_outputs(RadianceOutput{mutable_view_of(radiance)}, FirstVertexOutput{mutable_view_of(vertices)});
   testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
   return vertices;
 }

@@ -2,13 +2,12 @@
 // ch. 9 and 10). The steps are functions of their own, which trace_path() strings together.
 #pragma once
 
-#include <concepts>
-
 #include "sampling/mis.h"
 #include "scene/medium.h"
 #include "techniques/gbuffer/primary_hits/primary_hits.h"
 #include "techniques/guiding/direction_sampling/direction_sampler.h"
 #include "techniques/light_sampling/light_selection/light_selector.h"
+#include "techniques/transport/path/path_policy.h"
 
 namespace relume {
 
@@ -18,13 +17,13 @@ struct PathState {
   Rgb throughput{1};
   Rgb radiance{0};
   float compression = 1;  ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
-  float first_throughput = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
-  float pdf_w = 0;             ///< with which the ray's direction was sampled
-  bool delta = true;      ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
-  Rgb medium{0};          ///< absorption along the ray, per metre: that of all bodies it is in
-  float cone_width = 0;   ///< metres, at the ray's origin
-  float cone_spread = 0;  ///< growth a metre
-  uint32_t bounce = 0;    ///< scattering events so far
+  float rr_reference = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
+  float pdf_w = 0;         ///< with which the ray's direction was sampled
+  bool delta = true;       ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
+  Rgb medium{0};           ///< absorption along the ray, per metre: that of all bodies it is in
+  float cone_width = 0;    ///< metres, at the ray's origin
+  float cone_spread = 0;   ///< growth a metre
+  uint32_t bounce = 0;     ///< scattering events so far
   uint32_t rays = 0;
 };
 
@@ -163,10 +162,9 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
     return false;
   }
   if (path.bounce == 0) {
-    path.first_throughput = max_component(path.throughput) / path.compression;
+    path.rr_reference = max_component(path.throughput) / path.compression;
   } else if (c.russian_roulette) {
-    const float survival =
-        kRouletteThreshold * max_component(path.throughput) / (path.compression * path.first_throughput);
+    const float survival = kRouletteThreshold * max_component(path.throughput) / (path.compression * path.rr_reference);
     if (survival < 1.0f) {
       if (sampler.next_1d() >= survival) return false;
       path.throughput /= survival;
@@ -188,58 +186,6 @@ RELUME_HD inline bool continue_path(const PathContext& c, const SurfacePoint& sp
   return follow(c, sp, c.directions.sample(sp, sampler), path, sampler);
 }
 
-/// Watches a path: what caches and histories learn from. This one looks away, and costs nothing.
-struct NoObserver {
-  /// What the last ray met has added its emission. `lights_know`: next event estimation could find that too.
-  RELUME_HD void emitted(const PathState&, bool /*lights_know*/) {}
-  /// The path has reached a surface whose own emission is already added. False ends it there. Caches may change the
-  /// surface's lobes, and take radiance and throughput out of the path, here and in scattered(); what learns by region
-  /// sets the surface's.
-  RELUME_HD bool arrived(const SurfacePoint&, PathState&) { return true; }
-  /// Next event estimation at the surface; `visible`: nothing was in between.
-  RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
-  /// A direction was sampled; `after`: the path with its new ray.
-  RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
-  /// The path is complete.
-  RELUME_HD void finished(const PathState&) {}
-};
-
-/// An observer that is asked once more after arrived(), whether the path goes on: arrived() sends for what this looks
-/// up, and hosts reach the vertices of many paths in between.
-template <typename Observer>
-concept DecidesLater = requires(Observer& observer, PathState& path) {
-  { observer.goes_on(path) } -> std::same_as<bool>;
-};
-
-/// Two observers of one path.
-template <typename A, typename B>
-requires(!DecidesLater<A> && !DecidesLater<B>) struct BothObservers {
-  A a;
-  B b;
-
-  RELUME_HD void emitted(const PathState& path, bool lights_know) {
-    a.emitted(path, lights_know);
-    b.emitted(path, lights_know);
-  }
-  RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
-    const bool first = a.arrived(sp, path);
-    const bool second = b.arrived(sp, path);
-    return first && second;
-  }
-  RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
-    a.connected(sp, path, c, visible);
-    b.connected(sp, path, c, visible);
-  }
-  RELUME_HD void scattered(const SurfacePoint& sp, const BsdfSample& s, PathState& after) {
-    a.scattered(sp, s, after);
-    b.scattered(sp, s, after);
-  }
-  RELUME_HD void finished(const PathState& path) {
-    a.finished(path);
-    b.finished(path);
-  }
-};
-
 /// Pairs of random numbers of each bounce, after the camera's: one for the light and one for the direction.
 inline constexpr uint32_t kDimensionsPerBounce = 2;
 
@@ -255,17 +201,17 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
 }
 
 /// The vertex at the end of the path's ray: fills `sp` and adds what it emits. False if the path ends here.
-template <typename Observer>
+template <typename Policy>
 RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const SurfacePoint& previous, SurfacePoint& sp,
-                             PathState& path, Observer& observer) {
+                             PathState& path, Policy& policy) {
   if (!hit.valid()) {
-    observer.emitted(path, add_infinite_lights(c, previous, path));
+    policy.emitted(path, add_infinite_lights(c, previous, path));
     return false;
   }
   make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
   absorb(c.scene, sp, hit.t, path);
-  observer.emitted(path, add_surface_emission(c, previous, sp, path));
-  return path.bounce < c.max_bounces && !sp.bsdf.empty() && observer.arrived(sp, path);
+  policy.emitted(path, add_surface_emission(c, previous, sp, path));
+  return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
 }
 
 /// Next event estimation at a vertex: whether there is a connection to be tested; none where only delta lobes scatter.
@@ -277,39 +223,39 @@ RELUME_HD inline bool connect(const PathContext& c, const SurfacePoint& sp, cons
 
 /// Takes a path on from what its ray has hit until it ends. The vertex there goes into points[bounce & 1]; the other
 /// one is the vertex before.
-template <typename Observer>
+template <typename Policy>
 RELUME_HD inline void walk(const PathContext& c, Hit hit, SurfacePoint (&points)[2], PathState& path, Sampler& sampler,
-                           Observer& observer) {
+                           Policy& policy) {
   for (;;) {
     SurfacePoint& sp = points[path.bounce & 1u];
     const SurfacePoint& previous = points[(path.bounce & 1u) ^ 1u];
-    if (!arrive(c, hit, previous, sp, path, observer)) break;
-    if constexpr (DecidesLater<Observer>) {
-      if (!observer.goes_on(path)) break;
+    if (!arrive(c, hit, previous, sp, path, policy)) break;
+    if constexpr (DecidesLater<Policy>) {
+      if (!policy.goes_on(path)) break;
     }
     if (Connection connection; connect(c, sp, path, sampler, connection)) {
       ++path.rays;
       const bool visible = !occluded(c.scene.accel, connection.ray, connection.ray_id);
       if (visible) path.radiance += connection.contribution;
-      observer.connected(sp, path, connection, visible);
+      policy.connected(sp, path, connection, visible);
     }
     const BsdfSample s = c.directions.sample(sp, sampler);
     if (!follow(c, sp, s, path, sampler)) break;
-    observer.scattered(sp, s, path);
+    policy.scattered(sp, s, path);
     hit = intersect(c.scene.accel, path.ray, sampler.ray_id());
     ++path.rays;
   }
-  observer.finished(path);
+  policy.finished(path);
 }
 
 /// Radiance of one sample of pixel (x, y) from its primary hit on.
-template <typename Observer = NoObserver>
+template <typename Policy = NoPolicy>
 RELUME_HD inline PathState trace_path(const PathContext& c, uint32_t x, uint32_t y, Sampler& sampler, const Hit& hit,
-                                      Observer&& observer = Observer{}) {
+                                      Policy&& policy = Policy{}) {
   PathState path = start_path(c, x, y, sampler);
   SurfacePoint points[2];
   points[1].position = path.ray.origin;
-  walk(c, hit, points, path, sampler, observer);
+  walk(c, hit, points, path, sampler, policy);
   return path;
 }
 

@@ -38,8 +38,8 @@ inline void filter(PathBatch& b, const Step& step) {
 }
 
 /// Adds the contributions whose rays reach their light.
-template <typename Observer>
-inline void add_visible(const AccelView& accel, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+template <typename Policy>
+inline void add_visible(const AccelView& accel, const SurfacePoint* points, PathBatch& b, Policy* policies) {
   for (uint32_t first = 0; first < b.connection_count; first += kPacketSize) {
     const uint32_t left = b.connection_count - first;
     const int size = static_cast<int>(left < kPacketSize ? left : kPacketSize);
@@ -55,14 +55,14 @@ inline void add_visible(const AccelView& accel, const SurfacePoint* points, Path
       const Connection& connection = b.connections[first + k];
       const uint32_t i = b.owners[first + k];
       if (!blocked[k]) b.paths[i].radiance += connection.contribution;
-      observers[i].connected(points[i], b.paths[i], connection, !blocked[k]);
+      policies[i].connected(points[i], b.paths[i], connection, !blocked[k]);
     }
   }
 }
 
 /// Next event estimation for all active paths.
-template <typename Observer>
-inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Observer* observers) {
+template <typename Policy>
+inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBatch& b, Policy* policies) {
   b.connection_count = 0;
   for (uint32_t k = 0; k < b.count; ++k) {
     const uint32_t i = b.active[k];
@@ -70,22 +70,22 @@ inline void connect_all(const PathContext& c, const SurfacePoint* points, PathBa
     b.owners[b.connection_count++] = i;
     ++b.paths[i].rays;
   }
-  add_visible(c.scene.accel, points, b, observers);
+  add_visible(c.scene.accel, points, b, policies);
 }
 
-/// Follows all paths from their primary hits to their ends; one observer a path.
-template <typename Observer>
-inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
+/// Follows all paths from their primary hits to their ends; one policy a path.
+template <typename Policy>
+inline void trace(const PathContext& c, PathBatch& b, Policy* policies) {
   for (uint32_t bounce = 0; b.count > 0; ++bounce) {
     SurfacePoint* points = b.points[bounce & 1u];
     const SurfacePoint* previous = b.points[(bounce & 1u) ^ 1u];
-    filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], observers[i]); });
-    if constexpr (DecidesLater<Observer>) filter(b, [&](uint32_t i) { return observers[i].goes_on(b.paths[i]); });
-    connect_all(c, points, b, observers);
+    filter(b, [&](uint32_t i) { return arrive(c, b.hits[i], previous[i], points[i], b.paths[i], policies[i]); });
+    if constexpr (DecidesLater<Policy>) filter(b, [&](uint32_t i) { return policies[i].goes_on(b.paths[i]); });
+    connect_all(c, points, b, policies);
     filter(b, [&](uint32_t i) {
       const BsdfSample s = c.directions.sample(points[i], b.samplers[i]);
       if (!follow(c, points[i], s, b.paths[i], b.samplers[i])) return false;
-      observers[i].scattered(points[i], s, b.paths[i]);
+      policies[i].scattered(points[i], s, b.paths[i]);
       return true;
     });
     for (uint32_t k = 0; k < b.count; ++k) {
@@ -96,12 +96,12 @@ inline void trace(const PathContext& c, PathBatch& b, Observer* observers) {
   }
 }
 
-/// The tile form of ObservedPathKernel.
+/// The tile form of PathKernel.
 template <typename Kernel>
 inline void trace_tile(const Kernel& kernel, const Tile& tile) {
-  using Observer = decltype(kernel.observer(0u, 0u));
+  using Policies = decltype(kernel.policies(0u, 0u));
   PathBatch b;
-  Observer observers[PathBatch::kSize];
+  Policies policies[PathBatch::kSize];
   uint32_t pixels[PathBatch::kSize];
   uint32_t x = tile.x0;
   uint32_t y = tile.y0;
@@ -115,7 +115,7 @@ inline void trace_tile(const Kernel& kernel, const Tile& tile) {
         b.hits[count] = kernel.hits[pixel];
         b.samplers[count] = kernel.index.sampler(x, y);
         b.paths[count] = start_path(kernel.context, x, y, b.samplers[count]);
-        observers[count] = kernel.observer(x, y);
+        policies[count] = kernel.policies(x, y);
         ++count;
       } else {
         kernel.leave_out(pixel);
@@ -125,10 +125,10 @@ inline void trace_tile(const Kernel& kernel, const Tile& tile) {
       ++y;
     }
     b.count = count;
-    trace(kernel.context, b, observers);
+    trace(kernel.context, b, policies);
     for (uint32_t i = 0; i < count; ++i) {
-      observers[i].finished(b.paths[i]);
-      kernel.finish(pixels[i], observers[i], b.paths[i]);
+      policies[i].finished(b.paths[i]);
+      kernel.finish(pixels[i], policies[i], b.paths[i]);
     }
   }
 }

@@ -1,7 +1,7 @@
 #include "techniques/transport/path/path_pass.h"
 
 #include "techniques/transport/path/first_vertex.h"
-#include "techniques/transport/path/recorded_path.h"
+#include "techniques/transport/path/recording_output.h"
 #include "techniques/transport/path/specular_part.h"
 #include "techniques/transport/path/trace_paths.h"
 
@@ -29,11 +29,11 @@ PassDeclaration PathPass::declaration() const {
                               .reads = {kPrimaryHits},
                               .reads_if_any = {kAllocation},
                               .only_sampled_pixels = true};
-  if (outputs_.first_vertices) {
+  if (records_.first_vertices) {
     declaration.owns.push_back(
         {.id = kFirstVertices, .help = "directions and light of this frame's sample at its first vertex"});
   }
-  if (outputs_.specular) {
+  if (records_.specular) {
     declaration.owns.push_back({.id = kRadianceSpecular,
                                 .help = "the part of radiance that specular lobes of the first surface scattered",
                                 .display = BufferDisplay::value});
@@ -41,19 +41,30 @@ PassDeclaration PathPass::declaration() const {
   return declaration;
 }
 
-template <typename Observation>
-bool PathPass::trace(const FrameContext& frame, const Observation& observation) const {
-  if (!outputs_.specular) return trace_paths(source_, frame, observation);
-  return trace_paths(source_, frame, SpecularObservation<Observation>{observation, frame.write(kRadianceSpecular)});
+namespace {
+
+// Each combination of outputs is a kernel of its own, so that paths pay for no output that nobody reads.
+
+template <typename... Outputs>
+bool trace_with_specular(const PathSource& source, const FrameContext& frame, bool wanted, const Outputs&... outputs) {
+  if (!wanted) return trace_paths(source, frame, outputs...);
+  return trace_paths(source, frame, outputs..., SpecularOutput{frame.write(kRadianceSpecular)});
 }
 
+template <typename... Outputs>
+bool trace_with(const PathSource& source, const FrameContext& frame, const PathRecords& records,
+                const Outputs&... outputs) {
+  if (!records.first_vertices) return trace_with_specular(source, frame, records.specular, outputs...);
+  return trace_with_specular(source, frame, records.specular, outputs...,
+                             FirstVertexOutput{frame.write(kFirstVertices)});
+}
+
+}  // namespace
+
 bool PathPass::run(const FrameContext& frame) {
-  const View<Rgb> radiance = frame.write(kRadiance);
-  View<FirstVertex> vertices;
-  if (outputs_.first_vertices) vertices = frame.write(kFirstVertices);
-  if (recording_) return trace(frame, RecordingObservation{radiance, *recording_, vertices});
-  if (outputs_.first_vertices) return trace(frame, FirstVertexObservation{radiance, vertices});
-  return trace(frame, RadianceObservation{radiance});
+  const RadianceOutput radiance{frame.write(kRadiance)};
+  if (!recording_) return trace_with(source_, frame, records_, radiance);
+  return trace_with(source_, frame, records_, radiance, RecordingOutput{*recording_});
 }
 
 }  // namespace relume

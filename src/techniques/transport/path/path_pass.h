@@ -22,7 +22,7 @@ struct PathSource {
 PathContext make_path_context(const PathSource& source, const FrameContext& frame);
 
 /// What paths leave for later passes besides estimator_buffers().
-struct PathOutputs {
+struct PathRecords {
   bool first_vertices = false;  ///< fill kFirstVertices
   bool specular = false;        ///< fill kRadianceSpecular
 };
@@ -31,19 +31,16 @@ struct PathOutputs {
 class PathPass final : public Pass {
  public:
   /// `recording`: where paths store samples for learning; nullptr: they store none.
-  PathPass(const PathSource& source, const PathOutputs& outputs, const PathRecording* recording = nullptr)
-      : source_(source), outputs_(outputs), recording_(recording) {}
+  PathPass(const PathSource& source, const PathRecords& records, const PathRecording* recording = nullptr)
+      : source_(source), records_(records), recording_(recording) {}
 
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 
  private:
-  template <typename Observation>
-  bool trace(const FrameContext& frame, const Observation& observation) const;
-
   PathSource source_;
-  PathOutputs outputs_;
+  PathRecords records_;
   const PathRecording* recording_;
 };
 

@@ -20,13 +20,11 @@ RELUME_HD inline Rgb specular_share(const SurfacePoint& sp, const Vec3& wi) {
 
 /// Splits both estimates at the first vertex by the lobes' shares in the BSDF, so each part is unbiased. Radiance
 /// emitted towards the camera is in neither.
-struct SpecularObserver {
+struct SpecularPolicy : NoPolicy {
   Rgb specular{0};
   Rgb share{0};  ///< of the light that arrives along the sampled direction
   Rgb radiance_before{0};
 
-  RELUME_HD void emitted(const PathState&, bool) {}
-  RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
   RELUME_HD void connected(const SurfacePoint& sp, const PathState& path, const Connection& c, bool visible) {
     if (visible && path.bounce == 0) specular += c.contribution * specular_share(sp, c.ray.direction);
   }
@@ -38,27 +36,17 @@ struct SpecularObserver {
   RELUME_HD void finished(const PathState& path) { specular += (path.radiance - radiance_before) * share; }
 };
 
-/// Keeps the specular part beside what `Observation` keeps.
-template <typename Observation>
-struct SpecularObservation {
-  Observation observation;
+/// The specular part of each path's radiance.
+struct SpecularOutput {
+  using Policy = SpecularPolicy;
+
   View<Rgb> specular;  ///< of this sample; may be not finite
 
-  RELUME_HD auto observer(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t pixel) const {
-    return BothObservers<decltype(observation.observer(index, x, y, pixel)), SpecularObserver>{
-        observation.observer(index, x, y, pixel), {}};
+  RELUME_HD SpecularPolicy policy(const SampleIndex&, uint32_t, uint32_t, uint32_t) const { return {}; }
+  RELUME_HD void finish(uint32_t pixel, const SpecularPolicy& policy, const PathState&) const {
+    specular[pixel] = policy.specular;
   }
-  template <typename Observer>
-  RELUME_HD void finish(uint32_t pixel, const Observer& observer, const PathState& path) const {
-    observation.finish(pixel, observer.a, path);
-    specular[pixel] = observer.b.specular;
-  }
-  RELUME_HD void leave_out(uint32_t pixel) const {
-    observation.leave_out(pixel);
-    specular[pixel] = Rgb(0);
-  }
+  RELUME_HD void leave_out(uint32_t pixel) const { specular[pixel] = Rgb(0); }
 };
-
-using SpecularPathKernel = ObservedPathKernel<SpecularObservation<RadianceObservation>>;
 
 }  // namespace relume

@@ -22,11 +22,10 @@ struct Parts {
   std::vector<Rgb> specular = std::vector<Rgb>(kPixels, Rgb(7));
 };
 
-template <typename Observation>
-ObservedPathKernel<Observation> kernel_of(const SceneView& scene, const SampleIndex& index,
-                                          const std::vector<Hit>& hits, std::vector<uint32_t>& rays,
-                                          const Observation& observation) {
-  ObservedPathKernel<Observation> kernel;
+template <typename... Outputs>
+PathKernel<Outputs...> kernel_of(const SceneView& scene, const SampleIndex& index, const std::vector<Hit>& hits,
+                                 std::vector<uint32_t>& rays, const Outputs&... outputs) {
+  PathKernel<Outputs...> kernel;
   kernel.context.scene = scene;
   kernel.context.selector.kind = LightSelectorKind::uniform;
   kernel.context.selector.uniform = make_uniform_lights(scene.lights);
@@ -35,7 +34,7 @@ ObservedPathKernel<Observation> kernel_of(const SceneView& scene, const SampleIn
   kernel.hits = view_of(hits);
   kernel.rays = mutable_view_of(rays);
   kernel.width = kWidth;
-  kernel.observation = observation;
+  kernel.outputs = path_outputs(outputs...);
   return kernel;
 }
 
@@ -44,21 +43,20 @@ struct Tracer {
   const CompiledScene& scene;
   uint32_t max_bounces = 3;
 
-  template <typename Observation>
-  void trace(const Observation& observation, uint32_t sample, bool tiles) const {
+  template <typename... Outputs>
+  void trace(uint32_t sample, bool tiles, const Outputs&... outputs) const {
     std::vector<Hit> hits(kPixels);
     std::vector<uint32_t> rays(kPixels);
     const SampleIndex index{.seed = 7, .sample = sample};
     const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
-    auto kernel = kernel_of(scene.view(), index, hits, rays, observation);
+    auto kernel = kernel_of(scene.view(), index, hits, rays, outputs...);
     kernel.context.max_bounces = max_bounces;
     testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
   }
 
   Parts parts(uint32_t sample, bool tiles) const {
     Parts p;
-    trace(SpecularObservation<RadianceObservation>{{mutable_view_of(p.radiance)}, mutable_view_of(p.specular)}, sample,
-          tiles);
+    trace(sample, tiles, RadianceOutput{mutable_view_of(p.radiance)}, SpecularOutput{mutable_view_of(p.specular)});
     return p;
   }
 };
@@ -120,7 +118,7 @@ TEST(SpecularPart, LeavesRadianceAsItIs) {
   const CompiledScene scene = compiled(find_builtin_scene("cornell")->build());
   const Parts p = Tracer{scene}.parts(3, true);
   std::vector<Rgb> alone(kPixels);
-  Tracer{scene}.trace(RadianceObservation{mutable_view_of(alone)}, 3, true);
+  Tracer{scene}.trace(3, true, RadianceOutput{mutable_view_of(alone)});
   EXPECT_EQ(p.radiance, alone);
   for (uint32_t i = 0; i < kPixels; ++i) {
     for (int c = 0; c < 3; ++c) {
@@ -170,7 +168,7 @@ TEST(SpecularPart, CoatsAreSpecular) {
 
 TEST(SpecularPart, PixelsWithoutAPathHaveNone) {
   Parts p;
-  SpecularObservation<RadianceObservation>{{mutable_view_of(p.radiance)}, mutable_view_of(p.specular)}.leave_out(5);
+  SpecularOutput{mutable_view_of(p.specular)}.leave_out(5);
   EXPECT_EQ(p.specular[5], Rgb(0));
 }
 

@@ -6,17 +6,17 @@
 
 namespace relume {
 
-/// Traces a path for each pixel that the allocation gives one; `observation` as for ObservedPathKernel. Of a pass that
-/// owns estimator_buffers(). False if a stop was requested first.
-template <typename Observation>
-bool trace_paths(const PathSource& source, const FrameContext& frame, const Observation& observation) {
-  const ObservedPathKernel<Observation> kernel{.context = make_path_context(source, frame),
-                                               .index = frame.index,
-                                               .hits = frame.read(kPrimaryHits),
-                                               .allocation = frame.read(kAllocation),
-                                               .rays = frame.write(kRays),
-                                               .width = frame.width(),
-                                               .observation = observation};
+/// Traces a path for each pixel that the allocation gives one, for a pass that owns estimator_buffers(); `outputs` as
+/// for PathOutputs. False if a stop was requested first.
+template <typename... Outputs>
+bool trace_paths(const PathSource& source, const FrameContext& frame, const Outputs&... outputs) {
+  const PathKernel<Outputs...> kernel{.context = make_path_context(source, frame),
+                                      .index = frame.index,
+                                      .hits = frame.read(kPrimaryHits),
+                                      .allocation = frame.read(kAllocation),
+                                      .rays = frame.write(kRays),
+                                      .width = frame.width(),
+                                      .outputs = path_outputs(outputs...)};
   return frame.launch_or_stop("trace", kernel);
 }
 

@@ -11,6 +11,8 @@
 #include "techniques/radiance_cache/path_graphs/settings.h"
 #include "techniques/radiance_cache/path_space_filter/settings.h"
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
+#include "techniques/transport/path/first_vertex.h"
+#include "techniques/transport/path/specular_part.h"
 
 namespace relume::testing {
 
@@ -30,6 +32,7 @@ struct CachedFrameSettings {
   uint32_t max_bounces = 8;
   uint32_t seed = 0;
   bool russian_roulette = true;
+  bool watched = false;  ///< two policies watch the paths that the cache steers
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
@@ -85,19 +88,10 @@ class CachedFrames {
     FilterContext filter{grid_.view(view.camera), sqr(settings_.psf.min_roughness)};
     const bool graph_shown = settings_.kind == CacheKind::apsf_apg;
     AdaptivePsf adaptive = make_adaptive_psf(settings_.apsf, graph_shown ? BlendFunction::zero : BlendFunction::one);
-    const auto hits = view_of(hits_);
-    const auto pixels = mutable_view_of(pixels_);
-    const auto rays = mutable_view_of(rays_);
     switch (settings_.kind) {
-      case CacheKind::none:
-        run("trace", PathKernel{context, index, hits, {}, rays, width(), {mutable_view_of(radiance_)}});
-        break;
-      case CacheKind::psf:
-        run("trace", PathSpaceFilterKernel{context, index, hits, {}, rays, width(), {filter, pixels}});
-        break;
-      case CacheKind::apsf:
-        run("trace", AdaptivePsfKernel{context, index, hits, {}, rays, width(), {{filter, adaptive}, pixels}});
-        break;
+      case CacheKind::none: trace(context, index, RadianceOutput{mutable_view_of(radiance_)}); break;
+      case CacheKind::psf: trace_cells(context, index, filter); break;
+      case CacheKind::apsf: trace_cells(context, index, AdaptiveFilterContext{filter, adaptive}); break;
       case CacheKind::apg: adaptive.enabled = false; [[fallthrough]];
       case CacheKind::apsf_apg:
         const PathGraphContext graph{filter,
@@ -106,7 +100,7 @@ class CachedFrames {
                                      settings_.apg.variance,
                                      settings_.apg.feed,
                                      static_cast<uint16_t>(settings_.apg.deep_coarsening)};
-        run("trace", PathGraphKernel{context, index, hits, {}, rays, width(), {graph, pixels}});
+        trace_cells(context, index, graph);
         break;
     }
   }
@@ -123,6 +117,22 @@ class CachedFrames {
  private:
   uint32_t width() const { return static_cast<uint32_t>(settings_.width); }
 
+  template <typename Cache>
+  void trace_cells(const PathContext& context, const SampleIndex& index, const Cache& cache) {
+    const CellsOutput<Cache> cells{cache, mutable_view_of(pixels_)};
+    if (!settings_.watched) return trace(context, index, cells);
+    first_vertices_.resize(pixels_.size());
+    specular_.resize(pixels_.size());
+    trace(context, index, FirstVertexOutput{mutable_view_of(first_vertices_)},
+          SpecularOutput{mutable_view_of(specular_)}, cells);
+  }
+
+  template <typename... Outputs>
+  void trace(const PathContext& context, const SampleIndex& index, const Outputs&... outputs) {
+    run("trace", PathKernel<Outputs...>{
+                     context, index, view_of(hits_), {}, mutable_view_of(rays_), width(), path_outputs(outputs...)});
+  }
+
   template <typename Kernel>
   void run(const char* name, const Kernel& kernel) {
     launch(backend_, name, kernel, width(), static_cast<uint32_t>(settings_.height));
@@ -137,6 +147,8 @@ class CachedFrames {
   std::vector<FilteredPixel> pixels_;
   std::vector<uint32_t> rays_;
   std::vector<Rgb> radiance_;
+  std::vector<FirstVertex> first_vertices_;
+  std::vector<Rgb> specular_;
   CellLayers layers_;
   uint32_t frame_ = 0;
 };

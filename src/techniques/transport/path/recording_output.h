@@ -1,0 +1,22 @@
+// Paths that leave samples for learning in the regions of the octree.
+#pragma once
+
+#include "techniques/spatial/octree/path_recording.h"
+#include "techniques/transport/path/path_kernel.h"
+
+namespace relume {
+
+/// Records of the first vertices of each path.
+struct RecordingOutput {
+  using Policy = PathRecorder;
+
+  PathRecording recording;
+
+  RELUME_HD PathRecorder policy(const SampleIndex&, uint32_t, uint32_t, uint32_t pixel) const {
+    return recording.begin(pixel);
+  }
+  RELUME_HD void finish(uint32_t, const PathRecorder&, const PathState&) const {}
+  RELUME_HD void leave_out(uint32_t pixel) const { recording.skip(pixel); }
+};
+
+}  // namespace relume
