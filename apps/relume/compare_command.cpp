@@ -167,7 +167,7 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
                                    [&](double fraction) { printer.show_stage("timing", fraction); });
   printer.clear();
   if (!timings) {
-    tell(verbosity, "interrupted");
+    log_info(verbosity, "interrupted");
     return kExitInterrupted;
   }
   std::fputs(to_csv(*timings).c_str(), stdout);
@@ -206,7 +206,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
       scene, options, stop, [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
   printer.clear();
   if (!comparison) {
-    tell(verbosity, "interrupted; references are kept, and the same command continues an unfinished one");
+    log_info(verbosity, "interrupted; references are kept, and the same command continues an unfinished one");
     return kExitInterrupted;
   }
   const auto machine = machine_description();
@@ -215,7 +215,7 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
                {files.page, to_html(comparison_page(*comparison, machine))}});
   for (const std::string& note : comparison->notes) warn(note);
   std::fputs(to_csv(*comparison).c_str(), stdout);
-  tell(verbosity, fmt::format("wrote {} in {}", files.page.string(), format_duration(now_s() - start_s)));
+  log_info(verbosity, fmt::format("wrote {} in {}", files.page.string(), format_duration(now_s() - start_s)));
   return kExitDone;
 }
 

@@ -7,12 +7,12 @@
 
 namespace relume::cli {
 
-void tell(const Verbosity& verbosity, std::string_view text) {
+void log_info(const Verbosity& verbosity, std::string_view text) {
   if (!verbosity.quiet) std::fputs(fmt::format("{}\n", text).c_str(), stderr);
 }
 
 void tell_more(const Verbosity& verbosity, std::string_view text) {
-  if (verbosity.verbose) tell(verbosity, text);
+  if (verbosity.verbose) log_info(verbosity, text);
 }
 
 std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit) {

@@ -11,7 +11,7 @@
 namespace relume::cli {
 
 /// Printed unless --quiet.
-void tell(const Verbosity& verbosity, std::string_view text);
+void log_info(const Verbosity& verbosity, std::string_view text);
 /// Printed with --verbose only.
 void tell_more(const Verbosity& verbosity, std::string_view text);
 /// For InterruptGuard: that work stops once `unit` is complete; empty if quiet.

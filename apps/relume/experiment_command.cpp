@@ -130,10 +130,11 @@ std::optional<ExperimentSummary> result_that_stays(const ExperimentOptions& o, c
 
 void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem::path& folder,
                         const ExperimentContext& context, const Verbosity& verbosity) {
-  tell(verbosity, fmt::format("{} is in {} already{}", summary.name, folder.string(),
-                              summary.run.program == context.program
-                                  ? ""
-                                  : ", measured by another build of relume; without --continue it is measured again"));
+  log_info(verbosity,
+           fmt::format("{} is in {} already{}", summary.name, folder.string(),
+                       summary.run.program == context.program
+                           ? ""
+                           : ", measured by another build of relume; without --continue it is measured again"));
 }
 
 /// Measures, and writes what came out beside what is in the folder already.
@@ -150,7 +151,8 @@ void run_experiment(const Experiment& experiment, const ExperimentOptions& o, co
   std::filesystem::remove_all(context.parts_folder, stays);
   write_index(folder);
   print_claims(experiment, result);
-  tell(verbosity, fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
+  log_info(verbosity,
+           fmt::format("wrote {} in {}", (folder / (name + ".html")).string(), format_duration(run.seconds)));
 }
 
 int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
@@ -173,8 +175,8 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
       run_experiment(*experiment, o, context, folder, printer, verbosity);
     } catch (const ExperimentStopped&) {
       printer.clear();
-      tell(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
-                                  list.size() > 1 && !o.goes_on ? " with --continue" : ""));
+      log_info(verbosity, fmt::format("interrupted {}; the same command{} continues it", experiment->name,
+                                      list.size() > 1 && !o.goes_on ? " with --continue" : ""));
       return kExitInterrupted;
     } catch (const std::exception& error) {
       if (list.size() == 1) throw;

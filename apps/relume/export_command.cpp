@@ -33,7 +33,7 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   roles.reads("SCENE", scene.source_files);
   warn_all(verbosity, scene.warnings);
   warn_all(verbosity, write_gltf(file, scene));
-  tell(verbosity, fmt::format("wrote {}", options.output));
+  log_info(verbosity, fmt::format("wrote {}", options.output));
   return kExitDone;
 }
 

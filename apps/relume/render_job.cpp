@@ -142,7 +142,7 @@ void RenderJob::load() {
   time_of(plan_.files.size() - 1);  // refused before anything is rendered
   settings_.render.auxiliary = !plan_.aovs.empty();
   session_.emplace(std::move(scene), settings_.render);
-  for (const std::string& note : session_->notes()) tell(verbosity_, note);
+  for (const std::string& note : session_->notes()) log_info(verbosity_, note);
   if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
 }
 
@@ -151,13 +151,13 @@ void RenderJob::resume() {
   resumed_rays_ = session_->statistics().rays;
   first_picture_ = picture_of_checkpoint();
   check_earlier_pictures();
-  tell(verbosity_,
-       fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
-                   format_samples(session_->picture_samples()),
-                   options_.frames.empty()
-                       ? ""
-                       : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
-  if (first_picture_ > 0) tell(verbosity_, "pictures of earlier frames stay as they are");
+  log_info(verbosity_,
+           fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
+                       format_samples(session_->picture_samples()),
+                       options_.frames.empty()
+                           ? ""
+                           : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
+  if (first_picture_ > 0) log_info(verbosity_, "pictures of earlier frames stay as they are");
 }
 
 size_t RenderJob::picture_of_checkpoint() const {
@@ -260,9 +260,9 @@ void RenderJob::write(size_t index, StopReason reason) {
   const std::string what =
       is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
                           : file.string();
-  tell(verbosity_,
-       fmt::format("{} {} with {} sample{} a pixel", reason == StopReason::interrupted ? "interrupted; wrote" : "wrote",
-                   what, samples, samples == "1" ? "" : "s"));
+  log_info(verbosity_, fmt::format("{} {} with {} sample{} a pixel",
+                                   reason == StopReason::interrupted ? "interrupted; wrote" : "wrote", what, samples,
+                                   samples == "1" ? "" : "s"));
 }
 
 void RenderJob::report(StopReason reason) const {

@@ -113,7 +113,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
 void CompiledScene::list_appearances() {
   for (uint32_t n = 0; n < source_.nodes.size(); ++n) {
     for_each_place(source_.nodes[n], [&](Index mesh, const Mat4& to_node) {
-      appearances_.push_back({n, static_cast<uint32_t>(mesh), to_node});
+      mesh_instances_.push_back({n, static_cast<uint32_t>(mesh), to_node});
     });
   }
 }
@@ -121,13 +121,13 @@ void CompiledScene::list_appearances() {
 void CompiledScene::decide_instancing() {
   const std::vector<uint32_t> triangles = triangle_counts(source_);
   std::vector<size_t> uses(source_.meshes.size(), 0);
-  for (const Appearance& a : appearances_) ++uses[a.mesh];
+  for (const MeshInstance& a : mesh_instances_) ++uses[a.mesh];
   size_t copied = 0;
   for (size_t m = 0; m < uses.size(); ++m) {
     if (uses[m] > 1) copied += uses[m] * triangles[m];
   }
   const bool copy_repeated = copied <= kFlattenedTriangleBudget;
-  for (const Appearance& a : appearances_)
+  for (const MeshInstance& a : mesh_instances_)
     world_space_.push_back(!moves_[a.node] && (uses[a.mesh] == 1 || copy_repeated));
 }
 
@@ -181,8 +181,8 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
 
 void CompiledScene::build_meshes() {
   shared_meshes_.assign(source_.meshes.size(), kNoHit);
-  for (size_t i = 0; i < appearances_.size(); ++i) {
-    const Appearance& a = appearances_[i];
+  for (size_t i = 0; i < mesh_instances_.size(); ++i) {
+    const MeshInstance& a = mesh_instances_[i];
     if (world_space_[i]) {
       const Mat4 transform = world_[a.node] * a.local;
       mesh_of_appearance_.push_back(static_cast<uint32_t>(meshes_.size()));

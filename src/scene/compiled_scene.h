@@ -72,7 +72,7 @@ class CompiledScene {
   bool movable(Index node) const { return moves_[static_cast<size_t>(node)]; }
   CameraPose camera() const;
   /// The node that an instance belongs to.
-  Index node_of(uint32_t instance) const { return static_cast<Index>(appearances_[instance].node); }
+  Index node_of(uint32_t instance) const { return static_cast<Index>(mesh_instances_[instance].node); }
 
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }
@@ -83,7 +83,7 @@ class CompiledScene {
   SceneBounds bounds() const { return view_.lights.bounds; }
 
  private:
-  struct Appearance {
+  struct MeshInstance {
     uint32_t node;
     uint32_t mesh;
     Mat4 local;  ///< below the node
@@ -117,13 +117,13 @@ class CompiledScene {
   Scene source_;
   std::vector<std::string> notes_;
   float time_s_ = 0;
-  std::vector<Mat4> world_;              ///< one a node
-  std::vector<bool> moves_;              ///< one a node
-  bool was_moved_ = false;               ///< some previous position differs from the present one
-  std::vector<Appearance> appearances_;  ///< one an instance
-  std::vector<bool> world_space_;        ///< one an appearance
-  std::vector<uint32_t> shared_meshes_;  ///< by mesh of the source: its copy in its own space; kNoHit: none
-  bool edited_ = false;                  ///< since commit_edits()
+  std::vector<Mat4> world_;                   ///< one a node
+  std::vector<bool> moves_;                   ///< one a node
+  bool was_moved_ = false;                    ///< some previous position differs from the present one
+  std::vector<MeshInstance> mesh_instances_;  ///< one an instance
+  std::vector<bool> world_space_;             ///< one an appearance
+  std::vector<uint32_t> shared_meshes_;       ///< by mesh of the source: its copy in its own space; kNoHit: none
+  bool edited_ = false;                       ///< since commit_edits()
   std::vector<Vertex> vertices_;
   std::vector<UVec3> triangles_;
   std::vector<Vec2> uv1_;

@@ -39,8 +39,8 @@ std::vector<float> times_of_animation(const Scene& scene) {
 
 Box CompiledScene::placed_box(const std::vector<Mat4>& world, bool moving_only) const {
   Box box;
-  for (size_t i = 0; i < appearances_.size(); ++i) {
-    const Appearance& a = appearances_[i];
+  for (size_t i = 0; i < mesh_instances_.size(); ++i) {
+    const MeshInstance& a = mesh_instances_[i];
     if (!world_space_[i] && (moves_[a.node] || !moving_only))
       box.add(transformed(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local));
   }
@@ -67,13 +67,13 @@ Box CompiledScene::box_of(const MeshView& mesh) const {
 void CompiledScene::compute_bounds() {
   boxes_.assign(meshes_.size(), {});
   parallel_for(meshes_.size(), [&](size_t m) { boxes_[m] = box_of(meshes_[m]); });
-  for (size_t i = 0; i < appearances_.size(); ++i) {
+  for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]]);
   }
   // The time that is shown first must make no difference, so that frames do not depend on which came before.
   extent_.add(placed_box(world_matrices(source_, 0)));
-  const bool anything_moves =
-      std::any_of(appearances_.begin(), appearances_.end(), [&](const Appearance& a) { return moves_[a.node]; });
+  const bool anything_moves = std::any_of(mesh_instances_.begin(), mesh_instances_.end(),
+                                          [&](const MeshInstance& a) { return moves_[a.node]; });
   if (anything_moves) {
     for (const float time_s : times_of_animation(source_))
       extent_.add(placed_box(world_matrices(source_, time_s), true));

@@ -96,7 +96,7 @@ Index CompiledScene::add_node(const Node& node) {
   }
   moves_.push_back(true);
   for_each_place(node, [&](Index mesh, const Mat4& to_node) {
-    appearances_.push_back({static_cast<uint32_t>(index), static_cast<uint32_t>(mesh), to_node});
+    mesh_instances_.push_back({static_cast<uint32_t>(index), static_cast<uint32_t>(mesh), to_node});
     world_space_.push_back(false);
     mesh_of_appearance_.push_back(shared_meshes_[static_cast<size_t>(mesh)]);
   });
@@ -116,13 +116,13 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
     }
   }
   size_t kept = 0;
-  for (size_t i = 0; i < appearances_.size(); ++i) {
-    if (gone[appearances_[i].node]) continue;
-    appearances_[kept] = appearances_[i];
+  for (size_t i = 0; i < mesh_instances_.size(); ++i) {
+    if (gone[mesh_instances_[i].node]) continue;
+    mesh_instances_[kept] = mesh_instances_[i];
     world_space_[kept] = world_space_[i];
     mesh_of_appearance_[kept++] = mesh_of_appearance_[i];
   }
-  appearances_.resize(kept);
+  mesh_instances_.resize(kept);
   world_space_.resize(kept);
   mesh_of_appearance_.resize(kept);
   std::vector<Index> removed;

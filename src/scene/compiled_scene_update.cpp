@@ -169,14 +169,14 @@ CameraPose CompiledScene::camera() const { return placed_camera_ ? *placed_camer
 
 bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
-  instances_.resize(appearances_.size());
+  instances_.resize(mesh_instances_.size());
   bool moved = false;
-  for (size_t i = 0; i < appearances_.size(); ++i) {
+  for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     Instance& instance = instances_[i];
     instance.mesh = mesh_of_appearance_[i];
     instance.in_world_space = world_space_[i];
     if (instance.in_world_space) continue;
-    const Mat4 m = world_[appearances_[i].node] * appearances_[i].local;
+    const Mat4 m = world_[mesh_instances_[i].node] * mesh_instances_[i].local;
     const Affine now{Mat3(m), Vec3(m[3])};
     moved = moved || now.linear != instance.to_world.linear || now.translation != instance.to_world.translation;
     if (first) instance.previous_to_world = now;
@@ -236,7 +236,7 @@ std::vector<AccelInstance> CompiledScene::accel_instances() const {
     const Instance& i = instances_[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space, moves_[appearances_[k].node]});
+    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node]});
   }
   return result;
 }

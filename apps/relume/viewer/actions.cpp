@@ -39,7 +39,7 @@ void focus_at(State& state, const Vec3& point) {
   const float depth = placed.camera.projection == Projection::panoramic
                           ? glm::length(to_point)
                           : glm::dot(to_point, -glm::normalize(Vec3(placed.to_world[2])));
-  if (!(depth > 0)) return state.tell("this point lies behind the camera, which cannot focus there");
+  if (!(depth > 0)) return state.notify("this point lies behind the camera, which cannot focus there");
   placed.camera.focus_distance = depth;
   state.document->set_camera(placed);
   state.touch();
@@ -79,7 +79,7 @@ void move_sun(const State& state, SunSky& sky) {
 void add_bookmark(State& state) { store_bookmark(state, state.bookmarks.size()); }
 
 void store_bookmark(State& state, size_t slot) {
-  if (!state.knows_camera()) return state.tell(kNoCamera, true);
+  if (!state.knows_camera()) return state.notify(kNoCamera, true);
   slot = std::min(slot, state.bookmarks.size());
   const Bookmark bookmark{fmt::format("View {}", slot + 1), current_view(state)};
   if (slot == state.bookmarks.size()) {
@@ -88,13 +88,13 @@ void store_bookmark(State& state, size_t slot) {
     state.bookmarks[slot] = bookmark;
   }
   save_bookmarks(state);
-  state.tell(fmt::format("remembered as view {}", slot + 1));
+  state.notify(fmt::format("remembered as view {}", slot + 1));
 }
 
 void go_to_bookmark(State& state, size_t slot) {
   if (slot >= state.bookmarks.size())
-    return state.tell(fmt::format("there is no view {}; Ctrl and a digit stores one", slot + 1));
-  if (!state.knows_camera()) return state.tell(kNoCamera, true);
+    return state.notify(fmt::format("there is no view {}; Ctrl and a digit stores one", slot + 1));
+  if (!state.knows_camera()) return state.notify(kNoCamera, true);
   set_view(state, state.bookmarks[slot].view);
 }
 
@@ -102,13 +102,13 @@ void toggle_recording(State& state) {
   PathTools& tools = state.path;
   if (tools.recording) {
     tools.recording = false;
-    return state.tell(fmt::format("recorded {:.1f} s; Ctrl+S saves the path", tools.path.duration_s()));
+    return state.notify(fmt::format("recorded {:.1f} s; Ctrl+S saves the path", tools.path.duration_s()));
   }
   tools.path.clear();
   tools.playing = false;
   tools.recording = true;
   tools.since_s = state.now_s;
-  state.tell("recording the camera");
+  state.notify("recording the camera");
 }
 
 void toggle_path(State& state) {
@@ -118,13 +118,13 @@ void toggle_path(State& state) {
 }
 
 void add_path_key(State& state) {
-  if (!state.knows_camera()) return state.tell(kNoCamera, true);
+  if (!state.knows_camera()) return state.notify(kNoCamera, true);
   PathTools& tools = state.path;
   const Viewpoint view = current_view(state);
   float time = tools.path.keys().empty() ? 0 : tools.path.duration_s() + tools.spacing_s;
   if (tools.recording && time > 0) time = static_cast<float>(state.now_s - tools.since_s);
   tools.path.add({time, view.eye, view.rotation});
-  state.tell(fmt::format("key {} at {:.1f} s", tools.path.keys().size(), time));
+  state.notify(fmt::format("key {} at {:.1f} s", tools.path.keys().size(), time));
 }
 
 void update_path(State& state) {
@@ -147,7 +147,7 @@ void update_animation(State& state, double seconds) {
   const float end = state.document->duration_s();
   if (!(end > 0)) {
     state.animating = false;
-    return state.tell("nothing in this scene is animated");
+    return state.notify("nothing in this scene is animated");
   }
   set_scene_time(state, std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
 }
@@ -163,15 +163,15 @@ void save_numbered_picture(State& state, const std::string& extension) {
 void write_view_file(State& state, const std::filesystem::path& file) {
   if (!state.knows_camera()) throw Error(kNoCamera);
   const auto omissions = save_view(file, {*state.document, state.settings[0], current_camera(state), &state.path.path});
-  state.tell("wrote " + file.string());
-  for (const std::string& omission : omissions) state.tell(omission, true);
+  state.notify("wrote " + file.string());
+  for (const std::string& omission : omissions) state.notify(omission, true);
 }
 
 void save_view_file(State& state, const std::filesystem::path& file) {
   try {
     write_view_file(state, file);
   } catch (const std::exception& error) {
-    state.tell(error.what(), true);
+    state.notify(error.what(), true);
   }
 }
 
@@ -190,7 +190,7 @@ void pick_at(State& state, const Vec2& point, bool focus) {
 
 void show_directions_at(State& state, const Vec2& point) {
   if (state.settings[0].render.guide != GuideChoice::cdq)
-    return state.tell("Only guide 'cdq' has something to show of directions; choose it in the settings");
+    return state.notify("Only guide 'cdq' has something to show of directions; choose it in the settings");
   change_setting(state, 0, "cdq.view", "on");
   change_setting(state, 0, "cdq.view-x", std::to_string(point.x));
   change_setting(state, 0, "cdq.view-y", std::to_string(point.y));

@@ -43,7 +43,7 @@ App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixe
   state_.renderer = &renderer_;
   state_.settings = {settings, settings};
   state_.follow_window = !fixed_size;
-  state_.pace.target_hz = options.target_hz;
+  state_.resolution_policy.target_hz = options.target_hz;
   state_.now_s = now_s();
   show_document(state_, std::move(scene), true);
   last_s_ = state_.now_s;
@@ -143,7 +143,7 @@ void App::take_notices() {
   for (const Notice& notice : renderer_.take_notices()) {
     if (notice.problem && first_problem_.empty()) first_problem_ = notice.text;
     if (notice.failed_task && failed_task_.empty()) failed_task_ = notice.text;
-    state_.tell(notice.text, notice.problem);
+    state_.notify(notice.text, notice.problem);
     if (notice.refused_scene && state_.document && notice.refused_scene == state_.document->loaded())
       revert_document(state_);
   }

@@ -106,7 +106,7 @@ void App::act(const ScriptStep& step) {
     try {
       change_setting(state_, 0, w[0], w[1]);
     } catch (const Error& error) {
-      state_.tell(error.what(), true);
+      state_.notify(error.what(), true);
     }
   }
   if (step.verb == "set-b") change_setting(state_, 1, w[0], w[1]);
@@ -129,8 +129,8 @@ void App::act(const ScriptStep& step) {
   }
   if (step.verb == "pace") {
     if (w[0] != "on" && w[0] != "moving" && w[0] != "off") throw Error("'" + w[0] + "' is none of on, moving, off");
-    state_.pace.hold_rate = w[0] != "off";
-    state_.pace.full_at_rest = w[0] != "moving";
+    state_.resolution_policy.hold_rate = w[0] != "off";
+    state_.resolution_policy.full_at_rest = w[0] != "moving";
     state_.request_changed = true;
     monitor_.reset();
   }

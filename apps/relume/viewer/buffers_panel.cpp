@@ -53,7 +53,7 @@ void draw_palette(const Vec2& range) {
 
 void draw_display(State& state) {
   Inspector& inspector = state.inspector;
-  Development& d = inspector.development;
+  DisplayTransform& d = inspector.display_transform;
   ImGui::Checkbox("Automatic", &inspector.automatic);
   tooltip("Colors and range follow the buffer: from the 1st to the 99th percentile");
   constexpr const char* kModes[] = {"radiance", "color in range", "false color", "direction"};
@@ -94,11 +94,12 @@ void draw_buffers_panel(State& state) {
   ImGui::Checkbox("Sharp pixels", &state.sharp_pixels);
   tooltip("Scaled without smoothing");
   heading("Resolution");
-  bool changed = ImGui::Checkbox("Hold the frame rate", &state.pace.hold_rate);
+  bool changed = ImGui::Checkbox("Hold the frame rate", &state.resolution_policy.hold_rate);
   tooltip(fmt::format("Scales the resolution, never below {}x{}", kMinWidth, kMinHeight));
-  ImGui::BeginDisabled(!state.pace.hold_rate);
-  changed |= ImGui::SliderFloat("target", &state.pace.target_hz, 1, 60, "%.0f frames/s", ImGuiSliderFlags_AlwaysClamp);
-  changed |= ImGui::Checkbox("Full size at rest", &state.pace.full_at_rest);
+  ImGui::BeginDisabled(!state.resolution_policy.hold_rate);
+  changed |= ImGui::SliderFloat("target", &state.resolution_policy.target_hz, 1, 60, "%.0f frames/s",
+                                ImGuiSliderFlags_AlwaysClamp);
+  changed |= ImGui::Checkbox("Full size at rest", &state.resolution_policy.full_at_rest);
   tooltip("Full resolution as soon as nothing changes; every change of size discards the histories");
   ImGui::EndDisabled();
   ImGui::PopItemWidth();

@@ -39,7 +39,7 @@ vec3 srgb_from_linear(vec3 c) {
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-vec3 develop(vec3 radiance) {
+vec3 to_display(vec3 radiance) {
   vec3 ev = log2(max(radiance * scale, vec3(1e-9)));
   vec3 t = clamp((ev - curve_ev.x) / (curve_ev.y - curve_ev.x), 0.0, 1.0);
   return texture(curve, (t * (curve_ev.z - 1.0) + 0.5) / curve_ev.z).rgb;
@@ -49,7 +49,7 @@ void main() {
   vec3 v = texelFetch(values, ivec2(gl_FragCoord.xy), 0).rgb;
   vec3 in_range = (v - range.x) / max(range.y - range.x, 1e-30);
   float chosen = channel < 0 ? (length(v) - range.x) / max(range.y - range.x, 1e-30) : in_range[max(channel, 0)];
-  vec3 c = develop(v);
+  vec3 c = to_display(v);
   if (mode == 1) c = srgb_from_linear(clamp(in_range, 0.0, 1.0));
   if (mode == 2) c = texture(palette, vec2(clamp(chosen, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
   if (mode == 3) c = clamp(v * 0.5 + 0.5, 0.0, 1.0);
@@ -108,7 +108,7 @@ Rgb palette_color(float t) {
           saturate(t + amplitude * (-0.29227f * c - 0.90649f * s)), saturate(t + amplitude * (1.97294f * c))};
 }
 
-Developer::Developer() : program_(link()) {
+DisplayShader::DisplayShader() : program_(link()) {
   glGenVertexArrays(1, &vertex_array_);
   curve_ = make_texture(GL_TEXTURE_3D, GL_LINEAR);
   palette_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
@@ -121,7 +121,7 @@ Developer::Developer() : program_(link()) {
   glSamplerParameteri(nearest_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
-Developer::~Developer() {
+DisplayShader::~DisplayShader() {
   glDeleteSamplers(1, &nearest_);
   glDeleteTextures(1, &palette_);
   glDeleteTextures(1, &curve_);
@@ -129,7 +129,7 @@ Developer::~Developer() {
   glDeleteProgram(program_);
 }
 
-void Developer::use_tone_map(ToneMap curve) {
+void DisplayShader::use_tone_map(ToneMap curve) {
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, curve_);
   if (curve_of_ == static_cast<int>(curve)) return;
@@ -176,7 +176,7 @@ void Picture::upload(const std::vector<Rgb>& values, int width, int height) {
   fresh_ = true;
 }
 
-bool Picture::develop(Developer& developer, const Development& wish) {
+bool Picture::to_display(DisplayShader& display_shader, const DisplayTransform& wish) {
   if (width_ == 0 || (!fresh_ && wish == done_)) return false;
   fresh_ = false;
   done_ = wish;
@@ -185,8 +185,8 @@ bool Picture::develop(Developer& developer, const Development& wish) {
   glViewport(0, 0, width_, height_);
   glDisable(GL_BLEND);
   glDisable(GL_SCISSOR_TEST);
-  glUseProgram(developer.program_);
-  const auto uniform = [&](const char* name) { return glGetUniformLocation(developer.program_, name); };
+  glUseProgram(display_shader.program_);
+  const auto uniform = [&](const char* name) { return glGetUniformLocation(display_shader.program_, name); };
   glUniform1i(uniform("values"), 0);
   glUniform1i(uniform("curve"), 1);
   glUniform1i(uniform("palette"), 2);
@@ -195,12 +195,12 @@ bool Picture::develop(Developer& developer, const Development& wish) {
   glUniform1f(uniform("scale"), std::exp2(wish.exposure));
   glUniform2f(uniform("range"), wish.range.x, wish.range.y);
   glUniform3f(uniform("curve_ev"), kCurveMinEv, kCurveMaxEv, static_cast<float>(kCurveSize));
-  developer.use_tone_map(wish.tone_map);
+  display_shader.use_tone_map(wish.tone_map);
   glActiveTexture(GL_TEXTURE2);
-  glBindTexture(GL_TEXTURE_2D, developer.palette_);
+  glBindTexture(GL_TEXTURE_2D, display_shader.palette_);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, values_);
-  glBindVertexArray(developer.vertex_array_);
+  glBindVertexArray(display_shader.vertex_array_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);

@@ -18,13 +18,13 @@ enum class DisplayMode : int {
   direction,    ///< components in [-1, 1] become 0 … 1
 };
 
-struct Development {
+struct DisplayTransform {
   DisplayMode mode = DisplayMode::radiance;
   ToneMap tone_map = ToneMap::agx;
   float exposure = 0;  ///< stops
   Vec2 range{0, 1};
   int channel = 0;  ///< of false_color; -1: length of the vector
-  bool operator==(const Development&) const = default;
+  bool operator==(const DisplayTransform&) const = default;
 };
 
 /// Palette of false_color at t in [0, 1]: dark to bright with rising luminance ([Green11], start 0.5, -1.5 rotations,
@@ -32,12 +32,12 @@ struct Development {
 Rgb palette_color(float t);
 
 /// Shader, tone curves and palette, shared by all pictures. Needs a current context for as long as it lives.
-class Developer {
+class DisplayShader {
  public:
-  Developer();
-  ~Developer();
-  Developer(const Developer&) = delete;
-  Developer& operator=(const Developer&) = delete;
+  DisplayShader();
+  ~DisplayShader();
+  DisplayShader(const DisplayShader&) = delete;
+  DisplayShader& operator=(const DisplayShader&) = delete;
 
   GLuint nearest_sampler() const { return nearest_; }
 
@@ -62,7 +62,7 @@ class Picture {
 
   void upload(const std::vector<Rgb>& values, int width, int height);
   /// Makes texture() show the values. False if they and the wish are as before.
-  bool develop(Developer& developer, const Development& wish);
+  bool to_display(DisplayShader& display_shader, const DisplayTransform& wish);
 
   GLuint texture() const { return developed_; }
   bool empty() const { return width_ == 0; }
@@ -74,7 +74,7 @@ class Picture {
   int width_ = 0;
   int height_ = 0;
   bool fresh_ = false;
-  Development done_;
+  DisplayTransform done_;
 };
 
 }  // namespace relume::viewer

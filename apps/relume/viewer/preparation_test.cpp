@@ -16,7 +16,7 @@ using testing::Stage;
 
 /// Settings whose first frame prepares for minutes.
 void prepare_long(Stage& stage) {
-  stage.pace.preparation_s = 0;
+  stage.resolution_policy.preparation_s = 0;
   stage.settings[0].render.lights = LightSelectionChoice::static_lists;
   stage.settings[0].render.static_lists.rays = 1 << 18;
   stage.settings[0].render.static_lists.cell_size = 0.02f;
@@ -29,7 +29,7 @@ double processor_time_s() { return static_cast<double>(std::clock()) / CLOCKS_PE
 TEST(Preparation, AFrameComesBeforeLongPreparationEnds) {
   Stage stage;
   prepare_long(stage);
-  stage.pace.preparation_s = 0.1f;
+  stage.resolution_policy.preparation_s = 0.1f;
   const double start_s = processor_time_s();
   stage.post();
   ASSERT_TRUE(stage.next());

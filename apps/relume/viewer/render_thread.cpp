@@ -162,13 +162,14 @@ void RenderThread::run_tasks() {
 }
 
 bool RenderThread::at_rest() const {
-  return request_.pace.full_at_rest && now_s() - changed_s_ > static_cast<double>(request_.pace.rest_after_s);
+  return request_.resolution_policy.full_at_rest &&
+         now_s() - changed_s_ > static_cast<double>(request_.resolution_policy.rest_after_s);
 }
 
 IVec2 RenderThread::choose_size(bool rest) const {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  return request_.pace.hold_rate && !rest ? resolution_.size(full) : full;
+  return request_.resolution_policy.hold_rate && !rest ? resolution_.size(full) : full;
 }
 
 void RenderThread::render_round(const std::stop_token& stop) {
@@ -184,8 +185,8 @@ void RenderThread::render_round(const std::stop_token& stop) {
     if (stop.stop_requested() || !render_side(stop, side, size, rest)) return;
   }
   const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
-  if (request_.pace.hold_rate && !rest) {
-    resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.pace.target_hz), full);
+  if (request_.resolution_policy.hold_rate && !rest) {
+    resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.resolution_policy.target_hz), full);
   }
   goal_reached_ = frame(0)->reached_goal && (sides == 1 || frame(1)->reached_goal);
 }
@@ -210,7 +211,7 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
     if (wanted_.version != request_.version) hurry_.request_stop();
     hurry = hurry_.get_token();
     // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
-    if (session.frames_since_change() > 0 || (request_.pace.hold_rate && rest)) {
+    if (session.frames_since_change() > 0 || (request_.resolution_policy.hold_rate && rest)) {
       // A newer request may have come while the scene was compiled or the settings taken on.
       if (wanted_.version != request_.version) return false;
       token = refinement_.get_token();
@@ -218,7 +219,7 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
   }
   std::optional<TimedStop> preparation;
   if (session.frames_since_change() == 0 || !session.prepared()) {
-    preparation.emplace(hurry, static_cast<double>(request_.pace.preparation_s));
+    preparation.emplace(hurry, static_cast<double>(request_.resolution_policy.preparation_s));
     hurry = preparation->token();
   }
   session.shorten_preparation_on(hurry);
@@ -260,7 +261,7 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
 }
 
 bool RenderThread::has_final_size(const Session& session) const {
-  if (!request_.pace.hold_rate || !request_.pace.full_at_rest) return true;
+  if (!request_.resolution_policy.hold_rate || !request_.resolution_policy.full_at_rest) return true;
   const RenderSettings& wanted = request_.settings[0].render;
   return render_settings(session).width == wanted.width && render_settings(session).height == wanted.height;
 }

@@ -61,7 +61,7 @@ TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
   // Every edit takes longer than the moment after which the picture counts as at rest, and longer than the next edit
   // lets it: frames follow nevertheless.
   Stage stage("cornell-water");  // many triangles, which all become lamps
-  stage.pace = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.005f};
+  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.005f};
   std::vector<Material> materials = stage.document.outline().materials;
   stage.post();
   ASSERT_TRUE(stage.next());
@@ -82,7 +82,7 @@ TEST(RenderThread, AGoalThatIsMetAtASmallSizeDoesNotKeepThePictureSmall) {
   stage.settings[0].render.width = 1000;
   stage.settings[0].render.height = 600;
   stage.settings[0].stop.spp = 1;
-  stage.pace = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.3f};
+  stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.3f};
   stage.post();
   const auto first = stage.next();
   ASSERT_TRUE(first);
@@ -295,7 +295,7 @@ TEST(RenderThread, APictureOfWhatIsNewIsMadeForWhatWasAskedForLast) {
   ASSERT_TRUE(stage.next());
   stage.settings[0].render.width = 300;
   stage.settings[0].render.height = 200;
-  stage.pace = {.hold_rate = true, .full_at_rest = true, .rest_after_s = 0};
+  stage.resolution_policy = {.hold_rate = true, .full_at_rest = true, .rest_after_s = 0};
   stage.post();
   std::atomic<int> width = 0;
   std::this_thread::sleep_for(std::chrono::milliseconds(3));

@@ -43,8 +43,8 @@ struct SceneEdits {
   uint64_t version = 0;        ///< the newest of all
 };
 
-/// How resolution gives way to speed.
-struct Pace {
+/// How the resolution follows the frame rate.
+struct ResolutionPolicy {
   bool hold_rate = true;      ///< scale the resolution until `target_hz` is met
   float target_hz = 10;       ///< rendered frames a second
   bool full_at_rest = true;   ///< full resolution when nothing has changed for a moment
@@ -63,7 +63,7 @@ struct RenderRequest {
   std::array<AllSettings, kSides> settings;
   bool split = false;  ///< render B too
   bool paused = false;
-  Pace pace;
+  ResolutionPolicy resolution_policy;
   std::string buffer;  ///< to inspect; empty: the picture
 };
 

@@ -91,7 +91,7 @@ void select(State& state, const Selection& selection) {
   state.selection = selection;
   const Index node = selected_node(state);
   if (node == kNone || !state.document->make_movable(node)) return;
-  state.tell("compiling the scene so that this can move");
+  state.notify("compiling the scene so that this can move");
   state.touch();
 }
 

@@ -136,9 +136,9 @@ void draw_presets(State& state) {
     if (ImGui::Selectable(std::string(preset.name).c_str())) {
       try {
         apply_preset(state, state.edited_side, std::string(preset.name));
-        state.tell(fmt::format("{} uses the preset {}", state.edited_side == 0 ? "A" : "B", preset.name));
+        state.notify(fmt::format("{} uses the preset {}", state.edited_side == 0 ? "A" : "B", preset.name));
       } catch (const Error& error) {
-        state.tell(error.what(), true);
+        state.notify(error.what(), true);
       }
     }
     tooltip(std::string(preset.summary));
@@ -203,7 +203,7 @@ void draw_settings_panel(State& state) {
   try {
     take_settings(state, state.edited_side, wanted);
   } catch (const Error& error) {
-    state.tell(error.what(), true);
+    state.notify(error.what(), true);
   }
 }
 

@@ -42,7 +42,7 @@ void load_bookmarks(State& state) {
   try {
     if (!state.bookmarks_file.empty()) state.bookmarks = read_bookmarks(state.bookmarks_file);
   } catch (const Error& error) {
-    state.tell(error.what(), true);
+    state.notify(error.what(), true);
     state.bookmarks_file.clear();  // is not written over
   }
 }
@@ -77,14 +77,14 @@ bool State::reached_goals(uint64_t request_version) const {
   });
 }
 
-void State::tell(const std::string& text, bool problem) {
+void State::notify(const std::string& text, bool problem) {
   std::erase_if(toasts, [&](const Toast& toast) { return toast.text == text; });
   toasts.push_back({text, problem, now_s + (problem ? kProblemToast_s : kToast_s)});
   if (toasts.size() > kMostToasts) toasts.pop_front();
 }
 
 void open_scene(State& state, const std::string& name) {
-  if (state.loading.valid()) return state.tell("a scene is being loaded already; wait for it");
+  if (state.loading.valid()) return state.notify("a scene is being loaded already; wait for it");
   state.loading_name = name;
   state.loading = std::async(std::launch::async, [name] {
     cli::lower_thread_priority();
@@ -98,13 +98,13 @@ void finish_loading(State& state) {
   if (!state.loading.valid() || state.loading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
     show_document(state, state.loading.get(), false);
-    state.tell("opened " + state.document->name());
+    state.notify("opened " + state.document->name());
     const size_t warnings = state.document->loaded()->scene.warnings.size();
-    if (warnings > 0) state.tell(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
+    if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
   } catch (const std::bad_alloc&) {
-    state.tell(state.loading_name + ": not enough memory for this scene", true);
+    state.notify(state.loading_name + ": not enough memory for this scene", true);
   } catch (const std::exception& error) {
-    state.tell(error.what(), true);
+    state.notify(error.what(), true);
   }
 }
 
@@ -232,7 +232,7 @@ void save_bookmarks(State& state) {
   try {
     write_bookmarks(state.bookmarks_file, state.bookmarks);
   } catch (const Error& error) {
-    state.tell(error.what(), true);
+    state.notify(error.what(), true);
   }
 }
 
@@ -243,7 +243,7 @@ RenderRequest make_request(const State& state, uint64_t version, uint64_t pictur
   request.settings = state.settings;
   request.split = state.split;
   request.paused = state.paused;
-  request.pace = state.pace;
+  request.resolution_policy = state.resolution_policy;
   request.buffer = state.buffer;
   if (!state.document) return request;
   request.scene = state.document->loaded();

@@ -25,7 +25,7 @@ enum class Panel : int { settings, scene, camera, buffers };
 /// How the inspected buffer is shown.
 struct Inspector {
   bool automatic = true;  ///< range and mode follow the buffer
-  Development development;
+  DisplayTransform display_transform;
   bool loupe = false;
   int loupe_zoom = 8;
 };
@@ -64,8 +64,8 @@ struct PathTools {
   float spacing_s = 2;  ///< between key frames that are added one by one
 };
 
-/// A scene that was shown, and how.
-struct Shown {
+/// A scene with the state of its view.
+struct SceneTab {
   Document document;
   std::array<AllSettings, kSides> settings;
   PathTools path;
@@ -74,7 +74,7 @@ struct Shown {
 
 struct State {
   std::optional<Document> document;
-  std::optional<Shown> previous;  ///< goes on if the new one cannot be compiled
+  std::optional<SceneTab> previous;  ///< shown again if the new one cannot be compiled
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
 
@@ -85,7 +85,7 @@ struct State {
   float split_at = 0.5f;
   bool follow_window = true;  ///< the picture's size is that of its place in the window
   bool paused = false;
-  Pace pace;
+  ResolutionPolicy resolution_policy;
 
   std::string buffer;
   Inspector inspector;
@@ -123,7 +123,7 @@ struct State {
 
   /// The picture will differ.
   void touch() { request_changed = picture_changed = true; }
-  void tell(const std::string& text, bool problem = false);
+  void notify(const std::string& text, bool problem = false);
   double now_s = 0;
 
   const ViewerFrame* frame() const { return frames[0].get(); }

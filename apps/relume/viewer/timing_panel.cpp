@@ -127,7 +127,7 @@ void draw_timing_panel(State& state, int side) {
   const float legend = font * 15;
   const bool wide = room.x > font * 46;  // else the graph needs the room more
   const float numbers = wide ? font * 14 : 0;
-  const double target_s = 1.0 / static_cast<double>(state.pace.target_hz);
+  const double target_s = 1.0 / static_cast<double>(state.resolution_policy.target_hz);
   draw_graph(times, {std::max(80.0f, room.x - numbers - legend - 24), room.y}, target_s);
   ImGui::SameLine();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {8, 2});

@@ -49,9 +49,10 @@ void bind_sampler(const ImDrawList*, const ImDrawCmd* command) {
   glBindSampler(0, static_cast<GLuint>(reinterpret_cast<uintptr_t>(command->UserCallbackData)));
 }
 
-Development Viewport::development(const State& state, int side) const {
+DisplayTransform Viewport::display_transform(const State& state, int side) const {
   const AllSettings& settings = state.settings[static_cast<size_t>(side)];
-  Development d = shows_buffer_[static_cast<size_t>(side)] ? state.inspector.development : Development{};
+  DisplayTransform d =
+      shows_buffer_[static_cast<size_t>(side)] ? state.inspector.display_transform : DisplayTransform{};
   d.tone_map = settings.output.tone_map;
   d.exposure = settings.output.exposure;
   return d;
@@ -67,7 +68,7 @@ void Viewport::update(State& state) {
       shows_buffer_[s] = !frame->values.empty();
       pictures_[s].upload(shows_buffer_[s] ? frame->values : frame->radiance, frame->width, frame->height);
       if (side == 0 && state.inspector.automatic && shows_buffer_[s]) {
-        Development& d = state.inspector.development;
+        DisplayTransform& d = state.inspector.display_transform;
         d.range = frame->value_range;
         d.channel = frame->channels.size() == 1 ? 0 : -1;
         const bool color = frame->channels == "RGB";
@@ -79,7 +80,7 @@ void Viewport::update(State& state) {
         if (color) d.range = {0, max(1.0f, frame->value_range.y)};
       }
     }
-    if (pictures_[s].develop(developer_, development(state, side))) ++version_;
+    if (pictures_[s].to_display(display_shader_, display_transform(state, side))) ++version_;
   }
 }
 
@@ -92,7 +93,7 @@ void Viewport::draw_picture(State& state) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const ImVec2 end = picture_.end();
   if (state.sharp_pixels) {
-    list.AddCallback(bind_sampler, as_callback_data(developer_.nearest_sampler()));
+    list.AddCallback(bind_sampler, as_callback_data(display_shader_.nearest_sampler()));
   }
   list.AddImage(as_texture(pictures_[0].texture()), picture_.at, end);
   if (state.split && state.frames[1] && !pictures_[1].empty()) {

@@ -53,7 +53,7 @@ class Viewport {
   const std::string& values_under_mouse() const { return under_mouse_; }
 
  private:
-  Development development(const State& state, int side) const;
+  DisplayTransform display_transform(const State& state, int side) const;
   void draw_picture(State& state);
   void draw_split(State& state);
   void draw_selection_box(const State& state) const;
@@ -67,7 +67,7 @@ class Viewport {
 
   enum class Drag { none, look, move, split };
 
-  Developer developer_;
+  DisplayShader display_shader_;
   std::array<Picture, kSides> pictures_;
   std::array<uint64_t, kSides> uploaded_{};
   std::array<bool, kSides> shows_buffer_{};

@@ -95,7 +95,7 @@ void Viewport::draw_loupe(const State& state) const {
   const ImVec2 end(at.x + kSide_px, at.y + kSide_px);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled({at.x - 3, at.y - 3}, {end.x + 3, end.y + 3}, kOverlay, 4);
-  list.AddCallback(bind_sampler, as_callback_data(developer_.nearest_sampler()));
+  list.AddCallback(bind_sampler, as_callback_data(display_shader_.nearest_sampler()));
   list.AddImage(as_texture(picture.texture()), at, end, {center.x - half.x, center.y - half.y},
                 {center.x + half.x, center.y + half.y});
   list.AddCallback(ImDrawCallback_ResetRenderState, nullptr);

@@ -36,7 +36,7 @@ struct Stage {
     request.split = split;
     request.paused = paused;
     request.buffer = buffer;
-    request.pace = pace;
+    request.resolution_policy = resolution_policy;
     thread.post(request);
   }
 
@@ -65,7 +65,7 @@ struct Stage {
   bool split = false;
   bool paused = false;
   std::string buffer;
-  Pace pace{.hold_rate = false};
+  ResolutionPolicy resolution_policy{.hold_rate = false};
   uint64_t version = 0;
   RenderThread thread;
 };
