@@ -120,7 +120,7 @@ TEST_F(PipelineTest, RefusesBuffersOfAnotherTypeThanTheOwners) {
 
 TEST_F(PipelineTest, AcceptsWhatIsReadOrWrittenOnlyWhereItExists) {
   add({.name = "trace", .stage = Stage::trace, .reads_if_any = {kAllocation}});
-  add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {kM2Rgb}});
+  add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {kMoments.m2_rgb}});
   EXPECT_NO_THROW(pipeline_.check());
   add({.name = "late", .stage = Stage::present, .owns = {{.id = kAllocation}}});
   EXPECT_THROW(pipeline_.check(), std::logic_error);  // it exists, and is written too late

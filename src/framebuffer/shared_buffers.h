@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/ray.h"
-#include "framebuffer/buffer_key.h"
+#include "framebuffer/pixel_moments.h"
 
 namespace relume {
 
@@ -20,9 +20,22 @@ inline constexpr BufferKey<uint32_t> kEdgeRays{"edge-rays"};
 // --- Accumulated samples ------------------------------------------------------------------------------
 
 inline constexpr BufferKey<Rgb> kMean{"mean"};
-inline constexpr BufferKey<float> kM2{"m2"};            ///< Σ (Y − mean Y)² of the luminance Y
-inline constexpr BufferKey<Rgb> kM2Rgb{"adaptive-m2"};  ///< the same per channel
 inline constexpr BufferKey<uint32_t> kSamples{"samples"};
+
+/// The samples that each pixel keeps. AccumulatePass alone writes them: until it runs, they are those of the previous
+/// frame, at the previous frame's pixels.
+inline constexpr MomentBuffers kMoments{.mean = kMean, .m2 = {"m2"}, .m2_rgb = {"m2-rgb"}, .samples = kSamples};
+inline constexpr BufferKey<Rgb> kSpecularMean{"specular-mean"};  ///< the part of kMean from specular lobes
+inline constexpr BufferKey<uint32_t> kSpecularSamples{"specular-samples"};
+
+/// The moments that reprojection moved to this frame's pixels, before this frame's sample. They exist only with it.
+inline constexpr MomentBuffers kInherited{.mean = {"inherited-mean"},
+                                          .m2 = {"inherited-m2"},
+                                          .m2_rgb = {"inherited-m2-rgb"},
+                                          .samples = {"inherited-samples"}};
+inline constexpr BufferKey<Rgb> kInheritedSpecularMean{"inherited-specular-mean"};
+inline constexpr BufferKey<uint32_t> kInheritedSpecularSamples{"inherited-specular-samples"};
+
 inline constexpr BufferKey<Rgb> kLightMean{"light-mean"};  ///< of light paths, which reach every pixel
 inline constexpr BufferKey<float> kLightM2{"light-m2"};
 inline constexpr BufferKey<float> kLightPaths{"light-paths"};

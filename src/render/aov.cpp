@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "framebuffer/pixel_moments.h"
 #include "relume/error.h"
-#include "techniques/temporal/accumulate/accumulate.h"
 
 namespace relume {
 namespace {
@@ -30,7 +30,7 @@ float component(const Buffer& buffer, uint32_t i, int c) {
 }
 
 std::vector<ExrChannel> variance_planes(const BufferTable& buffers) {
-  const auto m2 = buffers.view(kM2);
+  const auto m2 = buffers.view(kMoments.m2);
   const auto count = buffers.view(kSamples);
   ExrChannel plane{"variance.Y", std::vector<float>(m2.size)};
   for (uint32_t i = 0; i < m2.size; ++i) plane.values[i] = variance_of_mean(m2[i], count[i]);

@@ -170,23 +170,24 @@ Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
 }
 
+bool reads_m2_rgb(const RenderSettings& settings) {
+  return settings.allocation == AllocationChoice::adaptive && settings.adaptive.method == AdaptiveMethod::paper;
+}
+
 uint32_t pixel_count(const RenderSettings& settings) {
   return static_cast<uint32_t>(settings.width) * static_cast<uint32_t>(settings.height);
 }
 
 void add_history(Builder& builder, const RenderSettings& settings) {
-  builder.add<AccumulatePass>(ends_history(settings), settings.history != HistoryChoice::none,
-                              needs_light_film(settings));
-  if (settings.history != HistoryChoice::reproject) return;
-  const bool split = history_splits(settings);
-  if (split) builder.add<DetachSpecularPass, &RenderSettings::reproject>();
-  auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings));
-  if (split) {
-    builder.add<AttachSpecularPass>();
-    builder.add<AccumulateSpecularPass>();
+  const AccumulatedParts parts{
+      .m2_rgb = reads_m2_rgb(settings), .film = needs_light_film(settings), .specular = history_splits(settings)};
+  if (settings.history == HistoryChoice::reproject) {
+    if (parts.specular) builder.add<SpecularHistoryPass, &RenderSettings::reproject>();
+    auto& reprojection = builder.add<ReprojectionPass, &RenderSettings::reproject>(pixel_count(settings), parts.m2_rgb);
+    if (settings.reproject.method == ReprojectionMethod::forward)
+      builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);
   }
-  if (settings.reproject.method == ReprojectionMethod::forward)
-    builder.add<StoreSamplesPass, &RenderSettings::reproject>(reprojection);
+  builder.add<AccumulatePass>(ends_history(settings), settings.history != HistoryChoice::none, parts);
 }
 
 void add_allocation(Builder& builder, const RenderSettings& settings) {

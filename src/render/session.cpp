@@ -118,7 +118,7 @@ double Session::estimated_error() const {
   if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const BufferTable& buffers = *state_->buffers;
-  return relative_error(buffers.view(kMean), buffers.view(kM2), buffers.view(kSamples),
+  return relative_error({buffers.view(kMean), buffers.view(kMoments.m2), {}, buffers.view(kSamples)},
                         {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)});
 }
 

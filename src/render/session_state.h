@@ -189,7 +189,8 @@ struct Session::State {
   }
 
   FrameContext frame(const std::stop_token& stop) {
-    const SampleSchedule schedule{passes.pipeline.longest_epoch(), pilot_samples(settings)};
+    const uint32_t pilot = pilot_samples(settings);
+    const SampleSchedule schedule{passes.pipeline.longest_epoch(), pilot};
     const SampleIndex index = sample_index(schedule);
     const bool own_sequence = index.sample >= counters.since_change && index.taken.empty();
     return FrameContext(scene->view(), *buffers, *backend,
@@ -198,6 +199,7 @@ struct Session::State {
                          .since_change = counters.since_change,
                          .changes = changes,
                          .begins_picture = counters.since_change == 0 || counters.picture_frames == counters.frames,
+                         .ends_pilot = pilot > 0 && counters.since_change == pilot,
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
                          .stop = passes.pipeline.keeps_state() ? std::stop_token{} : stop,

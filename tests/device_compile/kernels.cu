@@ -34,7 +34,6 @@
 #include "techniques/spatial/octree/region_view.h"
 #include "techniques/temporal/accumulate/accumulate.h"
 #include "techniques/temporal/adaptive_sampling/paper_allocation.h"
-#include "techniques/temporal/adaptive_sampling/pilot.h"
 #include "techniques/temporal/adaptive_sampling/pooled_deviation.h"
 #include "techniques/temporal/reprojection/backward.h"
 #include "techniques/temporal/reprojection/look_back.h"
@@ -126,18 +125,16 @@ template __global__ void run(WinnerKernel, uint32_t, uint32_t);
 template __global__ void run(CoveredKernel, uint32_t, uint32_t);
 template __global__ void run(MoveKernel<Rgb>, uint32_t, uint32_t);
 template __global__ void run(MoveKernel<uint32_t>, uint32_t, uint32_t);
+template __global__ void run(MoveMomentsKernel, uint32_t, uint32_t);
 template __global__ void run(LimitKernel, uint32_t, uint32_t);
 template __global__ void run(BackwardHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(FillKernel, uint32_t, uint32_t);
-template __global__ void run(DetachSpecularKernel, uint32_t, uint32_t);
-template __global__ void run(AttachSpecularKernel, uint32_t, uint32_t);
-template __global__ void run(AccumulateSpecularKernel, uint32_t, uint32_t);
+template __global__ void run(SpecularHistoryKernel, uint32_t, uint32_t);
 template __global__ void run(PaperAllocationKernel, uint32_t, uint32_t);
-template __global__ void run(PixelMomentsKernel, uint32_t, uint32_t);
+template __global__ void run(OwnStatisticsKernel, uint32_t, uint32_t);
 template __global__ void run(PoolRowsKernel, uint32_t, uint32_t);
 template __global__ void run(PooledDeviationKernel, uint32_t, uint32_t);
 template __global__ void run(PooledAllocationKernel, uint32_t, uint32_t);
-template __global__ void run(ForgetPilotKernel, uint32_t, uint32_t);
 template __global__ void run(FeatureKernel, uint32_t, uint32_t);
 template __global__ void run(MeasureEdgesKernel, uint32_t, uint32_t);
 template __global__ void run(CompareBlocksKernel, uint32_t, uint32_t);

@@ -50,20 +50,9 @@ BufferDescription filtered_share_buffer() {
 }
 
 std::vector<BufferId> feature_buffers() {
-  return {kRadiance,
-          kMean,
-          kM2,
-          kSamples,
-          kFeature.position,
-          kFeature.previous,
-          kFeature.normal,
-          kFeatureAlbedo,
-          kFeature.depth,
-          kFeature.motion,
-          kFeature.surface,
-          kEdgeRays,
-          kShownEmission,
-          kScattered};
+  return {kRadiance,         kMean,           kMoments.m2,    kSamples,       kFeature.position,
+          kFeature.previous, kFeature.normal, kFeatureAlbedo, kFeature.depth, kFeature.motion,
+          kFeature.surface,  kEdgeRays,       kShownEmission, kScattered};
 }
 
 void add_split_buffers(std::vector<BufferId>& reads) {
@@ -148,7 +137,7 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   ConvergeKernel converge;
   converge.picture = frame.read(buffers.history);
   converge.mean = frame.read(kMean);
-  converge.m2 = frame.read(kM2);
+  converge.m2 = frame.read(kMoments.m2);
   converge.samples = frame.read(kSamples);
   converge.converged = frame.write(kDenoised);
   converge.stratified = frame.stratified;

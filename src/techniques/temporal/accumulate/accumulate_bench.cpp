@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "frame/launch.h"
+#include "framebuffer/testing/moment_vectors.h"
 #include "techniques/temporal/accumulate/accumulate.h"
 
 namespace relume {
@@ -12,18 +13,15 @@ void bm_accumulate(benchmark::State& state) {
   constexpr uint32_t kWidth = 640;
   constexpr uint32_t kHeight = 360;
   const std::vector<Rgb> radiance(kWidth * kHeight, Rgb(0.5f));
-  std::vector<Rgb> mean(radiance.size(), Rgb(0));
-  std::vector<float> m2(radiance.size(), 0.0f);
-  std::vector<uint32_t> count(radiance.size(), 0);
+  testing::MomentVectors moments(radiance.size());
   const std::vector<uint32_t> frame_rays(radiance.size(), 5);
   std::vector<uint32_t> rays(radiance.size(), 0);
   std::vector<uint32_t> nonfinite(radiance.size(), 0);
   AccumulateKernel kernel;
   kernel.radiance = view_of(radiance);
   kernel.rays = view_of(frame_rays);
-  kernel.mean = mutable_view_of(mean);
-  kernel.m2 = mutable_view_of(m2);
-  kernel.count = mutable_view_of(count);
+  kernel.history = moments.view();
+  kernel.moments = moments.mutable_view();
   kernel.ray_sum = mutable_view_of(rays);
   kernel.nonfinite = mutable_view_of(nonfinite);
   kernel.width = kWidth;

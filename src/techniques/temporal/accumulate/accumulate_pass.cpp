@@ -3,6 +3,7 @@
 #include <limits>
 #include <numeric>
 
+#include "frame/moments.h"
 #include "techniques/temporal/accumulate/accumulate.h"
 
 namespace relume {
@@ -21,6 +22,17 @@ void add_film(PassDeclaration& declaration, Change reset) {
   declaration.reads.push_back(kLightRadiance);
 }
 
+void add_specular_part(PassDeclaration& declaration, Change reset) {
+  const auto add = [&](const BufferId& id, const char* help) {
+    declaration.owns.push_back(
+        {.id = id, .help = help, .persistent = true, .reset = reset, .display = BufferDisplay::value});
+  };
+  add(kSpecularMean, "specular part of mean");
+  add(kSpecularSamples, "samples in specular-mean");
+  declaration.reads.insert(declaration.reads.end(),
+                           {kRadianceSpecular, kSpecularAlbedo, kInheritedSpecularMean, kInheritedSpecularSamples});
+}
+
 LightFilm film_of(const FrameContext& frame) {
   const View<const uint32_t> allocation = frame.read(kAllocation);
   const uint64_t traced = std::accumulate(allocation.begin(), allocation.end(), uint64_t{0});
@@ -32,28 +44,26 @@ LightFilm film_of(const FrameContext& frame) {
           .paths = static_cast<float>(traced) / static_cast<float>(frame.pixels())};
 }
 
+SpecularMean specular_mean(const FrameContext& frame) {
+  return {.radiance = frame.read(kRadianceSpecular),
+          .albedo = frame.read(kSpecularAlbedo),
+          .history = frame.read(kInheritedSpecularMean),
+          .history_samples = frame.read(kInheritedSpecularSamples),
+          .mean = frame.write(kSpecularMean),
+          .samples = frame.write(kSpecularSamples)};
+}
+
 }  // namespace
 
 PassDeclaration AccumulatePass::declaration() const {
-  const Change reset = invalidated_by_;
+  const auto kept = [&](const BufferId& id, const char* help, BufferDisplay display = BufferDisplay::hidden) {
+    return BufferDescription{.id = id, .help = help, .persistent = true, .reset = invalidated_by_, .display = display};
+  };
   PassDeclaration declaration{.name = "accumulate",
                               .stage = Stage::present,
-                              .owns = {{.id = kMean,
-                                        .help = "mean radiance of the samples that the pixel keeps",
-                                        .persistent = true,
-                                        .reset = reset,
-                                        .follows_surface = true},
-                                       {.id = kM2,
-                                        .help = "sum of squared distances of their luminance from its mean",
-                                        .persistent = true,
-                                        .reset = reset,
-                                        .follows_surface = true},
-                                       {.id = kSamples,
-                                        .help = "samples that the pixel keeps",
-                                        .persistent = true,
-                                        .reset = reset,
-                                        .follows_surface = true,
-                                        .display = BufferDisplay::value},
+                              .owns = {kept(kMean, "mean radiance of the samples that the pixel keeps"),
+                                       kept(kMoments.m2, "sum of squared distances of their luminance from its mean"),
+                                       kept(kSamples, "samples that the pixel keeps", BufferDisplay::value),
                                        {.id = kHeatmap,
                                         .help = "rays traced for the pixel, a frame",
                                         .persistent = true,
@@ -64,9 +74,13 @@ PassDeclaration AccumulatePass::declaration() const {
                                         .persistent = true,
                                         .display = BufferDisplay::value}},
                               .reads = {kRadiance, kRays},
-                              .reads_if_any = {kAllocation},
-                              .writes_if_any = {kM2Rgb, kSequenceSamples}};
-  if (film_) add_film(declaration, reset);
+                              .reads_if_any = moment_ids(kInherited),
+                              .writes_if_any = {kMoments.m2_rgb, kSequenceSamples}};
+  declaration.reads_if_any.push_back(kAllocation);
+  if (parts_.m2_rgb)
+    declaration.owns.push_back(kept(kMoments.m2_rgb, "sum of squared distances of all channels from their mean"));
+  if (parts_.film) add_film(declaration, invalidated_by_);
+  if (parts_.specular) add_specular_part(declaration, invalidated_by_);
   return declaration;
 }
 
@@ -75,33 +89,33 @@ bool AccumulatePass::run(const FrameContext& frame) {
   kernel.radiance = frame.read(kRadiance);
   kernel.rays = frame.read(kRays);
   kernel.allocation = frame.read(kAllocation);
-  kernel.mean = frame.write(kMean);
-  kernel.m2 = frame.write(kM2);
-  kernel.m2_rgb = frame.write(kM2Rgb);
-  kernel.count = frame.write(kSamples);
+  kernel.moments = write_moments(frame, kMoments);
+  const MomentsView inherited = read_moments(frame, kInherited);
+  kernel.history = inherited.mean.empty() ? kernel.moments : inherited;
   kernel.taken = frame.write(kSequenceSamples);
   kernel.ray_sum = frame.write(kHeatmap);
   kernel.nonfinite = frame.write(kNonfinite);
-  if (film_) kernel.film = film_of(frame);
-  kernel.keep = keep_;
+  if (parts_.film) kernel.film = film_of(frame);
+  if (parts_.specular) kernel.specular = specular_mean(frame);
+  kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
   // Not to be stopped: sums change only after a complete frame, so that one that is stopped leaves nothing behind.
   frame.launch("accumulate", kernel);
   return true;
 }
 
-double relative_error(View<const Rgb> mean, View<const float> m2, View<const uint32_t> samples,
-                      const LightFilmBuffers& film) {
+double relative_error(const MomentsView& moments, const LightFilmBuffers& film) {
+  const uint32_t pixels = moments.mean.size;
   double variance = 0;
   double luminance_sum = 0;
-  for (uint32_t i = 0; i < mean.size; ++i) {
-    if (samples[i] < 2) return std::numeric_limits<double>::infinity();
-    variance += variance_of_mean(m2[i], samples[i]);
+  for (uint32_t i = 0; i < pixels; ++i) {
+    if (moments.samples[i] < 2) return std::numeric_limits<double>::infinity();
+    variance += variance_of_mean(moments.m2[i], moments.samples[i]);
     if (!film.m2.empty()) variance += film_variance(film.m2[i], film.weight[i], film.frames[i]);
-    luminance_sum += luminance(mean[i]);
+    luminance_sum += luminance(moments.mean[i]);
   }
   if (luminance_sum <= 0) return 0;
-  return std::sqrt(variance / mean.size) / (luminance_sum / mean.size);
+  return std::sqrt(variance / pixels) / (luminance_sum / pixels);
 }
 
 }  // namespace relume

@@ -5,12 +5,19 @@
 
 namespace relume {
 
+/// What is accumulated besides the mean and the variance of luminance.
+struct AccumulatedParts {
+  bool m2_rgb = false;    ///< the sum of squared distances of all channels
+  bool film = false;      ///< light paths, in a film of their own
+  bool specular = false;  ///< the specular part, by itself
+};
+
+/// The only writer of kMoments.
 class AccumulatePass final : public Pass {
  public:
-  /// `invalidated_by`: changes that clear the mean. `keep`: false shows this frame alone. `film`: light paths have a
-  /// film of their own.
-  AccumulatePass(Change invalidated_by, bool keep, bool film)
-      : invalidated_by_(invalidated_by), keep_(keep), film_(film) {}
+  /// `invalidated_by`: changes that clear the mean. `keep`: false shows this frame alone.
+  AccumulatePass(Change invalidated_by, bool keep, const AccumulatedParts& parts)
+      : invalidated_by_(invalidated_by), keep_(keep), parts_(parts) {}
 
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
@@ -18,7 +25,7 @@ class AccumulatePass final : public Pass {
  private:
   Change invalidated_by_;
   bool keep_;
-  bool film_;
+  AccumulatedParts parts_;
 };
 
 /// The present stage's buffers of light paths, for LightFilm.
@@ -28,9 +35,8 @@ struct LightFilmBuffers {
   View<const uint32_t> frames;
 };
 
-/// Root of the mean variance of the pixels' means over the picture's mean luminance, from AccumulateKernel's buffers. 0
+/// Root of the mean variance of the pixels' means over the image's mean luminance, from AccumulateKernel's buffers. 0
 /// for a black picture, infinite where a pixel has fewer than two samples.
-double relative_error(View<const Rgb> mean, View<const float> m2, View<const uint32_t> samples,
-                      const LightFilmBuffers& film = {});
+double relative_error(const MomentsView& moments, const LightFilmBuffers& film = {});
 
 }  // namespace relume

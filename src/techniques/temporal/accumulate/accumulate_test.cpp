@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "framebuffer/testing/moment_vectors.h"
 #include "techniques/temporal/accumulate/accumulate_pass.h"
 #include "testing/random.h"
 
@@ -13,34 +14,29 @@ namespace {
 
 /// The buffers of `n` pixels in a row.
 struct Pixels {
-  explicit Pixels(size_t n)
-      : radiance(n, Rgb(0)), rays(n, 1), mean(n, Rgb(0)), m2(n, 0), count(n, 0), ray_sum(n, 0), nonfinite(n, 0) {}
+  explicit Pixels(size_t n) : radiance(n, Rgb(0)), rays(n, 1), moments(n), ray_sum(n, 0), nonfinite(n, 0) {}
 
   AccumulateKernel kernel() {
     AccumulateKernel k;
     k.radiance = view_of(radiance);
     k.rays = view_of(rays);
     k.allocation = view_of(allocation);
-    k.mean = mutable_view_of(mean);
-    k.m2 = mutable_view_of(m2);
-    k.count = mutable_view_of(count);
+    k.history = moments.view();
+    k.moments = moments.mutable_view();
     k.ray_sum = mutable_view_of(ray_sum);
     k.nonfinite = mutable_view_of(nonfinite);
-    k.width = static_cast<uint32_t>(mean.size());
+    k.width = static_cast<uint32_t>(radiance.size());
     return k;
   }
   void add(uint32_t pixel, const Rgb& value) {
     radiance[pixel] = value;
     kernel()(pixel, 0);
   }
-  float variance(uint32_t pixel) const { return variance_of_mean(m2[pixel], count[pixel]); }
 
   std::vector<Rgb> radiance;
   std::vector<uint32_t> rays;
   std::vector<uint32_t> allocation;
-  std::vector<Rgb> mean;
-  std::vector<float> m2;
-  std::vector<uint32_t> count;
+  testing::MomentVectors moments;
   std::vector<uint32_t> ray_sum;
   std::vector<uint32_t> nonfinite;
 };
@@ -51,9 +47,9 @@ TEST(Accumulate, AveragesEveryPixelByItself) {
   p.add(0, Rgb(1, 2, 3));
   p.add(0, Rgb(3, 0, 3));
   p.add(1, Rgb(7));
-  EXPECT_EQ(p.mean[0], Rgb(2, 1, 3));
-  EXPECT_EQ(p.mean[1], Rgb(7));
-  EXPECT_EQ(p.count, (std::vector<uint32_t>{2, 1}));
+  EXPECT_EQ(p.moments.mean[0], Rgb(2, 1, 3));
+  EXPECT_EQ(p.moments.mean[1], Rgb(7));
+  EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{2, 1}));
   EXPECT_EQ(p.ray_sum, (std::vector<uint32_t>{6, 5}));
 }
 
@@ -63,8 +59,8 @@ TEST(Accumulate, CountsSamplesThatAreNotFiniteAndTakesThemAsBlack) {
   p.add(0, Rgb(std::numeric_limits<float>::quiet_NaN()));
   p.add(1, Rgb(kInfinity));
   EXPECT_EQ(p.nonfinite, (std::vector<uint32_t>{1, 1}));
-  EXPECT_EQ(p.mean[0], Rgb(2));
-  EXPECT_EQ(p.mean[1], Rgb(0));
+  EXPECT_EQ(p.moments.mean[0], Rgb(2));
+  EXPECT_EQ(p.moments.mean[1], Rgb(0));
 }
 
 TEST(Accumulate, LeavesPixelsAloneThatGotNoSample) {
@@ -72,8 +68,8 @@ TEST(Accumulate, LeavesPixelsAloneThatGotNoSample) {
   p.allocation = {0, 1};
   p.add(0, Rgb(4));
   p.add(1, Rgb(4));
-  EXPECT_EQ(p.count, (std::vector<uint32_t>{0, 1}));
-  EXPECT_EQ(p.mean[0], Rgb(0));
+  EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(p.moments.mean[0], Rgb(0));
 }
 
 TEST(Accumulate, WithoutHistoryShowsTheLatestSample) {
@@ -83,48 +79,28 @@ TEST(Accumulate, WithoutHistoryShowsTheLatestSample) {
   AccumulateKernel kernel = p.kernel();
   kernel.keep = false;
   kernel(0, 0);
-  EXPECT_EQ(p.mean[0], Rgb(1));
-  EXPECT_EQ(p.count[0], 1u);
-  EXPECT_EQ(p.variance(0), 0.0f);
+  EXPECT_EQ(p.moments.mean[0], Rgb(1));
+  EXPECT_EQ(p.moments.samples[0], 1u);
+  EXPECT_EQ(p.moments.m2[0], 0.0f);
 }
 
-TEST(Accumulate, VarianceOfTheMeanMatchesItsDefinition) {
-  // Grey values 1, 2, 3, 6: mean 3, unbiased variance 14/3, of the mean 14/12.
-  Pixels p(1);
-  for (const float v : {1.0f, 2.0f, 3.0f, 6.0f}) p.add(0, Rgb(v));
-  EXPECT_NEAR(p.variance(0), 14.0 / 12.0, 1e-5);
-}
-
-TEST(Accumulate, VarianceIsUnbiased) {
-  // Mean over many pixels of the estimate from 8 uniform numbers, against 1/12/8.
-  testing::Random random(81);
-  double mean = 0;
-  constexpr int kPixels = 20000;
-  for (int i = 0; i < kPixels; ++i) {
-    Pixels p(1);
-    for (int k = 0; k < 8; ++k) p.add(0, Rgb(random.next()));
-    mean += static_cast<double>(p.variance(0)) / kPixels;
-  }
-  EXPECT_NEAR(mean * 96.0, 1.0, 0.02);  // the estimates spread by 0.45 of their mean: five standard errors are 0.016
-}
-
-TEST(Accumulate, ManySamplesLoseNothing) {
-  // 2^16 times 0.1 and 0.3 in turn: mean 0.2, variance 0.01.
-  Pixels p(1);
-  constexpr uint32_t kSamples = 1u << 16;
-  for (uint32_t i = 0; i < kSamples; ++i) p.add(0, Rgb(i % 2 ? 0.3f : 0.1f));
-  EXPECT_NEAR(p.mean[0].x, 0.2f, 1e-4f);
-  EXPECT_NEAR(p.variance(0) * kSamples, 0.01f, 1e-4f);
-}
-
-TEST(Accumulate, VarianceNeedsTwoSamples) {
-  EXPECT_EQ(variance_of_mean(1.0f, 1), 0.0f);
-  EXPECT_EQ(variance_of_mean(0.0f, 0), 0.0f);
+TEST(Accumulate, ContinuesTheHistoryThatItReads) {
+  Pixels p(2);
+  testing::MomentVectors history(2, {Rgb(2), 1, 3, 3});
+  p.radiance = {Rgb(6), Rgb(6)};
+  p.allocation = {1, 0};
+  AccumulateKernel kernel = p.kernel();
+  kernel.history = history.view();
+  for (const uint32_t pixel : {0u, 1u}) kernel(pixel, 0);
+  EXPECT_EQ(p.moments.mean, (std::vector<Rgb>{Rgb(3), Rgb(2)})) << "the second pixel got no sample";
+  EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{4, 3}));
+  EXPECT_EQ(p.moments.m2, (std::vector<float>{1 + 4 * 3, 1}));
+  EXPECT_EQ(history.mean[0], Rgb(2));
 }
 
 TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   Pixels p(2);
-  const auto error = [&] { return relative_error(view_of(p.mean), view_of(p.m2), view_of(p.count)); };
+  const auto error = [&] { return relative_error(p.moments.view()); };
   for (const float value : {1.0f, 3.0f}) {
     EXPECT_TRUE(std::isinf(error()));
     p.add(0, Rgb(value));
@@ -134,7 +110,7 @@ TEST(Accumulate, RelativeErrorIsThatOfTheMeans) {
   EXPECT_NEAR(error(), std::sqrt(0.5) / 2, 1e-6);
   Pixels black(1);
   for (int i = 0; i < 2; ++i) black.add(0, Rgb(0));
-  EXPECT_EQ(relative_error(view_of(black.mean), view_of(black.m2), view_of(black.count)), 0);
+  EXPECT_EQ(relative_error(black.moments.view()), 0);
 }
 
 TEST(Accumulate, CountsTheElementsThatAPixelTakesFromItsSequence) {
@@ -163,9 +139,11 @@ struct FilmedPixels : Pixels {
               mutable_view_of(light_paths),
               mutable_view_of(light_frames),
               paths};
+    k.keep = keep;
     for (const uint32_t pixel : {0u, 1u}) k(pixel, 0);
   }
 
+  bool keep = true;
   std::vector<Rgb> splats;
   std::vector<Rgb> light_mean;
   std::vector<float> light_m2;
@@ -179,10 +157,10 @@ TEST(LightFilm, PixelsWithoutSamplesKeepTheirSplats) {
   p.frame(5, 4, 0.75f);
   // Light paths: (0.25 · 8 + 0.75 · 4) / 1 = 5; the camera's samples: 4.
   EXPECT_EQ(p.light_mean[0], Rgb(5));
-  EXPECT_EQ(p.mean[0], Rgb(9));
-  EXPECT_EQ(p.mean[1], Rgb(5));
-  EXPECT_EQ(p.count, (std::vector<uint32_t>{2, 0}));
-  EXPECT_FLOAT_EQ(p.m2[0], 2.0f) << "of the camera's samples alone";
+  EXPECT_EQ(p.moments.mean[0], Rgb(9));
+  EXPECT_EQ(p.moments.mean[1], Rgb(5));
+  EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{2, 0}));
+  EXPECT_FLOAT_EQ(p.moments.m2[0], 2.0f) << "of the camera's samples alone";
 }
 
 TEST(LightFilm, AFrameWithoutLightPathsChangesNothing) {
@@ -191,6 +169,19 @@ TEST(LightFilm, AFrameWithoutLightPathsChangesNothing) {
   p.frame(3, 0, 0);
   EXPECT_EQ(p.light_mean[1], Rgb(8));
   EXPECT_EQ(p.light_frames[1], 1u);
+}
+
+TEST(LightFilm, StartsAgainWithTheMean) {
+  FilmedPixels p;
+  p.frame(3, 8, 0.25f);
+  p.allocation = {1, 1};
+  p.keep = false;  // as in the frame that ends a pilot
+  p.frame(5, 4, 0.75f);
+  EXPECT_EQ(p.light_mean[0], Rgb(4));
+  EXPECT_EQ(p.light_paths[0], 0.75f);
+  EXPECT_EQ(p.light_frames[0], 1u);
+  EXPECT_EQ(p.moments.mean, (std::vector<Rgb>{Rgb(9), Rgb(4)}));
+  EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{1, 1}));
 }
 
 TEST(LightFilm, KnowsTheVarianceOfItsMean) {
@@ -208,7 +199,7 @@ TEST(LightFilm, KnowsTheVarianceOfItsMean) {
       p.frame(0, 10 + uniform * std::sqrt(12.0f / paths), paths);
     }
     estimated += film_variance(p.light_m2[1], p.light_paths[1], p.light_frames[1]);
-    squares += (p.mean[1].x - 10) * (p.mean[1].x - 10);
+    squares += (p.moments.mean[1].x - 10) * (p.moments.mean[1].x - 10);
   }
   const double expected = 1 / (3 * 0.25 + 3 * 1.0);
   EXPECT_NEAR(estimated / kRuns, expected, 0.03 * expected);

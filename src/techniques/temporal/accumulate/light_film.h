@@ -20,6 +20,14 @@ struct LightFilm {
   RELUME_HD Rgb splat(uint32_t pixel) const { return empty() ? Rgb(0) : splats[pixel]; }
   RELUME_HD Rgb mean_of(uint32_t pixel) const { return empty() ? Rgb(0) : mean[pixel]; }
 
+  /// Removes all splats of earlier frames.
+  RELUME_HD void forget(uint32_t pixel) const {
+    if (empty()) return;
+    mean[pixel] = Rgb(0);
+    m2[pixel] = weight[pixel] = 0.0f;
+    frames[pixel] = 0;
+  }
+
   /// Adds this frame's splats.
   RELUME_HD void add(uint32_t pixel) const {
     if (empty() || !(paths > 0.0f)) return;

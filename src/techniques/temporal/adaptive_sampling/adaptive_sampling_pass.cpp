@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "frame/moments.h"
 #include "techniques/temporal/adaptive_sampling/paper_allocation.h"
-#include "techniques/temporal/adaptive_sampling/pilot.h"
 
 namespace relume {
 namespace {
@@ -61,16 +61,9 @@ PassDeclaration AdaptiveSamplingPass::declaration() const {
                 .help = "standard deviation of the samples, as the method estimates it",
                 .persistent = true,
                 .display = BufferDisplay::value}},
-      .reads = {kMean, kSamples, kM2},
-      .writes = {kMean, kM2, kSamples},
-      .writes_if_any = {kM2Rgb, kLightMean, kLightM2, kLightPaths, kLightFrames}};
-  if (settings_.method == AdaptiveMethod::paper) {
-    declaration.owns.push_back({.id = kM2Rgb,
-                                .help = "sum of squared distances from the mean, a channel",
-                                .persistent = true,
-                                .reset = invalidated_by_,
-                                .follows_surface = true});
-  }
+      .reads = {kMean, kMoments.m2, kSamples},
+      .reads_if_any = moment_ids(kInherited)};
+  declaration.reads_if_any.push_back(kMoments.m2_rgb);
   return declaration;
 }
 
@@ -80,15 +73,17 @@ bool AdaptiveSamplingPass::run(const FrameContext& frame) {
   } else {
     allocate_by_deviation(frame);
   }
-  if (settings_.pilot && frame.since_change == static_cast<uint32_t>(settings_.max_samples)) forget_pilot(frame);
+  if (frame.ends_pilot) {
+    // The image starts again with this frame: every pixel needs a sample.
+    const View<uint32_t> allocation = frame.write(kAllocation);
+    std::fill(allocation.begin(), allocation.end(), 1u);
+  }
   return true;
 }
 
 void AdaptiveSamplingPass::allocate_as_paper(const FrameContext& frame) const {
   PaperAllocationKernel kernel;
-  kernel.mean = frame.read(kMean);
-  kernel.m2 = frame.read(kM2Rgb);
-  kernel.samples = frame.read(kSamples);
+  kernel.history = read_history(frame);
   kernel.probability = frame.write(kSamplingProbability);
   kernel.noise = frame.write(kSamplingNoise);
   kernel.allocation = frame.write(kAllocation);
@@ -112,12 +107,8 @@ bool AdaptiveSamplingPass::estimates_in(const FrameContext& frame) const {
 void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
   moments_.resize(frame.pixels());
   rows_.resize(frame.pixels());
-  const PixelMomentsKernel moments{.mean = frame.read(kMean),
-                                   .m2 = frame.read(kM2),
-                                   .samples = frame.read(kSamples),
-                                   .moments = mutable_view_of(moments_),
-                                   .width = frame.width()};
-  frame.launch("allocate", moments);
+  const OwnStatisticsKernel own{read_history(frame), mutable_view_of(moments_), frame.width()};
+  frame.launch("allocate", own);
   const PoolRowsKernel rows{view_of(moments_), mutable_view_of(rows_), frame.width()};
   frame.launch("allocate", rows);
   const PooledDeviationKernel deviation{.moments = view_of(moments_),
@@ -132,7 +123,7 @@ void AdaptiveSamplingPass::estimate_deviation(const FrameContext& frame) {
 
 void AdaptiveSamplingPass::allocate_by_deviation(const FrameContext& frame) {
   PooledAllocationKernel kernel;
-  kernel.samples = frame.read(kSamples);
+  kernel.samples = read_history(frame).samples;
   kernel.probability = frame.write(kSamplingProbability);
   kernel.allocation = frame.write(kAllocation);
   kernel.settled = !estimates_in(frame);
@@ -186,21 +177,6 @@ SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View
   SampleRate rate{static_cast<float>(settings_.rate / average), kLeastShare * settings_.rate};
   for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(frame, deviation, rate));
   return rate;
-}
-
-void AdaptiveSamplingPass::forget_pilot(const FrameContext& frame) const {
-  ForgetPilotKernel forget;
-  forget.mean = frame.write(kMean);
-  forget.m2 = frame.write(kM2);
-  forget.m2_rgb = frame.write(kM2Rgb);
-  forget.samples = frame.write(kSamples);
-  forget.light_mean = frame.write(kLightMean);
-  forget.light_m2 = frame.write(kLightM2);
-  forget.light_paths = frame.write(kLightPaths);
-  forget.light_frames = frame.write(kLightFrames);
-  forget.allocation = frame.write(kAllocation);
-  forget.width = frame.width();
-  frame.launch("allocate", forget);
 }
 
 }  // namespace relume

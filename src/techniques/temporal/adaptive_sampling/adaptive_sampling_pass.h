@@ -28,8 +28,6 @@ class AdaptiveSamplingPass final : public Pass {
   void configure(const AdaptiveSamplingSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  /// The frame that ends the pilot clears the image, so it must not be abandoned.
-  bool keeps_state() const override { return settings_.pilot; }
   size_t memory_bytes() const override {
     return (moments_.capacity() + rows_.capacity()) * sizeof(PooledMoments) + totals_.capacity() * sizeof(double);
   }
@@ -50,7 +48,6 @@ class AdaptiveSamplingPass final : public Pass {
   /// Mean over the pixels of value(values[pixel]).
   template <typename Value>
   double mean_of(const FrameContext& frame, View<const float> values, const Value& value);
-  void forget_pilot(const FrameContext& frame) const;
 
   AdaptiveSamplingSettings settings_;
   Change invalidated_by_;

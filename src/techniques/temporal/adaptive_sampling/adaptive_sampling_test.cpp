@@ -6,25 +6,22 @@
 #include <vector>
 
 #include "builtin_scenes/builtin.h"
+#include "framebuffer/testing/moment_vectors.h"
 #include "relume/error.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "techniques/temporal/adaptive_sampling/adaptive_sampling_pass.h"
-#include "techniques/temporal/adaptive_sampling/pilot.h"
 
 namespace relume {
 namespace {
 
 struct Pixels {
-  explicit Pixels(uint32_t n)
-      : mean(n, Rgb(1)), m2(n, Rgb(0)), samples(n, 0), probability(n, 0), noise(n, 0), allocation(n, 0) {}
+  explicit Pixels(uint32_t n) : history(n, {Rgb(1), 0, 0, 0}), probability(n, 0), noise(n, 0), allocation(n, 0) {}
 
   /// Samples given in one frame.
   uint32_t allocate(uint32_t iteration, uint32_t frame = 0, bool scene_changed = false) {
     PaperAllocationKernel k;
-    k.mean = view_of(mean);
-    k.m2 = view_of(m2);
-    k.samples = view_of(samples);
+    k.history = history.view();
     k.probability = mutable_view_of(probability);
     k.noise = mutable_view_of(noise);
     k.allocation = mutable_view_of(allocation);
@@ -34,7 +31,7 @@ struct Pixels {
     k.max_samples = 32;
     k.seed = 5;
     k.frame = frame;
-    k.width = static_cast<uint32_t>(mean.size());
+    k.width = static_cast<uint32_t>(allocation.size());
     uint32_t sum = 0;
     for (uint32_t x = 0; x < k.width; ++x) {
       k(x, 0);
@@ -43,9 +40,7 @@ struct Pixels {
     return sum;
   }
 
-  std::vector<Rgb> mean;
-  std::vector<Rgb> m2;
-  std::vector<uint32_t> samples;
+  testing::MomentVectors history;
   std::vector<float> probability;
   std::vector<float> noise;
   std::vector<uint32_t> allocation;
@@ -53,9 +48,9 @@ struct Pixels {
 
 TEST(AdaptiveSampling, NoiseIsTheRelativeStandardDeviation) {
   // Grey samples 1 and 3: mean 2, variance 2.
-  EXPECT_NEAR(adaptive_noise(Rgb(2), Rgb(2), 2), std::sqrt(2.0f) / 2.0f, 1e-3f);
-  EXPECT_FLOAT_EQ(adaptive_noise(Rgb(0), Rgb(0), 4), 1.0f);  // black so far: unknown, sampled like noise
-  EXPECT_GT(adaptive_noise(Rgb(1), Rgb(0.1f), 4), adaptive_noise(Rgb(1), Rgb(1), 4));  // dark areas come first
+  EXPECT_NEAR(adaptive_noise({Rgb(2), 2, 6, 2}), std::sqrt(2.0f) / 2.0f, 1e-3f);
+  EXPECT_FLOAT_EQ(adaptive_noise({Rgb(0), 0, 0, 4}), 1.0f);  // black so far: unknown, sampled like noise
+  EXPECT_GT(adaptive_noise({Rgb(0.1f), 1, 3, 4}), adaptive_noise({Rgb(1), 1, 3, 4}));  // dark areas come first
 }
 
 TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
@@ -68,23 +63,23 @@ TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
 
 TEST(AdaptiveSampling, EveryPixelGetsTheLeast) {
   Pixels p(3);
-  p.samples = {3, 4, 4};
-  p.m2 = {Rgb(0), Rgb(0), Rgb(100)};
+  p.history.samples = {3, 4, 4};
+  p.history.m2_rgb = {0, 0, 300};
   p.allocate(4);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 0, 1}));
 }
 
 TEST(AdaptiveSampling, NoisyPixelsComeFirst) {
   Pixels p(2);
-  p.samples = {8, 8};
-  p.m2 = {Rgb(0.07f), Rgb(7.0f)};  // standard deviations 0.1 and 1
+  p.history.samples = {8, 8};
+  p.history.m2_rgb = {0.21f, 21};  // standard deviations 0.1 and 1
   p.allocate(18);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
 }
 
 TEST(AdaptiveSampling, ProbabilityIsTheShareOfSamplesTaken) {
   Pixels p(4);
-  p.samples = {4, 16, 32, 40};
+  p.history.samples = {4, 16, 32, 40};
   p.allocate(32);
   EXPECT_EQ(p.probability, (std::vector<float>{0.125f, 0.5f, 1.0f, 1.0f}));
 }
@@ -92,7 +87,7 @@ TEST(AdaptiveSampling, ProbabilityIsTheShareOfSamplesTaken) {
 TEST(AdaptiveSampling, SamplesFollowTheProbability) {
   // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
   Pixels p(4000);
-  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.history.samples.begin(), p.history.samples.end(), 50u);
   std::fill(p.probability.begin(), p.probability.end(), 0.25f);
   const uint32_t first = p.allocate(40, 7);
   EXPECT_NEAR(first, 1000, 5 * 27);
@@ -103,8 +98,8 @@ TEST(AdaptiveSampling, SamplesFollowTheProbability) {
 
 TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
   Pixels p(2);
-  p.samples = {20, 8};
-  p.m2 = {Rgb(100), Rgb(100)};
+  p.history.samples = {20, 8};
+  p.history.m2_rgb = {300, 300};
   p.probability = {0.6f, 0.0f};
   p.allocate(10);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
@@ -114,7 +109,7 @@ TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
 TEST(AdaptiveSampling, NothingIsFrozenWhileTheViewMoves) {
   // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
   Pixels p(4000);
-  std::fill(p.samples.begin(), p.samples.end(), 50u);
+  std::fill(p.history.samples.begin(), p.history.samples.end(), 50u);
   std::fill(p.probability.begin(), p.probability.end(), 0.25f);
   EXPECT_NEAR(p.allocate(0), 1000, 5 * 27);
   std::fill(p.probability.begin(), p.probability.end(), 0.0f);  // not known yet: all
@@ -123,7 +118,7 @@ TEST(AdaptiveSampling, NothingIsFrozenWhileTheViewMoves) {
 
 TEST(AdaptiveSampling, ProbabilitiesDoNotOutliveAChangeOfTheScene) {
   Pixels p(2);
-  p.samples = {20, 20};
+  p.history.samples = {20, 20};
   p.probability = {0.25f, 1.0f};
   p.allocate(0, 0, true);
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{1, 1}));
@@ -144,7 +139,7 @@ TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
   EXPECT_NO_THROW(check_combination(settings));
 }
 
-TEST(AdaptiveSampling, TheFrameThatEndsThePilotIsNotAbandoned) {
+TEST(AdaptiveSampling, AnAbandonedFrameDoesNotEndThePilot) {
   RenderSettings settings;
   settings.width = 16;
   settings.height = 12;
@@ -155,12 +150,11 @@ TEST(AdaptiveSampling, TheFrameThatEndsThePilotIsNotAbandoned) {
   for (int i = 0; i < 6; ++i) session.render_frame();
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_TRUE(session.render_frame(stop.get_token()));
+  const double pilot_samples = session.kept_samples();
+  EXPECT_FALSE(session.render_frame(stop.get_token()));
+  EXPECT_EQ(session.kept_samples(), pilot_samples);
+  EXPECT_TRUE(session.render_frame());
   EXPECT_EQ(session.kept_samples(), 1);
-  settings.adaptive.pilot = false;
-  ASSERT_TRUE(session.set_settings(settings));
-  session.render_frame();
-  EXPECT_FALSE(session.render_frame(stop.get_token())) << "without a pilot frames stop at once";
 }
 
 TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
@@ -205,32 +199,6 @@ TEST(AdaptiveSampling, TheSettingIsTheLeastRate) {
 }
 
 TEST(AdaptiveSampling, ImagesWithoutNoiseGetASampleEverywhere) { EXPECT_EQ(average_rate("furnace", 0.25f), 1.0); }
-
-TEST(AdaptiveSampling, PilotSamplesLeaveThePicture) {
-  std::vector<Rgb> mean{Rgb(3)};
-  std::vector<float> m2{4};
-  std::vector<Rgb> m2_rgb{Rgb(5)};
-  std::vector<uint32_t> samples{9};
-  std::vector<uint32_t> allocation{0};
-  std::vector<Rgb> light_mean{Rgb(2)};
-  std::vector<float> light_m2{1};
-  std::vector<float> light_paths{6};
-  std::vector<uint32_t> light_frames{6};
-  const ForgetPilotKernel kernel{mutable_view_of(mean),        mutable_view_of(m2),
-                                 mutable_view_of(m2_rgb),      mutable_view_of(samples),
-                                 mutable_view_of(light_mean),  mutable_view_of(light_m2),
-                                 mutable_view_of(light_paths), mutable_view_of(light_frames),
-                                 mutable_view_of(allocation),  1};
-  kernel(0, 0);
-  EXPECT_EQ(light_mean[0], Rgb(0));
-  EXPECT_EQ(light_paths[0], 0.0f);
-  EXPECT_EQ(light_frames[0], 0u);
-  EXPECT_EQ(mean[0], Rgb(0));
-  EXPECT_EQ(m2[0], 0.0f);
-  EXPECT_EQ(m2_rgb[0], Rgb(0));
-  EXPECT_EQ(samples[0], 0u);
-  EXPECT_EQ(allocation[0], 1u);
-}
 
 }  // namespace
 }  // namespace relume

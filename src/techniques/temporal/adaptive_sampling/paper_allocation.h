@@ -3,16 +3,16 @@
 #pragma once
 
 #include "core/hash.h"
-#include "core/vec.h"
-#include "core/view.h"
+#include "framebuffer/pixel_moments.h"
 
 namespace relume {
 
-/// Relative standard deviation of a pixel's samples, eq. 11 and 12. `m2`: sums of squared distances a channel.
-RELUME_HD inline float adaptive_noise(const Rgb& m2, const Rgb& mean, uint32_t samples) {
+/// Relative standard deviation of a pixel's samples, eq. 11 and 12.
+RELUME_HD inline float adaptive_noise(const PixelMoments& history) {
   constexpr float kEpsilon = 1e-3f;
-  const float variance = samples > 1 ? (m2.x + m2.y + m2.z) / (3.0f * static_cast<float>(samples - 1)) : 0.0f;
-  return (std::sqrt(variance) + kEpsilon) / (luminance(mean) + kEpsilon);
+  const float channels = 3.0f * static_cast<float>(history.samples - 1);
+  const float variance = history.samples > 1 ? history.m2_rgb / channels : 0.0f;
+  return (std::sqrt(variance) + kEpsilon) / (luminance(history.mean) + kEpsilon);
 }
 
 /// Threshold τ of iteration `iteration`: 1 until `min_samples`, then falling linearly to 0 at `max_samples` (errata:
@@ -25,9 +25,7 @@ RELUME_HD inline float adaptive_threshold(uint32_t iteration, uint32_t min_sampl
 
 /// Decides for each pixel whether it gets a sample in this frame.
 struct PaperAllocationKernel {
-  View<const Rgb> mean;
-  View<const Rgb> m2;
-  View<const uint32_t> samples;
+  MomentsView history;
   View<float> probability;     ///< of a sample once τ is 0; 0: not known yet
   View<float> noise;           ///< eq. 12, for display
   View<uint32_t> allocation;   ///< 0 or 1
@@ -41,8 +39,9 @@ struct PaperAllocationKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const uint32_t n = samples[pixel];
-    noise[pixel] = adaptive_noise(m2[pixel], mean[pixel], n);
+    const PixelMoments known = history[pixel];
+    const uint32_t n = known.samples;
+    noise[pixel] = adaptive_noise(known);
     if (scene_changed) probability[pixel] = 0.0f;  // settled for another picture
     if (iteration == max_samples) probability[pixel] = known_probability(n);
     allocation[pixel] = ready(x, y, pixel, n) ? 1u : 0u;

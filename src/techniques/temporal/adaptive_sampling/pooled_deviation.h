@@ -3,8 +3,7 @@
 #pragma once
 
 #include "core/hash.h"
-#include "core/vec.h"
-#include "core/view.h"
+#include "framebuffer/pixel_moments.h"
 
 namespace relume {
 
@@ -36,18 +35,17 @@ struct PoolSpan {
 };
 
 /// The statistics of each pixel's own samples.
-struct PixelMomentsKernel {
-  View<const Rgb> mean;
-  View<const float> m2;
-  View<const uint32_t> samples;
+struct OwnStatisticsKernel {
+  MomentsView history;
   View<PooledMoments> moments;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const uint32_t n = samples[pixel];
+    const uint32_t n = history.samples[pixel];
     moments[pixel] =
-        n < 2 ? PooledMoments{} : PooledMoments{m2[pixel], static_cast<float>(n - 1), luminance(mean[pixel]), 1.0f};
+        n < 2 ? PooledMoments{}
+              : PooledMoments{history.m2[pixel], static_cast<float>(n - 1), luminance(history.mean[pixel]), 1.0f};
   }
 };
 

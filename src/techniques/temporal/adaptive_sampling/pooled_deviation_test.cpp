@@ -4,23 +4,18 @@
 
 #include <vector>
 
+#include "framebuffer/testing/moment_vectors.h"
+
 namespace relume {
 namespace {
 
 /// Pixels that know of samples with the standard deviation 1, and their pools.
 struct Pool {
   Pool(uint32_t w, uint32_t h)
-      : width(w),
-        height(h),
-        mean(w * h, Rgb(0.5f)),
-        m2(w * h, 3.0f),
-        samples(w * h, 4),
-        moments(w * h),
-        rows(w * h),
-        deviation(w * h) {}
+      : width(w), height(h), history(w * h, {Rgb(0.5f), 3, 0, 4}), moments(w * h), rows(w * h), deviation(w * h) {}
 
   const std::vector<float>& estimate(bool display = false, float exposure = 1) {
-    each_pixel(PixelMomentsKernel{view_of(mean), view_of(m2), view_of(samples), mutable_view_of(moments), width});
+    each_pixel(OwnStatisticsKernel{history.view(), mutable_view_of(moments), width});
     each_pixel(PoolRowsKernel{view_of(moments), mutable_view_of(rows), width});
     each_pixel(PooledDeviationKernel{view_of(moments), view_of(rows), mutable_view_of(deviation), width, height,
                                      display, exposure});
@@ -34,9 +29,7 @@ struct Pool {
 
   uint32_t width;
   uint32_t height;
-  std::vector<Rgb> mean;
-  std::vector<float> m2;
-  std::vector<uint32_t> samples;
+  testing::MomentVectors history;
   std::vector<PooledMoments> moments;
   std::vector<PooledMoments> rows;
   std::vector<float> deviation;
@@ -51,9 +44,9 @@ TEST(PooledDeviation, LeavesThePixelOut) {
   Pool pool(9, 9);
   const std::vector<float> before = pool.estimate();
   const uint32_t own = 4 * 9 + 4;
-  pool.m2[own] = 3e6f;
-  pool.samples[own] = 400;
-  pool.mean[own] = Rgb(1e4f);
+  pool.history.m2[own] = 3e6f;
+  pool.history.samples[own] = 400;
+  pool.history.mean[own] = Rgb(1e4f);
   const std::vector<float> after = pool.estimate();
   EXPECT_EQ(after[own], before[own]) << "its own samples decide how many it gets";
   EXPECT_GT(after[own + 1], before[own + 1]);
@@ -63,10 +56,10 @@ TEST(PooledDeviation, LeavesThePixelOut) {
 TEST(PooledDeviation, WeighsPixelsByTheirSamples) {
   // Three pixels: the left neighbour has 2 samples with a sum of squares of 8, the others know nothing.
   Pool pool(3, 1);
-  pool.samples = {2, 0, 5};
-  pool.m2 = {8, 0, 2};
+  pool.history.samples = {2, 0, 5};
+  pool.history.m2 = {8, 0, 2};
   EXPECT_FLOAT_EQ(pool.estimate()[1], std::sqrt(10.0f / 5.0f));
-  pool.samples = {1, 0, 0};
+  pool.history.samples = {1, 0, 0};
   EXPECT_EQ(pool.estimate()[1], 0.0f);
 }
 
@@ -75,7 +68,7 @@ TEST(PooledDeviation, IsThatOfADisplayIfWanted) {
   const float at_half = pool.estimate(true)[12];
   // The derivative of 1.055 L^(1/2.4) − 0.055 at L = 0.5.
   EXPECT_NEAR(at_half, 1.055 / 2.4 * std::pow(0.5, 1 / 2.4 - 1), 1e-5);
-  pool.mean.assign(25, Rgb(0.05f));
+  pool.history.mean.assign(25, Rgb(0.05f));
   EXPECT_GT(pool.estimate(true)[12], 3.0f * at_half) << "dark places count more";
   EXPECT_NEAR(pool.estimate(true, 10)[12], 10 * at_half, 1e-3f) << "ten times as bright on the display";
   EXPECT_EQ(pool.estimate(true, 30)[12], 0.0f) << "above white";

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "core/ray.h"
-#include "core/vec.h"
-#include "core/view.h"
+#include "framebuffer/pixel_moments.h"
 #include "techniques/temporal/reprojection/reprojection_fate.h"
 
 namespace relume {
@@ -173,36 +172,44 @@ struct BackwardReprojection {
   }
 };
 
-/// Means and variances between pixels of the frame before: they are interpolated, counts are the least of the taps'.
+/// Moments between pixels of the previous frame: means and variances are interpolated, counts are the least of the
+/// taps'.
 struct InterpolatedHistory {
-  View<const Rgb> mean_before;
-  View<const float> m2_before;
-  View<const Rgb> m2_rgb_before;
-  View<const uint32_t> samples_before;
-  View<Rgb> mean;
-  View<float> m2;
-  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
-  View<uint32_t> samples;
+  MomentsView before;
+  MutableMomentsView now;
+  View<const Rgb> specular_before = {};  ///< part of the means that moves by itself; may be empty
+  View<const Rgb> specular = {};         ///< the same at this frame's pixels
 
-  /// What `taps` know becomes the history of the pixel. Returns the number of samples that it counts for.
+  /// Stores the history of the pixel, from `taps`. Returns the number of its samples.
   RELUME_HD uint32_t inherit(uint32_t pixel, const BackwardTaps& taps) const {
-    const uint32_t count = taps.least(samples_before);
-    samples[pixel] = count;
-    mean[pixel] = count > 0 ? taps.fetch(mean_before) : Rgb(0);
-    m2[pixel] = squares(taps, m2_before, count);
-    if (!m2_rgb.empty()) m2_rgb[pixel] = squares(taps, m2_rgb_before, count);
-    return count;
+    PixelMoments moments;
+    moments.samples = taps.least(before.samples);
+    if (moments.samples > 0) moments.mean = mean(taps);
+    moments.m2 = squares(taps, before.m2, moments.samples);
+    if (!before.m2_rgb.empty()) moments.m2_rgb = squares(taps, before.m2_rgb, moments.samples);
+    if (!specular.empty()) moments.mean += specular[pixel];
+    now.store(pixel, moments);
+    return moments.samples;
   }
 
  private:
-  /// What `count` samples with the taps' mean variance add up to. `count`: the least of the taps'.
-  template <typename T>
-  RELUME_HD T squares(const BackwardTaps& taps, const View<const T>& sums, uint32_t count) const {
-    T variance(0);
+  RELUME_HD Rgb mean(const BackwardTaps& taps) const {
+    if (specular_before.empty()) return taps.fetch(before.mean);
+    Rgb sum(0);
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t tap = taps.pixels[k];
+      if (taps.weights[k] > 0.0f) sum += (before.mean[tap] - specular_before[tap]) * taps.weights[k];
+    }
+    return sum;
+  }
+
+  /// Sum of squares of `count` samples with the taps' mean variance. `count`: the least of the taps'.
+  RELUME_HD float squares(const BackwardTaps& taps, const View<const float>& sums, uint32_t count) const {
+    float variance = 0;
     for (int k = 0; k < 4 && count > 1; ++k) {
       if (!(taps.weights[k] > 0.0f)) continue;
       const uint32_t tap = taps.pixels[k];
-      variance += sums[tap] * (taps.weights[k] / static_cast<float>(samples_before[tap] - 1u));
+      variance += sums[tap] * (taps.weights[k] / static_cast<float>(before.samples[tap] - 1u));
     }
     return count > 1 ? variance * static_cast<float>(count - 1u) : variance;
   }

@@ -48,10 +48,7 @@ TEST(BackwardReprojection, LeavesOutWhatKnowsNothing) {
 }
 
 struct NewHistory {
-  std::vector<Rgb> mean = std::vector<Rgb>(16);
-  std::vector<float> m2 = std::vector<float>(16);
-  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(9));
-  std::vector<uint32_t> samples = std::vector<uint32_t>(16);
+  testing::MomentVectors moments{16};
   std::vector<uint32_t> sources = std::vector<uint32_t>(16);
   std::vector<uint32_t> kept = std::vector<uint32_t>(16);
   std::vector<uint32_t> reasons = std::vector<uint32_t>(16);
@@ -59,14 +56,7 @@ struct NewHistory {
 
 BackwardHistoryKernel kernel_of(const Plane& plane, const History& before, NewHistory& now) {
   return {.reprojection = plane.reprojection(),
-          .history = {.mean_before = view_of(before.mean),
-                      .m2_before = view_of(before.m2),
-                      .m2_rgb_before = view_of(before.m2_rgb),
-                      .samples_before = view_of(before.samples),
-                      .mean = mutable_view_of(now.mean),
-                      .m2 = mutable_view_of(now.m2),
-                      .m2_rgb = mutable_view_of(now.m2_rgb),
-                      .samples = mutable_view_of(now.samples)},
+          .history = {.before = before.view(), .now = now.moments.mutable_view()},
           .sources = mutable_view_of(now.sources),
           .kept = mutable_view_of(now.kept),
           .reasons = mutable_view_of(now.reasons)};
@@ -79,16 +69,16 @@ TEST(BackwardReprojection, InterpolatesVariances) {
   before.samples[6] = 3;
   before.m2[6] = 2 * 1.0f;  // (n − 1) times the variance
   before.m2[7] = 8 * 5.0f;
-  before.m2_rgb[6] = 2.0f * Rgb(1, 2, 3);
-  before.m2_rgb[7] = 8.0f * Rgb(5, 4, 3);
+  before.m2_rgb[6] = 2 * 6.0f;
+  before.m2_rgb[7] = 8 * 12.0f;
   kernel_of(plane, before, now)(3, 1);  // between 6 and 7
-  EXPECT_EQ(now.samples[7], 3u);
-  EXPECT_FLOAT_EQ(now.m2[7], 2 * 3.0f);
-  EXPECT_EQ(now.m2_rgb[7], 2.0f * Rgb(3));
+  EXPECT_EQ(now.moments.samples[7], 3u);
+  EXPECT_FLOAT_EQ(now.moments.m2[7], 2 * 3.0f);
+  EXPECT_FLOAT_EQ(now.moments.m2_rgb[7], 2 * 9.0f);
   before.samples[6] = 1;  // one sample has no variance
   kernel_of(plane, before, now)(3, 1);
-  EXPECT_EQ(now.samples[7], 1u);
-  EXPECT_EQ(now.m2[7], 0.0f);
+  EXPECT_EQ(now.moments.samples[7], 1u);
+  EXPECT_EQ(now.moments.m2[7], 0.0f);
 }
 
 TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
@@ -105,7 +95,7 @@ TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(static_cast<ReprojectionFate>(now.reasons[i]), expected[i]) << i;
     EXPECT_EQ(now.kept[i], i == 3 ? 1u : 0u) << i;
-    EXPECT_EQ(now.m2_rgb[i], i == 3 ? Rgb(1, 2, 3) : Rgb(0)) << i;
+    EXPECT_EQ(now.moments.m2_rgb[i], i == 3 ? 6.0f : 0.0f) << i;
     EXPECT_EQ(now.sources[i], i == 3 ? 2u : kNoSource) << i;
   }
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "framebuffer/testing/moment_vectors.h"
 #include "techniques/temporal/reprojection/reprojection.h"
 
 namespace relume {
@@ -63,30 +64,37 @@ TEST(ReprojectionClaims, MovesBuffersAndBeginsAnewWhereNothingLands) {
   EXPECT_EQ(now, (std::vector<float>{3, 0, 1}));
 }
 
-TEST(ReprojectionClaims, LimitKeepsTheVarianceOfASample) {
-  std::vector<uint32_t> samples{101, 3};
-  std::vector<float> m2{200, 5};
-  std::vector<Rgb> m2_rgb{Rgb(100, 200, 300), Rgb(5)};
-  const LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), mutable_view_of(m2_rgb), {}, 11, 2};
-  kernel(0, 0);
-  kernel(1, 0);
-  EXPECT_EQ(samples, (std::vector<uint32_t>{11, 3}));
-  EXPECT_FLOAT_EQ(m2[0] / 10.0f, 200.0f / 100.0f);
-  EXPECT_EQ(m2[1], 5.0f);
-  for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[0][c] / 10.0f, static_cast<float>(c + 1));
-  EXPECT_EQ(m2_rgb[1], Rgb(5));
+TEST(ReprojectionClaims, MovesMomentsOrKeepsThemInTheirPlaces) {
+  testing::MomentVectors before(3);
+  before.samples = {1, 2, 3};
+  testing::MomentVectors now(3, {Rgb(9), 9, 9, 9});
+  const std::vector<uint32_t> sources{2, kNoSource, 0};
+  MoveMomentsKernel kernel{before.view(), now.mutable_view(), view_of(sources), 3};
+  for (uint32_t x = 0; x < 3; ++x) kernel(x, 0);
+  EXPECT_EQ(now.samples, (std::vector<uint32_t>{3, 0, 1}));
+  EXPECT_EQ(now.m2, (std::vector<float>{0, 0, 0}));
+  kernel.sources = {};
+  for (uint32_t x = 0; x < 3; ++x) kernel(x, 0);
+  EXPECT_EQ(now.samples, before.samples);
+}
+
+TEST(ReprojectionClaims, LimitHoldsForThePixelAndForAll) {
+  testing::MomentVectors moments(3, {Rgb(1), 5, 15, 40});
+  const std::vector<uint32_t> limits{7, 100, 40};
+  const LimitKernel kernel{moments.mutable_view(), view_of(limits), 11, 3};
+  for (uint32_t x = 0; x < 3; ++x) kernel(x, 0);
+  EXPECT_EQ(moments.samples, (std::vector<uint32_t>{7, 11, 11}));
 }
 
 TEST(ReprojectionClaims, LimitHoldsForTheFilmOfLightPaths) {
-  std::vector<uint32_t> samples{3, 40};
-  std::vector<float> m2{5, 5};
+  testing::MomentVectors moments(2, {Rgb(0), 5, 15, 3});
   std::vector<float> light_paths{20, 7};
-  LimitKernel kernel{mutable_view_of(samples), mutable_view_of(m2), {}, {}, 11, 2};
+  LimitKernel kernel{moments.mutable_view(), {}, 11, 2};
   kernel.light_paths = mutable_view_of(light_paths);
   kernel(0, 0);
   kernel(1, 0);
   EXPECT_EQ(light_paths, (std::vector<float>{11, 7}));
-  EXPECT_EQ(samples, (std::vector<uint32_t>{3, 11}));
+  EXPECT_EQ(moments.samples, (std::vector<uint32_t>{3, 3}));
 }
 
 TEST(ReprojectionClaims, PixelsOfLargePicturesHaveExactIndices) {

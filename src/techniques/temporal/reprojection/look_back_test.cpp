@@ -132,14 +132,7 @@ TEST(LookBack, InterpolatesFilledPixelsOnly) {
   FillKernel kernel;
   kernel.look_back = plane.look_back();
   kernel.reasons = view_of(reasons);
-  kernel.history = {.mean_before = view_of(before.mean),
-                    .m2_before = view_of(before.m2),
-                    .m2_rgb_before = {},
-                    .samples_before = view_of(before.samples),
-                    .mean = mutable_view_of(now.mean),
-                    .m2 = mutable_view_of(now.m2),
-                    .m2_rgb = {},
-                    .samples = mutable_view_of(now.samples)};
+  kernel.history = {.before = before.view(), .now = now.mutable_view()};
   kernel.width = 4;
   for (uint32_t i = 0; i < 16; ++i) kernel(i % 4, i / 4);
   for (uint32_t i = 0; i < 16; ++i) {

@@ -356,11 +356,23 @@ struct MoveKernel {
   }
 };
 
-/// Bounds how many samples a history stands for, so that new ones count: the mean and the variance of a sample stay.
+/// Moves the moments; pixels without a source get none.
+struct MoveMomentsKernel {
+  MomentsView before;
+  MutableMomentsView now;
+  View<const uint32_t> sources;  ///< pixel of the previous frame, or kNoSource; empty: every pixel is its own source
+  uint32_t width = 0;
+
+  RELUME_HD void operator()(uint32_t x, uint32_t y) const {
+    const uint32_t pixel = y * width + x;
+    const uint32_t source = sources.empty() ? pixel : sources[pixel];
+    now.store(pixel, source == kNoSource ? PixelMoments{} : before[source]);
+  }
+};
+
+/// Bounds the number of samples that a history counts as, so that new ones weigh more.
 struct LimitKernel {
-  View<uint32_t> samples;
-  View<float> m2;
-  View<Rgb> m2_rgb;             ///< the same, a channel; empty: nobody keeps it
+  MutableMomentsView moments;
   View<const uint32_t> limits;  ///< of each pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
@@ -368,14 +380,11 @@ struct LimitKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    const uint32_t n = samples[pixel];
     const uint32_t most = limits.empty() ? max_samples : relume::min(limits[pixel], max_samples);
     if (!light_paths.empty()) light_paths[pixel] = relume::min(light_paths[pixel], static_cast<float>(most));
-    if (n <= most) return;
-    const float scale = static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(n - 1);
-    m2[pixel] *= scale;
-    if (!m2_rgb.empty()) m2_rgb[pixel] *= scale;
-    samples[pixel] = most;
+    PixelMoments limited = MomentsView(moments)[pixel];
+    limited.limit(most);
+    moments.store(pixel, limited);
   }
 };
 

@@ -4,24 +4,17 @@
 #include <cmath>
 #include <cstring>
 #include <istream>
-#include <iterator>
-#include <optional>
 #include <ostream>
 
 #include "core/stream_io.h"
+#include "frame/moments.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
+#include "techniques/temporal/reprojection/motion.h"
 #include "techniques/temporal/reprojection/reprojection.h"
 #include "techniques/transport/path/first_vertex.h"
 
 namespace relume {
 namespace {
-
-/// What a surface that moves takes along. Materials and settings are another matter: then everything starts anew.
-constexpr Change kMoves = Change::camera | Change::geometry | Change::lights;
-constexpr Change kEnds = Change::materials | Change::settings;
-
-/// Changes of indirect light. No validation covers it, so it lags in every kept history.
-constexpr Change kMovesScene = Change::geometry | Change::lights;
 
 template <typename T>
 void move_elements(const FrameContext& frame, std::vector<std::byte>& before, Buffer& buffer,
@@ -44,38 +37,6 @@ bool exists_in(const SceneView& scene, const StoredSample& sample) {
 
 }  // namespace
 
-/// Copies of the buffers that are interpolated, as the frame before left them.
-class ReprojectionPass::HistoryBuffers {
- public:
-  explicit HistoryBuffers(const FrameContext& frame)
-      : mean_(copy(frame.write(kMean))),
-        m2_(copy(frame.write(kM2))),
-        m2_rgb_(copy(frame.write(kM2Rgb))),
-        samples_(copy(frame.write(kSamples))) {}
-
-  InterpolatedHistory interpolated(const FrameContext& frame) const {
-    return {.mean_before = view_of(mean_),
-            .m2_before = view_of(m2_),
-            .m2_rgb_before = view_of(m2_rgb_),
-            .samples_before = view_of(samples_),
-            .mean = frame.write(kMean),
-            .m2 = frame.write(kM2),
-            .m2_rgb = frame.write(kM2Rgb),
-            .samples = frame.write(kSamples)};
-  }
-
- private:
-  template <typename T>
-  static std::vector<T> copy(const View<T>& view) {
-    return {view.begin(), view.end()};
-  }
-
-  std::vector<Rgb> mean_;
-  std::vector<float> m2_;
-  std::vector<Rgb> m2_rgb_;
-  std::vector<uint32_t> samples_;
-};
-
 LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
   return {.reprojection = backward_reprojection(frame, kSurface),
           .fates = frame.read(kHistoryFate),
@@ -89,7 +50,7 @@ bool ReprojectionPass::fills(const FrameContext& frame) const {
 bool ReprojectionPass::looks_back() const { return settings_.method == ReprojectionMethod::backward || settings_.fill; }
 
 PassDeclaration ReprojectionPass::declaration() const {
-  std::vector<BufferId> reads{kMean, kM2, kSamples};
+  std::vector<BufferId> reads{kMean, kMoments.m2, kSamples};
   if (looks_back())
     reads.insert(reads.end(), {kSurface.motion, kSurface.previous, kSurface.position, kSurface.normal, kSurface.depth,
                                kSurface.surface});
@@ -113,12 +74,17 @@ PassDeclaration ReprojectionPass::declaration() const {
               "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
   if (forward) reads.push_back(kPrimaryHits);
+  const auto inherited = [](const BufferId& id, const char* help) { return BufferDescription{.id = id, .help = help}; };
+  owns.insert(owns.end(), {inherited(kInherited.mean, "mean before this frame's sample, where the surface is now"),
+                           inherited(kInherited.m2, "m2 before this frame's sample"),
+                           inherited(kInherited.samples, "samples before this frame's")});
+  if (m2_rgb_) owns.push_back(inherited(kInherited.m2_rgb, "m2-rgb before this frame's sample"));
   return {.name = "reproject",
           .stage = Stage::history,
           .owns = std::move(owns),
           .reads = std::move(reads),
-          .writes = {kMean, kM2, kSamples},
-          .writes_if_any = {kM2Rgb, kLightPaths},
+          .reads_if_any = {kMoments.m2_rgb, kSpecularMean, kInheritedSpecularMean},
+          .writes_if_any = {kInherited.m2_rgb, kLightPaths},
           .moves_surfaces = true};
 }
 
@@ -126,16 +92,8 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   allocate(frame);
   if (loaded_) drop_unknown(frame.scene);
   loaded_ = false;
-  if (includes(frame.changes, kEnds) || frame.number == 0) {
-    std::fill(stored_.begin(), stored_.end(), StoredSample{});
-    std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
-    tell_all(frame, false);
-    rests_ = false;
-    return true;
-  }
-  if (!includes(frame.changes, kMoves)) {
-    if (!rests_) tell_all(frame, true);
-    rests_ = true;
+  if (!surfaces_move(frame)) {
+    stay(frame);
     return true;
   }
   rests_ = false;
@@ -146,6 +104,23 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   }
   limit(frame);
   return true;
+}
+
+void ReprojectionPass::stay(const FrameContext& frame) {
+  move_moments(frame, {});
+  const bool ends = frame.number == 0 || includes(frame.changes, kEndsHistory);
+  if (ends) {
+    std::fill(stored_.begin(), stored_.end(), StoredSample{});
+    std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
+  }
+  if (ends || !rests_) tell_all(frame, !ends);
+  rests_ = !ends;
+}
+
+void ReprojectionPass::move_moments(const FrameContext& frame, View<const uint32_t> sources) const {
+  const MoveMomentsKernel kernel{read_moments(frame, kMoments), write_moments(frame, kInherited), sources,
+                                 frame.width()};
+  frame.launch("reproject", kernel);
 }
 
 void ReprojectionPass::allocate(const FrameContext& frame) {
@@ -176,10 +151,9 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   pixels_.swap(pixels_before_);
   claim_places(frame);
   take_over(frame);
-  std::optional<HistoryBuffers> before;
-  if (fills(frame)) before.emplace(frame);
+  move_moments(frame, view_of(sources_));
   frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
-  if (before) fill(frame, *before);
+  if (fills(frame)) fill(frame);
   note_covered(frame);
 }
 
@@ -242,39 +216,34 @@ void ReprojectionPass::note_covered(const FrameContext& frame) {
   frame.launch("reproject", covered);
 }
 
-void ReprojectionPass::fill(const FrameContext& frame, const HistoryBuffers& before) const {
+void ReprojectionPass::fill(const FrameContext& frame) const {
   FillKernel kernel;
   kernel.look_back = look_back(frame);
   kernel.reasons = frame.read(kHistoryReason);
-  kernel.history = before.interpolated(frame);
+  kernel.history = {.before = read_moments(frame, kMoments), .now = write_moments(frame, kInherited)};
   kernel.width = frame.width();
   frame.launch("reproject", kernel);
 }
 
 void ReprojectionPass::run_backward(const FrameContext& frame) {
-  const HistoryBuffers before(frame);
   BackwardHistoryKernel kernel;
   kernel.reprojection = backward_reprojection(frame, kSurface);
-  kernel.history = before.interpolated(frame);
+  kernel.history = {.before = read_moments(frame, kMoments),
+                    .now = write_moments(frame, kInherited),
+                    .specular_before = frame.read(kSpecularMean),
+                    .specular = frame.read(kInheritedSpecularMean)};
   kernel.sources = mutable_view_of(sources_);
   kernel.kept = frame.write(kHistoryKept);
   kernel.reasons = frame.write(kHistoryReason);
   frame.launch("reproject", kernel);
-  constexpr BufferId kMoved[] = {kMean, kM2, kM2Rgb, kSamples};
-  frame.for_each_surface_buffer([&](Buffer& buffer) {
-    if (std::find(std::begin(kMoved), std::end(kMoved), buffer.description().id) == std::end(kMoved))
-      move(frame, buffer);
-  });
+  frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
 }
 
 void ReprojectionPass::limit(const FrameContext& frame) const {
-  const bool scene_moved = includes(frame.changes, kMovesScene);
   LimitKernel kernel;
-  kernel.samples = frame.write(kSamples);
-  kernel.m2 = frame.write(kM2);
-  kernel.m2_rgb = frame.write(kM2Rgb);
+  kernel.moments = write_moments(frame, kInherited);
   if (settings_.method == ReprojectionMethod::forward) kernel.limits = view_of(limits_);
-  kernel.max_samples = static_cast<uint32_t>(scene_moved ? settings_.max_samples_changed : settings_.max_samples);
+  kernel.max_samples = history_limit(frame, settings_);
   kernel.light_paths = frame.write(kLightPaths);
   kernel.width = frame.width();
   frame.launch("reproject", kernel);
@@ -328,9 +297,9 @@ PassDeclaration StoreSamplesPass::declaration() const {
   return {.name = "store",
           .stage = Stage::present,
           .reads = {kPrimaryHits, kFirstVertices, kRadiance},
-          .writes = {kMean, kM2, kSamples},
+          .writes = {kInherited.mean, kInherited.m2, kInherited.samples},
           .reads_if_any = {kAllocation, kEdgeRays},
-          .writes_if_any = {kM2Rgb},
+          .writes_if_any = {kInherited.m2_rgb},
           .only_sampled_pixels = true};
 }
 
@@ -341,10 +310,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.allocation = frame.read(kAllocation);
   kernel.edge_rays = frame.read(kEdgeRays);
   kernel.radiance = frame.read(kRadiance);
-  kernel.samples = frame.write(kSamples);
-  kernel.mean = frame.write(kMean);
-  kernel.m2 = frame.write(kM2);
-  kernel.m2_rgb = frame.write(kM2Rgb);
+  kernel.history = write_moments(frame, kInherited);
   kernel.scene = frame.scene;
   kernel.stored = mutable_view_of(history_.stored());
   kernel.pixels = mutable_view_of(history_.pixels());

@@ -15,13 +15,13 @@ inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
 inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
 inline constexpr BufferKey<uint32_t> kHistoryFate{"history-fate"};
 
-/// Moves every buffer that follows the surface to where the surface is now, if anything but materials and settings has
-/// changed.
+/// Moves the moments of pixels, and every buffer that follows the surface, to where the surface is in this frame. No
+/// history survives a change of materials or settings.
 class ReprojectionPass final : public Pass {
  public:
-  /// `pixel_count`: of the picture; a checkpoint must agree.
-  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count)
-      : settings_(settings), pixel_count_(pixel_count) {}
+  /// `pixel_count`: of the image; a checkpoint must agree. `m2_rgb`: this member of the moments is kept, too.
+  ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb)
+      : settings_(settings), pixel_count_(pixel_count), m2_rgb_(m2_rgb) {}
 
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
@@ -37,18 +37,20 @@ class ReprojectionPass final : public Pass {
   uint32_t capacity() const { return capacity_; }
 
  private:
-  class HistoryBuffers;
-
   bool looks_back() const;
   /// Whether pixels to which nothing came look back in this frame.
   bool fills(const FrameContext& frame) const;
   void allocate(const FrameContext& frame);
   void drop_unknown(const SceneView& scene);
+  /// Pixels keep their own histories, or start without any.
+  void stay(const FrameContext& frame);
+  /// `sources`: see MoveMomentsKernel.
+  void move_moments(const FrameContext& frame, View<const uint32_t> sources) const;
   void run_forward(const FrameContext& frame);
   void claim_places(const FrameContext& frame);
   void take_over(const FrameContext& frame);
   LookBack look_back(const FrameContext& frame) const;
-  void fill(const FrameContext& frame, const HistoryBuffers& before) const;
+  void fill(const FrameContext& frame) const;
   void note_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, Buffer& buffer);
@@ -58,6 +60,7 @@ class ReprojectionPass final : public Pass {
 
   ReprojectionSettings settings_;
   const uint32_t pixel_count_;
+  const bool m2_rgb_;
   uint32_t capacity_ = 0;
   bool loaded_ = false;  ///< from a file, and not looked through yet
   bool rests_ = false;   ///< nothing has moved since the last frame, and the buffers say that all go on
@@ -73,7 +76,7 @@ class ReprojectionPass final : public Pass {
   std::vector<std::byte> before_;        ///< the buffer that is being moved
 };
 
-/// Stores what this frame's samples found.
+/// Stores this frame's samples. Runs before AccumulatePass.
 class StoreSamplesPass final : public Pass {
  public:
   StoreSamplesPass(const ReprojectionSettings& settings, ReprojectionPass& history)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "builtin_scenes/builtin.h"
+#include "frame/moments.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {
@@ -51,15 +52,15 @@ TEST(ReprojectionPass, SavesAndLoads) {
   std::vector<StoredSample> stored(4 * kPixels);
   stored[5].hit = {1, 2, 0.25f, 0.5f, 3};
   const std::string state = state_with(stored, 4 * kPixels, kPixels);
-  ReprojectionPass pass(settings, kPixels);
+  ReprojectionPass pass(settings, kPixels, false);
   EXPECT_TRUE(loads(pass, state));
   EXPECT_EQ(state_of(pass), state);
 }
 
 TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
   const ReprojectionSettings settings;
-  ReprojectionPass pass(settings, kPixels);
-  EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels))));
+  ReprojectionPass pass(settings, kPixels, false);
+  EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, false))));
 }
 
 // Counts are believed as far as there is something behind them, and only if they fit the picture; the last would need
@@ -67,7 +68,7 @@ TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
 TEST(ReprojectionPass, RefusesCountsThatDoNotFitThePicture) {
   const ReprojectionSettings settings;
   const std::vector<StoredSample> stored(4 * kPixels);
-  ReprojectionPass pass(settings, kPixels);
+  ReprojectionPass pass(settings, kPixels, false);
   const std::string before = state_of(pass);
   const uint64_t huge = uint64_t{1} << 33;
   const uint64_t counts[][2] = {{4 * kPixels, 2 * kPixels},
@@ -85,7 +86,7 @@ TEST(ReprojectionPass, RefusesCountsThatDoNotFitThePicture) {
 
 TEST(ReprojectionPass, RefusesAShortFileAndKeepsWhatItHad) {
   const ReprojectionSettings settings;
-  ReprojectionPass pass(settings, kPixels);
+  ReprojectionPass pass(settings, kPixels, false);
   const std::string state = state_with(std::vector<StoredSample>(4 * kPixels), 4 * kPixels, kPixels);
   ASSERT_TRUE(loads(pass, state));
   EXPECT_FALSE(loads(pass, state.substr(0, state.size() - 1)));
@@ -103,10 +104,12 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
   stored[12].hit = {0, 0, nan, 0.5f, 3};                               // nowhere on it
   stored[16] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {nan, 0}};   // nowhere on a light
   stored[20] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {0, -1e9}};  // the same
-  ReprojectionPass pass(settings, kPixels);
+  ReprojectionPass pass(settings, kPixels, false);
   ASSERT_TRUE(loads(pass, state_with(stored, 4 * kPixels, kPixels)));
 
   BufferTable buffers(kSize, kSize);
+  for (const BufferId& id : moment_ids(kMoments)) buffers.add({.id = id});
+  for (const BufferDescription& owned : pass.declaration().owns) buffers.add(owned);
   Backend backend(1);
   pass.run(FrameContext(scene.view(), buffers, backend, {.number = 1, .since_change = 1}));
   EXPECT_TRUE(pass.stored()[0].valid());
@@ -118,9 +121,8 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
 struct MovedPlane {
   explicit MovedPlane(const ReprojectionPass& pass) {
     for (const BufferDescription& buffer : pass.declaration().owns) buffers.add(buffer);
-    for (const BufferId& id :
-         {BufferId(kMean), BufferId(kM2Rgb), BufferId(kM2), BufferId(kProbability), BufferId(kSamples)})
-      buffers.add({.id = id, .follows_surface = true});
+    for (const BufferId& id : moment_ids(kMoments)) buffers.add({.id = id});
+    buffers.add({.id = kProbability, .follows_surface = true});
     for (const BufferId& id : {BufferId(kSurface.motion), BufferId(kSurface.previous), BufferId(kSurface.position),
                                BufferId(kSurface.normal), BufferId(kSurface.depth), BufferId(kSurface.surface)})
       buffers.add({.id = id, .double_buffered = true});
@@ -128,8 +130,8 @@ struct MovedPlane {
     std::fill_n(buffers.mutable_view(kSurface.normal).data, kPixels, Vec3(0, 0, 1));
     buffers.swap();
     for (uint32_t i = 0; i < kPixels; ++i) {
-      buffers.mutable_view(kM2Rgb)[i] = Rgb(1, 2, 3) * number(i);
-      buffers.mutable_view(kM2)[i] = number(i);
+      buffers.mutable_view(kMoments.m2_rgb)[i] = 6 * number(i);
+      buffers.mutable_view(kMoments.m2)[i] = number(i);
       buffers.mutable_view(kProbability)[i] = 0.01f * number(i);
       buffers.mutable_view(kSamples)[i] = 1000;
       buffers.mutable_view(kSurface.motion)[i] = Vec2(1, 0);
@@ -147,7 +149,7 @@ struct MovedPlane {
 struct Backward {
   CompiledScene scene{find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize}};
   ReprojectionSettings settings{.method = ReprojectionMethod::backward};
-  ReprojectionPass pass{settings, kPixels};
+  ReprojectionPass pass{settings, kPixels, true};
   MovedPlane plane{pass};
   Backend backend{1};
 
@@ -161,17 +163,17 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
   Backward b;
   b.settings.max_samples_changed = 16;
   b.run(1, Change::camera | Change::lights);
-  const View<const Rgb> m2_rgb = b.plane.buffers.view(kM2Rgb);
-  const View<const float> m2 = b.plane.buffers.view(kM2);
+  const View<const float> m2_rgb = b.plane.buffers.view(kInherited.m2_rgb);
+  const View<const float> m2 = b.plane.buffers.view(kInherited.m2);
   const View<const float> probability = b.plane.buffers.view(kProbability);
-  const View<const uint32_t> samples = b.plane.buffers.view(kSamples);
+  const View<const uint32_t> samples = b.plane.buffers.view(kInherited.samples);
   for (uint32_t i = 0; i < kPixels; ++i) {
     const bool known = i % kSize > 0;  // or it comes from outside
     const float number = known ? MovedPlane::number(i - 1) : 0.0f;
     EXPECT_EQ(samples[i], known ? 16u : 0u) << i;
     // The variance of a sample stays, however few of them the history counts for.
     EXPECT_FLOAT_EQ(m2[i] / 15, number / 999) << i;
-    for (int c = 0; c < 3; ++c) EXPECT_FLOAT_EQ(m2_rgb[i][c] / 15, static_cast<float>(c + 1) * number / 999) << i;
+    EXPECT_FLOAT_EQ(m2_rgb[i] / 15, 6 * number / 999) << i;
     EXPECT_EQ(probability[i], 0.01f * number) << i;
   }
 }

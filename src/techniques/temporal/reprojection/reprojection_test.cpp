@@ -9,6 +9,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "builtin_scenes/builtin.h"
+#include "framebuffer/testing/moment_vectors.h"
 #include "scene/compiled_scene.h"
 
 namespace relume {
@@ -55,10 +56,7 @@ struct Stage {
     store.hits = view_of(hits);
     store.first_vertices = view_of(vertices);
     store.radiance = view_of(radiance);
-    store.samples = mutable_view_of(samples);
-    store.mean = mutable_view_of(mean);
-    store.m2 = mutable_view_of(m2);
-    store.m2_rgb = mutable_view_of(m2_rgb);
+    store.history = history.mutable_view();
     store.scene = scene.view();
     store.stored = mutable_view_of(stored);
     store.pixels = mutable_view_of(pixels);
@@ -103,10 +101,7 @@ struct Stage {
   std::vector<FirstVertex> vertices = std::vector<FirstVertex>(kPixels);
   std::vector<Rgb> radiance = std::vector<Rgb>(kPixels);
   std::vector<uint32_t> rays = std::vector<uint32_t>(kPixels);
-  std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 1);
-  std::vector<Rgb> mean = std::vector<Rgb>(kPixels);
-  std::vector<float> m2 = std::vector<float>(kPixels);
-  std::vector<Rgb> m2_rgb = std::vector<Rgb>(kPixels);
+  testing::MomentVectors history{kPixels};
   std::vector<StoredSample> stored = std::vector<StoredSample>(kPixels);
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
   std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
@@ -336,21 +331,30 @@ TEST(Reprojection, ASampleOnAnotherSurfaceShortensAnInheritedHistory) {
   while (!stage.hits[other].valid() || stage.hits[other].instance == stage.hits[0].instance) ++other;
   stage.render();
   stage.pixels[other].inherited = 1;
-  stage.stored[other].hit = stage.hits[0];  // what it inherited lies elsewhere
-  stage.samples[other] = 20;                // 19 of them inherited, with a mean of 7
-  const Rgb value = stage.radiance[other];
-  stage.mean[other] = (Rgb(7) * 19.0f + value) / 20.0f;
-  stage.m2[other] = 38;  // a variance of 2
-  stage.m2_rgb[other] = Rgb(19, 38, 57);
+  stage.stored[other].hit = stage.hits[0];                           // what it inherited lies elsewhere
+  stage.history.mutable_view().store(other, {Rgb(7), 38, 114, 20});  // a variance of 2, and of 6 over all channels
   stage.render();
-  EXPECT_EQ(stage.samples[other], kMixedSamples + 1);
-  const Rgb expected = (Rgb(7) * static_cast<float>(kMixedSamples) + value) / static_cast<float>(kMixedSamples + 1);
-  for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(stage.mean[other][c], expected[c], 1e-4f);
-    EXPECT_FLOAT_EQ(stage.m2_rgb[other][c], static_cast<float>(c + 1) * static_cast<float>(kMixedSamples));
-  }
-  EXPECT_FLOAT_EQ(stage.m2[other], 2.0f * static_cast<float>(kMixedSamples));
+  EXPECT_EQ(stage.history.samples[other], kMixedSamples);
+  EXPECT_EQ(stage.history.mean[other], Rgb(7));
+  EXPECT_FLOAT_EQ(stage.history.m2[other], 2.0f * static_cast<float>(kMixedSamples - 1));
+  EXPECT_FLOAT_EQ(stage.history.m2_rgb[other], 6.0f * static_cast<float>(kMixedSamples - 1));
   EXPECT_EQ(stage.pixels[other].mixed, 1u);
+}
+
+TEST(Reprojection, OnlyTheInheritedPartOfAHistoryIsShortened) {
+  Stage stage(cornell());
+  stage.render();
+  uint32_t other = 1;
+  while (!stage.hits[other].valid() || stage.hits[other].instance == stage.hits[0].instance) ++other;
+  StoredPixel& pixel = stage.pixels[other];
+  pixel.inherited = 1;
+  pixel.fresh = Rgb(1);
+  pixel.fresh_samples = 4;
+  stage.stored[other].hit = stage.hits[0];
+  stage.history.mutable_view().store(other, {(Rgb(7) * 16.0f + Rgb(1) * 4.0f) / 20.0f, 38, 114, 20});
+  stage.render();
+  EXPECT_EQ(stage.history.samples[other], kMixedSamples + 4);
+  EXPECT_NEAR(stage.history.mean[other].r, (7.0f * kMixedSamples + 1.0f * 4) / (kMixedSamples + 4), 1e-5f);
 }
 
 TEST(FirstVertex, AccountsForWhatThePathReflects) {

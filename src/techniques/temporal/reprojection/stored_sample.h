@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/octahedral.h"
+#include "framebuffer/pixel_moments.h"
 #include "techniques/temporal/reprojection/reprojection_fate.h"
 #include "techniques/transport/path/first_vertex.h"
 
@@ -79,17 +80,14 @@ RELUME_HD inline bool far_apart(const SceneView& scene, const StoredSample& stor
 /// Samples that an inherited history counts for at most once its pixel has shown another surface.
 inline constexpr uint32_t kMixedSamples = 8;
 
-/// Keeps what this frame's sample found: the stage "present", after the sample has joined the mean.
+/// Stores this frame's sample, before it joins the moments of its pixel.
 struct StoreKernel {
   View<const Hit> hits;  ///< of this frame
   View<const FirstVertex> first_vertices;
   View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
   View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
   View<const Rgb> radiance;         ///< of this frame
-  View<uint32_t> samples;           ///< that the pixel keeps, this one included
-  View<Rgb> mean;
-  View<float> m2;
-  View<Rgb> m2_rgb;  ///< the same, a channel; empty: nobody keeps it
+  MutableMomentsView history;       ///< of the earlier samples that the pixel keeps
   SceneView scene;
   View<StoredSample> stored;  ///< capacity a pixel
   View<StoredPixel> pixels;
@@ -104,14 +102,15 @@ struct StoreKernel {
     const FirstVertex& vertex = first_vertices[i];
     StoredPixel& pixel = pixels[i];
     StoredSample* const samples_of_pixel = &stored[i * capacity];
+    const uint32_t samples = history.samples[i] + 1;
     // A pixel that looked back may have a history without a stored sample.
-    const bool first = samples[i] <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
+    const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
-    if (samples[i] <= 1) forget(pixel, samples_of_pixel);
-    if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
+    if (samples <= 1) forget(pixel, samples_of_pixel);
     if (elsewhere && pixel.inherited) shorten(i);
+    if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
-    const float share = 1.0f / static_cast<float>(relume::max(samples[i], 1u));
+    const float share = 1.0f / static_cast<float>(history.samples[i] + 1);
     if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
     if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
     for (uint32_t k = 0; k < capacity; ++k) {
@@ -133,19 +132,19 @@ struct StoreKernel {
     for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
   }
 
-  /// The past of a pixel that shows several surfaces knows one of them: it counts for few samples from now on.
+  /// A history from before the last reprojection saw one of the several surfaces that this pixel shows: it counts for
+  /// few samples from this frame on.
   RELUME_HD void shorten(uint32_t i) const {
     const StoredPixel& pixel = pixels[i];
-    const uint32_t inherited = samples[i] - pixel.fresh_samples;
+    PixelMoments moments = MomentsView(history)[i];
+    const uint32_t inherited = moments.samples - pixel.fresh_samples;
     if (inherited <= kMixedSamples) return;
-    const Rgb past =
-        mean[i] + (mean[i] - pixel.fresh) * (static_cast<float>(pixel.fresh_samples) / static_cast<float>(inherited));
+    const float fresh_per_inherited = static_cast<float>(pixel.fresh_samples) / static_cast<float>(inherited);
+    const Rgb past = moments.mean + (moments.mean - pixel.fresh) * fresh_per_inherited;
     const uint32_t count = kMixedSamples + pixel.fresh_samples;
-    mean[i] = pixel.fresh + (past - pixel.fresh) * (static_cast<float>(kMixedSamples) / static_cast<float>(count));
-    const float scale = static_cast<float>(count - 1) / static_cast<float>(samples[i] - 1);
-    m2[i] *= scale;
-    if (!m2_rgb.empty()) m2_rgb[i] *= scale;
-    samples[i] = count;
+    moments.limit(count);
+    moments.mean = pixel.fresh + (past - pixel.fresh) * (static_cast<float>(kMixedSamples) / static_cast<float>(count));
+    history.store(i, moments);
   }
 
   RELUME_HD static void add_fresh(StoredPixel& pixel, const Rgb& value) {

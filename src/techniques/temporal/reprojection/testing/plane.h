@@ -1,8 +1,9 @@
-// A plane that has moved, and what its pixels knew before: input of backward look-ups.
+// A plane that has moved, and the moments of its pixels before: input of backward look-ups.
 #pragma once
 
 #include <vector>
 
+#include "framebuffer/testing/moment_vectors.h"
 #include "techniques/temporal/reprojection/backward.h"
 
 namespace relume::testing {
@@ -30,11 +31,9 @@ struct Plane {
   std::vector<uint32_t> before = {7, 7, 7, 7, 7, 8, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7};
 };
 
-struct History {
-  std::vector<Rgb> mean = std::vector<Rgb>(16, Rgb(3));
-  std::vector<float> m2 = std::vector<float>(16, 1.0f);
-  std::vector<Rgb> m2_rgb = std::vector<Rgb>(16, Rgb(1, 2, 3));
-  std::vector<uint32_t> samples = std::vector<uint32_t>(16, 9);
+/// Moments of the plane's pixels.
+struct History : MomentVectors {
+  History() : MomentVectors(16, {Rgb(3), 1, 6, 9}) {}
 };
 
 }  // namespace relume::testing

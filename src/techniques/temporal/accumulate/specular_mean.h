@@ -1,0 +1,41 @@
+// The specular part of the mean, which backward reprojection moves with the images in reflections while the rest moves
+// with the surface.
+#pragma once
+
+#include "framebuffer/pixel_moments.h"
+
+namespace relume {
+
+/// Both parts have a sample count of their own. While nothing moves, the counts are equal and the mean keeps its bits.
+struct SpecularMean {
+  View<const Rgb> radiance;  ///< specular part of this frame's sample
+  View<const Rgb> albedo;    ///< of specular lobes; black: the sample has no specular part
+  View<const Rgb> history;   ///< mean of the earlier samples
+  View<const uint32_t> history_samples;
+  View<Rgb> mean;  ///< empty: the parts are not kept apart
+  View<uint32_t> samples;
+
+  RELUME_HD bool empty() const { return mean.empty(); }
+
+  /// For a pixel without a sample in this frame.
+  RELUME_HD void keep(uint32_t pixel) const {
+    if (empty()) return;
+    mean[pixel] = history[pixel];
+    samples[pixel] = history_samples[pixel];
+  }
+
+  /// Adds this frame's sample, whose radiance `total` has already joined `moments`. Where the counts differ, `moments`
+  /// changes by the difference that the own count of the specular part makes.
+  RELUME_HD void add(uint32_t pixel, const Rgb& total, PixelMoments& moments) const {
+    const bool shows_image = max_component(albedo[pixel]) > 0.0f && is_finite(total) && is_finite(radiance[pixel]);
+    const Rgb value = shows_image ? radiance[pixel] : Rgb(0);
+    const uint32_t n = history_samples[pixel] + 1;
+    const Rgb before = history[pixel];
+    const Rgb after = before + (value - before) / static_cast<float>(n);
+    if (n != moments.samples) moments.mean += after - before - (value - before) / static_cast<float>(moments.samples);
+    mean[pixel] = after;
+    samples[pixel] = n;
+  }
+};
+
+}  // namespace relume
