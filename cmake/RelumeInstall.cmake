@@ -1,5 +1,5 @@
 # cmake --install: the components `library`, with headers and CMake package (find_package(relume) gives relume::relume),
-# `shared` (relume::shared) and `program`.
+# `shared` (relume::shared), `lab` (relume::lab: metrics, comparisons, experiments) and `program`.
 include(CMakePackageConfigHelpers)
 
 set(relume_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/relume)
@@ -9,6 +9,9 @@ install(EXPORT relumeTargets NAMESPACE relume:: DESTINATION ${relume_package_dir
 # A component of its own: Debian's development package has the static library alone.
 install(TARGETS relume_shared EXPORT relumeSharedTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT shared)
 install(EXPORT relumeSharedTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT shared)
+install(TARGETS relume_lab EXPORT relumeLabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT lab)
+install(EXPORT relumeLabTargets NAMESPACE relume:: DESTINATION ${relume_package_dir} COMPONENT lab)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/lab/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT lab)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/relume DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/relumeConfig.cmake.in

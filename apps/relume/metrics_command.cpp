@@ -6,7 +6,7 @@
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "picture.h"
 #include "relume/image_io.h"
 #include "reports.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "scene_summary.h"
 
 namespace relume::cli {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "scene_summary.h"
 
 namespace relume::cli {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/rounds.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
 #include "relume/error.h"

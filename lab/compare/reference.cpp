@@ -9,7 +9,7 @@
 #include "core/clock.h"
 #include "core/fnv1a.h"
 #include "files/atomic_file.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "relume/error.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"

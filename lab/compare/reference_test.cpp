@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
 

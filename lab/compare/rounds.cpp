@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 
 namespace relume {

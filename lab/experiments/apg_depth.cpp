@@ -11,7 +11,7 @@
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/references.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
 #include "report/pictures.h"

@@ -13,7 +13,7 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
 #include "experiments/setup/named.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "render/session.h"
 

@@ -1,8 +1,9 @@
 #include "metrics/ensemble.h"
 
+#include "core/vec.h"
 #include "metrics/estimate.h"
-#include "metrics/metrics.h"
 #include "relume/error.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

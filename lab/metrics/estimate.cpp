@@ -5,7 +5,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "relume/error.h"
 

@@ -1,4 +1,4 @@
-#include "metrics/flip.h"
+#include "relume/lab/flip.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "metrics/flip_filters.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

@@ -1,4 +1,4 @@
-#include "metrics/flip.h"
+#include "relume/lab/flip.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,9 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "metrics/metrics.h"
+#include "core/vec.h"
 #include "relume/error.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

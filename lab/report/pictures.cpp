@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 
 #include "core/srgb.h"
-#include "metrics/flip.h"
-#include "metrics/metrics.h"
+#include "relume/lab/flip.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

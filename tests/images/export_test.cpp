@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "builtin_scenes/builtin.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "scene_io/scene_io.h"
 #include "support/image_test.h"
 #include "support/scenes.h"

@@ -13,7 +13,7 @@
 
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/temporal.h"
 #include "render/session.h"
 #include "scene_io/scene_io.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
 #include "support/measure.h"
 

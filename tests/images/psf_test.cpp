@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "builtin_scenes/builtin.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
 #include "support/measure.h"
 #include "support/scenes.h"

@@ -35,14 +35,15 @@ class Embedding(unittest.TestCase):
 
     def test_every_program(self):
         programs = dict(re.findall(r"^```cpp\n// (\w+)\.cpp\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
-        self.assertEqual(sorted(programs), ["editor", "frame_loop", "offline"])
+        self.assertEqual(sorted(programs), ["editor", "frame_loop", "measure", "offline"])
         package, link = re.search(r"^```cmake\n(.*)\n(.*)\n```", PAGE, re.MULTILINE).groups()
         with tempfile.TemporaryDirectory(prefix="relume_") as name:
             folder = pathlib.Path(name)
-            for component in ("library", "shared"):
+            for component in ("library", "shared", "lab"):
                 self.succeed("cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", component)
             installed = {file.name for file in (folder / "prefix/include").rglob("*.h")}
-            self.assertEqual(installed, {file.name for file in (ROOT / "include").rglob("*.h")})
+            self.assertEqual(installed, {file.name for folder in ("include", "lab/include") for file in (ROOT / folder).rglob("*.h")})
+            measure = programs.pop("measure")
             scene = folder / "room.glb"
             self.succeed(os.environ["RELUME_PROGRAM"], "export", "cornell", "-o", scene)
             for library in ("relume", "shared"):
@@ -52,8 +53,14 @@ class Embedding(unittest.TestCase):
                     (project / f"{program}.cpp").write_text(text)
                 linked = link.replace("program", "${program}").replace("relume::relume", f"relume::{library}")
                 (project / "CMakeLists.txt").write_text(PROJECT.format(package=package, link=linked, programs=" ".join(programs)))
+                if library == "relume":
+                    (project / "measure.cpp").write_text(measure)
+                    with (project / "CMakeLists.txt").open("a") as lists:
+                        lists.write("add_executable(measure measure.cpp)\ntarget_link_libraries(measure PRIVATE relume::lab)\n")
                 with self.subTest(library=library):
                     self.build_and_run(project, folder / "prefix", scene)
+                if library == "relume":
+                    self.assertIn("tree: MSE", self.succeed(project / "build/measure", scene, cwd=project))
 
     def build_and_run(self, project, prefix, scene):
         flags = [f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_CXX_COMPILER={os.environ['RELUME_CXX']}", f"-DCMAKE_CXX_FLAGS={os.environ.get('RELUME_CXX_FLAGS', '')}"]

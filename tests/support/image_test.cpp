@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume::support {
 namespace {

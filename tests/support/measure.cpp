@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
 
 namespace relume::support {

@@ -8,7 +8,7 @@
 
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 
 namespace relume {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 
 namespace relume {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 
 namespace relume {

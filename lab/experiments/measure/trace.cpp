@@ -12,7 +12,7 @@
 
 #include "core/srgb.h"
 #include "experiments/measure/trace_file.h"
-#include "metrics/metrics.h"
+#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "report/pictures.h"
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "framebuffer/tone_map.h"
-#include "metrics/flip.h"
-#include "relume/image_io.h"
+#include "relume/image.h"
+#include "relume/lab/flip.h"
+#include "relume/tone_map.h"
 
 namespace relume {
 

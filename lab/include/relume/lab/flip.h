@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "relume/image_io.h"
+#include "relume/image.h"
 
 namespace relume {
 
@@ -28,7 +28,7 @@ struct FlipExposures {
 FlipExposures flip_exposures(const Image& reference);
 
 /// Largest flip_map() over the exposures, tone-mapped with Narkowicz's fit of ACES as the paper has it (not the fit of
-/// framebuffer/tone_map.h, so that figures can be compared with published ones).
+/// ToneMap::aces, so that figures can be compared with published ones).
 std::vector<float> hdr_flip_map(const Image& test, const Image& reference, const FlipExposures& exposures,
                                 float pixels_per_degree = kDefaultPixelsPerDegree);
 
