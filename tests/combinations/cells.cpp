@@ -9,6 +9,7 @@
 #include "render/build_pipeline.h"
 #include "settings/setting.h"
 #include "settings/settings_json.h"
+#include "support/technique_checks.h"
 
 namespace relume::support {
 namespace {
@@ -18,13 +19,9 @@ constexpr std::string_view kBackward = "reproject (backward)";
 /// How far a choice may move the mean of the test's small box. Each technique's page says where its bias comes from;
 /// its own tests look closer. Here it must not lose or invent light.
 double stated_bias(const std::string& slot, const std::string& value) {
-  static const std::map<std::string, double> kBiases = {
-      {"cache=psf", 0.02},          {"cache=apsf", 0.02},        {"cache=apg", 0.03},
-      {"cache=apsf+apg", 0.03},     {"history=reproject", 0.02}, {"denoise=bmfr", 0.03},
-      {"denoise=svgf", 0.03},       {"denoise=oidn", 0.05},      {"history=reproject (backward)", 0.02},
-      {"allocation=adaptive", 0.01}};
-  const auto found = kBiases.find(slot + "=" + value);
-  return found == kBiases.end() ? 0 : found->second;
+  const auto& biases = technique_checks().biases;
+  const auto found = biases.find(slot + "=" + value);
+  return found == biases.end() ? 0 : found->second;
 }
 
 /// Fits that fall below black are held at it, which adds light where samples are few and bright.

@@ -14,102 +14,39 @@
 #include "render/session.h"
 #include "settings/rooms.h"
 #include "support/measure.h"
+#include "support/technique_checks.h"
 #include "support/test_name.h"
 
 namespace relume::support {
 namespace {
 
-/// What moves in the middle frames; before and after them pixels gather samples.
-enum class Motion { none, camera, lamp };
-
-/// Where a setting takes effect. What it has here is one of the values that are compared.
-struct Context {
-  /// A name, or a prefix that ends in a dot. A setting's own context adds its changes to those of the prefix; all else
-  /// is its own.
-  std::string_view setting;
-  std::string_view with = "";    ///< changes from small_settings()
-  std::string_view others = "";  ///< values to compare with; empty: what other_values() says
-  Motion motion = Motion::none;
-  std::string_view buffer = "";  ///< where to look: the picture, or a buffer of the last frame
+/// A SettingCheck in a scene.
+struct Context : SettingCheck {
   Scene (*scene)() = build_busy_room;
 };
 
-/// Prefixes stand before what they are completed by.
-const Context kContexts[] = {
-    {"width"},
-    {"height"},
-    {"camera", "", "side"},
-    {"scene-time", "max-bounces=0", "1", Motion::none, "", build_curtain},  // random numbers depend on it too
-    {"texture-filter"},
-    {"seed"},
-    {"stratify"},
-    {"dither"},
-    {"estimator"},
-    {"lights", "static-lists.cell-size=2 static-lists.rays=64"},
-    {"guide"},
-    {"cache"},
-    {"allocation", "adaptive.max=6"},
-    {"history", "", "", Motion::camera},
-    {"denoise"},
-    {"max-bounces"},
-    {"path."},
-    {"bdpt.", "estimator=bdpt"},
-    {"nee."},
-    // A list of every lamp for each of many cells would take longer than all else together.
-    {"static-lists.", "lights=static-lists static-lists.cell-size=2 static-lists.rays=64"},
-    {"static-lists.rays", "", "4096"},  // a few rays more make no difference where there are many lights
+/// Of the settings that belong to no technique; checks.json has the techniques' own.
+std::vector<Context> general_contexts() {
+  std::vector<Context> list;
+  for (const char* name : {"width", "height", "texture-filter", "seed", "stratify", "dither", "estimator", "guide",
+                           "cache", "denoise", "max-bounces"})
+    list.push_back({{name}});
+  list.push_back({{"camera", "", "side"}});
+  list.push_back({{"scene-time", "max-bounces=0", "1"}, build_curtain});  // random numbers depend on it too
+  list.push_back({{"lights", "static-lists.cell-size=2 static-lists.rays=64"}});
+  list.push_back({{"allocation", "adaptive.max=6"}});
+  list.push_back({{"history", "", "", CheckMotion::camera}});
+  return list;
+}
 
-    // Small pictures have few samples, and regions should be many.
-    {"octree.", "lights=vlc octree.scale=off octree.split=64 octree.collapse=32"},
-    {"octree.collapse", "octree.collapse=64", "", Motion::camera},
-    // Only what is above a thousand samples a region is scaled down.
-    {"octree.scale", "width=64 height=64 octree.vertices=4 octree.split=4096 octree.collapse=2048"},
-    {"vlc.", "lights=vlc octree.scale=off octree.split=64 octree.collapse=32"},
-    {"vlc.hysteresis", "vlc.bucket-size=4 vlc.memory=0"},  // numbers of buckets go up and down
-    {"vlc.even-buckets", "vlc.bucket-size=4"},
-    {"vlc.change-weight", "", "", Motion::lamp},
-    {"cdq.", "guide=cdq octree.scale=off octree.split=64 octree.collapse=32"},
-    // Every leaf must have samples, or what gives way weighs nothing.
-    {"cdq.stability", "cdq.bits=32 octree.split=4096 octree.collapse=2048", "0.01"},
-    {"cdq.view", "", "", Motion::none, "directions"},
-    {"cdq.view-x", "cdq.view=on", "", Motion::none, "directions"},
-    {"cdq.view-y", "cdq.view=on", "", Motion::none, "directions"},
-
-    {"psf.", "cache=psf psf.cell-size=4"},
-    {"psf.normal-bins", "", "0 1 8"},
-    {"psf.direction-bins", "", "8"},
-    {"psf.max-age", "psf.cell-size=1"},  // such cells have no samples in some frames
-    {"psf.inherited-samples", "", "", Motion::camera},
-    {"psf.thin-cells", "psf.cell-size=1"},
-    {"psf.change-detection", "psf.change-detection=0.5", "0 4", Motion::lamp},
-    {"psf.min-roughness", "", "0 1"},
-    {"apsf.", "cache=apsf apsf.min-samples=16"},
-    // "one" is what "automatic" stands for, and a step needs cells whose variance lies between the thresholds.
-    {"apsf.blend", "apsf.blend-v1=6", "zero step one-over-square"},
-    {"apsf.blend-v0", "apsf.blend=step apsf.blend-v1=6", "5"},
-    {"apsf.blend-v1", "apsf.blend=step", "6"},
-    {"apsf.survival-v0", "", "1"},
-    {"apsf.survival-v1", "", "6"},
-    {"apsf.survival-floor", "", "0.9"},
-    {"apg.", "cache=apg"},
-
-    {"adaptive.", "allocation=adaptive adaptive.max=6"},
-    {"adaptive.max", "adaptive.method=paper", "32"},
-    {"adaptive.exposure", "adaptive.metric=display", "8"},
-    {"firefly.limit", "", "0.5 2"},
-    {"reproject.", "history=reproject", "", Motion::camera},
-    {"reproject.error", "", "0 1000", Motion::camera},
-    {"reproject.light-error", "", "0.0001 1000", Motion::lamp},
-    {"reproject.exposure", "", "-8 8", Motion::camera},
-    {"reproject.max-distance", "", "0 1", Motion::camera},
-    {"reproject.max-samples-changed", "", "", Motion::lamp},
-
-    {"features.", "denoise=svgf"},
-    {"bmfr.", "denoise=bmfr", "", Motion::camera},
-    {"bmfr.max-history-changed", "", "", Motion::lamp},
-    {"svgf.", "denoise=svgf", "", Motion::camera},
-    {"svgf.max-history-changed", "", "", Motion::lamp},
-};
+const std::vector<Context>& contexts() {
+  static const std::vector<Context> all = [] {
+    std::vector<Context> list = general_contexts();
+    for (const SettingCheck& check : technique_checks().settings) list.push_back({check});
+    return list;
+  }();
+  return all;
+}
 
 /// What no context can show.
 struct Exemption {
@@ -145,7 +82,7 @@ void set(RenderSettings& settings, std::string_view name, std::string_view value
 }
 
 /// "name=value name=value"
-void apply(std::string_view changes, RenderSettings& settings) {
+void apply_changes(std::string_view changes, RenderSettings& settings) {
   for (const std::string& change : words(changes)) {
     const size_t equals = change.find('=');
     set(settings, change.substr(0, equals), change.substr(equals + 1));
@@ -172,9 +109,9 @@ std::vector<std::string> other_values(const Setting& setting) {
   return {text.str()};
 }
 
-void move(Session& session, Motion motion, int step) {
-  if (motion == Motion::lamp) session.set_time(0.2f * static_cast<float>(step));
-  if (motion != Motion::camera) return;
+void move(Session& session, CheckMotion motion, int step) {
+  if (motion == CheckMotion::lamp) session.set_time(0.2f * static_cast<float>(step));
+  if (motion != CheckMotion::camera) return;
   CameraPose camera = session.camera();
   camera.to_world[3] += Vec4(0.17f, 0.03f, -0.45f, 0);  // also nearer: cells of another size
   session.set_camera(camera);
@@ -213,10 +150,10 @@ std::string setting_name(const ::testing::TestParamInfo<std::string>& info) { re
 
 /// The last of the contexts that are for a setting, with what all of them change. Without one, its name is empty.
 Context context_of(std::string_view name, RenderSettings& settings) {
-  Context found{""};
-  for (const Context& context : kContexts) {
+  Context found;
+  for (const Context& context : contexts()) {
     if (!is_for(context, name)) continue;
-    apply(context.with, settings);
+    apply_changes(context.with, settings);
     found = context;
   }
   return found;
@@ -240,7 +177,7 @@ TEST_P(EverySetting, TakesEffectSomewhere) {
   if (const Exemption* exempt = exemption_of(name)) {
     RenderSettings changed = settings;
     set(changed, name, exempt->other);
-    EXPECT_TRUE(rendered({name}, changed) == rendered({name}, settings))
+    EXPECT_TRUE(rendered({{name}}, changed) == rendered({{name}}, settings))
         << name << " takes effect after all; give it a context. It had none because " << exempt->reason;
     return;
   }
@@ -267,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(All, EverySetting, ::testing::ValuesIn(setting_names())
 
 TEST(Contexts, AreOfSettingsThatExist) {
   const std::vector<std::string> names = setting_names();
-  for (const Context& context : kContexts) {
+  for (const Context& context : contexts()) {
     EXPECT_TRUE(std::any_of(names.begin(), names.end(), [&](const std::string& name) { return is_for(context, name); }))
         << context.setting;
   }
@@ -280,7 +217,7 @@ TEST(Contexts, TheCurtainLooksTheSameWithAnyRandomNumbers) {
   settings.path.max_bounces = 0;
   RenderSettings reseeded = settings;
   reseeded.seed = 1;
-  const Context curtain{"", "", "", Motion::none, "", build_curtain};
+  const Context curtain{{}, build_curtain};
   EXPECT_TRUE(rendered(curtain, reseeded) == rendered(curtain, settings));
 }
 
