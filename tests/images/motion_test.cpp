@@ -13,8 +13,8 @@
 
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
-#include "relume/lab/metrics.h"
 #include "metrics/temporal.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
 #include "scene_io/scene_io.h"
 #include "support/measure.h"
@@ -108,7 +108,7 @@ struct Frame {
   std::vector<uint32_t> samples;
   std::vector<uint32_t> kept;
   std::vector<uint32_t> reason;
-  std::vector<uint32_t> fate;  ///< of the pixels of the frame before; forward
+  std::vector<uint32_t> reject_reason;  ///< of the pixels of the frame before; forward
 };
 
 Frame frame_of(const Session& session) {
@@ -118,7 +118,7 @@ Frame frame_of(const Session& session) {
           copy_of(session, kSamples),
           copy_of(session, kHistoryKept),
           copy_of(session, kHistoryReason),
-          copy_of(session, kHistoryFate)};
+          copy_of(session, kHistoryRejectReason)};
 }
 
 /// The sequence with one sample a pixel and frame, and at last `rest` more frames in which nothing moves.
@@ -175,7 +175,7 @@ struct Unexplained {
   int hidden = 0;
 };
 
-/// Pixels of `now` whose history the fates of the pixels of `before` do not explain.
+/// Pixels of `now` whose history the reject_reasons of the pixels of `before` do not explain.
 Unexplained unexplained(const Frame& before, const Frame& now) {
   const RenderSettings settings = settings_of(HistoryChoice::reproject, 0);
   const auto most = static_cast<uint32_t>(settings.reproject.max_samples_changed) + 1;
@@ -190,7 +190,7 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
       bool seen = false;
       // The samples of a pixel lie anywhere in it, before as well as now.
       around(was.x, was.y, 2, [&](size_t q) {
-        given_away = given_away || now.fate[q] == 1;
+        given_away = given_away || now.reject_reason[q] == 1;
         seen = seen || before.instance[q] == now.instance[i];
       });
       result.kept += history;
@@ -202,7 +202,7 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
   return result;
 }
 
-/// Every pixel of every frame says why it has a history or not, with one of `reasons` of ReprojectionFate. Most pixels
+/// Every pixel of every frame says why it has a history or not, with one of `reasons` of RejectReason. Most pixels
 /// keep theirs. Each reason occurs, except two: large changes of light (7) are rare, and pixels see several surfaces
 /// (6) only while nothing moves.
 void expect_reasons(const std::vector<Frame>& frames, const std::vector<uint32_t>& reasons) {
@@ -230,7 +230,7 @@ void expect_explained(const MovingScene& moving) {
     EXPECT_EQ(u.of_the_hidden, 0);
     // With one stored sample, histories move one to one.
     EXPECT_EQ(std::count(frames[f].kept.begin(), frames[f].kept.end(), 1u),
-              std::count(frames[f].fate.begin(), frames[f].fate.end(), 1u));
+              std::count(frames[f].reject_reason.begin(), frames[f].reject_reason.end(), 1u));
     sum.kept += u.kept;
     sum.hidden += u.hidden;
   }

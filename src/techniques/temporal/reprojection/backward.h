@@ -4,7 +4,7 @@
 
 #include "core/ray.h"
 #include "framebuffer/pixel_moments.h"
-#include "techniques/temporal/reprojection/reprojection_fate.h"
+#include "techniques/temporal/reprojection/reject_reason.h"
 
 namespace relume {
 
@@ -222,7 +222,7 @@ struct BackwardHistoryKernel {
   InterpolatedHistory history;
   View<uint32_t> sources;  ///< heaviest tap, or kNoSource
   View<uint32_t> kept;
-  View<uint32_t> reasons;  ///< ReprojectionFate
+  View<uint32_t> reasons;  ///< RejectReason
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * reprojection.width + x;
@@ -234,10 +234,10 @@ struct BackwardHistoryKernel {
   }
 
  private:
-  RELUME_HD ReprojectionFate reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
-    if (count > 0) return ReprojectionFate::kept;
-    if (taps.valid) return ReprojectionFate::empty;
-    return reprojection.was_in_picture(x, y) ? ReprojectionFate::other_surface : ReprojectionFate::off_screen;
+  RELUME_HD RejectReason reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
+    if (count > 0) return RejectReason::none;
+    if (taps.valid) return RejectReason::empty;
+    return reprojection.was_in_picture(x, y) ? RejectReason::other_surface : RejectReason::off_screen;
   }
 };
 

@@ -90,10 +90,10 @@ TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   NewHistory now;
   before.samples[6] = 0;
   for (uint32_t x = 0; x < 4; ++x) kernel_of(plane, before, now)(x, 0);
-  const ReprojectionFate expected[] = {ReprojectionFate::off_screen, ReprojectionFate::empty,
-                                       ReprojectionFate::other_surface, ReprojectionFate::kept};
+  const RejectReason expected[] = {RejectReason::off_screen, RejectReason::empty, RejectReason::other_surface,
+                                   RejectReason::none};
   for (size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(static_cast<ReprojectionFate>(now.reasons[i]), expected[i]) << i;
+    EXPECT_EQ(static_cast<RejectReason>(now.reasons[i]), expected[i]) << i;
     EXPECT_EQ(now.kept[i], i == 3 ? 1u : 0u) << i;
     EXPECT_EQ(now.moments.m2_rgb[i], i == 3 ? 6.0f : 0.0f) << i;
     EXPECT_EQ(now.sources[i], i == 3 ? 2u : kNoSource) << i;

@@ -9,8 +9,8 @@ namespace relume {
 /// Finds the histories that a pixel may continue between.
 struct LookBack {
   BackwardReprojection reprojection;
-  View<const uint32_t> fates;   ///< ReprojectionFate of the pixels of the frame before
-  View<const uint32_t> limits;  ///< samples that their histories may count for
+  View<const uint32_t> reject_reasons;  ///< RejectReason of the pixels of the frame before
+  View<const uint32_t> limits;          ///< samples that their histories may count for
 
   RELUME_HD bool empty() const { return reprojection.motion.empty(); }
 
@@ -28,21 +28,21 @@ struct LookBack {
  private:
   RELUME_HD bool passed(uint32_t pixel) const {
     if (reprojection.previous_surface[pixel] == kNoSurface) return true;
-    const auto fate = static_cast<ReprojectionFate>(fates[pixel]);
-    return (fate == ReprojectionFate::kept || fate == ReprojectionFate::mixed) && limits[pixel] > 0;
+    const auto reject_reason = static_cast<RejectReason>(reject_reasons[pixel]);
+    return (reject_reason == RejectReason::none || reject_reason == RejectReason::mixed) && limits[pixel] > 0;
   }
 };
 
 /// After histories have moved: those of filled pixels are interpolated.
 struct FillKernel {
   LookBack look_back;
-  View<const uint32_t> reasons;  ///< ReprojectionFate
+  View<const uint32_t> reasons;  ///< RejectReason
   InterpolatedHistory history;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    if (reasons[pixel] == static_cast<uint32_t>(ReprojectionFate::filled)) history.inherit(pixel, look_back.taps(x, y));
+    if (reasons[pixel] == static_cast<uint32_t>(RejectReason::filled)) history.inherit(pixel, look_back.taps(x, y));
   }
 };
 

@@ -10,17 +10,17 @@
 namespace relume {
 namespace {
 
-using enum ReprojectionFate;
+using enum RejectReason;
 
-constexpr uint32_t number(ReprojectionFate fate) { return static_cast<uint32_t>(fate); }
+constexpr uint32_t number(RejectReason reject_reason) { return static_cast<uint32_t>(reject_reason); }
 
 /// A plane that moves to the right by half a pixel: (3, 1) lies between pixels 6 and 7 of the frame before.
 struct MovedPlane {
-  LookBack look_back() const { return {plane.reprojection(), view_of(fates), view_of(limits)}; }
+  LookBack look_back() const { return {plane.reprojection(), view_of(reject_reasons), view_of(limits)}; }
   BackwardTaps taps() const { return look_back().taps(3, 1); }
 
   testing::Plane plane;
-  std::vector<uint32_t> fates = std::vector<uint32_t>(16, number(kept));
+  std::vector<uint32_t> reject_reasons = std::vector<uint32_t>(16, number(none));
   std::vector<uint32_t> limits = std::vector<uint32_t>(16, 100);
 };
 
@@ -28,14 +28,14 @@ TEST(LookBack, TakesNeighboursThatPassedValidation) {
   MovedPlane p;
   EXPECT_FLOAT_EQ(p.taps().weights[0], 0.5f);
   EXPECT_FLOAT_EQ(p.taps().weights[1], 0.5f);
-  p.fates[6] = number(mixed);
+  p.reject_reasons[6] = number(mixed);
   EXPECT_FLOAT_EQ(p.taps().weights[0], 0.5f) << "it saw this surface, too";
-  for (const ReprojectionFate fate : {empty, off_screen, occluded, view_dependent, near_specular, relit}) {
-    p.fates[6] = number(fate);
+  for (const RejectReason reject_reason : {empty, off_screen, occluded, view_dependent, near_specular, relit}) {
+    p.reject_reasons[6] = number(reject_reason);
     EXPECT_TRUE(p.taps().valid);
     EXPECT_EQ(p.taps().heaviest(), 7u);
   }
-  p.fates[7] = number(relit);
+  p.reject_reasons[7] = number(relit);
   EXPECT_FALSE(p.taps().valid);
 }
 
@@ -50,14 +50,14 @@ TEST(LookBack, KeepsTheBackground) {
   MovedPlane p;
   p.plane.instance.assign(16, kNoSurface);
   p.plane.before.assign(16, kNoSurface);
-  p.fates.assign(16, number(empty));  // no sample of the background can be projected
+  p.reject_reasons.assign(16, number(empty));  // no sample of the background can be projected
   EXPECT_TRUE(p.taps().valid);
 }
 
-/// Sixteen pixels and the claims on them. Every pixel of the frame before has one stored sample.
+/// Sixteen pixels and the votes on them. Every pixel of the frame before has one stored sample.
 struct Sources {
   explicit Sources(const MovedPlane& plane) {
-    kernel.claims = view_of(claims);
+    kernel.votes = view_of(votes);
     kernel.stored_before = view_of(stored_before);
     kernel.pixels_before = view_of(pixels_before);
     kernel.limits_before = view_of(plane.limits);
@@ -72,7 +72,7 @@ struct Sources {
     kernel.width = 4;
   }
 
-  std::vector<uint64_t> claims = std::vector<uint64_t>(16, kNoClaim);
+  std::vector<uint64_t> votes = std::vector<uint64_t>(16, kNoVote);
   std::vector<Hit> hits = std::vector<Hit>(16);
   std::vector<StoredSample> stored_before = std::vector<StoredSample>(16);
   std::vector<StoredPixel> pixels_before = std::vector<StoredPixel>(16);
@@ -85,9 +85,9 @@ struct Sources {
 
 TEST(LookBack, FillsPixelsOfWhichNothingIsKnown) {
   const MovedPlane plane;
-  for (const ReprojectionFate reason : {empty, occluded, mixed, view_dependent, near_specular, relit}) {
+  for (const RejectReason reason : {empty, occluded, mixed, view_dependent, near_specular, relit}) {
     Sources s(plane);
-    if (reason != empty) s.claims[7] = refusal_of(1, reason);
+    if (reason != empty) s.votes[7] = rejection_of(1, reason);
     s.kernel(3, 1);
     const bool fills = reason == empty || reason == occluded || reason == mixed;
     EXPECT_EQ(s.reasons[7], number(fills ? filled : reason));
@@ -100,16 +100,16 @@ TEST(LookBack, FillsPixelsOfWhichNothingIsKnown) {
 TEST(LookBack, AClaimComesFirst) {
   const MovedPlane plane;
   Sources s(plane);
-  s.claims[7] = claim_of(1, 11);
+  s.votes[7] = vote_of(1, 11);
   s.kernel(3, 1);
   EXPECT_EQ(s.sources[7], 11u);
-  EXPECT_EQ(s.reasons[7], number(kept));
+  EXPECT_EQ(s.reasons[7], number(none));
 }
 
 TEST(LookBack, AClaimOfAnotherSurfaceGivesWay) {
   const MovedPlane plane;
   Sources s(plane);
-  s.claims[7] = claim_of(1, 11);
+  s.votes[7] = vote_of(1, 11);
   s.stored_before[11].hit.instance = 5;  // this frame's sample hits nothing
   s.kernel(3, 1);
   EXPECT_EQ(s.sources[7], 6u);
@@ -127,7 +127,7 @@ TEST(LookBack, InterpolatesFilledPixelsOnly) {
   before.mean[7] = Rgb(4);
   before.samples[7] = 5;
   testing::History now;
-  std::vector<uint32_t> reasons(16, number(kept));
+  std::vector<uint32_t> reasons(16, number(none));
   reasons[7] = number(filled);
   FillKernel kernel;
   kernel.look_back = plane.look_back();

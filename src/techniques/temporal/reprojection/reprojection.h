@@ -1,32 +1,32 @@
-// Forward reprojection: what pixels have gathered moves to where their surfaces are seen now ([Schalk18] §3.2), after
-// three validations, and two more for scenes in which objects and lights move.
+// Forward reprojection ([Schalk18] §3.2): histories move to the pixels in which their surfaces are visible in this
+// frame, after three validations, and two more for scenes in which objects and lights move.
 #pragma once
 
 #include "core/fixed_point.h"
 #include "techniques/temporal/reprojection/look_back.h"
-#include "techniques/temporal/reprojection/reprojection_fate.h"
+#include "techniques/temporal/reprojection/reject_reason.h"
 #include "techniques/temporal/reprojection/stored_sample.h"
 
 namespace relume {
 
-inline constexpr uint64_t kNoClaim = ~uint64_t{0};
+inline constexpr uint64_t kNoVote = ~uint64_t{0};
 
-/// A claim on a pixel: the smallest wins. Nearest depth first, then the lowest stored sample.
-RELUME_HD inline uint64_t claim_of(float depth, uint32_t stored_sample) {
+/// A depth-test vote for a pixel. The smallest wins: the nearest depth, then the lowest stored sample.
+RELUME_HD inline uint64_t vote_of(float depth, uint32_t stored_sample) {
   return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
 }
 
-/// Where no claim stands, the nearest of those that were refused says why: larger than every claim.
-inline constexpr uint64_t kRefused = uint64_t{1} << 63;
-RELUME_HD inline uint64_t refusal_of(float depth, ReprojectionFate fate) {
-  return kRefused | claim_of(depth, static_cast<uint32_t>(fate));
+/// A rejection is larger than every vote. A pixel without votes keeps that of the nearest rejected sample.
+inline constexpr uint64_t kRejected = uint64_t{1} << 63;
+RELUME_HD inline uint64_t rejection_of(float depth, RejectReason reject_reason) {
+  return kRejected | vote_of(depth, static_cast<uint32_t>(reject_reason));
 }
-RELUME_HD inline bool is_claim(uint64_t claim) { return claim < kRefused; }
+RELUME_HD inline bool is_vote(uint64_t vote) { return vote < kRejected; }
 
-/// What the smallest claim on a pixel says of it.
-RELUME_HD inline ReprojectionFate reason_of(uint64_t claim) {
-  if (is_claim(claim)) return ReprojectionFate::kept;
-  return claim == kNoClaim ? ReprojectionFate::empty : static_cast<ReprojectionFate>(static_cast<uint32_t>(claim));
+/// The reason that the smallest vote of a pixel stands for.
+RELUME_HD inline RejectReason reason_of(uint64_t vote) {
+  if (is_vote(vote)) return RejectReason::none;
+  return vote == kNoVote ? RejectReason::empty : static_cast<RejectReason>(static_cast<uint32_t>(vote));
 }
 
 /// Index of the pixel that film position `film` lies in.
@@ -37,15 +37,15 @@ RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
   return y * size.x + x;
 }
 
-/// Every pixel of the frame before tries to find its place in this one.
-struct ClaimKernel {
+/// Each pixel of the previous frame votes for the pixels in which its stored samples are visible.
+struct DepthVoteKernel {
   SceneView scene;
   View<const StoredSample> stored;  ///< capacity a pixel
   View<const StoredPixel> pixels;
-  View<uint64_t> claims;  ///< a pixel; kNoClaim at first
-  View<uint32_t> fates;   ///< ReprojectionFate of the pixel where it was
-  View<const Rgb> mean;   ///< of the frame before
-  View<uint32_t> limits;  ///< samples that its history may count for, because light has changed; 0: none
+  View<uint64_t> votes;           ///< a pixel; kNoVote at first
+  View<uint32_t> reject_reasons;  ///< RejectReason, at the pixels of the previous frame
+  View<const Rgb> mean;           ///< of the frame before
+  View<uint32_t> limits;          ///< samples that its history may count for, because light has changed; 0: none
   uint32_t capacity = 1;
   float max_error = 0;               ///< ε of eq. 15, in exposed display units
   float max_light_error = 0;         ///< the same for light that changed, below which a history counts in full
@@ -57,21 +57,21 @@ struct ClaimKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    uint32_t fate = static_cast<uint32_t>(ReprojectionFate::empty);
+    uint32_t reject_reason = static_cast<uint32_t>(RejectReason::empty);
     limits[pixel] = 0xffffffffu;
-    Claimed claimed;
+    VotedPixels voted;
     for (uint32_t k = 0; k < capacity; ++k) {
       const uint32_t sample = pixel * capacity + k;
       if (!stored[sample].valid()) break;
-      const ReprojectionFate f = claim(sample, pixels[pixel], claimed);
-      if (k == 0 || f == ReprojectionFate::kept) fate = static_cast<uint32_t>(f);
+      const RejectReason f = vote(sample, pixels[pixel], voted);
+      if (k == 0 || f == RejectReason::none) reject_reason = static_cast<uint32_t>(f);
     }
-    fates[pixel] = limits[pixel] == 0 ? static_cast<uint32_t>(ReprojectionFate::relit) : fate;
+    reject_reasons[pixel] = limits[pixel] == 0 ? static_cast<uint32_t>(RejectReason::relit) : reject_reason;
   }
 
  private:
-  /// What one pixel has claimed so far.
-  struct Claimed {
+  /// The pixels for which one pixel has voted.
+  struct VotedPixels {
     uint32_t targets[kMaxStoredSamples];
     uint32_t count = 0;
 
@@ -83,41 +83,41 @@ struct ClaimKernel {
     }
   };
 
-  RELUME_HD ReprojectionFate claim(uint32_t index, const StoredPixel& pixel, Claimed& claimed) const {
+  RELUME_HD RejectReason vote(uint32_t index, const StoredPixel& pixel, VotedPixels& voted) const {
     const StoredSample& sample = stored[index];
     const SurfacePosition p = surface_position(scene, sample.hit);
     const Ray ray = ray_to(p.now);
     Vec2 film;
-    if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return ReprojectionFate::off_screen;
+    if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return RejectReason::off_screen;
     const uint32_t target = pixel_at(scene.camera, film);
     // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
-    if (!lights_changed && claimed.has(target)) return ReprojectionFate::kept;
+    if (!lights_changed && voted.has(target)) return RejectReason::none;
 
     const float depth = ray.t_max;
-    const ReprojectionFate fate = judge(index, pixel, p, ray);
-    if (fate == ReprojectionFate::kept) {
-      claimed.targets[claimed.count++] = target;
-      atomic_min(&claims[target], claim_of(depth, index));
+    const RejectReason reject_reason = judge(index, pixel, p, ray);
+    if (reject_reason == RejectReason::none) {
+      voted.targets[voted.count++] = target;
+      atomic_min(&votes[target], vote_of(depth, index));
     } else {
-      atomic_min(&claims[target], refusal_of(depth, fate));
+      atomic_min(&votes[target], rejection_of(depth, reject_reason));
     }
-    return fate;
+    return reject_reason;
   }
 
   /// Whether a stored sample, whose surface is at `p`, may bring its history to where `ray` sees it.
-  RELUME_HD ReprojectionFate judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
-                                   const Ray& ray) const {
+  RELUME_HD RejectReason judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
+                               const Ray& ray) const {
     const StoredSample& sample = stored[index];
     SurfacePoint sp;
     const float depth = ray.t_max;
     make_surface_point(scene, ray, sample.hit, scene.camera.cone_width() + scene.camera.cone_spread() * depth, sp);
     const bool same_view = seen_as_before(p);
     const bool mirrors = sp.bsdf.empty() || near_specular(sp.bsdf);
-    if (mirrors && (!same_view || lights_changed)) return ReprojectionFate::near_specular;
-    if (!same_view && view_error(sp, p, sample, pixel) > max_error) return ReprojectionFate::view_dependent;
-    if (hidden(ray, sp, index)) return ReprojectionFate::occluded;
-    if (lights_changed && !limit_samples(sp, index)) return ReprojectionFate::relit;
-    return pixel.mixed ? ReprojectionFate::mixed : ReprojectionFate::kept;
+    if (mirrors && (!same_view || lights_changed)) return RejectReason::near_specular;
+    if (!same_view && view_error(sp, p, sample, pixel) > max_error) return RejectReason::view_dependent;
+    if (hidden(ray, sp, index)) return RejectReason::occluded;
+    if (lights_changed && !limit_samples(sp, index)) return RejectReason::relit;
+    return pixel.mixed ? RejectReason::mixed : RejectReason::none;
   }
 
   /// From the camera to `p`; t_max is the distance, 0 behind the camera.
@@ -235,22 +235,22 @@ struct ClaimKernel {
   }
 };
 
-/// The winner of each pixel becomes its source. Pixels without one may look back for histories next to where their
-/// surface was.
+/// The sample whose vote won owns the pixel, and its pixel becomes the source. Pixels without an owner may look back
+/// for histories next to the place of their surface in the previous frame.
 struct SourceKernel {
   SceneView scene;
-  View<const uint64_t> claims;
+  View<const uint64_t> votes;
   View<const StoredSample> stored_before;
   View<const StoredPixel> pixels_before;
   View<const uint32_t> limits_before;
-  LookBack look_back;    ///< empty: pixels without a claim start without a history
+  LookBack look_back;    ///< empty: pixels without a vote start without a history
   View<const Hit> hits;  ///< of this frame
   View<StoredSample> stored;
   View<StoredPixel> pixels;
   View<uint32_t> limits;
   View<uint32_t> sources;  ///< pixel of the frame before
   View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
-  View<uint32_t> reasons;  ///< ReprojectionFate of the pixel where it is
+  View<uint32_t> reasons;  ///< RejectReason of the pixel where it is
   uint32_t capacity = 1;
   float max_distance = 0;  ///< see far_apart()
   uint32_t width = 0;
@@ -258,15 +258,15 @@ struct SourceKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     forget(pixel);
-    ReprojectionFate reason = judge(pixel);
-    if (reason == ReprojectionFate::kept) {
-      const auto sample = static_cast<uint32_t>(claims[pixel]);
+    RejectReason reason = judge(pixel);
+    if (reason == RejectReason::none) {
+      const auto sample = static_cast<uint32_t>(votes[pixel]);
       take_over(pixel, sample / capacity, stored_before[sample]);
     } else if (!look_back.empty() && may_look_back(reason)) {
       const BackwardTaps taps = look_back.taps(x, y);
       if (taps.valid) {
         take_over(pixel, taps.heaviest(), near_sample(taps.heaviest(), hits[pixel]));
-        reason = ReprojectionFate::filled;
+        reason = RejectReason::filled;
       }
     }
     reasons[pixel] = static_cast<uint32_t>(reason);
@@ -281,19 +281,19 @@ struct SourceKernel {
     limits[pixel] = 0;
   }
 
-  /// What is said for or against the best claim on the pixel.
-  RELUME_HD ReprojectionFate judge(uint32_t pixel) const {
-    if (!is_claim(claims[pixel])) return reason_of(claims[pixel]);
-    const auto sample = static_cast<uint32_t>(claims[pixel]);
-    if (limits_before[sample / capacity] == 0) return ReprojectionFate::relit;
+  /// Judges the smallest vote of the pixel.
+  RELUME_HD RejectReason judge(uint32_t pixel) const {
+    if (!is_vote(votes[pixel])) return reason_of(votes[pixel]);
+    const auto sample = static_cast<uint32_t>(votes[pixel]);
+    if (limits_before[sample / capacity] == 0) return RejectReason::relit;
     const bool elsewhere = far_apart(scene, stored_before[sample], hits[pixel], max_distance);
-    return elsewhere ? ReprojectionFate::other_surface : ReprojectionFate::kept;
+    return elsewhere ? RejectReason::other_surface : RejectReason::none;
   }
 
   /// Whether what is known speaks of other surfaces than the pixel's own.
-  RELUME_HD static bool may_look_back(ReprojectionFate reason) {
-    return reason == ReprojectionFate::empty || reason == ReprojectionFate::occluded ||
-           reason == ReprojectionFate::mixed || reason == ReprojectionFate::other_surface;
+  RELUME_HD static bool may_look_back(RejectReason reason) {
+    return reason == RejectReason::empty || reason == RejectReason::occluded || reason == RejectReason::mixed ||
+           reason == RejectReason::other_surface;
   }
 
   RELUME_HD void take_over(uint32_t pixel, uint32_t source, const StoredSample& sample) const {
@@ -317,28 +317,28 @@ struct SourceKernel {
   }
 };
 
-/// Marks the pixels of the frame before that some pixel goes on with.
-struct WinnerKernel {
+/// Counts the pixels that each pixel of the previous frame owns.
+struct OwnerKernel {
   View<const uint32_t> sources;
-  View<uint32_t> winners;  ///< counts, from zero
+  View<uint32_t> owned;  ///< counts, zero at first
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t source = sources[y * width + x];
-    if (source != kNoSource) atomic_add(&winners[source], 1u);
+    if (source != kNoSource) atomic_add(&owned[source], 1u);
   }
 };
 
-/// A pixel that was fit to go on, and that none goes on with, was covered.
+/// Marks source pixels that passed validation but lost the depth test.
 struct CoveredKernel {
-  View<const uint32_t> winners;
-  View<uint32_t> fates;
+  View<const uint32_t> owned;
+  View<uint32_t> reject_reasons;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    if (fates[pixel] == static_cast<uint32_t>(ReprojectionFate::kept) && winners[pixel] == 0)
-      fates[pixel] = static_cast<uint32_t>(ReprojectionFate::covered);
+    if (reject_reasons[pixel] == static_cast<uint32_t>(RejectReason::none) && owned[pixel] == 0)
+      reject_reasons[pixel] = static_cast<uint32_t>(RejectReason::covered);
   }
 };
 

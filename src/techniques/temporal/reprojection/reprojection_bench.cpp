@@ -11,7 +11,7 @@ namespace relume {
 namespace {
 
 /// One stored sample a pixel of the Cornell box, judged from where it was stored.
-void bm_claim(benchmark::State& state) {
+void bm_depth_vote(benchmark::State& state) {
   constexpr uint32_t kSize = 256;
   const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});
   std::vector<Hit> hits(kSize * kSize);
@@ -25,24 +25,24 @@ void bm_claim(benchmark::State& state) {
     stored[i].scatter = stored[i].to_light = pack_direction(Vec3(0, 1, 0));
   }
   const std::vector<StoredPixel> pixels(hits.size());
-  std::vector<uint64_t> claims(hits.size(), kNoClaim);
-  std::vector<uint32_t> fates(hits.size());
+  std::vector<uint64_t> votes(hits.size(), kNoVote);
+  std::vector<uint32_t> reject_reasons(hits.size());
   const std::vector<Rgb> mean(hits.size(), Rgb(0.5f));
   std::vector<uint32_t> limits(hits.size());
-  ClaimKernel kernel;
+  DepthVoteKernel kernel;
   kernel.mean = view_of(mean);
   kernel.limits = mutable_view_of(limits);
   kernel.scene = scene.view();
   kernel.stored = view_of(stored);
   kernel.pixels = view_of(pixels);
-  kernel.claims = mutable_view_of(claims);
-  kernel.fates = mutable_view_of(fates);
+  kernel.votes = mutable_view_of(votes);
+  kernel.reject_reasons = mutable_view_of(reject_reasons);
   kernel.max_error = 1.0f;
   kernel.width = kSize;
-  for (auto _ : state) launch(backend, "claim", kernel, kSize, kSize);
+  for (auto _ : state) launch(backend, "vote", kernel, kSize, kSize);
   state.SetItemsProcessed(state.iterations() * kSize * kSize);
 }
-BENCHMARK(bm_claim);
+BENCHMARK(bm_depth_vote);
 
 }  // namespace
 }  // namespace relume

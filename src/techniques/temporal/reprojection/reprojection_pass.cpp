@@ -39,7 +39,7 @@ bool exists_in(const SceneView& scene, const StoredSample& sample) {
 
 LookBack ReprojectionPass::look_back(const FrameContext& frame) const {
   return {.reprojection = backward_reprojection(frame, kSurface),
-          .fates = frame.read(kHistoryFate),
+          .reject_reasons = frame.read(kHistoryRejectReason),
           .limits = view_of(limits_before_)};
 }
 
@@ -69,7 +69,7 @@ PassDeclaration ReprojectionPass::declaration() const {
                   "another surface was seen where it was")};
   if (forward) {
     owns.push_back(
-        shown(kHistoryFate,
+        shown(kHistoryRejectReason,
               "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
               "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
@@ -113,7 +113,7 @@ void ReprojectionPass::stay(const FrameContext& frame) {
     std::fill(stored_.begin(), stored_.end(), StoredSample{});
     std::fill(pixels_.begin(), pixels_.end(), StoredPixel{});
   }
-  if (ends || !rests_) tell_all(frame, !ends);
+  if (ends || !rests_) set_all(frame, !ends);
   rests_ = !ends;
 }
 
@@ -134,8 +134,8 @@ void ReprojectionPass::allocate(const FrameContext& frame) {
   pixels_.assign(count, StoredPixel{});
   stored_before_ = stored_;
   pixels_before_ = pixels_;
-  claims_.resize(count);
-  winners_.resize(count);
+  votes_.resize(count);
+  owned_.resize(count);
   limits_.resize(count);
   limits_before_.resize(count);
 }
@@ -149,12 +149,12 @@ void ReprojectionPass::drop_unknown(const SceneView& scene) {
 void ReprojectionPass::run_forward(const FrameContext& frame) {
   stored_.swap(stored_before_);
   pixels_.swap(pixels_before_);
-  claim_places(frame);
+  vote_for_pixels(frame);
   take_over(frame);
   move_moments(frame, view_of(sources_));
   frame.for_each_surface_buffer([&](Buffer& buffer) { move(frame, buffer); });
   if (fills(frame)) fill(frame);
-  note_covered(frame);
+  mark_covered(frame);
 }
 
 /// From `sources_`.
@@ -166,30 +166,30 @@ void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
   }
 }
 
-void ReprojectionPass::claim_places(const FrameContext& frame) {
-  std::fill(claims_.begin(), claims_.end(), kNoClaim);
-  ClaimKernel claim;
-  claim.scene = frame.scene;
-  claim.stored = view_of(stored_before_);
-  claim.pixels = view_of(pixels_before_);
-  claim.claims = mutable_view_of(claims_);
-  claim.fates = frame.write(kHistoryFate);
-  claim.mean = frame.read(kMean);
-  claim.limits = mutable_view_of(limits_before_);
-  claim.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
-  claim.capacity = capacity_;
-  claim.max_error = settings_.error;
-  claim.max_light_error = settings_.light_error;
-  claim.exposure = std::exp2(settings_.exposure);
-  claim.lights_changed = includes(frame.changes, kMovesScene);
-  claim.seed = hash(frame.index.seed, frame.number);
-  claim.width = frame.width();
-  frame.launch("reproject", claim);
+void ReprojectionPass::vote_for_pixels(const FrameContext& frame) {
+  std::fill(votes_.begin(), votes_.end(), kNoVote);
+  DepthVoteKernel kernel;
+  kernel.scene = frame.scene;
+  kernel.stored = view_of(stored_before_);
+  kernel.pixels = view_of(pixels_before_);
+  kernel.votes = mutable_view_of(votes_);
+  kernel.reject_reasons = frame.write(kHistoryRejectReason);
+  kernel.mean = frame.read(kMean);
+  kernel.limits = mutable_view_of(limits_before_);
+  kernel.max_samples_changed = static_cast<uint32_t>(settings_.max_samples_changed);
+  kernel.capacity = capacity_;
+  kernel.max_error = settings_.error;
+  kernel.max_light_error = settings_.light_error;
+  kernel.exposure = std::exp2(settings_.exposure);
+  kernel.lights_changed = includes(frame.changes, kMovesScene);
+  kernel.seed = hash(frame.index.seed, frame.number);
+  kernel.width = frame.width();
+  frame.launch("reproject", kernel);
 }
 
 void ReprojectionPass::take_over(const FrameContext& frame) {
   SourceKernel source;
-  source.claims = view_of(claims_);
+  source.votes = view_of(votes_);
   source.stored_before = view_of(stored_before_);
   source.pixels_before = view_of(pixels_before_);
   source.stored = mutable_view_of(stored_);
@@ -208,11 +208,11 @@ void ReprojectionPass::take_over(const FrameContext& frame) {
   frame.launch("reproject", source);
 }
 
-void ReprojectionPass::note_covered(const FrameContext& frame) {
-  std::fill(winners_.begin(), winners_.end(), 0u);
-  const WinnerKernel winner{view_of(sources_), mutable_view_of(winners_), frame.width()};
-  frame.launch("reproject", winner);
-  const CoveredKernel covered{view_of(winners_), frame.write(kHistoryFate), frame.width()};
+void ReprojectionPass::mark_covered(const FrameContext& frame) {
+  std::fill(owned_.begin(), owned_.end(), 0u);
+  const OwnerKernel owner{view_of(sources_), mutable_view_of(owned_), frame.width()};
+  frame.launch("reproject", owner);
+  const CoveredKernel covered{view_of(owned_), frame.write(kHistoryRejectReason), frame.width()};
   frame.launch("reproject", covered);
 }
 
@@ -249,21 +249,21 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
   frame.launch("reproject", kernel);
 }
 
-void ReprojectionPass::tell_all(const FrameContext& frame, bool kept) const {
-  static_assert(static_cast<uint32_t>(ReprojectionFate::empty) == 0 &&
-                static_cast<uint32_t>(ReprojectionFate::kept) == 1);  // what is kept, why, and what became of it
-  const auto tell = [&](const BufferKey<uint32_t>& key) {
+void ReprojectionPass::set_all(const FrameContext& frame, bool kept) const {
+  static_assert(static_cast<uint32_t>(RejectReason::empty) == 0 &&
+                static_cast<uint32_t>(RejectReason::none) == 1);  // as the three buffers show them
+  const auto set = [&](const BufferKey<uint32_t>& key) {
     const View<uint32_t> values = frame.write(key);
     std::fill(values.begin(), values.end(), kept ? 1u : 0u);
   };
-  tell(kHistoryKept);
-  tell(kHistoryReason);
-  if (settings_.method == ReprojectionMethod::forward) tell(kHistoryFate);
+  set(kHistoryKept);
+  set(kHistoryReason);
+  if (settings_.method == ReprojectionMethod::forward) set(kHistoryRejectReason);
 }
 
 size_t ReprojectionPass::memory_bytes() const {
   return 2 * (stored_.size() * sizeof(StoredSample) + pixels_.size() * sizeof(StoredPixel)) +
-         claims_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
+         votes_.size() * (sizeof(uint64_t) + 3 * sizeof(uint32_t)) + sources_.size() * sizeof(uint32_t) +
          before_.capacity();
 }
 
@@ -287,8 +287,8 @@ void ReprojectionPass::load(std::istream& in) {
   pixels_ = pixels_before_;
   loaded_ = true;
   capacity_ = static_cast<uint32_t>(capacity);
-  claims_.resize(pixels_.size());
-  winners_.resize(pixels_.size());
+  votes_.resize(pixels_.size());
+  owned_.resize(pixels_.size());
   limits_.resize(pixels_.size());
   limits_before_.resize(pixels_.size());
 }

@@ -10,10 +10,10 @@
 
 namespace relume {
 
-// What happened to histories; docs of the values with the declaration.
+// Whether histories were kept. The declaration lists the values.
 inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
 inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
-inline constexpr BufferKey<uint32_t> kHistoryFate{"history-fate"};
+inline constexpr BufferKey<uint32_t> kHistoryRejectReason{"history-reject-reason"};
 
 /// Moves the moments of pixels, and every buffer that follows the surface, to where the surface is in this frame. No
 /// history survives a change of materials or settings.
@@ -47,16 +47,16 @@ class ReprojectionPass final : public Pass {
   /// `sources`: see MoveMomentsKernel.
   void move_moments(const FrameContext& frame, View<const uint32_t> sources) const;
   void run_forward(const FrameContext& frame);
-  void claim_places(const FrameContext& frame);
+  void vote_for_pixels(const FrameContext& frame);
   void take_over(const FrameContext& frame);
   LookBack look_back(const FrameContext& frame) const;
   void fill(const FrameContext& frame) const;
-  void note_covered(const FrameContext& frame);
+  void mark_covered(const FrameContext& frame);
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, Buffer& buffer);
   void limit(const FrameContext& frame) const;
-  /// Says of all pixels that they go on with what they have, or begin anew.
-  void tell_all(const FrameContext& frame, bool kept) const;
+  /// For all pixels: they continue their own histories, or start without any.
+  void set_all(const FrameContext& frame, bool kept) const;
 
   ReprojectionSettings settings_;
   const uint32_t pixel_count_;
@@ -68,9 +68,9 @@ class ReprojectionPass final : public Pass {
   std::vector<StoredPixel> pixels_;
   std::vector<StoredSample> stored_before_;
   std::vector<StoredPixel> pixels_before_;
-  std::vector<uint64_t> claims_;
+  std::vector<uint64_t> votes_;
   std::vector<uint32_t> sources_;
-  std::vector<uint32_t> winners_;
+  std::vector<uint32_t> owned_;
   std::vector<uint32_t> limits_;         ///< samples that each history may count for
   std::vector<uint32_t> limits_before_;  ///< the same where the pixels were
   std::vector<std::byte> before_;        ///< the buffer that is being moved

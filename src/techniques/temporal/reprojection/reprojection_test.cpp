@@ -72,14 +72,14 @@ struct Stage {
     scene.end_frame();
   }
 
-  void claim(float max_error, bool lights_changed) {
-    std::fill(claims.begin(), claims.end(), kNoClaim);
-    ClaimKernel kernel;
+  void vote(float max_error, bool lights_changed) {
+    std::fill(votes.begin(), votes.end(), kNoVote);
+    DepthVoteKernel kernel;
     kernel.scene = scene.view();
     kernel.stored = view_of(stored);
     kernel.pixels = view_of(pixels);
-    kernel.claims = mutable_view_of(claims);
-    kernel.fates = mutable_view_of(fates);
+    kernel.votes = mutable_view_of(votes);
+    kernel.reject_reasons = mutable_view_of(reject_reasons);
     kernel.max_error = max_error;
     kernel.max_light_error = max_error;
     kernel.lights_changed = lights_changed;
@@ -92,8 +92,9 @@ struct Stage {
     }
   }
 
-  int count(ReprojectionFate fate) const {
-    return static_cast<int>(std::count(fates.begin(), fates.end(), static_cast<uint32_t>(fate)));
+  int count(RejectReason reject_reason) const {
+    return static_cast<int>(
+        std::count(reject_reasons.begin(), reject_reasons.end(), static_cast<uint32_t>(reject_reason)));
   }
 
   CompiledScene scene;
@@ -104,8 +105,8 @@ struct Stage {
   testing::MomentVectors history{kPixels};
   std::vector<StoredSample> stored = std::vector<StoredSample>(kPixels);
   std::vector<StoredPixel> pixels = std::vector<StoredPixel>(kPixels);
-  std::vector<uint64_t> claims = std::vector<uint64_t>(kPixels);
-  std::vector<uint32_t> fates = std::vector<uint32_t>(kPixels);
+  std::vector<uint64_t> votes = std::vector<uint64_t>(kPixels);
+  std::vector<uint32_t> reject_reasons = std::vector<uint32_t>(kPixels);
   std::vector<uint32_t> limits = std::vector<uint32_t>(kPixels);
 };
 
@@ -124,13 +125,13 @@ Scene cornell_of(float roughness, float metallic) {
 TEST(Reprojection, AStillCameraClaimsItsOwnPixels) {
   Stage stage(cornell());
   stage.render();
-  stage.claim(1e-4f, false);
+  stage.vote(1e-4f, false);
   int surfaces = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (!stage.hits[i].valid() || max_component(stage.radiance[i]) > 5.0f) continue;  // the lamp reflects nothing
     ++surfaces;
-    EXPECT_EQ(static_cast<ReprojectionFate>(stage.fates[i]), ReprojectionFate::kept) << i;
-    EXPECT_EQ(static_cast<uint32_t>(stage.claims[i]), i);
+    EXPECT_EQ(static_cast<RejectReason>(stage.reject_reasons[i]), RejectReason::none) << i;
+    EXPECT_EQ(static_cast<uint32_t>(stage.votes[i]), i);
   }
   EXPECT_GT(surfaces, static_cast<int>(kPixels) / 2);
 }
@@ -139,11 +140,11 @@ TEST(Reprojection, LandsWhereTheSurfaceIsSeenNow) {
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(0.3f);
-  stage.claim(10.0f, false);
-  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  stage.vote(10.0f, false);
+  EXPECT_GT(stage.count(RejectReason::none), static_cast<int>(kPixels) / 3);
   for (uint32_t i = 0; i < kPixels; ++i) {
-    if (!is_claim(stage.claims[i])) continue;
-    const auto source = static_cast<uint32_t>(stage.claims[i]);
+    if (!is_vote(stage.votes[i])) continue;
+    const auto source = static_cast<uint32_t>(stage.votes[i]);
     const Vec3 p = surface_position(stage.scene.view(), stage.stored[source].hit).now;
     Vec2 film;
     const CameraView& view = stage.scene.view().camera;
@@ -156,9 +157,9 @@ TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
   Stage stage(cornell());
   stage.render();
   stage.turn_camera(kPi);
-  stage.claim(10.0f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
-  EXPECT_GT(stage.count(ReprojectionFate::off_screen), 0);
+  stage.vote(10.0f, false);
+  EXPECT_EQ(stage.count(RejectReason::none), 0);
+  EXPECT_GT(stage.count(RejectReason::off_screen), 0);
 }
 
 TEST(Reprojection, NoticesWhatIsHiddenNow) {
@@ -166,28 +167,28 @@ TEST(Reprojection, NoticesWhatIsHiddenNow) {
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(1.2f);
-  stage.claim(10.0f, false);
-  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+  stage.vote(10.0f, false);
+  EXPECT_GT(stage.count(RejectReason::occluded), 0);
 }
 
 TEST(Reprojection, MirrorsAreNotTakenAlongByAnEyeThatMoves) {
   Stage stage(cornell_of(0.05f, 1.0f));  // α = 0.0025
   stage.render();
   stage.shift_camera(0.01f);
-  stage.claim(10.0f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
-  EXPECT_GT(stage.count(ReprojectionFate::near_specular), 0);
+  stage.vote(10.0f, false);
+  EXPECT_EQ(stage.count(RejectReason::none), 0);
+  EXPECT_GT(stage.count(RejectReason::near_specular), 0);
 }
 
 TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
   Stage stage(cornell_of(0.05f, 1.0f));
   stage.render();
   stage.turn_camera(0.1f);
-  stage.claim(0.0f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::near_specular), 0);
-  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
-  stage.claim(10.0f, true);  // what they mirror may have moved
-  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
+  stage.vote(0.0f, false);
+  EXPECT_EQ(stage.count(RejectReason::near_specular), 0);
+  EXPECT_GT(stage.count(RejectReason::none), static_cast<int>(kPixels) / 3);
+  stage.vote(10.0f, true);  // what they mirror may have moved
+  EXPECT_EQ(stage.count(RejectReason::none), 0);
 }
 
 // The paper refuses materials, not lobes.
@@ -197,31 +198,31 @@ TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
   Stage stage(std::move(scene));
   stage.render();
   stage.shift_camera(0.01f);
-  stage.claim(10.0f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::kept), 0);
-  EXPECT_GT(stage.count(ReprojectionFate::near_specular), static_cast<int>(kPixels) / 2);
+  stage.vote(10.0f, false);
+  EXPECT_EQ(stage.count(RejectReason::none), 0);
+  EXPECT_GT(stage.count(RejectReason::near_specular), static_cast<int>(kPixels) / 2);
 }
 
 TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
-  const auto reasons = [](Stage& stage, ReprojectionFate reason) {
-    return std::count_if(stage.claims.begin(), stage.claims.end(), [&](uint64_t c) { return reason_of(c) == reason; });
+  const auto reasons = [](Stage& stage, RejectReason reason) {
+    return std::count_if(stage.votes.begin(), stage.votes.end(), [&](uint64_t c) { return reason_of(c) == reason; });
   };
   Stage mirrors(cornell_of(0.05f, 1.0f));
   mirrors.render();
   mirrors.shift_camera(0.01f);
-  mirrors.claim(10.0f, false);
-  const int refused = mirrors.count(ReprojectionFate::near_specular);
-  EXPECT_LE(reasons(mirrors, ReprojectionFate::near_specular), refused);  // two may come to lie in one pixel
-  EXPECT_GT(reasons(mirrors, ReprojectionFate::near_specular), refused * 9 / 10);
+  mirrors.vote(10.0f, false);
+  const int refused = mirrors.count(RejectReason::near_specular);
+  EXPECT_LE(reasons(mirrors, RejectReason::near_specular), refused);  // two may come to lie in one pixel
+  EXPECT_GT(reasons(mirrors, RejectReason::near_specular), refused * 9 / 10);
   // From far to the left, the tall box hides a part of the back wall that was seen before.
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(1.2f);
-  stage.claim(10.0f, false);
-  EXPECT_GT(reasons(stage, ReprojectionFate::kept), 0);
-  EXPECT_GT(reasons(stage, ReprojectionFate::occluded), 0);
-  EXPECT_GT(reasons(stage, ReprojectionFate::empty), 0);
-  EXPECT_EQ(reasons(stage, ReprojectionFate::off_screen), 0);
+  stage.vote(10.0f, false);
+  EXPECT_GT(reasons(stage, RejectReason::none), 0);
+  EXPECT_GT(reasons(stage, RejectReason::occluded), 0);
+  EXPECT_GT(reasons(stage, RejectReason::empty), 0);
+  EXPECT_EQ(reasons(stage, RejectReason::off_screen), 0);
 }
 
 TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
@@ -229,8 +230,8 @@ TEST(Reprojection, GlossIsRefusedWhereItWouldLookDifferent) {
     Stage stage(cornell_of(roughness, 1.0f));
     stage.render();
     stage.shift_camera(0.5f);
-    stage.claim(max_error, false);
-    return stage.count(ReprojectionFate::view_dependent);
+    stage.vote(max_error, false);
+    return stage.count(RejectReason::view_dependent);
   };
   EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(0.3f, 0.25f));
   EXPECT_GT(refused(0.3f, 1.0f / 256.0f), refused(1.0f, 1.0f / 256.0f));
@@ -240,9 +241,9 @@ TEST(Reprojection, GlossLooksTheSameToACameraThatTurnsInItsPlace) {
   Stage stage(cornell_of(0.3f, 1.0f));
   stage.render();
   stage.turn_camera(0.1f);
-  stage.claim(0.0f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
-  EXPECT_GT(stage.count(ReprojectionFate::kept), static_cast<int>(kPixels) / 3);
+  stage.vote(0.0f, false);
+  EXPECT_EQ(stage.count(RejectReason::view_dependent), 0);
+  EXPECT_GT(stage.count(RejectReason::none), static_cast<int>(kPixels) / 3);
 }
 
 TEST(Reprojection, AHighlightDoesNotTurnWithItsObject) {
@@ -256,8 +257,8 @@ TEST(Reprojection, AHighlightDoesNotTurnWithItsObject) {
     Transform turned = stage.scene.source().nodes[static_cast<size_t>(node)].transform;
     turned.rotation = glm::angleAxis(glm::radians(degrees), Vec3(0, 1, 0)) * turned.rotation;
     stage.scene.set_transform(node, turned);
-    stage.claim(1.0f / 256.0f, false);
-    return stage.count(ReprojectionFate::view_dependent);
+    stage.vote(1.0f / 256.0f, false);
+    return stage.count(RejectReason::view_dependent);
   };
   EXPECT_EQ(refused(0), 0);
   EXPECT_GE(refused(20), 5);  // of the box, which has some dozen pixels; none if its frame had stayed
@@ -269,8 +270,8 @@ TEST(Reprojection, LambertNeverDependsOnTheView) {
   Stage stage(std::move(scene));
   stage.render();
   stage.shift_camera(0.5f);
-  stage.claim(1e-6f, false);
-  EXPECT_EQ(stage.count(ReprojectionFate::view_dependent), 0);
+  stage.vote(1e-6f, false);
+  EXPECT_EQ(stage.count(RejectReason::view_dependent), 0);
 }
 
 TEST(Reprojection, FollowsAnObjectThatMoves) {
@@ -286,13 +287,13 @@ TEST(Reprojection, FollowsAnObjectThatMoves) {
   Transform moved = stage.scene.source().nodes[static_cast<size_t>(node)].transform;
   moved.translation.x += 0.3f;
   stage.scene.set_transform(node, moved);
-  stage.claim(10.0f, false);
+  stage.vote(10.0f, false);
   int shifted = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
-    if (is_claim(stage.claims[i]) && static_cast<uint32_t>(stage.claims[i]) != i) ++shifted;
+    if (is_vote(stage.votes[i]) && static_cast<uint32_t>(stage.votes[i]) != i) ++shifted;
   }
   EXPECT_GT(shifted, 5);
-  EXPECT_GT(stage.count(ReprojectionFate::occluded), 0);
+  EXPECT_GT(stage.count(RejectReason::occluded), 0);
 }
 
 TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
@@ -307,21 +308,21 @@ TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
   scene.add_node(node);
   Stage stage(std::move(scene));
   stage.render();
-  stage.claim(1.0f / 256.0f, true);
-  EXPECT_EQ(stage.count(ReprojectionFate::relit), 0);  // verified, and the same
+  stage.vote(1.0f / 256.0f, true);
+  EXPECT_EQ(stage.count(RejectReason::relit), 0);  // verified, and the same
   const auto limited = [&] {
     return std::count_if(stage.limits.begin(), stage.limits.end(), [](uint32_t n) { return n < 16; });
   };
   EXPECT_EQ(limited(), 0);
   light.intensity = Rgb(4.5f);
   stage.scene.set_light(0, light);
-  stage.claim(1.0f / 256.0f, true);
+  stage.vote(1.0f / 256.0f, true);
   EXPECT_GT(limited(), 20);  // a little: they count for less
   light.intensity = Rgb(0.5f);
   stage.scene.set_light(0, light);
-  stage.claim(1.0f / 256.0f, true);
-  EXPECT_GT(stage.count(ReprojectionFate::relit), 20);  // a lot: not at all
-  EXPECT_EQ(std::count(stage.limits.begin(), stage.limits.end(), 0u), stage.count(ReprojectionFate::relit));
+  stage.vote(1.0f / 256.0f, true);
+  EXPECT_GT(stage.count(RejectReason::relit), 20);  // a lot: not at all
+  EXPECT_EQ(std::count(stage.limits.begin(), stage.limits.end(), 0u), stage.count(RejectReason::relit));
 }
 
 TEST(Reprojection, ASampleOnAnotherSurfaceShortensAnInheritedHistory) {

@@ -3,7 +3,7 @@
 
 #include "core/octahedral.h"
 #include "framebuffer/pixel_moments.h"
-#include "techniques/temporal/reprojection/reprojection_fate.h"
+#include "techniques/temporal/reprojection/reject_reason.h"
 #include "techniques/transport/path/first_vertex.h"
 
 namespace relume {

@@ -1,4 +1,4 @@
-// Claims on pixels, and what becomes of buffers, without a scene.
+// Votes on pixels, and what becomes of buffers, without a scene.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -9,34 +9,34 @@
 namespace relume {
 namespace {
 
-TEST(ReprojectionClaims, AClaimWinsOverEveryRefusal) {
-  std::vector<uint64_t> claim{kNoClaim};
-  atomic_min(&claim[0], refusal_of(5.0f, ReprojectionFate::relit));
-  atomic_min(&claim[0], refusal_of(1.0f, ReprojectionFate::occluded));
-  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::occluded);
-  EXPECT_FALSE(is_claim(claim[0]));
-  atomic_min(&claim[0], claim_of(9.0f, 4));
-  EXPECT_EQ(reason_of(claim[0]), ReprojectionFate::kept);
+TEST(DepthTest, AVoteWinsOverEveryRejection) {
+  std::vector<uint64_t> vote{kNoVote};
+  atomic_min(&vote[0], rejection_of(5.0f, RejectReason::relit));
+  atomic_min(&vote[0], rejection_of(1.0f, RejectReason::occluded));
+  EXPECT_EQ(reason_of(vote[0]), RejectReason::occluded);
+  EXPECT_FALSE(is_vote(vote[0]));
+  atomic_min(&vote[0], vote_of(9.0f, 4));
+  EXPECT_EQ(reason_of(vote[0]), RejectReason::none);
 }
 
-TEST(ReprojectionClaims, NearestClaimWinsThenTheLowestSample) {
-  EXPECT_LT(claim_of(1.0f, 9), claim_of(2.0f, 3));
-  EXPECT_LT(claim_of(1.0f, 3), claim_of(1.0f, 9));
-  std::vector<uint64_t> claim{kNoClaim};
-  for (const uint64_t c : {claim_of(3.0f, 1), claim_of(2.0f, 7), claim_of(2.0f, 5), claim_of(9.0f, 0)})
-    atomic_min(&claim[0], c);
-  EXPECT_EQ(claim[0], claim_of(2.0f, 5));
+TEST(DepthTest, NearestClaimWinsThenTheLowestSample) {
+  EXPECT_LT(vote_of(1.0f, 9), vote_of(2.0f, 3));
+  EXPECT_LT(vote_of(1.0f, 3), vote_of(1.0f, 9));
+  std::vector<uint64_t> vote{kNoVote};
+  for (const uint64_t c : {vote_of(3.0f, 1), vote_of(2.0f, 7), vote_of(2.0f, 5), vote_of(9.0f, 0)})
+    atomic_min(&vote[0], c);
+  EXPECT_EQ(vote[0], vote_of(2.0f, 5));
 }
 
-TEST(ReprojectionClaims, OneRelitSampleEndsTheHistoryThatOthersClaim) {
-  const std::vector<uint64_t> claims{claim_of(1, 3), claim_of(1, 0)};  // of two samples a pixel
+TEST(DepthTest, OneRelitSampleEndsTheHistoryThatOthersClaim) {
+  const std::vector<uint64_t> votes{vote_of(1, 3), vote_of(1, 0)};  // of two samples a pixel
   const std::vector<uint32_t> limits_before{16, 0};
   std::vector<StoredSample> stored(4);
   std::vector<StoredPixel> pixels(2);
   std::vector<uint32_t> limits(2), sources(2), kept(2), reasons(2);
   const std::vector<Hit> hits(2);
   SourceKernel kernel;
-  kernel.claims = view_of(claims);
+  kernel.votes = view_of(votes);
   kernel.stored_before = view_of(stored);
   kernel.pixels_before = view_of(pixels);
   kernel.limits_before = view_of(limits_before);
@@ -52,10 +52,10 @@ TEST(ReprojectionClaims, OneRelitSampleEndsTheHistoryThatOthersClaim) {
   for (uint32_t x = 0; x < 2; ++x) kernel(x, 0);
   EXPECT_EQ(sources, (std::vector<uint32_t>{kNoSource, 0}));
   EXPECT_EQ(kept, (std::vector<uint32_t>{0, 1}));
-  EXPECT_EQ(static_cast<ReprojectionFate>(reasons[0]), ReprojectionFate::relit);
+  EXPECT_EQ(static_cast<RejectReason>(reasons[0]), RejectReason::relit);
 }
 
-TEST(ReprojectionClaims, MovesBuffersAndBeginsAnewWhereNothingLands) {
+TEST(DepthTest, MovesBuffersAndBeginsAnewWhereNothingLands) {
   const std::vector<float> before{1, 2, 3};
   std::vector<float> now(3, 9);
   const std::vector<uint32_t> sources{2, kNoSource, 0};
@@ -64,7 +64,7 @@ TEST(ReprojectionClaims, MovesBuffersAndBeginsAnewWhereNothingLands) {
   EXPECT_EQ(now, (std::vector<float>{3, 0, 1}));
 }
 
-TEST(ReprojectionClaims, MovesMomentsOrKeepsThemInTheirPlaces) {
+TEST(DepthTest, MovesMomentsOrKeepsThemInTheirPlaces) {
   testing::MomentVectors before(3);
   before.samples = {1, 2, 3};
   testing::MomentVectors now(3, {Rgb(9), 9, 9, 9});
@@ -78,7 +78,7 @@ TEST(ReprojectionClaims, MovesMomentsOrKeepsThemInTheirPlaces) {
   EXPECT_EQ(now.samples, before.samples);
 }
 
-TEST(ReprojectionClaims, LimitHoldsForThePixelAndForAll) {
+TEST(DepthTest, LimitHoldsForThePixelAndForAll) {
   testing::MomentVectors moments(3, {Rgb(1), 5, 15, 40});
   const std::vector<uint32_t> limits{7, 100, 40};
   const LimitKernel kernel{moments.mutable_view(), view_of(limits), 11, 3};
@@ -86,7 +86,7 @@ TEST(ReprojectionClaims, LimitHoldsForThePixelAndForAll) {
   EXPECT_EQ(moments.samples, (std::vector<uint32_t>{7, 11, 11}));
 }
 
-TEST(ReprojectionClaims, LimitHoldsForTheFilmOfLightPaths) {
+TEST(DepthTest, LimitHoldsForTheFilmOfLightPaths) {
   testing::MomentVectors moments(2, {Rgb(0), 5, 15, 3});
   std::vector<float> light_paths{20, 7};
   LimitKernel kernel{moments.mutable_view(), {}, 11, 2};
@@ -97,7 +97,7 @@ TEST(ReprojectionClaims, LimitHoldsForTheFilmOfLightPaths) {
   EXPECT_EQ(moments.samples, (std::vector<uint32_t>{3, 3}));
 }
 
-TEST(ReprojectionClaims, PixelsOfLargePicturesHaveExactIndices) {
+TEST(DepthTest, PixelsOfLargePicturesHaveExactIndices) {
   CameraView camera;
   camera.resolution = {7680, 4320};  // twice as many pixels as floats can number
   EXPECT_EQ(pixel_at(camera, {1234.5f, 4319.5f}), 4319u * 7680u + 1234u);
