@@ -37,13 +37,13 @@ std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights
                                                const std::vector<uint32_t>& previous) {
   std::vector<QuadtreeWeights> next(previous.size());
   if (weights.empty()) return next;
-  std::vector<uint32_t> heirs(weights.size());
+  std::vector<uint32_t> successors(weights.size());
   for (const uint32_t from : previous)
-    if (from != kNoRegion) ++heirs[from];
+    if (from != kNoRegion) ++successors[from];
   for (size_t i = 0; i < next.size(); ++i) {
     if (previous[i] == kNoRegion) continue;
     next[i] = weights[previous[i]];
-    if (heirs[previous[i]] > 1) next[i].scale(0.25f);
+    if (successors[previous[i]] > 1) next[i].scale(0.25f);
   }
   return next;
 }

@@ -35,10 +35,10 @@ RELUME_HD constexpr uint64_t mixed(uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Where a key lives. `home` decides the slot; `fingerprint`, never 0, tells apart the keys that meet there.
+/// Where a key lives. `bucket_hash` decides the slot; `fingerprint`, never 0, tells apart the keys that meet there.
 struct CellAddress {
   uint64_t fingerprint = 0;
-  uint32_t home = 0;
+  uint32_t bucket_hash = 0;
 };
 
 /// Coarsest and finest cells: edges of 2^level metres.
@@ -132,7 +132,7 @@ struct CellKeys {
     const uint64_t facing = (coarsened | static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
     CellAddress result;
     const uint64_t region = mixed(place_of(v >> int64_t{kRegionLevels}, cell_kind));
-    result.home =
+    result.bucket_hash =
         (static_cast<uint32_t>(mixed(place) >> 32) & ~(kRegions - 1)) | region_of(static_cast<uint32_t>(region));
     result.fingerprint = mixed(place + facing + 0x2545f4914f6cdd1du);
     if (result.fingerprint == 0) result.fingerprint = 1;

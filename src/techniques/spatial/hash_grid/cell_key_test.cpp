@@ -21,7 +21,9 @@ CellPoint at(const Vec3& position, const Vec3& normal = Vec3(0, 1, 0)) {
   return {position, CellKeys::bins(normal, 2), 0, 0};
 }
 
-bool same(const CellAddress& a, const CellAddress& b) { return a.fingerprint == b.fingerprint && a.home == b.home; }
+bool same(const CellAddress& a, const CellAddress& b) {
+  return a.fingerprint == b.fingerprint && a.bucket_hash == b.bucket_hash;
+}
 
 TEST(CellKey, CellsGrowWithTheFootprint) {
   const CellKeys k = keys();
@@ -65,14 +67,14 @@ TEST(CellKey, TellsApartWhatMustNotMix) {
   EXPECT_TRUE(same(k.address(p), k.address(p)));
   const CellAddress other_side = k.address(at(p.position, Vec3(0, -1, 0)));
   EXPECT_NE(other_side.fingerprint, k.address(p).fingerprint);
-  EXPECT_EQ(other_side.home, k.address(p).home);  // neighbours in the table
+  EXPECT_EQ(other_side.bucket_hash, k.address(p).bucket_hash);  // neighbours in the table
   EXPECT_FALSE(same(k.address(at(p.position + Vec3(0.1f, 0, 0))), k.address(p)));
   CellPoint layered = p;
   layered.layer = 3;
   EXPECT_FALSE(same(k.address(layered), k.address(p)));
   for (int coarser = 1; coarser <= 3; ++coarser) {
     EXPECT_NE(k.address(p, coarser).fingerprint, k.address(p).fingerprint);
-    EXPECT_NE(k.address(p, coarser).home, k.address(p).home);  // the level is in both hashes
+    EXPECT_NE(k.address(p, coarser).bucket_hash, k.address(p).bucket_hash);  // the level is in both hashes
   }
 }
 
@@ -93,7 +95,7 @@ TEST(CellKey, DirectionsCountWhereAskedFor) {
   };
   EXPECT_TRUE(same(address(k, a, false), address(k, b, false)));
   EXPECT_NE(address(k, a, true).fingerprint, address(k, b, true).fingerprint);
-  EXPECT_EQ(address(k, a, true).home, address(k, b, true).home);
+  EXPECT_EQ(address(k, a, true).bucket_hash, address(k, b, true).bucket_hash);
   CellKeys without = k;
   without.direction_bins = 0;
   EXPECT_TRUE(same(address(without, a, true), address(without, b, true)));
@@ -153,7 +155,8 @@ TEST(CellKey, CoarsenedCellsAreOthersThanThoseOfTheirLevel) {
   const int level = k.level_of(near);
   EXPECT_NE(k.address_at(near.position, near, level, 0).fingerprint,
             k.address_at(near.position, coarsened, level, 0).fingerprint);
-  EXPECT_EQ(k.address_at(near.position, near, level, 0).home, k.address_at(near.position, coarsened, level, 0).home);
+  EXPECT_EQ(k.address_at(near.position, near, level, 0).bucket_hash,
+            k.address_at(near.position, coarsened, level, 0).bucket_hash);
 }
 
 TEST(CellKey, FarFromTheOriginToo) {

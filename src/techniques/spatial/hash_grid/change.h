@@ -8,13 +8,13 @@
 
 namespace relume {
 
-/// Regions are cubes of 2^kRegionLevels cells along an edge, of one level and layer. A key's home holds a hash of its
-/// region in the lowest bits; regions that share one are seen as one.
+/// Regions are cubes of 2^kRegionLevels cells along an edge, of one level and layer. A key's bucket hash holds a hash
+/// of its region in the lowest bits; regions that share one are seen as one.
 inline constexpr uint32_t kRegionBits = 14;
 inline constexpr int kRegionLevels = 3;
 inline constexpr uint32_t kRegions = 1u << kRegionBits;
 
-RELUME_HD constexpr uint32_t region_of(uint32_t home) { return home & (kRegions - 1); }
+RELUME_HD constexpr uint32_t region_of(uint32_t bucket_hash) { return bucket_hash & (kRegions - 1); }
 
 /// Squared difference between the means of a window and of the history, in units of what noise makes of it: 1 on
 /// average while nothing changes. Bounded, for single bright samples must not decide.

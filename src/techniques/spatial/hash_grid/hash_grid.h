@@ -17,7 +17,7 @@ inline constexpr uint32_t kNoCell = 0xffffffffu;
 inline constexpr uint32_t kMaxProbes = 256;
 
 /// Slots over which the cells of one voxel spread; a power of two.
-inline constexpr uint32_t kHomeSlots = 64;
+inline constexpr uint32_t kBucketSlots = 64;
 
 /// Events that the program reports.
 struct HashGridCounters {
@@ -25,7 +25,7 @@ struct HashGridCounters {
   uint64_t saturated = 0;         ///< samples clamped to kCellSampleMax
   uint64_t nonfinite = 0;         ///< samples that were not finite, and were left out
   uint64_t made = 0;              ///< keys that this frame has placed in the table
-  uint64_t heirs = 0;             ///< cells of this frame that begin with what another level knows
+  uint64_t inherited_cells = 0;   ///< cells of this frame that begin with what another level knows
   uint64_t skipped_vertices = 0;  ///< vertices of paths that took no sample, as too many before them waited for theirs
 };
 
@@ -34,10 +34,10 @@ inline constexpr int kCoarserLevels = 3;
 inline constexpr float kCoarserProbability = 0.125f;
 
 struct HashGridView {
-  View<uint64_t> fingerprints;  ///< 0: free
-  View<uint32_t> homes;         ///< hash that chose the slot, for moving cells to another table
-  View<uint32_t> parents;       ///< slot of the cell that a new one begins with, or kNoCell
-  View<CellSums> sums;          ///< this frame
+  View<uint64_t> fingerprints;   ///< 0: free
+  View<uint32_t> bucket_hashes;  ///< hash that chose the slot, for moving cells to another table
+  View<uint32_t> parents;        ///< slot of the cell that a new one begins with, or kNoCell
+  View<CellSums> sums;           ///< this frame
   View<const CellHistory> histories;
   HashGridCounters* counters = nullptr;
   OverflowView overflow;
@@ -49,14 +49,15 @@ struct HashGridView {
   float inherited_count = 0;  ///< most samples that a new cell takes over from another level; 0: none
   float clamp_factor = 0;     ///< samples are cut to this multiple of their cell's mean; 0: not
 
-  RELUME_HD uint32_t slot_of(uint32_t home) const {
-    return static_cast<uint32_t>((static_cast<uint64_t>(home) * fingerprints.size) >> 32);
+  RELUME_HD uint32_t slot_of(uint32_t bucket_hash) const {
+    return static_cast<uint32_t>((static_cast<uint64_t>(bucket_hash) * fingerprints.size) >> 32);
   }
 
-  /// Where probing begins. Cells of one voxel, which share a home, begin at different slots close by: at curved or
-  /// bumpy surfaces there are many of them, and each would be probed past all the others.
+  /// Where probing begins. Cells of one voxel, which share a bucket hash, begin at different slots close by: at curved
+  /// or bumpy surfaces there are many of them, and each would be probed past all the others.
   RELUME_HD uint32_t first_slot(const CellAddress& address) const {
-    const uint32_t slot = slot_of(address.home) + (static_cast<uint32_t>(address.fingerprint) & (kHomeSlots - 1));
+    const uint32_t slot =
+        slot_of(address.bucket_hash) + (static_cast<uint32_t>(address.fingerprint) & (kBucketSlots - 1));
     return slot < fingerprints.size ? slot : slot % fingerprints.size;
   }
 
@@ -103,7 +104,7 @@ struct HashGridView {
       if (found == 0) {
         found = atomic_compare_exchange(&fingerprints[slot], 0, address.fingerprint);
         if (found == 0) {
-          homes[slot] = address.home;
+          bucket_hashes[slot] = address.bucket_hash;
           atomic_add(&counters->made, uint64_t{1});
           return slot;
         }
@@ -207,7 +208,7 @@ struct HashGridView {
       const uint32_t parent = find(keys.address_at(middle, p, other, 0));
       if (parent == kNoCell || histories[parent].empty()) continue;
       parents[slot] = parent;
-      atomic_add(&counters->heirs, uint64_t{1});
+      atomic_add(&counters->inherited_cells, uint64_t{1});
       return;
     }
   }

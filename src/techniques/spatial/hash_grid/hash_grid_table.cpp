@@ -59,7 +59,7 @@ std::vector<SavedCell> read_cells(std::span<const std::byte> bytes) {
   std::vector<SavedCell> cells(bytes.size() / kSavedCellBytes);
   for (SavedCell& cell : cells) {
     cell.address.fingerprint = take<uint64_t>(bytes);
-    cell.address.home = take<uint32_t>(bytes);
+    cell.address.bucket_hash = take<uint32_t>(bytes);
     cell.history = take<CellHistory>(bytes);
     if (cell.address.fingerprint == 0 || !is_finite(cell.history.moments.count)) return {};
   }
@@ -100,7 +100,7 @@ uint32_t HashGrid::wanted_slots(uint64_t live) const {
 
 void HashGrid::allocate(uint32_t slots) {
   fingerprints_.assign(slots, 0);
-  homes_.assign(slots, 0);
+  bucket_hashes_.assign(slots, 0);
   parents_.assign(slots, kNoCell);
   sums_.assign(slots, {});
   histories_.assign(slots, {});
@@ -120,7 +120,7 @@ HashGridView HashGrid::view(const CameraView& camera) {
 HashGridView HashGrid::view() {
   HashGridView v;
   v.fingerprints = mutable_view_of(fingerprints_);
-  v.homes = mutable_view_of(homes_);
+  v.bucket_hashes = mutable_view_of(bucket_hashes_);
   v.parents = mutable_view_of(parents_);
   v.sums = mutable_view_of(sums_);
   v.histories = view_of(histories_);
@@ -167,11 +167,11 @@ void HashGrid::settle(Backend& backend) {
 
 void HashGrid::advance(Backend& backend, bool watched) {
   settle(backend);
-  if (counters_.heirs > 0) {
+  if (counters_.inherited_cells > 0) {
     const InheritCellsKernel inherit{view(), mutable_view_of(histories_)};
     launch(backend, "cells", inherit, kMaintenanceRow, rows_of(fingerprints_.size()));
-    inherited_ += counters_.heirs;
-    counters_.heirs = 0;
+    inherited_ += counters_.inherited_cells;
+    counters_.inherited_cells = 0;
   }
   regions_.assign(watched && settings_.change_detection > 0 ? kRegions : 0, {});
   if (!regions_.empty()) {
@@ -205,7 +205,7 @@ void HashGrid::discard_oldest(uint64_t count) {
   }
   // A total order, or the choice would depend on the slots.
   const auto rank = [&](uint32_t i) {
-    return std::tuple(histories_[i].age, -histories_[i].moments.count, fingerprints_[i], homes_[i]);
+    return std::tuple(histories_[i].age, -histories_[i].moments.count, fingerprints_[i], bucket_hashes_[i]);
   };
   const auto first = cells.end() - static_cast<std::ptrdiff_t>(count);
   std::nth_element(cells.begin(), first, cells.end(), [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
@@ -224,23 +224,28 @@ void HashGrid::clear() {
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
   std::vector<uint64_t> fingerprints(slots, 0);
-  std::vector<uint32_t> homes(slots, 0);
+  std::vector<uint32_t> bucket_hashes(slots, 0);
   std::vector<uint32_t> parents(slots, kNoCell);
   std::vector<CellSums> sums(slots);
   std::vector<CellHistory> histories(slots);
   fingerprints.swap(fingerprints_);
-  homes.swap(homes_);
+  bucket_hashes.swap(bucket_hashes_);
   parents.swap(parents_);
   sums.swap(sums_);
   histories.swap(histories_);
   longest_ = 0;
   const HashGridView target = placing_view(kAnywhere);
   const uint32_t rows = rows_of(fingerprints.size());
-  const MoveCellsKernel cells{view_of(fingerprints),       view_of(homes), view_of(sums), view_of(histories), target,
-                              mutable_view_of(histories_), &longest_};
+  const MoveCellsKernel cells{view_of(fingerprints),
+                              view_of(bucket_hashes),
+                              view_of(sums),
+                              view_of(histories),
+                              target,
+                              mutable_view_of(histories_),
+                              &longest_};
   launch(backend, "cells", cells, kMaintenanceRow, rows);
-  if (counters_.heirs > 0) {
-    const MoveParentsKernel links{view_of(fingerprints), view_of(homes), view_of(parents), target};
+  if (counters_.inherited_cells > 0) {
+    const MoveParentsKernel links{view_of(fingerprints), view_of(bucket_hashes), view_of(parents), target};
     launch(backend, "cells", links, kMaintenanceRow, rows);
   }
   census_.taken = census_.live;
@@ -284,7 +289,7 @@ std::vector<std::byte> HashGrid::save() const {
   for (size_t i = 0; i < fingerprints_.size(); ++i) {
     if (fingerprints_[i] == 0) continue;
     put(rest, fingerprints_[i]);
-    put(rest, homes_[i]);
+    put(rest, bucket_hashes_[i]);
     put(rest, histories_[i]);
   }
   return bytes;

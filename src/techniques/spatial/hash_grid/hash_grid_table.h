@@ -101,7 +101,7 @@ class HashGrid {
   bool renumbered_ = false;    ///< since the paths of this frame
   CellKeys keys_;              ///< of this frame
   std::vector<uint64_t> fingerprints_;
-  std::vector<uint32_t> homes_;
+  std::vector<uint32_t> bucket_hashes_;
   std::vector<uint32_t> parents_;
   std::vector<CellSums> sums_;
   std::vector<CellHistory> histories_;

@@ -14,7 +14,7 @@ struct HashGridCensus {
   uint64_t evicted = 0;        ///< cells emptied in this pass
   uint64_t samples = 0;        ///< added in the frame
   uint64_t changed = 0;        ///< cells in regions that have changed
-  uint64_t displacements = 0;  ///< slots between the cells and their homes, all together
+  uint64_t displacements = 0;  ///< distance of the cells from their first slots, summed
 };
 
 /// Slots side by side in the grid over which the passes run.
@@ -45,7 +45,7 @@ struct MeasureChangesKernel {
     if (history.moments.count < grid.rule.min_count) return;
     const CellMoments window = pooled(history.recent, grid.sums[slot].moments(), kInfinity);
     if (window.count < grid.rule.min_count) return;
-    regions[region_of(grid.homes[slot])].add(squared_departure(history.moments, window));
+    regions[region_of(grid.bucket_hashes[slot])].add(squared_departure(history.moments, window));
   }
 };
 
@@ -74,15 +74,16 @@ struct MaintainCellsKernel {
  private:
   RELUME_HD void treat(uint32_t slot, HashGridCensus& part) const {
     if (slot >= grid.fingerprints.size || grid.fingerprints[slot] == 0) return;
-    part.displacements += grid.displacement({grid.fingerprints[slot], grid.homes[slot]}, slot);
+    part.displacements += grid.displacement({grid.fingerprints[slot], grid.bucket_hashes[slot]}, slot);
     ++part.taken;
     CellSums& sums = grid.sums[slot];
     CellHistory& history = histories[slot];
     if (!sums.empty()) {
       part.samples += sums.count;
       const float excess =
-          regions.empty() ? 0.0f
-                          : regions[region_of(grid.homes[slot])].excess(kRegionThreshold * grid.rule.change_threshold);
+          regions.empty()
+              ? 0.0f
+              : regions[region_of(grid.bucket_hashes[slot])].excess(kRegionThreshold * grid.rule.change_threshold);
       part.changed += excess > 0.0f ? 1u : 0u;
       history = advanced(history, sums.moments(), grid.rule, excess);
       sums = {};
@@ -107,7 +108,7 @@ struct MaintainCellsKernel {
 /// Copies the cells of one table that hold anything into another, empty one; one call a slot of the source.
 struct MoveCellsKernel {
   View<const uint64_t> fingerprints;
-  View<const uint32_t> homes;
+  View<const uint32_t> bucket_hashes;
   View<const CellSums> sums;
   View<const CellHistory> source;
   HashGridView target;
@@ -117,7 +118,7 @@ struct MoveCellsKernel {
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t from = y * kMaintenanceRow + x;
     if (from >= fingerprints.size || (source[from].empty() && sums[from].empty())) return;
-    const CellAddress address{fingerprints[from], homes[from]};
+    const CellAddress address{fingerprints[from], bucket_hashes[from]};
     const uint32_t to = target.find_or_insert(address);
     histories[to] = source[from];
     target.sums[to] = sums[from];
@@ -128,7 +129,7 @@ struct MoveCellsKernel {
 /// Takes the links to parents along, when MoveCellsKernel is through; one call a slot of the source.
 struct MoveParentsKernel {
   View<const uint64_t> fingerprints;
-  View<const uint32_t> homes;
+  View<const uint32_t> bucket_hashes;
   View<const uint32_t> parents;
   HashGridView target;
 
@@ -136,8 +137,8 @@ struct MoveParentsKernel {
     const uint32_t from = y * kMaintenanceRow + x;
     if (from >= parents.size || parents[from] == kNoCell) return;
     const uint32_t parent = parents[from];
-    const uint32_t to = target.find({fingerprints[from], homes[from]});
-    target.parents[to] = target.find({fingerprints[parent], homes[parent]});
+    const uint32_t to = target.find({fingerprints[from], bucket_hashes[from]});
+    target.parents[to] = target.find({fingerprints[parent], bucket_hashes[parent]});
   }
 };
 
