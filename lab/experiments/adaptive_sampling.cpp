@@ -57,7 +57,7 @@ TraceContender independent_contender(const ExperimentContext& context, const Exp
 }
 
 /// As many as in the paper: the noise of a reference counts in the measure, and cannot be taken off it.
-int reference_spp(const ExperimentContext& context) { return context.choose(4096, 256); }
+int reference_spp(const ExperimentContext& context) { return context.choose(4096, 32); }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, const std::vector<Bounds>& bounds) {
   const Reference reference = make_reference(context, scene, reference_spp(context));

@@ -169,7 +169,7 @@ ViewerBlock pictures(const std::vector<Arrival>& list, const Image& reference) {
 
 ExperimentResult run_apg_depth(const ExperimentContext& context) {
   const ExperimentScene corridor = built_in("corridor", 10);
-  const Reference reference = make_reference(context, corridor, context.choose(kReferenceSpp, 256));
+  const Reference reference = make_reference(context, corridor, context.choose(kReferenceSpp, 16));
   const std::vector<FrameAverages> depths = measure_depths(context, corridor, reference);
   const std::vector<Arrival> arrivals{measure_arrival(context, corridor, "path", CacheChoice::none, reference),
                                       measure_arrival(context, corridor, "psf", CacheChoice::psf, reference),
@@ -180,7 +180,7 @@ ExperimentResult run_apg_depth(const ExperimentContext& context) {
   result.blocks = {depth_chart(depths), arrival_chart(arrivals), pictures(arrivals, reference.image)};
   result.setup = {{"Scene", "corridor, 10 bounces"},
                   common_setup(context).front(),
-                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 256))}};
+                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};
   return result;
 }
 

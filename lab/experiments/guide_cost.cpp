@@ -24,8 +24,9 @@ struct SceneResult {
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene) {
   RenderSettings settings = scene.settings;
-  settings.width = context.choose(1280, 64);
-  settings.height = context.choose(720, 36);
+  settings.width = context.choose(1280, 32);
+  settings.height = context.choose(720, 18);
+  if (context.quick) settings.static_lists.rays = 32;
   std::vector<NamedSettings> list;
   const auto add = [&](std::string name, LightSelectionChoice lights, GuideChoice guide) {
     settings.lights = lights;
@@ -142,7 +143,7 @@ ExperimentResult run_guide_cost(const ExperimentContext& context) {
   add_all(scenes.back(), "warehouse");
   for (const SceneResult& scene : scenes) result.blocks.emplace_back(bars(scene));
   result.blocks.emplace_back(memory_table(scenes));
-  result.setup = {{"Size", context.quick ? "64 × 36" : "1280 × 720"},
+  result.setup = {{"Size", context.quick ? "32 × 18" : "1280 × 720"},
                   {"Frames", context.quick ? "4, after 2" : "40, after 24; contenders take turns frame by frame"},
                   {"Path", "two indirect rays, as in the paper"}};
   return result;

@@ -83,7 +83,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   if (scene.name.starts_with("mine")) {
     ExperimentScene direct = plainly_sampled(scene);
     direct.settings.path.max_bounces = 1;
-    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(512, 64)).image,
+    result.regions = mine_regions(reference.image, make_reference(context, direct, context.choose(512, 16)).image,
                                   result.regions.front());
   }
   result.errors = measure_adapted(context, scene, contenders(context, scene, departures && !context.quick), reference,
@@ -217,7 +217,9 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 ExperimentResult run_guiding(const ExperimentContext& context) {
   const SceneResult paper_result = measure(context, mine("mine, environment not sampled", false, kMineScale), false);
   const SceneResult sampled_result = measure(context, mine("mine, environment sampled", true, kMineScale), false);
-  const SceneResult departures = measure(context, mine("mine, environment not sampled, small", false, 1), true);
+  // A quick run has no departures, and all its pictures are small.
+  const SceneResult departures =
+      context.quick ? paper_result : measure(context, mine("mine, environment not sampled, small", false, 1), true);
   std::vector<SceneResult> suns;
   for (const float degrees : {5.0f, 2.5f}) {
     if (!context.quick || suns.empty()) suns.push_back(measure(context, mine_with_sun(degrees), false));

@@ -162,7 +162,7 @@ void measure_walk(const ExperimentContext& context, const char* name, int bounce
                               .spp = 1,
                               .times_s = frame_times(context.choose(12, 3)),
                               .repetitions = 3,
-                              .reference_spp = context.choose(512, 64)});
+                              .reference_spp = context.choose(512, 16)});
   const auto ratio = [&](std::string_view cache) {
     return paired_error_ratio(errors_of(c, cache), errors_of(c, "path"));
   };

@@ -21,8 +21,8 @@ constexpr const char* kPaper = "[Schipek22 §6.2]";
 constexpr const char* kOurs = "[relume]";
 
 /// Smaller pictures say little of time: what a frame takes besides its pixels weighs too much.
-constexpr int kWidth = 480;
-constexpr int kHeight = 270;
+int width_of(const ExperimentContext& context) { return context.choose(480, 96); }
+int height_of(const ExperimentContext& context) { return context.choose(270, 54); }
 
 /// What frames of one contender took and had.
 struct FrameFigures {
@@ -66,14 +66,14 @@ struct Start {
   uint64_t rays = 0;
 };
 
-FrameFigures figures_of(std::string name, const TimedSession& session, int skip, const Start& start) {
+FrameFigures figures_of(std::string name, const TimedSession& session, int skip, const Start& start, int pixels) {
   FrameFigures f{.name = std::move(name), .frame_s = {}, .passes = {}};
   f.frame_s.assign(session.frame_s().begin() + skip, session.frame_s().end());
   f.frame_ms = 1000 * median(f.frame_s);
   const auto counted = static_cast<double>(f.frame_s.size());
   for (const PassTime& pass : pass_times_since(session.passes(), start.passes))
     f.passes.emplace_back(pass.name, pass.seconds * 1000 / counted);
-  f.rays = static_cast<double>(session.rays() - start.rays) / counted / (kWidth * kHeight);
+  f.rays = static_cast<double>(session.rays() - start.rays) / counted / pixels;
   f.cells = figure_of(session.session(), "cells.cells");
   f.table_mb = figure_of(session.session(), "cells.bytes") / 1e6;
   f.probes = figure_of(session.session(), "cells.probes");
@@ -89,8 +89,8 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
   std::vector<std::unique_ptr<TimedSession>> sessions;
   for (NamedSettings& contender : contenders) {
     contender.settings.path.max_bounces = bounces;
-    contender.settings.width = kWidth;
-    contender.settings.height = kHeight;
+    contender.settings.width = width_of(context);
+    contender.settings.height = height_of(context);
     context.check_stop();
     sessions.push_back(std::make_unique<TimedSession>(scene.scene, contender.settings, processor_time));
     sessions.back()->session().set_camera(scene.camera);
@@ -104,8 +104,9 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
     }
     context.report(fmt::format("{}, {} bounces", scene.name, bounces), (frame + 1.0) / count);
   }
+  const int pixels = width_of(context) * height_of(context);
   for (size_t i = 0; i < sessions.size(); ++i)
-    result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, starts[i]));
+    result.list.push_back(figures_of(contenders[i].name, *sessions[i], skip, starts[i], pixels));
   return result;
 }
 
@@ -258,7 +259,7 @@ ExperimentResult run_psf_frametime(const ExperimentContext& context) {
   result.claims.push_back(claim_growth(few, many));
   result.blocks.insert(result.blocks.begin(), table(all));
   for (const Timing& t : all) result.blocks.emplace_back(bars(t));
-  result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", kWidth, kHeight)},
+  result.setup = {{"Size", fmt::format("{} × {} (the paper: 1280 × 720)", width_of(context), height_of(context))},
                   {"Frames", fmt::format("{} after {} others", counted_frames(context), skipped_frames(context))},
                   {"Settings", "the defaults of each technique"}};
   return result;

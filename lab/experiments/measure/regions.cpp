@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-int side_of_square(const ExperimentContext& context, int side) { return context.choose(side, 40); }
+int side_of_square(const ExperimentContext& context, int side) { return context.choose(side, 24); }
 
 double shown_luminance(const Rgb& pixel) { return std::min(static_cast<double>(luminance(pixel)), 1.0); }
 

@@ -38,7 +38,7 @@ double detail_kept(const Image& image, const Image& reference, const Rectangle& 
 ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
                             const std::vector<Rectangle>& regions);
 
-/// Sets a square picture for everybody: `side` pixels, 40 in a quick run.
+/// Sets a square picture for everybody: `side` pixels, 24 in a quick run.
 void use_square(const ExperimentContext& context, int side, StudyOptions& options);
 /// What use_square() sets, for ExperimentResult::setup: "160 × 160".
 std::string square_text(const ExperimentContext& context, int side);

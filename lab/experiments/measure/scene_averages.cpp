@@ -73,7 +73,7 @@ ViewerBlock pictures(const std::vector<SceneAverages>& scenes) {
 }  // namespace
 
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches) {
-  SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 128)), {}, {}, {}};
+  SceneAverages result{scene.name, make_reference(context, scene, context.choose(kReferenceSpp, 16)), {}, {}, {}};
   const bool all = caches == CacheSet::techniques;
   const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> list = cache_contenders(context, scene);
@@ -101,7 +101,7 @@ void show_averages(const ExperimentContext& context, const std::vector<SceneAver
   result.setup = {common_setup(context).front(),
                   {"Frames", fmt::format("{} of one sample a pixel after {} others, {} times with other seeds",
                                          plan.count, plan.skip, plan.repetitions)},
-                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 128))}};
+                  {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};
 }
 
 }  // namespace relume

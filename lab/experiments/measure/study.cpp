@@ -55,11 +55,11 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.contenders = parse_contenders(options.techniques, scene.name);
   o.common.flags = flags(context, scene, options);
   o.spp = options.spp;
-  o.budget_s = context.quick ? options.budget_s / 10 : options.budget_s;
+  o.budget_s = context.quick ? options.budget_s / 40 : options.budget_s;
   o.repetitions = context.choose(options.repetitions, std::min(options.repetitions, 2));
   o.times_s = options.times_s;
   o.reference_settings = options.reference;
-  o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 64));
+  o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 16));
   o.cache_folder = context.cache_folder;
   o.program = context.program;
   o.keep_pictures = true;

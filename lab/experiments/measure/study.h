@@ -28,7 +28,7 @@ struct StudyOptions {
   int reference_spp = 1024;
 };
 
-/// A quick run has two repetitions, a tenth of the budget, at most 64 samples in the reference, and small pictures.
+/// A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference, and small pictures.
 /// Throws ExperimentStopped, and Error for settings that do not fit.
 Comparison study(const ExperimentContext& context, const ExperimentScene& scene, const StudyOptions& options);
 

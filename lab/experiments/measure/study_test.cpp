@@ -24,10 +24,10 @@ class StudyTest : public testing::Test {
 
 TEST_F(StudyTest, ComparesAsTheCommandDoes) {
   const Comparison c = study(context_, closed_box(),
-                             {.techniques = "few=max-bounces:1,all=lights:power", .spp = 4, .reference_spp = 64});
+                             {.techniques = "few=max-bounces:1,all=lights:power", .spp = 4, .reference_spp = 16});
   EXPECT_EQ(c.contenders.size(), 2u);
-  EXPECT_EQ(c.reference.image.width, 64);
-  EXPECT_EQ(c.reference.spp, 64);
+  EXPECT_EQ(c.reference.image.width, 32);
+  EXPECT_EQ(c.reference.spp, 16);
   EXPECT_EQ(c.reference_settings.render.path.max_bounces, 6);  // of the scene's settings
   EXPECT_GT(contender_named(c, "few").repetitions[0].mse, 0);
   const ContenderResult& all = contender_named(c, "all");

@@ -87,7 +87,7 @@ TEST(Trace, GoesOnFromWhatWasMeasured) {
   set_size(context, contender.settings);
   contender.settings.allocation = AllocationChoice::adaptive;
   contender.map = "sampling-probability";
-  const Image reference(64, 36);
+  const Image reference(contender.settings.width, contender.settings.height);
   TraceOptions options{.frames = 4, .repetitions = 1, .reference = &reference, .picture_frame = 2};
   const auto first = trace(context, "test", box, {contender}, options);
   const auto again = trace(context, "test", box, {contender}, options);
@@ -120,7 +120,7 @@ TEST(Trace, ContendersHaveEqualTimes) {
   contenders[0].settings.path.max_bounces = 6;
   contenders[1].settings.path.max_bounces = 1;
   contenders[1].settings.history = HistoryChoice::reproject;
-  const Image reference(64, 36);
+  const Image reference(contenders[0].settings.width, contenders[0].settings.height);
   const auto traces =
       trace(context, "test", box, contenders,
             {.turn = {100, 50}, .frames = 16, .repetitions = 1, .reference = &reference, .clock = [](const Session& s) {

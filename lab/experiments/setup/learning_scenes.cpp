@@ -98,7 +98,7 @@ void use_paper_cache(RenderSettings& settings) {
   settings.vlc.memory = 0;
 }
 
-int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 64); }
+int learning_reference_spp(const ExperimentContext& context) { return context.choose(512, 16); }
 
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context) {
   return {{"Size", size_text(context)},

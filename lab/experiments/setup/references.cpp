@@ -9,13 +9,13 @@ namespace relume {
 namespace {
 
 /// Of the scenes that a paper shows; for variations of them half as many will do.
-int reference_spp(const ExperimentContext& context) { return context.choose(1024, 64); }
+int reference_spp(const ExperimentContext& context) { return context.choose(1024, 16); }
 
 }  // namespace
 
 void set_size(const ExperimentContext& context, RenderSettings& settings, int scale) {
-  settings.width = context.choose(192 * scale, 64);
-  settings.height = context.choose(108 * scale, 36);
+  settings.width = context.choose(192 * scale, 32);
+  settings.height = context.choose(108 * scale, 18);
 }
 
 std::string size_text(const ExperimentContext& context) {

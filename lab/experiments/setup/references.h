@@ -11,7 +11,7 @@
 
 namespace relume {
 
-/// 64×36 pixels in a quick run, else 192×108, `scale` times along each edge.
+/// 32×18 pixels in a quick run, else 192×108, `scale` times along each edge.
 void set_size(const ExperimentContext& context, RenderSettings& settings, int scale = 1);
 
 /// What set_size() sets, for ExperimentResult::setup: "192 × 108".
