@@ -40,7 +40,7 @@ class Roles(RefusalTest):
         self.refuse_pair("--flip-map", "which B reads", "hard.png", "metrics", "a.png", "b.png", "--flip-map", "hard.png")
 
     def test_what_a_scene_consists_of_stays(self):
-        self.succeed("export", "cover", "-o", "room.gltf", timeout=240)
+        self.succeed("export", "cornell-spheres", "-o", "room.gltf")
         self.succeed("render", "cornell", *TINY, "-o", "sky.exr")
         (self.folder / "view.json").write_text(json.dumps({"scene": "room.gltf", "environment": {"map": "sky.exr"}}))
         render = ("render", "view.json", *TINY)
