@@ -34,21 +34,20 @@ TEST_P(CacheSession, SameBitsWithAnyNumberOfThreads) {
 
 /// Scenes and a size at which the cells of a voxel, or of the first frame, are more than the table has room for.
 TEST_P(CacheSession, SameBitsInScenesOfManyCells) {
-  for (const char* scene : {"mine", "warehouse", "corridor"}) {
+  for (const char* name : {"mine", "warehouse", "corridor"}) {
+    const Scene scene = build(name);
     const auto rendered = [&](int threads) {
       RenderSettings settings;
       settings.width = 320;
       settings.height = 180;
       settings.threads = threads;
       settings.cache = GetParam();
-      Session session(build(scene), settings);
+      Session session(scene, settings);
       for (int i = 0; i < 2; ++i) session.render_frame();
-      EXPECT_TRUE(session.warnings().empty()) << scene;
+      EXPECT_TRUE(session.warnings().empty()) << name;
       return session.image();
     };
-    const Image one = rendered(1);
-    EXPECT_TRUE(same_bits(rendered(2), one)) << scene;
-    EXPECT_TRUE(same_bits(rendered(5), one)) << scene;
+    EXPECT_TRUE(same_bits(rendered(5), rendered(1))) << name;
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,13 @@
 
 namespace relume::support {
 
-inline Scene build(const char* name) { return find_builtin_scene(name)->build(); }
+/// Built once a process.
+inline const Scene& build(const char* name) {
+  static std::map<std::string, Scene> known;
+  const auto [found, is_new] = known.try_emplace(name);
+  if (is_new) found->second = find_builtin_scene(name)->build();
+  return found->second;
+}
 
 /// NaNs included.
 inline bool same_bits(const Image& a, const Image& b) {

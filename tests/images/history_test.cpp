@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kSize = 32;
 constexpr int kSeeds = 16;
+constexpr int kPilotFrames = 48;  // half of them decide
+constexpr int kPilotImages = 96;
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
 
@@ -55,10 +57,18 @@ Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames
   return moments_of(std::move(images));
 }
 
-/// Rendered once for a test.
+/// Rendered once in the process that has all tests of its suite.
 const Moments& reference() {
   static const Moments pictures =
-      measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 256, kSeeds, 1001);
+      measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 96, kSeeds, 1001);
+  return pictures;
+}
+
+/// The same of the scene where deciding by what is averaged shows most.
+const Moments& reference_of_the_open_box() {
+  static const Moments pictures =
+      measure(open_box(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate, 24), 2 * kPilotFrames,
+              kPilotImages, 1001);
   return pictures;
 }
 
@@ -77,64 +87,56 @@ double mse_of(const Moments& m, const Moments& truth) {
   return sum / static_cast<double>(m.images.size() * m.mean.size());
 }
 
-TEST(History, ReprojectionWithoutMovesIsAccumulation) {
+TEST(SharedHistory, ReprojectionWithoutMovesIsAccumulation) {
   expect_same_picture(
       "reproject-still", reference(),
       measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::reproject), 64, kSeeds, 1));
 }
 
-/// In the scene where deciding by what is averaged shows most.
-TEST(History, AdaptiveSamplingWithPilotSamplesHasNoBias) {
-  constexpr int kFrames = 48;  // half of them decide
-  constexpr int kImages = 96;
-  const auto pictures = [](AllocationChoice allocation, AdaptiveMethod method, bool pilot, int frames, int first_seed) {
-    RenderSettings s = settings_of(allocation, HistoryChoice::accumulate, 24);
+TEST(SharedHistory, AdaptiveSamplingWithPilotSamplesHasNoBias) {
+  const auto pictures = [](AdaptiveMethod method, bool pilot) {
+    RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate, 24);
     s.adaptive.method = method;
     s.adaptive.pilot = pilot;
-    return measure(open_box(), s, frames, kImages, first_seed);
+    return measure(open_box(), s, kPilotFrames, kPilotImages, 1);
   };
   const ImageTestOptions options{.detectable = 0.02, .detectable_mean = 0.015};
-  const Moments truth = pictures(AllocationChoice::uniform, {}, false, 2 * kFrames, 1001);
   for (const AdaptiveMethod method : {AdaptiveMethod::pooled, AdaptiveMethod::paper}) {
     const std::string name = method == AdaptiveMethod::pooled ? "pooled" : "paper";
-    expect_same_picture("adaptive-pilot-" + name, pictures(AllocationChoice::adaptive, method, true, kFrames, 1), truth,
-                        options);
+    expect_same_picture("adaptive-pilot-" + name, pictures(method, true), reference_of_the_open_box(), options);
   }
   // The same comparison tells what a pilot that does nothing would leave.
-  const ImageTest without =
-      compare(pictures(AllocationChoice::adaptive, AdaptiveMethod::paper, false, kFrames, 1), truth, options);
+  const ImageTest without = compare(pictures(AdaptiveMethod::paper, false), reference_of_the_open_box(), options);
   EXPECT_GT(without.rejected_means, 0) << without.report();
 }
 
 /// The pixel's own values do not enter its own estimate.
-TEST(History, PooledDeviationsLeaveNoBiasThatShows) {
-  RenderSettings s = settings_of(AllocationChoice::uniform, HistoryChoice::accumulate, 24);
-  const Moments truth = measure(open_box(), s, 96, 96, 1001);
-  s.allocation = AllocationChoice::adaptive;
-  expect_same_picture("adaptive-pooled", measure(open_box(), s, 48, 96, 1), truth,
-                      {.detectable = 0.02, .detectable_mean = 0.015});
+TEST(SharedHistory, PooledDeviationsLeaveNoBiasThatShows) {
+  const RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate, 24);
+  expect_same_picture("adaptive-pooled", measure(open_box(), s, kPilotFrames, kPilotImages, 1),
+                      reference_of_the_open_box(), {.detectable = 0.02, .detectable_mean = 0.015});
 }
 
-TEST(History, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {
+TEST(SharedHistory, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {
   for (const AdaptiveMethod method : {AdaptiveMethod::pooled, AdaptiveMethod::paper}) {
     RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate);
     s.adaptive.method = method;
-    EXPECT_NEAR(mean_of(measure(cornell(), s, 128, kSeeds, 1)) / mean_of(reference()), 1.0, 0.02);
+    EXPECT_NEAR(mean_of(measure(cornell(), s, 128, kSeeds / 4, 1)) / mean_of(reference()), 1.0, 0.02);
   }
 }
 
-TEST(History, ReprojectionIsBiasedByLessThanTwoPercent) {
+TEST(SharedHistory, ReprojectionIsBiasedByLessThanTwoPercent) {
   for (const ReprojectionMethod method : {ReprojectionMethod::forward, ReprojectionMethod::backward}) {
     RenderSettings s = settings_of(AllocationChoice::uniform, HistoryChoice::reproject);
     s.reproject.method = method;
-    EXPECT_NEAR(mean_of(after_a_walk(s, 4, 16)) / mean_of(reference()), 1.0, 0.02);
+    EXPECT_NEAR(mean_of(after_a_walk(s, 4, 16, kSeeds / 4)) / mean_of(reference()), 1.0, 0.02);
   }
 }
 
 TEST(History, ReprojectionBeatsStartingAnew) {
   constexpr int kLarger = 96;  // at 32 every other pixel lies on an edge, which reprojection refuses
   const auto settings = [](HistoryChoice history) { return settings_of(AllocationChoice::uniform, history, kLarger); };
-  const Moments truth = measure(cornell(), settings(HistoryChoice::accumulate), 256, 2, 1001);
+  const Moments truth = measure(cornell(), settings(HistoryChoice::accumulate), 64, 2, 1001);
   const auto walk = [&](HistoryChoice history) { return mse_of(after_a_walk(settings(history), 4, 1, 4), truth); };
   EXPECT_LT(walk(HistoryChoice::reproject), 0.6 * walk(HistoryChoice::accumulate));
 }

@@ -66,11 +66,13 @@ Image Moments::mean_image() const {
 
 Moments measure(const Scene& scene, const RenderSettings& settings, int spp, int count, int first_seed) {
   std::vector<Image> images;
-  RenderSettings s = settings;
+  Session session(scene, settings);
   for (int i = 0; i < count; ++i) {
-    s.seed = first_seed + i;
-    images.push_back(render(scene, s, spp));
+    session.restart(first_seed + i);
+    for (int frame = 0; frame < spp; ++frame) session.render_frame();
+    images.push_back(session.image());
   }
+  EXPECT_EQ(session.statistics().nonfinite_samples, 0u);
   return moments_of(std::move(images));
 }
 
