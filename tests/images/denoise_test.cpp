@@ -59,7 +59,7 @@ const Image& reference_of(const char* scene, EstimatorChoice estimator, int movi
     settings.seed = 77;
     Session session(build(scene), settings);
     session.set_camera(moved(session.camera(), moving));
-    for (int i = 0; i < 256; ++i) session.render_frame();
+    for (int i = 0; i < 64; ++i) session.render_frame();
     image = session.image();
   }
   return image;

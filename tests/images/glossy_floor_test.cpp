@@ -60,28 +60,45 @@ RenderSettings settings_of(int seed) {
 struct Truth {
   Image image;
   std::vector<bool> floor;  ///< pixels that show it
+  double noise = 0;         ///< MSE of the image itself, there
 };
 
+double squared_distance(const Rgb& a, const Rgb& b) { return static_cast<double>(length_squared(a - b)) / 3; }
+
+/// Each the mean of two pictures of independent seeds, whose difference tells the noise of that mean.
 std::vector<Truth> truths(const Scene& scene) {
-  constexpr int kSamples = 256;
+  constexpr int kSamples = 64;
   std::vector<Truth> list;
   RenderSettings s = settings_of(1001);
   s.auxiliary = true;
   Session session(scene, s);
   for (const int frame : kCompared) {
     session.set_time(static_cast<float>(frame) / kFps);
-    for (int i = 0; i < kSamples; ++i) session.render_frame();
-    Truth truth{session.image(), {}};
+    Image halves[2];
+    for (int half = 0; half < 2; ++half) {
+      session.restart(1001 + half);
+      for (int i = 0; i < kSamples; ++i) session.render_frame();
+      halves[half] = session.image();
+    }
+    Truth truth{halves[0], {}};
     const View<const Vec3> position = buffer_table(session).view(kSurface.position);
     const View<const Vec3> normal = buffer_table(session).view(kSurface.normal);
     for (uint32_t i = 0; i < position.size; ++i)
       truth.floor.push_back(normal[i].y > 0.9f && std::fabs(position[i].y) < 0.01f);
+    double pixels = 0;
+    for (size_t i = 0; i < truth.floor.size(); ++i) {
+      truth.image.pixels[i] = 0.5f * (halves[0].pixels[i] + halves[1].pixels[i]);
+      if (!truth.floor[i]) continue;
+      truth.noise += 0.25 * squared_distance(halves[0].pixels[i], halves[1].pixels[i]);
+      pixels += 1;
+    }
+    truth.noise /= pixels;
     list.push_back(std::move(truth));
   }
   return list;
 }
 
-/// MSE of the floor's pixels.
+/// MSE of the floor's pixels, without the noise of what they are compared with.
 double floor_error(const Scene& scene, const std::vector<Truth>& truth, DenoiseChoice denoise, bool split) {
   double sum = 0;
   double pixels = 0;
@@ -99,8 +116,7 @@ double floor_error(const Scene& scene, const std::vector<Truth>& truth, DenoiseC
       const Image image = session.image();
       for (size_t i = 0; i < image.pixels.size(); ++i) {
         if (!t.floor[i]) continue;
-        const Rgb difference = image.pixels[i] - t.image.pixels[i];
-        sum += static_cast<double>(glm::dot(difference, difference)) / 3;
+        sum += squared_distance(image.pixels[i], t.image.pixels[i]) - t.noise;
         pixels += 1;
       }
     }

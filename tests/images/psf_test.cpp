@@ -212,19 +212,20 @@ TEST_P(Caches, FurnaceIsAnalyticWhateverTheVariance) {
 }
 
 TEST_P(Caches, WhatMovesShowsWithinTenFrames) {
+  constexpr int kSize = 80;
   for (const char* name : {"lamp", "tall box"}) {
     Scene scene = build("cornell");
     const Index node = node_named(scene, name);
     Transform moved = scene.nodes[static_cast<size_t>(node)].transform;
     moved.translation.x += name == std::string_view("lamp") ? 1.2f : 0.8f;
-    RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate, 128, 128);
+    RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::accumulate, kSize, kSize);
     s.auxiliary = true;
     s.path.max_bounces = 0;
     Session emission(scene, s, {node});
     Session moved_emission(scene, s, {node});
     moved_emission.set_transform(node, moved);
     const std::vector<bool> counts = steady_pixels(emission, moved_emission);
-    Session session(scene, settings_of(GetParam(), HistoryChoice::none, 128, 128), {node});
+    Session session(scene, settings_of(GetParam(), HistoryChoice::none, kSize, kSize), {node});
     mean_frame(session, 24);
     const Image before = mean_frame(session, 32);
     session.set_transform(node, moved);

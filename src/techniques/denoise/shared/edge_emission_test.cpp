@@ -131,7 +131,7 @@ TEST_P(EdgeEmissionOf, TakesNoiseOutOfThePixelAndLeavesItsMean) {
   session.render_frame();
   const std::vector<uint32_t> edges = edges_of(session);
   ASSERT_GT(edges.size(), 20u);
-  const int frames = 384;
+  const int frames = 192;
   const Moments plain = moments(edges, settings(0), GetParam().scene, frames);
   const Moments measured = moments(edges, settings(16), GetParam().scene, frames);
   EXPECT_LT(measured.variance, plain.variance / 3);
@@ -163,7 +163,7 @@ Image reference_of_the_box() {
   RenderSettings settings = settings_with(0, 99);
   settings.denoise = DenoiseChoice::none;
   Session session = box(settings);
-  for (int frame = 0; frame < 1024; ++frame) session.render_frame();
+  for (int frame = 0; frame < 256; ++frame) session.render_frame();
   return session.image();
 }
 

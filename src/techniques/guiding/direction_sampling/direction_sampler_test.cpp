@@ -54,12 +54,14 @@ testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint&
 
 TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   constexpr int kSamples = 40000;
+  // χ² of so many samples over 256 bins shows a density that is off by 6 %; 576 bins would show 7 %.
+  constexpr int kBins = 16;
   for (const bool stratified : {false, true}) {
     const Guide guide(stratified ? 0.25f : 0.5f, stratified);
     for (const testing::BsdfCase& c : materials()) {
       const SurfacePoint sp = make_point(c);
       const testing::DirectionChart chart = chart_of(c, sp);
-      testing::Histogram histogram(24);
+      testing::Histogram histogram(kBins);
       for (uint32_t i = 0; i < kSamples; ++i) {
         Sampler u = numbers(i);
         const BsdfSample s = guide.sampler.sample(sp, u);

@@ -78,7 +78,7 @@ TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
 TEST(LightListBuilder, StopsAndContinues) {
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   Backend backend(2);
-  const LightListOptions options{4.6f, 4096};
+  const LightListOptions options{4.6f, 1024};
   LightListBuilder builder(scene.view(), options, 0);
   std::stop_source stopped;
   stopped.request_stop();
