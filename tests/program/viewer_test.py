@@ -42,12 +42,14 @@ def steps_to(choice):
 
 
 class Viewer(ProgramTest):
+    THREADS = 1  # of the renderer, which works as long as the window is open
+
     def view(self, scene, script="", *arguments, frames=2, timeout=280):
         """Reports that the viewer printed, in order; the last is the one at the end."""
         (self.folder / "steps.txt").write_text(script)
         # A small window, for it is drawn by the processor too.
         arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
-        command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", *map(str, arguments)]
+        command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", "--threads", str(self.THREADS), *map(str, arguments)]
         environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
         done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -174,7 +176,7 @@ class Input(Viewer):
         self.assertEqual(report["selected"], 0)
 
     def test_a_flight_is_recorded_and_played(self):
-        script = "frames 1\nkey r\nkey w 30\nkey d 30\nkey r\nreport\nkey home\nframes 1\nplay\nseconds 0.2\nreport\nseconds 3\nframes 1\nreport\n"
+        script = "frames 1\nkey r\nkey w 20\nkey d 20\nkey r\nreport\nkey home\nframes 1\nplay\nseconds 0.2\nreport\nseconds 2\nframes 1\nreport\n"
         recorded, playing, played, _ = self.view("cornell", script)
         self.assertFalse(recorded["recording"])
         self.assertGreater(recorded["path_s"], 0.5)
@@ -346,9 +348,11 @@ class Settings(Viewer):
 
 
 class Rates(Viewer):
+    THREADS = 0  # all
+
     def check(self, scene):
-        # The first seconds find the size; then the camera moves for a while.
-        script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * 3 + "report\n"
+        # The first seconds find the size; then the camera moves, for a while where rates are required.
+        script = "pace moving\nframes 30\npace moving\n" + "key w 60\nkey s 60\n" * (3 if QUIET else 1) + "report\n"
         report = self.view(scene, script, "--max-bounces", 3, "--width", 1280, "--height", 720)[0]
         print(f"{scene}: interface {report['interface_hz']:.0f} Hz (worst second {report.get('worst_interface_hz')}, longest gap "
               f"{report['longest_gap_ms']:.0f} ms), {report['frames_per_s']:.1f} frames/s at {report['width']}x{report['height']}, "
