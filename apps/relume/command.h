@@ -30,7 +30,7 @@ enum class Completion { none, file, scene, preset, experiment, command, shell };
 struct Argument {
   std::string_view name;  ///< as help shows it: "SCENE"
   std::string* value = nullptr;
-  std::string_view help;
+  std::string help;
   bool required = true;
   Completion completion = Completion::file;
   bool repeats = false;  ///< takes all that is left; the values are joined by commas

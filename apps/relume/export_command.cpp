@@ -7,7 +7,7 @@
 #include "console.h"
 #include "file_roles.h"
 #include "files/extension.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "scene_source.h"
 
 namespace relume::cli {

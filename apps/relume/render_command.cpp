@@ -3,6 +3,7 @@
 #include "command.h"
 #include "render/settings.h"
 #include "render_job.h"
+#include "scene_io/scene_format.h"
 
 namespace relume::cli {
 namespace {
@@ -63,9 +64,7 @@ Command render_command(Verbosity& verbosity) {
               {"relume render scene.gltf -o out.png --camera Door --env sky.hdr --exposure -1",
                "another view and light"},
           },
-      .arguments = {{"SCENE", &options->scene,
-                     "glTF, OBJ, FBX, PLY, DAE or relume JSON file, or a built-in scene "
-                     "(`relume scenes`)",
+      .arguments = {{"SCENE", &options->scene, scene_format_names() + " file, or a built-in scene (`relume scenes`)",
                      true, Completion::scene}},
       .options = declare(*options),
       .setting_groups = setting_groups(*defaults),

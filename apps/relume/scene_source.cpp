@@ -7,7 +7,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "relume/error.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "settings/nearest_name.h"
 
 namespace relume::cli {

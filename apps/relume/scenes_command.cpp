@@ -5,29 +5,44 @@
 
 #include "builtin_scenes/builtin.h"
 #include "command.h"
+#include "scene_io/scene_format.h"
 
 namespace relume::cli {
+namespace {
+
+struct ScenesOptions {
+  bool names_only = false;
+  bool formats = false;
+};
+
+int run_scenes(const ScenesOptions& options) {
+  if (options.formats) {
+    std::fputs(scene_formats_reference().c_str(), stdout);
+    return kExitDone;
+  }
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    const std::string_view summary = options.names_only ? "" : scene.summary;
+    std::puts((summary.empty() ? std::string(scene.name) : fmt::format("{:18} {}", scene.name, summary)).c_str());
+  }
+  return kExitDone;
+}
+
+}  // namespace
 
 Command scenes_command() {
-  const auto names_only = std::make_shared<bool>(false);
+  const auto options = std::make_shared<ScenesOptions>();
   return {
       .name = "scenes",
       .summary = "List the built-in scenes.",
       .examples = {{"relume scenes", "names and what they are for"},
-                   {"relume scenes --names", "names alone, for scripts"}},
+                   {"relume scenes --names", "names alone, for scripts"},
+                   {"relume scenes --formats > docs/scene-formats.md", "what scene files may be: the reference page"}},
       .arguments = {},
-      .options = {{{"names", names_only.get(), "Names alone, one a line"}}},
+      .options = {{{"names", &options->names_only, "Names alone, one a line"}},
+                  {{"formats", &options->formats, "The formats of scene files, as a Markdown table"}}},
       .setting_groups = {},
       .setting_flags = nullptr,
-      .run =
-          [names_only] {
-            for (const BuiltinScene& scene : builtin_scenes()) {
-              const std::string_view summary = *names_only ? "" : scene.summary;
-              std::puts(
-                  (summary.empty() ? std::string(scene.name) : fmt::format("{:18} {}", scene.name, summary)).c_str());
-            }
-            return kExitDone;
-          },
+      .run = [options] { return run_scenes(*options); },
   };
 }
 

@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "render/settings.h"
+#include "scene_io/scene_format.h"
 #include "viewer/view_job.h"
 
 namespace relume::cli {
@@ -53,9 +54,8 @@ Command view_command(Verbosity& verbosity) {
               {"relume view cornell --width 640 --height 480", "a picture of fixed size"},
               {"relume view cornell --smoke 10 --screenshot window.png", "no window; for tests"},
           },
-      .arguments = {{"SCENE", &options->scene,
-                     "glTF, OBJ, FBX, PLY, DAE or relume JSON file, or a built-in scene (default: cornell)", false,
-                     Completion::scene}},
+      .arguments = {{"SCENE", &options->scene, scene_format_names() + " file, or a built-in scene (default: cornell)",
+                     false, Completion::scene}},
       .options = declare(*options),
       .setting_groups = setting_groups(*defaults),
       .setting_flags = &options->flags,

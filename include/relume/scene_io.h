@@ -1,4 +1,4 @@
-// Scene files in: glTF, what assimp reads, relume JSON. Scene files out: glTF.
+// Scene files in: the formats of docs/scene-formats.md. Scene files out: glTF.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,8 @@
 
 namespace relume {
 
-/// Loads by extension and content: .gltf and .glb; .json (relume's own, which refers to another scene file or to a
-/// built-in scene by name and overrides parts of it); PLY by our own reader; everything else through assimp. What is
-/// ignored or repaired becomes one of Scene::warnings. Throws Error; never crashes or hangs on malformed files.
+/// Loads a scene file, whose first bytes or extension tell its format. What is ignored or repaired becomes one of
+/// Scene::warnings. Throws Error; never crashes or hangs on malformed files.
 RELUME_API Scene load_scene(const std::filesystem::path& file);
 
 /// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives

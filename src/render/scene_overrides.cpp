@@ -4,9 +4,9 @@
 #include <string_view>
 
 #include "relume/error.h"
+#include "relume/scene_io.h"
 #include "render/settings.h"
 #include "scene/scene.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "core/vec.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 
 namespace relume {
 namespace {

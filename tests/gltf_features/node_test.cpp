@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "gltf_features/stage.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 
 namespace relume::support {
 namespace {

@@ -35,10 +35,10 @@ MAY_INCLUDE = {
     "report": "core framebuffer",
     "frame": "core sampling scene framebuffer",
     "techniques": "core settings sampling lights scene framebuffer frame",
-    "render": "core settings sampling materials scene files scene_io framebuffer frame techniques",
+    "render": "core settings sampling materials scene files framebuffer frame techniques",
     "compare": "core settings scene files metrics report render",
     "interface": "core compare experiments",  # of relume_lab, implemented
-    "experiments": "core settings scene builtin_scenes files scene_io metrics report techniques render compare",
+    "experiments": "core settings scene builtin_scenes files metrics report techniques render compare",
 }
 
 # A technique that builds on another names it here: "technique": "the ones whose headers it includes".

@@ -8,7 +8,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "relume/lab/metrics.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "support/image_test.h"
 #include "support/scenes.h"
 #include "support/test_name.h"

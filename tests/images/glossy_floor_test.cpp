@@ -12,8 +12,8 @@
 
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
+#include "relume/scene_io.h"
 #include "render/session.h"
-#include "scene_io/scene_io.h"
 #include "support/measure.h"
 
 namespace relume::support {

@@ -15,8 +15,8 @@
 #include "files/testing/temp_folder.h"
 #include "metrics/temporal.h"
 #include "relume/lab/metrics.h"
+#include "relume/scene_io.h"
 #include "render/session.h"
-#include "scene_io/scene_io.h"
 #include "support/measure.h"
 #include "techniques/temporal/reprojection/reprojection_pass.h"
 

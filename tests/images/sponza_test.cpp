@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "support/measure.h"
 
 namespace relume::support {

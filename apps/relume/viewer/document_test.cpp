@@ -8,7 +8,7 @@
 #include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
 #include "relume/image_io.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "viewer/save_view.h"
 
 namespace relume::viewer {

@@ -6,6 +6,7 @@
 #include <imgui/imgui_stdlib.h>
 
 #include "builtin_scenes/builtin.h"
+#include "scene_io/scene_format.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"
@@ -70,7 +71,7 @@ void draw_open(State& state) {
     }
     ImGui::EndCombo();
   }
-  tooltip("Built-in scenes. For others, drop a file on the window.");
+  tooltip("Built-in scenes. For others, drop a file on the window: " + scene_format_names() + ".");
 }
 
 void draw_time(State& state) {

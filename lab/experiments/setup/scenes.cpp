@@ -10,7 +10,7 @@
 #include "builtin_scenes/shapes.h"
 #include "experiments/setup/named.h"
 #include "relume/error.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 
 namespace relume {
 namespace {

@@ -1,26 +1,20 @@
 #include "scene_io/assimp/assimp_loader.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "files/bytes.h"
 #include "files/extension.h"
 #include "relume/error.h"
 #include "scene_io/assimp/assimp_import.h"
 #include "scene_io/assimp/assimp_textures.h"
+#include "scene_io/assimp/obj_libraries.h"
 #include "scene_io/assimp/trial_run.h"
-#include "scene_io/ply/ply_loader.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {
 
-/// What load_assimp() accepts. assimp reads more, but its rarer importers do not check their input.
-constexpr std::array<std::string_view, 7> kExtensions = {"obj", "fbx", "dae", "ply", "stl", "3ds", "off"};
 /// assimp computes sizes in 32 bits.
 constexpr uintmax_t kMaxFileSize = uintmax_t{1} << 31;
 
@@ -54,25 +48,20 @@ Scene load(const AssimpSource& source, uintmax_t file_size) {
 }  // namespace
 
 Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string& extension, const std::string& place) {
-  if (extension == "ply") return load_ply_from_memory(file, place);
   return load({extension, place, {}, file}, file.size());
 }
 
 Scene load_assimp(const std::filesystem::path& file) {
-  std::string extension = lower_extension(file);
-  if (!extension.empty()) extension.erase(0, 1);
-  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
-    throw Error(fmt::format("{}: scene files with extension '{}' are not supported; use gltf, glb, json, {}",
-                            file.string(), extension, fmt::join(kExtensions, ", ")));
-  std::error_code error;
-  const uintmax_t size = std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
-  if (error || !std::filesystem::is_regular_file(file))
-    throw Error(ErrorCode::not_found, fmt::format("{}: the file does not exist; check its path", file.string()));
+  const uintmax_t size = std::filesystem::file_size(file);
   if (size > kMaxFileSize)
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
-  if (size == 0) throw Error(fmt::format("{}: the file is empty; export or copy it again", file.string()));
-  if (extension == "ply") return load_ply_from_memory(read_file_bytes(file), file.string());
-  return load({extension, file.string(), file, {}}, size);
+  const std::string extension = lower_extension(file);
+  return load({extension.substr(std::min<size_t>(extension.size(), 1)), file.string(), file, {}}, size);
+}
+
+Scene load_obj(const std::filesystem::path& file) {
+  record_material_libraries(file);
+  return load_assimp(file);
 }
 
 }  // namespace relume

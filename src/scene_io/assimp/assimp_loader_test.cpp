@@ -8,7 +8,7 @@
 
 #include "image/testing/png.h"
 #include "relume/image_io.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/example_files.h"
 
 namespace relume {

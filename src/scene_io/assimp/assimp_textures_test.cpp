@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/example_files.h"
 
 namespace relume {

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include "scene_io/assimp/assimp_loader.h"
+#include "scene_io/ply/ply_loader.h"
 #include "scene_io/testing/example_files.h"
 
 namespace relume {
@@ -17,8 +18,8 @@ constexpr long kLimit_KiB = 2 << 20;
 
 std::string extension_of(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-/// Whether load_assimp() reads it.
-bool is_for_assimp(const ExampleFile& file) {
+/// Whether its format is neither glTF nor JSON.
+bool is_mesh_format(const ExampleFile& file) {
   const std::string extension = extension_of(file.name);
   return extension != "gltf" && extension != "glb" && extension != "json";
 }
@@ -50,7 +51,11 @@ void expect_plain(const std::string& message) {
 /// Whether the file loads; anything but a scene or an Error is a failure.
 bool loads(const std::string& name, const Bytes& bytes, const std::string& what) {
   try {
-    load_assimp_from_memory(bytes, extension_of(name), name);
+    if (extension_of(name) == "ply") {
+      load_ply_from_memory(bytes, name);
+    } else {
+      load_assimp_from_memory(bytes, extension_of(name), name);
+    }
     return true;
   } catch (const Error& error) {
     EXPECT_EQ(std::string_view(error.what()).find(name + ": "), 0u) << what << ": " << error.what();
@@ -64,7 +69,7 @@ bool loads(const std::string& name, const Bytes& bytes, const std::string& what)
 /// Reads `count` damaged files of every format.
 void read_damaged(uint32_t count) {
   for (const ExampleFile& file : example_files()) {
-    if (!is_for_assimp(file)) continue;
+    if (!is_mesh_format(file)) continue;
     uint32_t loaded = 0;
     for (uint32_t seed = 0; seed < count; ++seed)
       loaded += loads(file.name, damaged(file.bytes, seed), "seed " + std::to_string(seed)) ? 1 : 0;

@@ -9,7 +9,8 @@
 
 #include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
+#include "scene_io/gltf/gltf_loader.h"
 #include "scene_io/testing/written_gltf.h"
 
 namespace relume {

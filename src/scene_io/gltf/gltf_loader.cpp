@@ -2,7 +2,6 @@
 
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_nodes.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 

@@ -1,4 +1,4 @@
-// glTF from memory.
+// glTF files.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,9 @@
 #include "scene/scene.h"
 
 namespace relume {
+
+/// A .gltf or .glb file. Throws Error.
+Scene load_gltf(const std::filesystem::path& file);
 
 /// As load_gltf() for the bytes of a .gltf or .glb file. URIs are relative to `base_dir`; `place` names the file in
 /// messages. Throws Error.

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "relume/scene_io.h"
 #include "scene/scene_hash.h"
 #include "scene_io/gltf/gltf_loader.h"
-#include "scene_io/scene_io.h"
 #include "scene_io/testing/example_files.h"
 
 namespace relume {

@@ -4,10 +4,10 @@
 #include <glm/trigonometric.hpp>
 
 #include "relume/image_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/gltf/gltf_output.h"
 #include "scene_io/gltf/gltf_write_materials.h"
 #include "scene_io/gltf/gltf_write_nodes.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {

@@ -10,8 +10,9 @@
 #include "files/testing/temp_folder.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
+#include "relume/scene_io.h"
+#include "scene_io/gltf/gltf_loader.h"
 #include "scene_io/gltf/gltf_output.h"
-#include "scene_io/scene_io.h"
 #include "scene_io/testing/written_gltf.h"
 #include "scene_io/texture_decode.h"
 

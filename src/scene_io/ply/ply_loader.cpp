@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/srgb.h"
+#include "files/bytes.h"
 #include "relume/error.h"
 #include "scene_io/mesh_repair.h"
 #include "scene_io/ply/ply_header.h"
@@ -220,5 +221,7 @@ Scene load_ply_from_memory(std::span<const std::byte> file, const std::string& p
     throw Error(fmt::format("{}: triangle strips are not supported; save the mesh with faces", place));
   return scene_of(std::move(mesh), std::move(warnings), place);
 }
+
+Scene load_ply(const std::filesystem::path& file) { return load_ply_from_memory(read_file_bytes(file), file.string()); }
 
 }  // namespace relume

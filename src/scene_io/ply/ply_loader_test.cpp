@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/srgb.h"
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {

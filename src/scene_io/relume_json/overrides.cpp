@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "files/bytes.h"
+#include "relume/scene_io.h"
 #include "scene_io/decompose.h"
 #include "scene_io/look_rotation.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {

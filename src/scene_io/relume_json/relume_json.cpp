@@ -7,8 +7,8 @@
 #include "files/extension.h"
 #include "files/json_parse.h"
 #include "relume/error.h"
+#include "relume/scene_io.h"
 #include "scene_io/relume_json/overrides.h"
-#include "scene_io/scene_io.h"
 
 namespace relume {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "scene_io/scene_io.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {

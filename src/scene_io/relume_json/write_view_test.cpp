@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "relume/scene_io.h"
 #include "scene_io/look_rotation.h"
-#include "scene_io/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {

@@ -1,0 +1,109 @@
+#include "scene_io/scene_format.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "files/extension.h"
+#include "relume/error.h"
+#include "scene_io/assimp/assimp_loader.h"
+#include "scene_io/gltf/gltf_loader.h"
+#include "scene_io/ply/ply_loader.h"
+#include "scene_io/relume_json/relume_json.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kGltfContents =
+    "nodes, instances, meshes, materials, textures, cameras, lights, animation of nodes. Extensions: "
+    "KHR_materials_{emissive_strength, transmission, volume, ior, specular, clearcoat, unlit}, KHR_texture_transform, "
+    "KHR_lights_punctual, KHR_mesh_quantization, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, "
+    "EXT_meshopt_compression. Ignored with a warning: skins and morph targets, whose meshes keep their rest pose, and "
+    "other extensions. A `minVersion` above 2.0 gives a warning";
+constexpr const char* kJsonContents =
+    "relume's own format, which refers to a scene of another one "
+    "([reference](scene-json.md))";
+constexpr const char* kPlyContents =
+    "one mesh with normals, texture coordinates and colours: integers are display values (sRGB), floats linear";
+constexpr const char* kAssimpContents =
+    "nodes, meshes, materials, textures, lights, cameras, through assimp; "
+    "lengths and axes as they are";
+constexpr const char* kAssimpMetricContents =
+    "nodes, meshes, materials, textures, lights, cameras, through "
+    "assimp; lengths become metres, and +Y up";
+
+std::string first_bytes(const std::filesystem::path& file, size_t count) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
+  std::string bytes(count, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(count));
+  bytes.resize(static_cast<size_t>(in.gcount()));
+  return bytes;
+}
+
+std::vector<std::string_view> all_extensions() {
+  std::vector<std::string_view> all;
+  for (const SceneFormat& format : scene_formats())
+    all.insert(all.end(), format.extensions.begin(), format.extensions.end());
+  return all;
+}
+
+}  // namespace
+
+const std::vector<SceneFormat>& scene_formats() {
+  static const std::vector<SceneFormat> kFormats = {
+      {"glTF", {"gltf", "glb"}, "glTF", load_gltf, kGltfContents},
+      {"relume JSON", {"json"}, "", load_relume_json, kJsonContents},
+      {"PLY", {"ply"}, "", load_ply, kPlyContents},
+      {"OBJ", {"obj"}, "", load_obj, kAssimpContents},
+      {"FBX", {"fbx"}, "", load_assimp, kAssimpMetricContents},
+      {"DAE", {"dae"}, "", load_assimp, kAssimpMetricContents},
+      {"STL", {"stl"}, "", load_assimp, kAssimpContents},
+      {"3DS", {"3ds"}, "", load_assimp, kAssimpContents},
+      {"OFF", {"off"}, "", load_assimp, kAssimpContents},
+  };
+  return kFormats;
+}
+
+const SceneFormat& scene_format_of(const std::filesystem::path& file) {
+  constexpr size_t kLongestSignature = 16;
+  const std::string start = first_bytes(file, kLongestSignature);
+  for (const SceneFormat& format : scene_formats()) {
+    if (!format.signature.empty() && start.starts_with(format.signature)) return format;
+  }
+  std::string extension = lower_extension(file);
+  if (!extension.empty()) extension.erase(0, 1);
+  for (const SceneFormat& format : scene_formats()) {
+    if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
+      return format;
+  }
+  throw Error(fmt::format("{}: scene files with extension '{}' are not supported; use {}", file.string(), extension,
+                          fmt::join(all_extensions(), ", ")));
+}
+
+std::string scene_format_names() {
+  const std::vector<SceneFormat>& formats = scene_formats();
+  std::string names;
+  for (size_t i = 0; i < formats.size(); ++i) {
+    names += i == 0 ? "" : i + 1 < formats.size() ? ", " : " or ";
+    names += formats[i].name;
+  }
+  return names;
+}
+
+std::string scene_formats_reference() {
+  std::string text =
+      "# Scene formats\n\n"
+      "Made by `relume scenes --formats` from the declarations in the code. How readers treat what they cannot\n"
+      "represent: [scene files](scene-json.md#other-formats).\n\n"
+      "| format | extensions | what is read |\n|---|---|---|\n";
+  for (const SceneFormat& format : scene_formats()) {
+    text += fmt::format("| {} | `.{}` | {} |\n", format.name, fmt::join(format.extensions, "`, `."), format.contents);
+  }
+  return text;
+}
+
+}  // namespace relume

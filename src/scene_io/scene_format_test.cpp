@@ -1,0 +1,57 @@
+#include "scene_io/scene_format.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "relume/error.h"
+#include "scene_io/testing/scene_files.h"
+
+namespace relume {
+namespace {
+
+using testing::SceneFolder;
+
+TEST(SceneFormat, EachExtensionHasOneFormat) {
+  std::set<std::string_view> known;
+  for (const SceneFormat& format : scene_formats()) {
+    EXPECT_FALSE(format.extensions.empty()) << format.name;
+    EXPECT_NE(format.load, nullptr) << format.name;
+    for (const std::string_view extension : format.extensions) {
+      EXPECT_TRUE(known.insert(extension).second) << extension;
+      EXPECT_EQ(&scene_format_of("missing." + std::string(extension)), &format);
+    }
+  }
+}
+
+TEST(SceneFormat, TheSignatureCountsMoreThanTheExtension) {
+  const SceneFolder folder;
+  EXPECT_EQ(scene_format_of(folder.write("room.ply", "glTF\2")).name, "glTF");
+  EXPECT_EQ(scene_format_of(folder.write("room.PLY", "glT")).name, "PLY");
+}
+
+TEST(SceneFormat, AnUnknownOneIsRefusedWithAllExtensions) {
+  try {
+    scene_format_of("room.xyz");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(),
+                 "room.xyz: scene files with extension 'xyz' are not supported; use gltf, glb, json, ply, obj, fbx, "
+                 "dae, stl, 3ds, off");
+  }
+}
+
+TEST(SceneFormat, NamesMakeAPhrase) {
+  EXPECT_EQ(scene_format_names(), "glTF, relume JSON, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
+}
+
+TEST(SceneFormat, TheReferencePageIsUpToDate) {
+  std::ifstream stream(std::filesystem::path(RELUME_SOURCE_DIR) / "docs" / "scene-formats.md");
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  EXPECT_EQ(text, scene_formats_reference()) << "regenerate: relume scenes --formats > docs/scene-formats.md";
+}
+
+}  // namespace
+}  // namespace relume
