@@ -5,6 +5,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "command.h"
+#include "scene/material_parameters.h"
 #include "scene_io/scene_format.h"
 
 namespace relume::cli {
@@ -13,11 +14,16 @@ namespace {
 struct ScenesOptions {
   bool names_only = false;
   bool formats = false;
+  bool materials = false;
 };
 
 int run_scenes(const ScenesOptions& options) {
   if (options.formats) {
     std::fputs(scene_formats_reference().c_str(), stdout);
+    return kExitDone;
+  }
+  if (options.materials) {
+    std::fputs(material_parameters_reference().c_str(), stdout);
     return kExitDone;
   }
   for (const BuiltinScene& scene : builtin_scenes()) {
@@ -39,7 +45,8 @@ Command scenes_command() {
                    {"relume scenes --formats > docs/scene-formats.md", "what scene files may be: the reference page"}},
       .arguments = {},
       .options = {{{"names", &options->names_only, "Names alone, one a line"}},
-                  {{"formats", &options->formats, "The formats of scene files, as a Markdown table"}}},
+                  {{"formats", &options->formats, "The formats of scene files, as a Markdown table"}},
+                  {{"materials", &options->materials, "The parameters of materials, as a Markdown table"}}},
       .setting_groups = {},
       .setting_flags = nullptr,
       .run = [options] { return run_scenes(*options); },

@@ -6,18 +6,6 @@
 
 namespace relume {
 
-/// A material's parameters at one point, textures applied.
-struct MaterialSample {
-  Rgb base_color{1};
-  float metallic = 0;
-  float roughness = 1;
-  float specular = 1;
-  Rgb specular_color{1};
-  float transmission = 0;
-  float clearcoat = 0;
-  float clearcoat_roughness = 0;
-};
-
 namespace bsdf_assembly {
 
 RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfacet) {

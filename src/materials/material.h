@@ -1,4 +1,4 @@
-// Materials as kernels see them; scene/scene.h documents the meaning of each parameter.
+// Materials as kernels see them; relume/scene.h documents the meaning of each parameter.
 #pragma once
 
 #include "materials/microfacet.h"
@@ -43,5 +43,44 @@ struct MaterialData {
   RELUME_HD bool emissive() const { return !unlit && !is_black(emission); }
   RELUME_HD bool has_alpha() const { return mask || blend; }
 };
+
+/// A material's parameters at one point, textures applied.
+struct MaterialSample {
+  Rgb base_color{1};
+  float metallic = 0;
+  float roughness = 1;
+  float specular = 1;
+  Rgb specular_color{1};
+  float transmission = 0;
+  float clearcoat = 0;
+  float clearcoat_roughness = 0;
+};
+
+/// `fetch(use)` looks a texture up at that point.
+template <typename Fetch>
+RELUME_HD_INLINE MaterialSample sample_material(const MaterialData& m, const Fetch& fetch) {
+  MaterialSample s;
+  s.base_color = m.base_color;
+  s.metallic = m.metallic;
+  s.roughness = m.roughness;
+  s.specular = m.specular;
+  s.specular_color = m.specular_color;
+  s.transmission = m.transmission;
+  s.clearcoat = m.clearcoat;
+  s.clearcoat_roughness = m.clearcoat_roughness;
+  if (!m.uses_uv) return s;
+  if (m.base_color_texture.used()) s.base_color *= Rgb(fetch(m.base_color_texture));
+  if (m.metallic_roughness_texture.used()) {
+    const Vec4 t = fetch(m.metallic_roughness_texture);
+    s.roughness *= t.y;
+    s.metallic *= t.z;
+  }
+  if (m.specular_texture.used()) s.specular *= fetch(m.specular_texture).w;
+  if (m.specular_color_texture.used()) s.specular_color *= Rgb(fetch(m.specular_color_texture));
+  if (m.transmission_texture.used()) s.transmission *= fetch(m.transmission_texture).x;
+  if (m.clearcoat_texture.used()) s.clearcoat *= fetch(m.clearcoat_texture).x;
+  if (m.clearcoat_roughness_texture.used()) s.clearcoat_roughness *= fetch(m.clearcoat_roughness_texture).y;
+  return s;
+}
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "relume/error.h"
+#include "scene/material_parameters.h"
 #include "scene/placement.h"
 #include "scene/surface_point.h"
 
@@ -26,59 +27,6 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
   std::vector<uint32_t> counts;
   for (const Mesh& m : scene.meshes) counts.push_back(static_cast<uint32_t>(m.triangles.size()));
   return counts;
-}
-
-TextureUse texture_use(const TextureRef& ref) {
-  TextureUse u;
-  if (!ref.used()) return u;
-  u.texture = ref.texture;
-  u.uv_set = static_cast<uint32_t>(ref.uv_set);
-  const float c = std::cos(ref.rotation_rad);
-  const float s = std::sin(ref.rotation_rad);
-  u.transform = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y, ref.offset};
-  return u;
-}
-
-MaterialData material_data(const Material& m) {
-  MaterialData d;
-  d.base_color = m.base_color;
-  d.alpha = m.alpha;
-  d.metallic = saturate(m.metallic);
-  d.roughness = saturate(m.roughness);
-  d.normal_scale = clamp(m.normal_scale, -1e3f, 1e3f);  // whose squares of the brightest texels are finite
-  d.emission = m.emission;
-  d.alpha_cutoff = m.alpha_cutoff;
-  d.specular_color = m.specular_color;
-  d.specular = saturate(m.specular);
-  d.ior = std::max(m.ior, 1.0f);
-  d.transmission = saturate(m.transmission);
-  d.clearcoat = saturate(m.clearcoat);
-  d.clearcoat_roughness = saturate(m.clearcoat_roughness);
-  d.base_color_texture = texture_use(m.base_color_texture);
-  d.metallic_roughness_texture = texture_use(m.metallic_roughness_texture);
-  d.normal_texture = texture_use(m.normal_texture);
-  d.emission_texture = texture_use(m.emission_texture);
-  d.specular_texture = texture_use(m.specular_texture);
-  d.specular_color_texture = texture_use(m.specular_color_texture);
-  d.transmission_texture = texture_use(m.transmission_texture);
-  d.clearcoat_texture = texture_use(m.clearcoat_texture);
-  d.clearcoat_roughness_texture = texture_use(m.clearcoat_roughness_texture);
-  d.microfacet_model = m.microfacet_model;
-  d.mask = m.alpha_mode == AlphaMode::mask;
-  d.blend = m.alpha_mode == AlphaMode::blend;
-  d.double_sided = m.double_sided;
-  d.unlit = m.unlit;
-  d.volume = m.thickness > 0.0f && m.transmission > 0.0f;
-  if (d.volume && is_finite(m.attenuation_distance) && m.attenuation_distance > 0.0f) {
-    for (int c = 0; c < 3; ++c)
-      d.absorption[c] = -std::log(std::max(m.attenuation_color[c], 1e-6f)) / m.attenuation_distance;
-  }
-  for (const TextureUse* t : {&d.base_color_texture, &d.metallic_roughness_texture, &d.normal_texture,
-                              &d.emission_texture, &d.specular_texture, &d.specular_color_texture,
-                              &d.transmission_texture, &d.clearcoat_texture, &d.clearcoat_roughness_texture}) {
-    d.uses_uv = d.uses_uv || t->used();
-  }
-  return d;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // What the library asks of a scene beyond its public interface.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -12,11 +11,7 @@
 namespace relume {
 
 /// All uses of textures that a material makes or could make.
-inline std::array<const TextureRef*, 9> texture_refs(const Material& m) {
-  return {&m.base_color_texture,   &m.metallic_roughness_texture, &m.normal_texture,
-          &m.emission_texture,     &m.specular_texture,           &m.specular_color_texture,
-          &m.transmission_texture, &m.clearcoat_texture,          &m.clearcoat_roughness_texture};
-}
+std::vector<const TextureRef*> texture_refs(const Material& material);
 
 /// The same for one part of a scene that is about to be replaced.
 void validate(const Material& material, const std::string& place);

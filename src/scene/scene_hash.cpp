@@ -3,6 +3,8 @@
 #include <span>
 #include <type_traits>
 
+#include "scene/material_parameters.h"
+
 namespace relume {
 namespace {
 
@@ -58,13 +60,8 @@ class Hasher {
     return *this << t.width << t.height << t.format << t.wrap_u << t.wrap_v << t.filter << t.texels;
   }
   Hasher& operator<<(const Material& m) {
-    *this << m.base_color << m.alpha << m.base_color_texture << m.metallic << m.roughness
-          << m.metallic_roughness_texture << m.normal_texture << m.normal_scale << m.emission << m.emission_texture
-          << m.alpha_mode << m.alpha_cutoff << m.double_sided << m.unlit << m.ior;
-    return *this << m.specular << m.specular_texture << m.specular_color << m.specular_color_texture << m.transmission
-                 << m.transmission_texture << m.thickness << m.attenuation_color << m.attenuation_distance
-                 << m.clearcoat << m.clearcoat_texture << m.clearcoat_roughness << m.clearcoat_roughness_texture
-                 << m.microfacet_model;
+    for_each_parameter(m, [&](const MaterialParameter&, const auto& value) { *this << value; });
+    return *this;
   }
   Hasher& operator<<(const Mesh& m) {
     return *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;

@@ -77,33 +77,6 @@ RELUME_HD inline Vec4 fetch(const SceneView& scene, const TextureUse& use, const
   return texture.sample(use.transform(uv.uv[use.uv_set]), lod);
 }
 
-RELUME_HD inline MaterialSample sample_material(const SceneView& scene, const MaterialData& m, const Uv& uv,
-                                                float area) {
-  MaterialSample s;
-  s.base_color = m.base_color;
-  s.metallic = m.metallic;
-  s.roughness = m.roughness;
-  s.specular = m.specular;
-  s.specular_color = m.specular_color;
-  s.transmission = m.transmission;
-  s.clearcoat = m.clearcoat;
-  s.clearcoat_roughness = m.clearcoat_roughness;
-  if (!m.uses_uv) return s;
-  if (m.base_color_texture.used()) s.base_color *= Rgb(fetch(scene, m.base_color_texture, uv, area));
-  if (m.metallic_roughness_texture.used()) {
-    const Vec4 t = fetch(scene, m.metallic_roughness_texture, uv, area);
-    s.roughness *= t.y;
-    s.metallic *= t.z;
-  }
-  if (m.specular_texture.used()) s.specular *= fetch(scene, m.specular_texture, uv, area).w;
-  if (m.specular_color_texture.used()) s.specular_color *= Rgb(fetch(scene, m.specular_color_texture, uv, area));
-  if (m.transmission_texture.used()) s.transmission *= fetch(scene, m.transmission_texture, uv, area).x;
-  if (m.clearcoat_texture.used()) s.clearcoat *= fetch(scene, m.clearcoat_texture, uv, area).x;
-  if (m.clearcoat_roughness_texture.used())
-    s.clearcoat_roughness *= fetch(scene, m.clearcoat_roughness_texture, uv, area).y;
-  return s;
-}
-
 /// Position, its error bound, the previous position and the geometric normal (front, not normalised) of a hit.
 struct Geometry {
   Vec3 position;
@@ -234,14 +207,14 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   sp.ng = front * side;
 
   const float footprint_area = sqr(cone_width) / relume::max(std::fabs(cos_front), 0.05f);
-  Uv uv;
-  if (material.uses_uv) uv = uv_at(scene, mesh, t, twice_area);
+  const Uv uv = material.uses_uv ? uv_at(scene, mesh, t, twice_area) : Uv{};
 
   sp.ns = shading_normal(scene, mesh, material, instance, t, g, uv, footprint_area, front) * side;
   sp.frame = make_frame(visible_shading_normal(sp.ns, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 
-  MaterialSample parameters = sample_material(scene, material, uv, footprint_area);
+  MaterialSample parameters =
+      sample_material(material, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;
     parameters.base_color *= Rgb(interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y],

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/material_parameters.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
 
@@ -13,6 +14,14 @@ namespace {
 template <typename... Args>
 [[noreturn]] void fail(const std::string& place, fmt::format_string<Args...> format, Args&&... args) {
   throw Error(place + ": " + fmt::format(format, std::forward<Args>(args)...));
+}
+
+/// Finite, where the range is; anything that is no number.
+bool is_usable(float x, const ParameterRange& range) { return is_finite(range.high) ? is_finite(x) : !std::isnan(x); }
+bool is_usable(const Rgb& color, const ParameterRange&) { return is_finite(color); }
+template <typename T>
+bool is_usable(const T&, const ParameterRange&) {
+  return true;
 }
 
 bool in_range(float x, float low, float high) { return x >= low && x <= high; }
@@ -135,17 +144,12 @@ class Validator {
 }  // namespace
 
 void validate(const Material& m, const std::string& place) {
-  for (const Vec3& color : {m.base_color, m.emission, m.specular_color, m.attenuation_color}) {
-    if (!is_finite(color)) fail(place, "material '{}' has a colour that is not finite; give it another", m.name);
-  }
-  for (const float number : {m.alpha, m.metallic, m.roughness, m.normal_scale, m.alpha_cutoff, m.ior, m.specular,
-                             m.transmission, m.thickness, m.clearcoat, m.clearcoat_roughness}) {
-    if (!is_finite(number)) fail(place, "material '{}' has a number that is not finite; give it another", m.name);
-  }
+  for_each_parameter(m, [&](const MaterialParameter& p, const auto& value) {
+    if (!is_usable(value, p.range))
+      fail(place, "the {} of material '{}' is not finite; give it another", p.name, m.name);
+  });
   if (!is_radiance(m.emission))
     fail(place, "material '{}' has an emission that is negative or above {:g}; give it another", m.name, kMaxRadiance);
-  if (std::isnan(m.attenuation_distance))
-    fail(place, "material '{}' has an attenuation distance that is not a number; give it another", m.name);
 }
 
 void validate(const PunctualLight& l, const std::string& place) {

@@ -9,6 +9,7 @@
 #include "files/extension.h"
 #include "relume/error.h"
 #include "scene_io/assimp/assimp_loader.h"
+#include "scene_io/gltf/gltf_json.h"
 #include "scene_io/gltf/gltf_loader.h"
 #include "scene_io/ply/ply_loader.h"
 #include "scene_io/relume_json/relume_json.h"
@@ -16,12 +17,16 @@
 namespace relume {
 namespace {
 
-constexpr const char* kGltfContents =
-    "nodes, instances, meshes, materials, textures, cameras, lights, animation of nodes. Extensions: "
-    "KHR_materials_{emissive_strength, transmission, volume, ior, specular, clearcoat, unlit}, KHR_texture_transform, "
-    "KHR_lights_punctual, KHR_mesh_quantization, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, "
-    "EXT_meshopt_compression. Ignored with a warning: skins and morph targets, whose meshes keep their rest pose, and "
-    "other extensions. A `minVersion` above 2.0 gives a warning";
+std::string gltf_contents() {
+  return fmt::format(
+      "nodes, instances, meshes, materials, textures, cameras, lights, animation of nodes. Extensions: {}. Ignored "
+      "with "
+      "a warning: skins and morph targets, whose meshes keep their rest pose, and other extensions. A `minVersion` "
+      "above "
+      "2.0 gives a warning",
+      fmt::join(gltf::supported_extensions(), ", "));
+}
+
 constexpr const char* kJsonContents =
     "relume's own format, which refers to a scene of another one "
     "([reference](scene-json.md))";
@@ -55,7 +60,7 @@ std::vector<std::string_view> all_extensions() {
 
 const std::vector<SceneFormat>& scene_formats() {
   static const std::vector<SceneFormat> kFormats = {
-      {"glTF", {"gltf", "glb"}, "glTF", load_gltf, kGltfContents},
+      {"glTF", {"gltf", "glb"}, "glTF", load_gltf, gltf_contents()},
       {"relume JSON", {"json"}, "", load_relume_json, kJsonContents},
       {"PLY", {"ply"}, "", load_ply, kPlyContents},
       {"OBJ", {"obj"}, "", load_obj, kAssimpContents},

@@ -6,6 +6,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/euler.h"
+#include "scene/material_parameters.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
 #include "viewer/theme.h"
@@ -49,18 +50,27 @@ void draw_light(State& state, Index index) {
   if (node != kNone) draw_transform(state, node);
 }
 
+bool parameter_widget(const MaterialParameter& p, float& value) {
+  const ParameterWidget& w = p.widget;
+  if (w.kind == ParameterWidget::Kind::share) return share_widget(w.label, value, w.help);
+  if (w.kind != ParameterWidget::Kind::number) return false;
+  const bool changed = ImGui::SliderFloat(w.label, &value, p.range.low, w.most, "%.3f", ImGuiSliderFlags_AlwaysClamp);
+  tooltip(w.help);
+  return changed;
+}
+
+bool parameter_widget(const MaterialParameter& p, Rgb& value) {
+  const ParameterWidget& w = p.widget;
+  if (w.kind == ParameterWidget::Kind::color) return ImGui::ColorEdit3(w.label, &value.x, ImGuiColorEditFlags_Float);
+  return w.kind == ParameterWidget::Kind::radiance && radiant_widget(w.label, value, w.help);
+}
+
 void draw_material(State& state, Index index) {
   Material m = state.document->outline().materials[static_cast<size_t>(index)];
-  bool changed = ImGui::ColorEdit3("base color", &m.base_color.x, ImGuiColorEditFlags_Float);
-  changed |= share_widget("metallic", m.metallic, "0: a dielectric, 1: a metal");
-  changed |=
-      share_widget("roughness", m.roughness, "Perceptual; the square is the width of the microfacet distribution");
-  changed |= radiant_widget("emission", m.emission, "W/(sr m\xc2\xb2)");
-  changed |= share_widget("transmission", m.transmission, "How much goes through instead of being scattered back");
-  changed |= ImGui::SliderFloat("ior", &m.ior, 1, 3, "%.3f", ImGuiSliderFlags_AlwaysClamp);
-  changed |= share_widget("specular", m.specular, "Strength of the dielectric reflection");
-  changed |= share_widget("clearcoat", m.clearcoat, "A second, clear layer on top");
-  changed |= share_widget("coat roughness", m.clearcoat_roughness, "Of that layer");
+  bool changed = false;
+  for_each_parameter(m, [&](const MaterialParameter& p, auto& value) {
+    if constexpr (requires { parameter_widget(p, value); }) changed |= parameter_widget(p, value);
+  });
   if (!changed) return;
   state.document->set_material(index, m);
   state.touch();

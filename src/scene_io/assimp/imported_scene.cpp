@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/material_parameters.h"
 
 namespace relume {
 namespace {
@@ -24,11 +25,8 @@ concept Plain = std::same_as<T, std::byte> ||
 
 template <typename Archive>
 void fields(Archive& archive, Is<Material> auto& m) {
-  archive(m.name, m.base_color, m.alpha, m.base_color_texture, m.metallic, m.roughness, m.metallic_roughness_texture,
-          m.normal_texture, m.normal_scale, m.emission, m.emission_texture, m.alpha_mode, m.alpha_cutoff,
-          m.double_sided, m.unlit, m.ior, m.specular, m.specular_texture, m.specular_color, m.specular_color_texture,
-          m.transmission, m.transmission_texture, m.thickness, m.attenuation_color, m.attenuation_distance, m.clearcoat,
-          m.clearcoat_texture, m.clearcoat_roughness, m.clearcoat_roughness_texture, m.microfacet_model);
+  archive(m.name);
+  for_each_parameter(m, [&](const MaterialParameter&, auto& value) { archive(value); });
 }
 
 template <typename Archive>

@@ -10,25 +10,18 @@
 
 #include "files/json_parse.h"
 #include "relume/error.h"
+#include "scene/material_parameters.h"
 
 namespace relume::gltf {
 namespace {
 
 using nlohmann::json;
 
-constexpr std::array<std::string_view, 13> kSupportedExtensions = {"KHR_materials_emissive_strength",
-                                                                   "KHR_materials_transmission",
-                                                                   "KHR_materials_volume",
-                                                                   "KHR_materials_ior",
-                                                                   "KHR_materials_specular",
-                                                                   "KHR_materials_clearcoat",
-                                                                   "KHR_materials_unlit",
-                                                                   "KHR_texture_transform",
-                                                                   "KHR_lights_punctual",
-                                                                   "KHR_mesh_quantization",
-                                                                   "KHR_draco_mesh_compression",
-                                                                   "EXT_mesh_gpu_instancing",
-                                                                   "EXT_meshopt_compression"};
+/// Beside those of single material parameters.
+constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strength", "KHR_materials_unlit",
+                                                 "KHR_texture_transform",           "KHR_lights_punctual",
+                                                 "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
+                                                 "EXT_mesh_gpu_instancing",         "EXT_meshopt_compression"};
 
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",
@@ -156,8 +149,19 @@ int add_placeholder_view(json& root) {
 
 }  // namespace
 
+std::vector<std::string_view> supported_extensions() {
+  std::vector<std::string_view> names;
+  for (const MaterialParameter& p : material_parameters()) {
+    if (p.gltf.extension && std::find(names.begin(), names.end(), p.gltf.extension) == names.end())
+      names.emplace_back(p.gltf.extension);
+  }
+  names.insert(names.end(), std::begin(kOtherExtensions), std::end(kOtherExtensions));
+  return names;
+}
+
 bool is_supported_extension(std::string_view name) {
-  return std::find(kSupportedExtensions.begin(), kSupportedExtensions.end(), name) != kSupportedExtensions.end();
+  const std::vector<std::string_view> names = supported_extensions();
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 PreparedJson prepare_json(std::string_view json_text, const std::string& place) {

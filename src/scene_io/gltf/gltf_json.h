@@ -36,7 +36,9 @@ struct PreparedJson {
 /// that is not supported.
 PreparedJson prepare_json(std::string_view json_text, const std::string& place);
 
-/// Names of the extensions that the loader understands, as in extensionsUsed.
+/// Names of all extensions that the loader understands, as in extensionsUsed.
+std::vector<std::string_view> supported_extensions();
+/// Whether `name` is one of them.
 bool is_supported_extension(std::string_view name);
 
 }  // namespace relume::gltf

@@ -1,6 +1,7 @@
 #include "scene_io/gltf/gltf_materials.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -54,8 +55,7 @@ Material MaterialImporter::convert(const tinygltf::Material& source) {
   Material material;
   material.name = source.name;
   convert_core(source, material);
-  convert_surface_extensions(source, material);
-  convert_volume_extensions(source, material);
+  convert_extensions(source, material);
   return material;
 }
 
@@ -91,48 +91,57 @@ void MaterialImporter::warn_of_coat_normals(const tinygltf::Material& source, co
                                                : "is smooth over a normal texture; here it is bent by that, too"));
 }
 
-void MaterialImporter::convert_surface_extensions(const tinygltf::Material& source, Material& m) {
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength")) {
-    m.emission *= limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name);
-    m.emission = limited(m.emission, kMaxRadiance, "emission", m.name);
-  }
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_specular")) {
-    m.specular = limited(number_member(*e, "specularFactor", 1), 0, 1, "specular", m.name);
-    m.specular_texture = reference(*e, "specularTexture", TextureUse::data);
-    m.specular_color = limited(vec3_member(*e, "specularColorFactor", Vec3(1)), kLargest, "specular colour", m.name);
-    m.specular_color_texture = reference(*e, "specularColorTexture", TextureUse::color);
-  }
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_clearcoat")) {
-    m.clearcoat = limited(number_member(*e, "clearcoatFactor", 0), 0, 1, "clearcoat", m.name);
-    m.clearcoat_texture = reference(*e, "clearcoatTexture", TextureUse::data);
-    m.clearcoat_roughness =
-        limited(number_member(*e, "clearcoatRoughnessFactor", 0), 0, 1, "clearcoat roughness", m.name);
-    m.clearcoat_roughness_texture = reference(*e, "clearcoatRoughnessTexture", TextureUse::data);
-    warn_of_coat_normals(source, *e, m);
-  }
-  apply_material_extras(source.extras, m);
-  m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
-  if (!m.unlit && m.clearcoat > 0 && m.emission != Vec3(0))
-    document_.warnings.add("material '" + m.name + "' emits below a clearcoat, which does not dim its light");
+void MaterialImporter::convert_emission_strength(const tinygltf::Material& source, Material& m) {
+  const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength");
+  if (!e) return;
+  m.emission *= limited(number_member(*e, "emissiveStrength", 1), 0, kLargest, "emissive strength", m.name);
+  m.emission = limited(m.emission, kMaxRadiance, "emission", m.name);
 }
 
-void MaterialImporter::convert_volume_extensions(const tinygltf::Material& source, Material& m) {
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_transmission")) {
-    m.transmission = limited(number_member(*e, "transmissionFactor", 0), 0, 1, "transmission", m.name);
-    m.transmission_texture = reference(*e, "transmissionTexture", TextureUse::data);
+void MaterialImporter::read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& m,
+                            float& value) {
+  const double number = number_member(extension, p.gltf.key, value);
+  const auto is = [&](float Material::*member) { return p.member == MaterialParameter::Member(member); };
+  if (is(&Material::ior) && number == 0) {
+    value = kIorOfZero;
+    return;
   }
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_ior")) {
-    const double ior = number_member(*e, "ior", 1.5);
-    m.ior = ior == 0 ? kIorOfZero : limited(ior, 1, kIorOfZero, "index of refraction", m.name);
-  }
-  if (const auto* e = find_extension(source.extensions, "KHR_materials_volume")) {
-    m.thickness = limited(number_member(*e, "thicknessFactor", 0), 0, kLargest, "thickness", m.name);
-    m.attenuation_color = limited(vec3_member(*e, "attenuationColor", Vec3(1)), 1, "attenuation colour", m.name);
-    const double distance = number_member(*e, "attenuationDistance", 0);
-    if (distance > 0) m.attenuation_distance = limited(distance, 1e-6, kLargest, "attenuation distance", m.name);
-    if (object_member(*e, "thicknessTexture"))
-      document_.warnings.add("thickness textures are ignored; rays measure the thickness");
-  }
+  if (is(&Material::attenuation_distance) && (number <= 0 || std::isinf(number))) return;  // nothing is absorbed
+  value = limited(number, p.range.low, std::min(p.range.high, kLargest), p.name, m.name);
+}
+
+void MaterialImporter::read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& m,
+                            Rgb& value) {
+  value = limited(vec3_member(extension, p.gltf.key, value), p.range.high, p.name, m.name);
+}
+
+void MaterialImporter::read(const tinygltf::Value& extension, const MaterialParameter& p, const Material&,
+                            TextureRef& value) {
+  value = reference(extension, p.gltf.key, p.color_texture ? TextureUse::color : TextureUse::data);
+}
+
+void MaterialImporter::convert_extensions(const tinygltf::Material& source, Material& m) {
+  convert_emission_strength(source, m);
+  for_each_parameter(m, [&](const MaterialParameter& p, auto& value) {
+    const auto* extension = p.gltf.extension ? find_extension(source.extensions, p.gltf.extension) : nullptr;
+    if constexpr (requires { read(*extension, p, m, value); }) {
+      if (extension) read(*extension, p, m, value);
+    }
+  });
+  apply_material_extras(source.extras, m);
+  m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
+  warn_of_layers(source, m);
+}
+
+/// What extensions say that has no parameter here.
+void MaterialImporter::warn_of_layers(const tinygltf::Material& source, const Material& m) {
+  if (const auto* coat = find_extension(source.extensions, "KHR_materials_clearcoat"))
+    warn_of_coat_normals(source, *coat, m);
+  if (!m.unlit && m.clearcoat > 0 && m.emission != Vec3(0))
+    document_.warnings.add("material '" + m.name + "' emits below a clearcoat, which does not dim its light");
+  const auto* volume = find_extension(source.extensions, "KHR_materials_volume");
+  if (volume && object_member(*volume, "thicknessTexture"))
+    document_.warnings.add("thickness textures are ignored; rays measure the thickness");
 }
 
 TextureRef MaterialImporter::reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use) {
@@ -171,10 +180,10 @@ TextureRef MaterialImporter::reference(const tinygltf::Value& extension, const c
 
 float MaterialImporter::limited(double value, double low, double high, const char* what, const std::string& material) {
   if (value >= low && value <= high) return static_cast<float>(value);
-  const double nearest = std::clamp(value, low, high);
+  const auto nearest = static_cast<float>(std::clamp(value, low, high));
   document_.warnings.add(
       fmt::format("material '{}': {} {} is out of range; {} takes its place", material, what, value, nearest));
-  return static_cast<float>(nearest);
+  return nearest;
 }
 
 Vec3 MaterialImporter::limited(const Vec3& value, float high, const char* what, const std::string& material) {

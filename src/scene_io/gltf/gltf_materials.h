@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "scene/material_parameters.h"
 #include "scene_io/gltf/gltf_textures.h"
 
 namespace relume::gltf {
@@ -21,10 +22,15 @@ class MaterialImporter {
  private:
   Material convert(const tinygltf::Material& source);
   void convert_core(const tinygltf::Material& source, Material& material);
-  void convert_surface_extensions(const tinygltf::Material& source, Material& material);
+  void convert_extensions(const tinygltf::Material& source, Material& material);
+  void convert_emission_strength(const tinygltf::Material& source, Material& material);
+  /// One parameter of an extension that the material has; `value` is its default.
+  void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, float& value);
+  void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, Rgb& value);
+  void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, TextureRef& value);
+  void warn_of_layers(const tinygltf::Material& source, const Material& material);
   void warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
                             const Material& material);
-  void convert_volume_extensions(const tinygltf::Material& source, Material& material);
   TextureRef reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use);
   template <typename Info>
   TextureRef reference(const Info& info, TextureUse use);

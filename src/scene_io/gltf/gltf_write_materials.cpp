@@ -9,6 +9,7 @@
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "relume/image_io.h"
+#include "scene/material_parameters.h"
 
 namespace relume::gltf {
 namespace {
@@ -91,8 +92,8 @@ OutputJson MaterialWriter::material(const Material& m) {
   OutputJson extensions;
   if (strength > 1)
     add_extension(extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", number(strength)}});
-  add_surface_extensions(m, extensions);
-  add_volume_extensions(m, extensions);
+  if (m.unlit) add_extension(extensions, "KHR_materials_unlit", OutputJson::object());
+  add_parameters(m, extensions);
   if (!extensions.is_null()) json["extensions"] = std::move(extensions);
   if (m.microfacet_model == MicrofacetModel::beckmann) json["extras"]["relume"]["microfacet_model"] = "beckmann";
   return json;
@@ -113,24 +114,23 @@ OutputJson MaterialWriter::metallic_roughness(const Material& m) {
   return json;
 }
 
-void MaterialWriter::add_surface_extensions(const Material& m, OutputJson& extensions) {
-  if (m.unlit) add_extension(extensions, "KHR_materials_unlit", OutputJson::object());
-  if (m.ior != 1.5f) add_extension(extensions, "KHR_materials_ior", {{"ior", number(m.ior)}});
-
-  OutputJson specular = OutputJson::object();
-  if (m.specular != 1) specular["specularFactor"] = number(m.specular);
-  add_texture(specular, "specularTexture", m.specular_texture, Use::data);
-  if (m.specular_color != Rgb(1)) specular["specularColorFactor"] = numbers(m.specular_color);
-  add_texture(specular, "specularColorTexture", m.specular_color_texture, Use::color);
-  if (!specular.empty()) add_extension(extensions, "KHR_materials_specular", std::move(specular));
-
-  OutputJson coat = OutputJson::object();
-  if (m.clearcoat != 0) coat["clearcoatFactor"] = number(m.clearcoat);
-  add_texture(coat, "clearcoatTexture", m.clearcoat_texture, Use::data);
-  if (m.clearcoat_roughness != 0) coat["clearcoatRoughnessFactor"] = number(m.clearcoat_roughness);
-  add_texture(coat, "clearcoatRoughnessTexture", m.clearcoat_roughness_texture, Use::data);
-  if (m.clearcoat != 0) add_normal_texture(coat, "clearcoatNormalTexture", m);  // as the base
-  if (!coat.empty()) add_extension(extensions, "KHR_materials_clearcoat", std::move(coat));
+/// Members that differ from their defaults.
+void MaterialWriter::add_parameters(const Material& m, OutputJson& extensions) {
+  const Material defaults;
+  for_each_parameter(m, [&](const MaterialParameter& p, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if (!p.gltf.extension) return;
+    OutputJson members = OutputJson::object();
+    if constexpr (std::is_same_v<T, TextureRef>) {
+      add_texture(members, p.gltf.key, value, p.color_texture ? Use::color : Use::data);
+    } else if (const T& fallback = defaults.*std::get<T Material::*>(p.member); value != fallback) {
+      if constexpr (std::is_same_v<T, float>) members[p.gltf.key] = number(value);
+      if constexpr (std::is_same_v<T, Rgb>) members[p.gltf.key] = numbers(value);
+    }
+    if (!members.empty()) add_extension(extensions, p.gltf.extension, std::move(members));
+  });
+  if (m.clearcoat != 0)
+    add_normal_texture(extensions["KHR_materials_clearcoat"], "clearcoatNormalTexture", m);  // as the base
 }
 
 void MaterialWriter::add_normal_texture(OutputJson& json, const char* key, const Material& m) {
@@ -138,21 +138,10 @@ void MaterialWriter::add_normal_texture(OutputJson& json, const char* key, const
   if (m.normal_texture.used() && m.normal_scale != 1) json[key]["scale"] = number(m.normal_scale);
 }
 
-void MaterialWriter::add_volume_extensions(const Material& m, OutputJson& extensions) {
-  OutputJson transmission = OutputJson::object();
-  if (m.transmission != 0) transmission["transmissionFactor"] = number(m.transmission);
-  add_texture(transmission, "transmissionTexture", m.transmission_texture, Use::data);
-  if (!transmission.empty()) add_extension(extensions, "KHR_materials_transmission", std::move(transmission));
-
-  OutputJson volume = OutputJson::object();
-  if (m.thickness != 0) volume["thicknessFactor"] = number(m.thickness);
-  if (m.attenuation_color != Rgb(1)) volume["attenuationColor"] = numbers(m.attenuation_color);
-  if (is_finite(m.attenuation_distance)) volume["attenuationDistance"] = number(m.attenuation_distance);
-  if (!volume.empty()) add_extension(extensions, "KHR_materials_volume", std::move(volume));
-}
-
-void MaterialWriter::add_extension(OutputJson& extensions, const char* name, OutputJson members) {
-  extensions[name] = std::move(members);
+void MaterialWriter::add_extension(OutputJson& extensions, const char* name, const OutputJson& members) {
+  OutputJson& extension = extensions[name];
+  if (extension.is_null()) extension = OutputJson::object();
+  extension.update(members);
   output_.use_extension(name);
 }
 
@@ -164,7 +153,7 @@ void MaterialWriter::add_texture(OutputJson& object, const char* key, const Text
   if (ref.offset != Vec2(0)) transform["offset"] = numbers(ref.offset);
   if (ref.rotation_rad != 0) transform["rotation"] = number(ref.rotation_rad);
   if (ref.scale != Vec2(1)) transform["scale"] = numbers(ref.scale);
-  if (!transform.empty()) add_extension(info["extensions"], "KHR_texture_transform", std::move(transform));
+  if (!transform.empty()) add_extension(info["extensions"], "KHR_texture_transform", transform);
   object[key] = std::move(info);
 }
 

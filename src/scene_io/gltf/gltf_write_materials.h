@@ -23,12 +23,12 @@ class MaterialWriter {
 
   OutputJson material(const Material& m);
   OutputJson metallic_roughness(const Material& m);
-  void add_surface_extensions(const Material& m, OutputJson& extensions);
-  void add_volume_extensions(const Material& m, OutputJson& extensions);
+  void add_parameters(const Material& m, OutputJson& extensions);
   /// Adds a texture info at `key` if `ref` names a texture.
   void add_texture(OutputJson& object, const char* key, const TextureRef& ref, Use use);
   void add_normal_texture(OutputJson& object, const char* key, const Material& material);
-  void add_extension(OutputJson& extensions, const char* name, OutputJson members);
+  /// Adds `members` to those that the extension has.
+  void add_extension(OutputJson& extensions, const char* name, const OutputJson& members);
 
   int texture(Index index, Use use);
   int sampler(const Texture& t);

@@ -26,7 +26,7 @@ Vec3 to_vec3(const json& value) { return {value[0].get<float>(), value[1].get<fl
 }  // namespace
 
 JsonObject::JsonObject(const json& value, std::string path, std::string place,
-                       std::initializer_list<std::string_view> valid_keys)
+                       std::span<const std::string_view> valid_keys)
     : value_(&value), path_(std::move(path)), place_(std::move(place)) {
   if (!value.is_object())
     fail(fmt::format("{} must be an object, not {}", path_.empty() ? "the file" : path_, value.type_name()));
@@ -98,7 +98,7 @@ Rgb JsonObject::rgb(const char* key, const Rgb& fallback) const {
   return result;
 }
 
-int JsonObject::choice(const char* key, int fallback, std::initializer_list<std::string_view> names) const {
+int JsonObject::choice(const char* key, int fallback, std::span<const std::string_view> names) const {
   if (!has(key)) return fallback;
   const std::string name = string(key, "");
   const auto it = std::find(names.begin(), names.end(), name);
@@ -106,11 +106,11 @@ int JsonObject::choice(const char* key, int fallback, std::initializer_list<std:
   return static_cast<int>(it - names.begin());
 }
 
-JsonObject JsonObject::object(const char* key, std::initializer_list<std::string_view> valid_keys) const {
+JsonObject JsonObject::object(const char* key, std::span<const std::string_view> valid_keys) const {
   return {at(key), path_of(key), place_, valid_keys};
 }
 
-std::vector<JsonObject> JsonObject::objects(const char* key, std::initializer_list<std::string_view> valid_keys) const {
+std::vector<JsonObject> JsonObject::objects(const char* key, std::span<const std::string_view> valid_keys) const {
   std::vector<JsonObject> objects;
   if (!has(key)) return objects;
   const json& list = at(key);

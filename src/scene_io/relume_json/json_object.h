@@ -4,8 +4,10 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,7 +21,10 @@ class JsonObject {
   /// `path` is where `value` stands in the file ("camera", "lights[2]"; empty: the whole file). `value` must outlive
   /// this. Throws Error if it is not an object or has a key that is not among `valid_keys`; empty: any key.
   JsonObject(const nlohmann::json& value, std::string path, std::string place,
-             std::initializer_list<std::string_view> valid_keys);
+             std::span<const std::string_view> valid_keys);
+  JsonObject(const nlohmann::json& value, std::string path, std::string place,
+             std::initializer_list<std::string_view> valid_keys)
+      : JsonObject(value, std::move(path), std::move(place), std::span(valid_keys.begin(), valid_keys.size())) {}
 
   bool has(const char* key) const;
   const nlohmann::json& at(const char* key) const;
@@ -33,11 +38,17 @@ class JsonObject {
   /// A list of three numbers ≥ 0, or one number for all three.
   Rgb rgb(const char* key, const Rgb& fallback) const;
   /// Index of the string at `key` in `names`.
-  int choice(const char* key, int fallback, std::initializer_list<std::string_view> names) const;
+  int choice(const char* key, int fallback, std::span<const std::string_view> names) const;
 
-  JsonObject object(const char* key, std::initializer_list<std::string_view> valid_keys) const;
+  JsonObject object(const char* key, std::span<const std::string_view> valid_keys) const;
+  JsonObject object(const char* key, std::initializer_list<std::string_view> valid_keys) const {
+    return object(key, std::span(valid_keys.begin(), valid_keys.size()));
+  }
   /// The objects of the list at `key`; empty if there is none.
-  std::vector<JsonObject> objects(const char* key, std::initializer_list<std::string_view> valid_keys) const;
+  std::vector<JsonObject> objects(const char* key, std::span<const std::string_view> valid_keys) const;
+  std::vector<JsonObject> objects(const char* key, std::initializer_list<std::string_view> valid_keys) const {
+    return objects(key, std::span(valid_keys.begin(), valid_keys.size()));
+  }
 
   /// Throws Error unless `key` is there.
   void require(const char* key) const;

@@ -8,6 +8,7 @@
 
 #include "files/bytes.h"
 #include "relume/scene_io.h"
+#include "scene/material_parameters.h"
 #include "scene_io/decompose.h"
 #include "scene_io/look_rotation.h"
 
@@ -15,6 +16,8 @@ namespace relume {
 namespace {
 
 constexpr float kLargest = 1e30f;
+constexpr std::string_view kLightTypes[] = {"point", "spot", "directional"};
+constexpr std::string_view kProjections[] = {"perspective", "orthographic", "panoramic"};
 
 float degrees(const JsonObject& object, const char* key, float fallback_rad, float low, float high) {
   return object.has(key) ? glm::radians(object.number(key, 0, low, high)) : fallback_rad;
@@ -47,8 +50,7 @@ std::vector<float> key_times(const std::vector<JsonObject>& keys) {
 Camera read_camera(const JsonObject& object) {
   Camera camera;
   camera.name = object.string("name", "camera");
-  camera.projection =
-      static_cast<Projection>(object.choice("projection", 0, {"perspective", "orthographic", "panoramic"}));
+  camera.projection = static_cast<Projection>(object.choice("projection", 0, kProjections));
   camera.fov_y_rad = degrees(object, "fov_y_deg", camera.fov_y_rad, 0.01f, 179.0f);
   camera.half_height = object.number("half_height", camera.half_height, 1e-6f, kLargest);
   camera.lens_radius = object.number("lens_radius", camera.lens_radius, 0, kLargest);
@@ -75,7 +77,7 @@ PunctualLight read_light(const JsonObject& object) {
   PunctualLight light;
   light.name = object.string("name", "light");
   object.require("type");
-  light.type = static_cast<PunctualType>(object.choice("type", 0, {"point", "spot", "directional"}));
+  light.type = static_cast<PunctualType>(object.choice("type", 0, kLightTypes));
   light.intensity = object.rgb("intensity", light.intensity);
   light.outer_cone_rad = degrees(object, "outer_cone_deg", light.outer_cone_rad, 0.1f, 90);
   light.inner_cone_rad = degrees(object, "inner_cone_deg", light.inner_cone_rad, 0, 90);
@@ -109,38 +111,34 @@ std::string some_names(const Items& items) {
   return names.empty() ? "(the scene has none)" : names;
 }
 
-float factor(const JsonObject& object, const char* key, float fallback) { return object.number(key, fallback, 0, 1); }
-
-Rgb reflectance(const JsonObject& object, const char* key, const Rgb& fallback) {
-  const Rgb color = object.rgb(key, fallback);
-  if (object.has(key) && max_component(color) > 1)
-    object.fail(fmt::format("{} must not exceed 1", object.path_of(key)));
+/// The member of the parameter's name, or `value` if there is none.
+float read(const JsonObject& object, const MaterialParameter& p, float value) {
+  return object.number(p.key, value, p.range.low, p.range.high);
+}
+bool read(const JsonObject& object, const MaterialParameter& p, bool value) { return object.boolean(p.key, value); }
+Rgb read(const JsonObject& object, const MaterialParameter& p, const Rgb& value) {
+  const Rgb color = object.rgb(p.key, value);
+  if (object.has(p.key) && max_component(color) > p.range.high)
+    object.fail(fmt::format("{} must not exceed {:g}", object.path_of(p.key), p.range.high));
   return color;
 }
+template <typename T>
+requires std::is_enum_v<T> T read(const JsonObject& object, const MaterialParameter& p, T value) {
+  return static_cast<T>(object.choice(p.key, static_cast<int>(value), p.choices));
+}
+/// Files of this format do not change textures.
+TextureRef read(const JsonObject&, const MaterialParameter&, const TextureRef& value) { return value; }
 
 void override_material(const JsonObject& object, Material& m) {
-  m.base_color = reflectance(object, "base_color", m.base_color);
-  m.alpha = factor(object, "alpha", m.alpha);
-  m.metallic = factor(object, "metallic", m.metallic);
-  m.roughness = factor(object, "roughness", m.roughness);
-  m.normal_scale = object.number("normal_scale", m.normal_scale, -kLargest, kLargest);
-  m.emission = object.rgb("emission", m.emission);
-  m.alpha_mode =
-      static_cast<AlphaMode>(object.choice("alpha_mode", static_cast<int>(m.alpha_mode), {"opaque", "mask", "blend"}));
-  m.alpha_cutoff = factor(object, "alpha_cutoff", m.alpha_cutoff);
-  m.double_sided = object.boolean("double_sided", m.double_sided);
-  m.unlit = object.boolean("unlit", m.unlit);
-  m.ior = object.number("ior", m.ior, 1, 1000);
-  m.specular = factor(object, "specular", m.specular);
-  m.specular_color = object.rgb("specular_color", m.specular_color);
-  m.transmission = factor(object, "transmission", m.transmission);
-  m.thickness = object.number("thickness", m.thickness, 0, kLargest);
-  m.attenuation_color = reflectance(object, "attenuation_color", m.attenuation_color);
-  m.attenuation_distance = object.number("attenuation_distance", m.attenuation_distance, 1e-6f, kInfinity);
-  m.clearcoat = factor(object, "clearcoat", m.clearcoat);
-  m.clearcoat_roughness = factor(object, "clearcoat_roughness", m.clearcoat_roughness);
-  m.microfacet_model = static_cast<MicrofacetModel>(
-      object.choice("microfacet_model", static_cast<int>(m.microfacet_model), {"ggx", "beckmann"}));
+  for_each_parameter(m, [&](const MaterialParameter& p, auto& value) { value = read(object, p, value); });
+}
+
+std::vector<std::string_view> material_keys() {
+  std::vector<std::string_view> keys;
+  for (const MaterialParameter& p : material_parameters()) {
+    if (!std::holds_alternative<TextureRef Material::*>(p.member)) keys.push_back(p.key);
+  }
+  return keys;
 }
 
 /// Degrees about X, then Y, then Z.
@@ -292,26 +290,7 @@ void apply_materials(const JsonObject& root, Scene& scene) {
   if (!root.has("materials")) return;
   const JsonObject materials = root.object("materials", {});
   for (const std::string& name : materials.keys()) {
-    const JsonObject object = materials.object(name.c_str(), {"base_color",
-                                                              "alpha",
-                                                              "metallic",
-                                                              "roughness",
-                                                              "normal_scale",
-                                                              "emission",
-                                                              "alpha_mode",
-                                                              "alpha_cutoff",
-                                                              "double_sided",
-                                                              "unlit",
-                                                              "ior",
-                                                              "specular",
-                                                              "specular_color",
-                                                              "transmission",
-                                                              "thickness",
-                                                              "attenuation_color",
-                                                              "attenuation_distance",
-                                                              "clearcoat",
-                                                              "clearcoat_roughness",
-                                                              "microfacet_model"});
+    const JsonObject object = materials.object(name.c_str(), material_keys());
     bool found = false;
     for (Material& material : scene.materials) {
       if (material.name != name) continue;

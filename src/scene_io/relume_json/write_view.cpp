@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/euler.h"
+#include "scene/material_parameters.h"
 
 namespace relume {
 namespace {
@@ -51,15 +52,14 @@ json camera_key_to_json(float time_s, const Vec3& eye, const glm::quat& rotation
 }
 
 json material_to_json(const Material& material) {
-  return {{"base_color", list_of(material.base_color)},
-          {"metallic", material.metallic},
-          {"roughness", material.roughness},
-          {"emission", list_of(material.emission)},
-          {"transmission", material.transmission},
-          {"ior", material.ior},
-          {"specular", material.specular},
-          {"clearcoat", material.clearcoat},
-          {"clearcoat_roughness", material.clearcoat_roughness}};
+  json result = json::object();
+  for_each_parameter(material, [&](const MaterialParameter& p, const auto& value) {
+    using T = std::remove_cvref_t<decltype(value)>;
+    if (p.widget.kind == ParameterWidget::Kind::none) return;
+    if constexpr (std::is_same_v<T, float>) result[p.key] = value;
+    if constexpr (std::is_same_v<T, Rgb>) result[p.key] = list_of(value);
+  });
+  return result;
 }
 
 json transform_to_json(const Transform& transform) {

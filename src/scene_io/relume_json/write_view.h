@@ -13,8 +13,7 @@ nlohmann::json camera_to_json(const Camera& camera, const Mat4& to_world);
 /// One of "camera_keys": at `eye`, turned by `rotation` from looking along -Z. What is up comes back as +Y.
 nlohmann::json camera_key_to_json(float time_s, const Vec3& eye, const glm::quat& rotation);
 
-/// One of "materials": colour, shape of the reflection and emission, which is what the viewer changes. What is not said
-/// stays as the scene has it, textures included.
+/// One of "materials": the parameters that the viewer changes. Others stay as the scene has them.
 nlohmann::json material_to_json(const Material& material);
 
 /// One of "nodes": where it stands below its parent.
