@@ -10,6 +10,8 @@ struct DirectionalLight {
   Rgb irradiance;       ///< on a plane that faces the light, W/m²
   float one_minus_cos;  ///< of the disk's angular radius; 0: delta
 
+  bool operator==(const DirectionalLight&) const = default;
+
   RELUME_HD bool delta() const { return one_minus_cos == 0.0f; }
   /// Radiance of the disk: irradiance over its projected solid angle π sin²θ.
   RELUME_HD Rgb radiance() const { return irradiance / (kPi * one_minus_cos * (2.0f - one_minus_cos)); }

@@ -31,7 +31,69 @@ struct Light {
   };
 
   RELUME_HD Light() : kind(LightKind::environment), changed(false), point{} {}
+  static Light of(const TriangleLight& light) { return made(LightKind::triangle, &Light::triangle, light); }
+  static Light of(const PointLight& light) { return made(LightKind::point, &Light::point, light); }
+  static Light of(const SpotLight& light) { return made(LightKind::spot, &Light::spot, light); }
+  static Light of(const DirectionalLight& light) { return made(LightKind::directional, &Light::directional, light); }
+
+ private:
+  template <typename T>
+  static Light made(LightKind kind, T Light::*member, const T& value) {
+    Light light;
+    light.kind = kind;
+    light.*member = value;
+    return light;
+  }
 };
+
+/// Whether two lights emit alike; environments do.
+inline bool same_light(const Light& a, const Light& b) {
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case LightKind::triangle: return same_light(a.triangle, b.triangle);
+    case LightKind::point: return a.point == b.point;
+    case LightKind::spot: return a.spot == b.spot;
+    case LightKind::directional: return a.directional == b.directional;
+    case LightKind::environment: return true;
+  }
+  return true;
+}
+
+/// Where a light of this selection weight is and which way it shines; empty for lights at infinity.
+inline LightExtent extent_of(const Light& light, double watts) {
+  switch (light.kind) {
+    case LightKind::triangle: return extent_of(light.triangle, watts);
+    case LightKind::point: return extent_of(light.point, watts);
+    case LightKind::spot: return extent_of(light.spot);
+    case LightKind::directional:
+    case LightKind::environment: break;
+  }
+  return {};
+}
+
+/// A point in the middle of a finite light.
+inline Vec3 position_of(const Light& light) {
+  switch (light.kind) {
+    case LightKind::triangle: return light.triangle.position(Vec2(1.0f / 3.0f));
+    case LightKind::point: return light.point.position;
+    case LightKind::spot: return light.spot.position;
+    case LightKind::directional:
+    case LightKind::environment: break;
+  }
+  return Vec3(0);
+}
+
+/// sample_li() of a light without extent that is not at infinity; no sample of others.
+RELUME_HD inline LightSample sample_li_from_point(const Light& light, const Vec3& p) {
+  switch (light.kind) {
+    case LightKind::point: return sample_li(light.point, p);
+    case LightKind::spot: return sample_li(light.spot, p);
+    case LightKind::triangle:
+    case LightKind::directional:
+    case LightKind::environment: break;
+  }
+  return {};
+}
 
 /// All emitters of a scene. Lights at infinity (directional, environment) come last.
 struct LightsView {
@@ -126,9 +188,6 @@ RELUME_HD inline Rgb power(const LightsView& view, LightId id) {
   }
   return Rgb(0);
 }
-
-/// Largest weight of a light. Powers may overflow, and a sum that is not finite would leave no light its place.
-inline constexpr float kMostSelectionWeight = 1e30f;
 
 /// By which lights are chosen in proportion to their power: its luminance in watts, always finite.
 RELUME_HD inline float selection_weight(const LightsView& view, LightId id) {

@@ -137,8 +137,7 @@ RELUME_HD inline T of_columns(const LightReceiver& r, const LightColumns& column
 RELUME_HD inline float light_importance_of(const LightReceiver& r, const LightsView& lights,
                                            const LightColumns& columns, LightId id) {
   const Light& light = lights.lights[id];
-  if (light.kind == LightKind::point) return punctual_importance(r, sample_li(light.point, r.position));
-  if (light.kind == LightKind::spot) return punctual_importance(r, sample_li(light.spot, r.position));
+  if (light.kind != LightKind::triangle) return punctual_importance(r, sample_li_from_point(light, r.position));
   return light_importance::of_columns<float>(r, columns, [id](const float* column) { return column[id]; });
 }
 

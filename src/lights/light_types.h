@@ -1,6 +1,7 @@
 // What sampling a light returns.
 #pragma once
 
+#include "core/box.h"
 #include "core/frame.h"
 #include "core/vec.h"
 #include "sampling/warp.h"
@@ -17,6 +18,19 @@ struct SceneBounds {
 struct EmitterPoint {
   Vec3 position{0};
   Vec2 barycentric{0};  ///< weights of vertices 1 and 2
+};
+
+/// Largest weight of a light. Powers may overflow, and a sum that is not finite would leave no light its place.
+inline constexpr float kMostSelectionWeight = 1e30f;
+
+/// Bounds of a finite light, from which hierarchies of lights are built ([Conty18]).
+struct LightExtent {
+  Box box;
+  Vec3 axis{0, 0, 1};
+  double theta_o = -1;  ///< normals lie within this angle of the axis; below zero: there are none
+  double theta_e = 0;   ///< light leaves within this angle of a normal
+  bool two_sided = false;
+  double intensity = 0;  ///< W/sr along a normal
 };
 
 /// Light that arrives at a point from one sampled direction.

@@ -1,6 +1,8 @@
 // Light from one point, equal in all directions.
 #pragma once
 
+#include <cmath>
+
 #include "lights/light_types.h"
 
 namespace relume {
@@ -8,6 +10,8 @@ namespace relume {
 struct PointLight {
   Vec3 position;
   Rgb intensity;  ///< W/sr
+
+  bool operator==(const PointLight&) const = default;
 };
 
 RELUME_HD inline LightSample sample_li(const PointLight& light, const Vec3& p) {
@@ -38,5 +42,9 @@ RELUME_HD inline EmissionSample sample_le(const PointLight& light, const Vec2& u
 RELUME_HD inline EmissionPdf pdf_le(const PointLight&) { return {0.0f, sphere_pdf()}; }
 
 RELUME_HD inline Rgb power(const PointLight& light) { return light.intensity * (4.0f * kPi); }
+
+inline LightExtent extent_of(const PointLight& light, double watts) {
+  return {{light.position, light.position}, Vec3(0, 0, 1), M_PI, M_PI / 2, false, watts / (4 * M_PI)};
+}
 
 }  // namespace relume

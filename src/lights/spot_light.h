@@ -1,6 +1,8 @@
 // Light from one point into a cone with a soft edge (KHR_lights_punctual).
 #pragma once
 
+#include <cmath>
+
 #include "lights/light_types.h"
 
 namespace relume {
@@ -11,6 +13,8 @@ struct SpotLight {
   Rgb intensity;    ///< on the axis, W/sr
   float cos_inner;  ///< full intensity above
   float cos_outer;  ///< none below
+
+  bool operator==(const SpotLight&) const = default;
 };
 
 /// Angular attenuation of KHR_lights_punctual: the square of a linear ramp in cos θ.
@@ -55,6 +59,13 @@ RELUME_HD inline EmissionPdf pdf_le(const SpotLight& light, const Vec3& directio
 /// ∫ of the falloff over the cone: the inner cap, and a third of the ramp.
 RELUME_HD inline Rgb power(const SpotLight& light) {
   return light.intensity * (2.0f * kPi * ((1.0f - light.cos_inner) + (light.cos_inner - light.cos_outer) / 3.0f));
+}
+
+inline LightExtent extent_of(const SpotLight& light) {
+  const double inner = std::acos(static_cast<double>(light.cos_inner));
+  const double falloff = std::acos(static_cast<double>(light.cos_outer)) - inner;
+  const double intensity = static_cast<double>(relume::min(luminance(light.intensity), kMostSelectionWeight));
+  return {{light.position, light.position}, light.axis, inner, falloff, false, intensity};
 }
 
 }  // namespace relume

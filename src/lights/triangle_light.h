@@ -1,6 +1,8 @@
 // Emissive triangles. Sampled uniformly in area or, where a texture modulates the emission, in proportion to it.
 #pragma once
 
+#include <cmath>
+
 #include "core/view.h"
 #include "lights/light_types.h"
 #include "materials/texture.h"
@@ -189,6 +191,18 @@ RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEm
 RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e) {
   const Rgb mean = light.textured < 0 ? Rgb(1) : e.triangles[static_cast<uint32_t>(light.textured)].mean_emission;
   return light.radiance * mean * (kPi * light.area * (light.two_sided ? 2.0f : 1.0f));
+}
+
+inline LightExtent extent_of(const TriangleLight& light, double watts) {
+  LightExtent extent{{}, light.normal, 0, M_PI / 2, light.two_sided, watts / (light.two_sided ? 2 * M_PI : M_PI)};
+  for (const Vec3& p : {light.v0, light.v0 + light.e1, light.v0 + light.e2}) extent.box.add(p);
+  return extent;
+}
+
+/// Whether they emit alike.
+inline bool same_light(const TriangleLight& a, const TriangleLight& b) {
+  return a.v0 == b.v0 && a.e1 == b.e1 && a.e2 == b.e2 && a.normal == b.normal && a.radiance == b.radiance &&
+         a.two_sided == b.two_sided && a.textured == b.textured;
 }
 
 }  // namespace relume

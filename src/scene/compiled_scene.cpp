@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "relume/error.h"
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "scene/placement.h"
 #include "scene/surface_point.h"
@@ -164,7 +165,7 @@ void CompiledScene::note_collapsed_lights() {
     const Index light = source_.nodes[i].light;
     if (light == kNone || direction_of(Vec3(world_[i][2])) != Vec3(0)) continue;
     const PunctualLight& source = source_.lights[static_cast<size_t>(light)];
-    if (source.type != PunctualType::point)
+    if (type_of(source).has_direction)
       notes_.push_back(
           fmt::format("light '{}' is dark, because a scale of 0 leaves it no direction; give its node and "
                       "those above it another scale",

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "scene/light_parameters.h"
 #include "scene/placement.h"
 #include "scene/sun_sky.h"
 #include "scene/surface_point.h"
@@ -90,6 +91,27 @@ void leave_none_out(std::vector<float>& weights, Rgb& mean) {
   if (!(sum > 0)) mean = Rgb(kLeastMean);
 }
 
+/// A punctual light of a node.
+Light punctual_light(PunctualLight source, const Mat4& to_world) {
+  const Vec3 position(to_world[3]);
+  Vec3 axis = -direction_of(Vec3(to_world[2]));
+  if (axis == Vec3(0) && type_of(source).has_direction) {  // collapsed: it keeps its place in the list, dark
+    source.intensity = Rgb(0);
+    axis = Vec3(0, 0, -1);
+  }
+  switch (source.type) {
+    case PunctualType::point: return Light::of(PointLight{position, source.intensity});
+    case PunctualType::spot:
+      return Light::of(SpotLight{position, axis, source.intensity, std::cos(source.inner_cone_rad),
+                                 std::cos(source.outer_cone_rad)});
+    case PunctualType::directional: {
+      const float half = 0.5f * source.angular_diameter_rad;
+      return Light::of(DirectionalLight{-axis, source.intensity, 2.0f * sqr(std::sin(0.5f * half))});
+    }
+  }
+  return {};
+}
+
 void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use,
                      Vec2 uv[3]) {
   for (int k = 0; k < 3; ++k) {
@@ -102,13 +124,6 @@ void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& 
 }
 
 }  // namespace
-
-void LightBuilder::push(const DirectionalLight& light) {
-  Light entry;
-  entry.kind = LightKind::directional;
-  entry.directional = light;
-  lights_.push_back(entry);
-}
 
 void LightBuilder::set_environment(const Environment& source) {
   Environment baked = source;
@@ -179,20 +194,10 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   bounds_ = bounds;
   textures_ = geometry.textures;
   for (uint32_t i = 0; i < instances.size(); ++i) add_triangles(geometry, i, instances[i]);
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Index light = scene.nodes[i].light;
-    if (light != kNone && scene.lights[static_cast<size_t>(light)].type != PunctualType::directional) {
-      add_punctual(scene.lights[static_cast<size_t>(light)], world[i]);
-    }
-  }
+  add_punctual_lights(scene, world, false);
   first_infinite_ = static_cast<uint32_t>(lights_.size());
-  for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Index light = scene.nodes[i].light;
-    if (light != kNone && scene.lights[static_cast<size_t>(light)].type == PunctualType::directional) {
-      add_punctual(scene.lights[static_cast<size_t>(light)], world[i]);
-    }
-  }
-  if (has_sun_) push(sun_);
+  add_punctual_lights(scene, world, true);
+  if (has_sun_) lights_.push_back(Light::of(sun_));
   if (!environment_.black()) lights_.emplace_back();
   mark_changes();
 }
@@ -227,10 +232,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
       light.textured = textured_index(geometry, mesh, k);
       if (light.textured == kBlackTexture) light.radiance = Rgb(0);
     }
-    Light entry;
-    entry.kind = LightKind::triangle;
-    entry.triangle = light;
-    lights_.push_back(entry);
+    lights_.push_back(Light::of(light));
   }
 }
 
@@ -278,51 +280,18 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
   return static_cast<int32_t>(textured_.size()) - 1;
 }
 
-void LightBuilder::add_punctual(PunctualLight source, const Mat4& to_world) {
-  const Vec3 position(to_world[3]);
-  Vec3 axis = -direction_of(Vec3(to_world[2]));
-  if (axis == Vec3(0) && source.type != PunctualType::point) {  // collapsed: it keeps its place in the list, dark
-    source.intensity = Rgb(0);
-    axis = Vec3(0, 0, -1);
+void LightBuilder::add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity) {
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Index light = scene.nodes[i].light;
+    if (light == kNone) continue;
+    const PunctualLight& source = scene.lights[static_cast<size_t>(light)];
+    if (type_of(source).at_infinity == at_infinity) lights_.push_back(punctual_light(source, world[i]));
   }
-  Light entry;
-  switch (source.type) {
-    case PunctualType::point:
-      entry.kind = LightKind::point;
-      entry.point = {position, source.intensity};
-      break;
-    case PunctualType::spot:
-      entry.kind = LightKind::spot;
-      entry.spot = {position, axis, source.intensity, std::cos(source.inner_cone_rad), std::cos(source.outer_cone_rad)};
-      break;
-    case PunctualType::directional: {
-      const float half = 0.5f * source.angular_diameter_rad;
-      push({-axis, source.intensity, 2.0f * sqr(std::sin(0.5f * half))});
-      return;
-    }
-  }
-  lights_.push_back(entry);
 }
 
 bool LightBuilder::same(const Light& a, const Light& b) const {
-  if (a.kind != b.kind) return false;
-  switch (a.kind) {
-    case LightKind::triangle: {
-      const TriangleLight& x = a.triangle;
-      const TriangleLight& y = b.triangle;
-      return x.v0 == y.v0 && x.e1 == y.e1 && x.e2 == y.e2 && x.normal == y.normal && x.radiance == y.radiance &&
-             x.two_sided == y.two_sided && x.textured == y.textured;
-    }
-    case LightKind::point: return a.point.position == b.point.position && a.point.intensity == b.point.intensity;
-    case LightKind::spot:
-      return a.spot.position == b.spot.position && a.spot.axis == b.spot.axis && a.spot.intensity == b.spot.intensity &&
-             a.spot.cos_inner == b.spot.cos_inner && a.spot.cos_outer == b.spot.cos_outer;
-    case LightKind::directional:
-      return a.directional.to_light == b.directional.to_light && a.directional.irradiance == b.directional.irradiance &&
-             a.directional.one_minus_cos == b.directional.one_minus_cos;
-    case LightKind::environment: return !environment_changed_;
-  }
-  return true;
+  return a.kind == LightKind::environment && b.kind == LightKind::environment ? !environment_changed_
+                                                                              : same_light(a, b);
 }
 
 void LightBuilder::mark_changes() {

@@ -37,10 +37,9 @@ class LightBuilder {
   /// Of the triangle's sampling table, which is made once, however often it appears or moves; or kBlackTexture.
   int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
   int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
-  void add_punctual(PunctualLight light, const Mat4& to_world);
+  void add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity);
   void mark_changes();
   bool same(const Light& a, const Light& b) const;
-  void push(const DirectionalLight& light);
 
   std::vector<Light> lights_;
   std::vector<Light> previous_;  ///< one frame ago, as many

@@ -3,6 +3,7 @@
 #include <span>
 #include <type_traits>
 
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 
 namespace relume {
@@ -67,7 +68,9 @@ class Hasher {
     return *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;
   }
   Hasher& operator<<(const PunctualLight& l) {
-    return *this << l.type << l.intensity << l.inner_cone_rad << l.outer_cone_rad << l.angular_diameter_rad;
+    *this << l.type << l.intensity;
+    for (const LightParameter& p : light_parameters()) *this << l.*p.member;
+    return *this;
   }
   Hasher& operator<<(const Camera& c) {
     return *this << c.projection << c.fov_y_rad << c.half_height << c.lens_radius << c.focus_distance;

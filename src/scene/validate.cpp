@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
@@ -155,12 +156,11 @@ void validate(const Material& m, const std::string& place) {
 void validate(const PunctualLight& l, const std::string& place) {
   if (!is_radiance(l.intensity))
     fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another", l.name, kMaxRadiance);
-  if (!in_range(l.outer_cone_rad, 0, kPi / 2) || !in_range(l.inner_cone_rad, 0, l.outer_cone_rad))
-    fail(place, "light '{}' has cone angles of {} and {} radians; give it 0 <= inner <= outer <= pi/2", l.name,
-         l.inner_cone_rad, l.outer_cone_rad);
-  if (!in_range(l.angular_diameter_rad, 0, kPi))
-    fail(place, "light '{}' has an angular diameter of {} radians; give it one between 0 and pi", l.name,
-         l.angular_diameter_rad);
+  for (const LightParameter& p : light_parameters()) {
+    if (!in_range(l.*p.member, 0, upper_limit(p, l)))
+      fail(place, "light '{}' has an {} of {} radians; give it one between 0 and {}", l.name, p.name, l.*p.member,
+           upper_limit(p, l));
+  }
 }
 
 void validate(const Camera& c, const std::string& place) {

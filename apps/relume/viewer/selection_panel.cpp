@@ -6,6 +6,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "core/euler.h"
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "viewer/actions.h"
 #include "viewer/panels.h"
@@ -34,14 +35,12 @@ void draw_transform(State& state, Index node) {
 
 void draw_light(State& state, Index index) {
   PunctualLight light = state.document->outline().lights[static_cast<size_t>(index)];
-  const bool directional = light.type == PunctualType::directional;
-  bool changed = radiant_widget("intensity", light.intensity, directional ? "W/m\xc2\xb2" : "W/sr");
-  if (light.type == PunctualType::spot) {
-    changed |= angle_widget("outer cone", light.outer_cone_rad, 1, 90);
-    changed |= angle_widget("inner cone", light.inner_cone_rad, 0, glm::degrees(light.outer_cone_rad));
-    light.inner_cone_rad = min(light.inner_cone_rad, light.outer_cone_rad);
+  bool changed = radiant_widget("intensity", light.intensity, type_of(light).unit);
+  for (const LightParameter& p : light_parameters()) {
+    if (p.type != light.type) continue;
+    changed |= angle_widget(p.label, light.*p.member, p.low_shown_deg, p.high_shown_deg);
   }
-  if (directional) changed |= angle_widget("diameter", light.angular_diameter_rad, 0, 10);
+  for (const LightParameter& p : light_parameters()) light.*p.member = min(light.*p.member, upper_limit(p, light));
   if (changed) {
     state.document->set_light(index, light);
     state.touch();

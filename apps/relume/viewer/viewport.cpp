@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/light_parameters.h"
 #include "viewer/actions.h"
 #include "viewer/theme.h"
 
@@ -163,7 +164,7 @@ void Viewport::draw_lights(State& state) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     const Index node = state.document->node_of_light(static_cast<Index>(i));
-    if (node == kNone || scene.lights[i].type == PunctualType::directional) continue;
+    if (node == kNone || type_of(scene.lights[i]).at_infinity) continue;
     ImVec2 at;
     if (!project(state, Vec3(state.document->world()[static_cast<size_t>(node)][3]), at) || !picture_.contains(at))
       continue;

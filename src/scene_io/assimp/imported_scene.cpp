@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 
 namespace relume {
@@ -36,7 +37,8 @@ void fields(Archive& archive, Is<Mesh> auto& m) {
 
 template <typename Archive>
 void fields(Archive& archive, Is<PunctualLight> auto& l) {
-  archive(l.name, l.type, l.intensity, l.inner_cone_rad, l.outer_cone_rad, l.angular_diameter_rad);
+  archive(l.name, l.type, l.intensity);
+  for (const LightParameter& p : light_parameters()) archive(l.*p.member);
 }
 
 template <typename Archive>
@@ -67,7 +69,7 @@ void fields(Archive& archive, Is<ImportedScene> auto& i) {
 
 AlphaMode last_of(AlphaMode) { return AlphaMode::blend; }
 WrapMode last_of(WrapMode) { return WrapMode::mirror; }
-PunctualType last_of(PunctualType) { return PunctualType::directional; }
+PunctualType last_of(PunctualType) { return light_types().back().type; }
 Projection last_of(Projection) { return Projection::panoramic; }
 MicrofacetModel last_of(MicrofacetModel) { return MicrofacetModel::beckmann; }
 TextureRecipe last_of(TextureRecipe) { return TextureRecipe::normal; }

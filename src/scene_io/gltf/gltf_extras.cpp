@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "files/json_parse.h"
+#include "scene/light_parameters.h"
 #include "scene_io/gltf/gltf_value.h"
 #include "scene_io/relume_json/overrides.h"
 
@@ -41,9 +42,11 @@ void apply_camera_extras(const tinygltf::Value& extras, Camera& camera) {
 }
 
 void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light) {
-  if (light.type != PunctualType::directional) return;
-  constexpr float kWidest_deg = 180;
-  light.angular_diameter_rad = glm::radians(std::min(positive(extras, "angular_diameter_deg", 0), kWidest_deg));
+  for (const LightParameter& p : light_parameters()) {
+    if (p.type != light.type || p.gltf_key) continue;
+    const float most_deg = glm::degrees(p.most_rad);
+    light.*p.member = glm::radians(std::min(positive(extras, p.key, glm::degrees(light.*p.member)), most_deg));
+  }
 }
 
 void apply_material_extras(const tinygltf::Value& extras, Material& material) {

@@ -11,7 +11,7 @@ void apply_scene_extras(const Document& document, Scene& scene);
 
 /// "projection", "lens_radius" and "focus_distance"; what is out of range is ignored.
 void apply_camera_extras(const tinygltf::Value& extras, Camera& camera);
-/// "angular_diameter_deg" of a directional light.
+/// The parameters of the light's type that KHR_lights_punctual does not have.
 void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
 /// "microfacet_model".
 void apply_material_extras(const tinygltf::Value& extras, Material& material);

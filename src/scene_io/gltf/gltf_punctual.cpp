@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/light_parameters.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
 
@@ -54,10 +55,11 @@ PunctualLight convert_light(Document& document, const tinygltf::Light& source, i
         fmt::format("light '{}': its intensity is negative or above {:g}; the nearest possible takes "
                     "its place",
                     light.name, kMaxRadiance));
-  if (source.type == "directional") light.type = PunctualType::directional;
+  for (const LightType& type : light_types()) {
+    if (source.type == type.name) light.type = type.type;
+  }
   apply_light_extras(source.extras, light);
-  if (source.type == "spot") {
-    light.type = PunctualType::spot;
+  if (light.type == PunctualType::spot) {
     constexpr float kNarrowest = 1e-3f;
     const float outer = to_float(source.spot.outerConeAngle);
     light.outer_cone_rad = clamp(outer, kNarrowest, kPi / 2);

@@ -1,4 +1,5 @@
 #include "scene_io/gltf/gltf_write_nodes.h"
+#include "scene/light_parameters.h"
 
 #include <cmath>
 #include <optional>
@@ -104,20 +105,23 @@ void NodeWriter::write_cameras() {
 
 void NodeWriter::write_lights() {
   if (scene_.lights.empty()) return;
-  constexpr const char* types[] = {"point", "spot", "directional"};
   OutputJson lights = OutputJson::array();
   for (const PunctualLight& light : scene_.lights) {
     OutputJson json = OutputJson::object();
     if (!light.name.empty()) json["name"] = light.name;
-    json["type"] = types[static_cast<size_t>(light.type)];
+    json["type"] = type_of(light).name;
     const float intensity = max_component(light.intensity);
     if (intensity > 0) json["color"] = numbers(light.intensity / intensity);
     json["intensity"] = number(intensity);
-    if (light.type == PunctualType::spot)
-      json["spot"] = {{"innerConeAngle", number(light.inner_cone_rad)},
-                      {"outerConeAngle", number(light.outer_cone_rad)}};
-    if (light.angular_diameter_rad > 0)
-      json["extras"]["relume"]["angular_diameter_deg"] = number(glm::degrees(light.angular_diameter_rad));
+    for (const LightParameter& p : light_parameters()) {
+      if (p.type != light.type) continue;
+      const float value = light.*p.member;
+      if (p.gltf_key) {
+        json[std::string(type_of(light).name)][p.gltf_key] = number(value);
+      } else if (value > 0) {
+        json["extras"]["relume"][p.key] = number(glm::degrees(value));
+      }
+    }
     lights.push_back(std::move(json));
   }
   output_.root["extensions"]["KHR_lights_punctual"]["lights"] = std::move(lights);

@@ -8,6 +8,7 @@
 
 #include "files/bytes.h"
 #include "relume/scene_io.h"
+#include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "scene_io/decompose.h"
 #include "scene_io/look_rotation.h"
@@ -16,7 +17,6 @@ namespace relume {
 namespace {
 
 constexpr float kLargest = 1e30f;
-constexpr std::string_view kLightTypes[] = {"point", "spot", "directional"};
 constexpr std::string_view kProjections[] = {"perspective", "orthographic", "panoramic"};
 
 float degrees(const JsonObject& object, const char* key, float fallback_rad, float low, float high) {
@@ -77,13 +77,14 @@ PunctualLight read_light(const JsonObject& object) {
   PunctualLight light;
   light.name = object.string("name", "light");
   object.require("type");
-  light.type = static_cast<PunctualType>(object.choice("type", 0, kLightTypes));
+  light.type = static_cast<PunctualType>(object.choice("type", 0, light_type_names()));
   light.intensity = object.rgb("intensity", light.intensity);
-  light.outer_cone_rad = degrees(object, "outer_cone_deg", light.outer_cone_rad, 0.1f, 90);
-  light.inner_cone_rad = degrees(object, "inner_cone_deg", light.inner_cone_rad, 0, 90);
-  if (light.inner_cone_rad > light.outer_cone_rad)
-    object.fail(fmt::format("{} must not be larger than the outer cone", object.path_of("inner_cone_deg")));
-  light.angular_diameter_rad = degrees(object, "angular_diameter_deg", light.angular_diameter_rad, 0, 90);
+  for (const LightParameter& p : light_parameters())
+    light.*p.member = degrees(object, p.key, light.*p.member, p.low_deg, p.high_deg);
+  for (const LightParameter& p : light_parameters()) {
+    if (light.*p.member > upper_limit(p, light))
+      object.fail(fmt::format("{} must be at most {:g}", object.path_of(p.key), glm::degrees(upper_limit(p, light))));
+  }
   return light;
 }
 
@@ -247,8 +248,9 @@ void apply_camera(const JsonObject& root, Scene& scene) {
 }
 
 void apply_lights(const JsonObject& root, Scene& scene) {
-  const auto lights = root.objects("lights", {"name", "type", "position", "direction", "intensity", "inner_cone_deg",
-                                              "outer_cone_deg", "angular_diameter_deg"});
+  std::vector<std::string_view> keys = {"name", "type", "position", "direction", "intensity"};
+  for (const LightParameter& p : light_parameters()) keys.emplace_back(p.key);
+  const auto lights = root.objects("lights", keys);
   for (const JsonObject& object : lights) {
     PunctualLight light = read_light(object);
     Node node;

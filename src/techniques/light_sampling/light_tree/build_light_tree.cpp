@@ -83,34 +83,8 @@ struct Item {
 };
 
 Item item_of(const LightsView& lights, LightId id) {
-  const Light& light = lights.lights[id];
-  Item item;
-  item.light = id;
-  const double watts = static_cast<double>(selection_weight(lights, id));
-  switch (light.kind) {
-    case LightKind::triangle:
-      for (const Vec3& p :
-           {light.triangle.v0, light.triangle.v0 + light.triangle.e1, light.triangle.v0 + light.triangle.e2})
-        item.box.add(p);
-      item.cone = {light.triangle.normal, 0, M_PI / 2};
-      item.two_sided = light.triangle.two_sided;
-      item.intensity = watts / (item.two_sided ? 2 * M_PI : M_PI);
-      break;
-    case LightKind::spot:
-      item.box.add(light.spot.position);
-      item.cone = {light.spot.axis, std::acos(static_cast<double>(light.spot.cos_inner)), 0};
-      item.cone.e = std::acos(static_cast<double>(light.spot.cos_outer)) - item.cone.o;
-      item.intensity = static_cast<double>(relume::min(luminance(light.spot.intensity), kMostSelectionWeight));
-      break;
-    case LightKind::point:
-      item.box.add(light.point.position);
-      item.cone = {Vec3(0, 0, 1), M_PI, M_PI / 2};
-      item.intensity = watts / (4 * M_PI);
-      break;
-    case LightKind::directional:
-    case LightKind::environment: break;
-  }
-  return item;
+  const LightExtent extent = extent_of(lights.lights[id], static_cast<double>(selection_weight(lights, id)));
+  return {extent.box, {extent.axis, extent.theta_o, extent.theta_e}, extent.two_sided, extent.intensity, id};
 }
 
 LightBounds bounds_of_item(const Item& item) {

@@ -9,17 +9,6 @@
 namespace relume {
 namespace {
 
-Vec3 position_of(const Light& light) {
-  switch (light.kind) {
-    case LightKind::triangle: return light.triangle.position(Vec2(1.0f / 3.0f));
-    case LightKind::point: return light.point.position;
-    case LightKind::spot: return light.spot.position;
-    case LightKind::directional:
-    case LightKind::environment: break;
-  }
-  return Vec3(0);
-}
-
 /// Weights of an alias table; `near(light)` is the third guess.
 template <typename Near>
 std::vector<float> blend(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, const Near& near) {
