@@ -57,7 +57,7 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
     const Lobe& lobe = bsdf.lobes[i];
     if (is_delta(lobe.kind)) continue;
     const float albedo = luminance(lobe_albedo(lobe, *bsdf.tables, wo_local.z));
-    if (lobe.kind == LobeKind::reflection) {
+    if (is_glossy(lobe.kind) && !transmits(lobe.kind)) {
       r.glossy += albedo;
       roughness += albedo * std::sqrt(lobe.microfacet.alpha);
     } else if (is_rough_transmission(lobe.kind)) {

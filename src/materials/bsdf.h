@@ -43,23 +43,6 @@ struct Bsdf {
   RELUME_HD bool is_coat(int lobe) const { return lobe == 0 && has_coat(); }
 };
 
-RELUME_HD constexpr bool is_delta(LobeKind kind) {
-  return kind == LobeKind::mirror || kind == LobeKind::smooth_dielectric || kind == LobeKind::pass_through;
-}
-
-/// Takes light from the other side, in all directions.
-RELUME_HD constexpr bool is_rough_transmission(LobeKind kind) {
-  return kind == LobeKind::dielectric || kind == LobeKind::thin_transmission;
-}
-
-/// As wide as its microfacets are rough.
-RELUME_HD constexpr bool is_glossy(LobeKind kind) {
-  return kind == LobeKind::reflection || is_rough_transmission(kind);
-}
-
-/// Reflects or transmits an image of the surroundings, sharp or blurred; all other lobes scatter diffusely.
-RELUME_HD constexpr bool is_specular(LobeKind kind) { return is_delta(kind) || is_glossy(kind); }
-
 enum class SpecularLobes : uint8_t { none, some, all };
 
 /// How many of the lobes are specular; none of an empty BSDF.
@@ -240,7 +223,8 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 RELUME_HD inline float refraction_compression(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    if (lobe.kind == LobeKind::dielectric) return dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+    if (refracts(lobe.kind) && !is_delta(lobe.kind))
+      return dielectric::transport_scale(lobe.eta, TransportMode::radiance);
   }
   return 1.0f;
 }
@@ -262,8 +246,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
-  const bool refracts = lobe.kind == LobeKind::dielectric || lobe.kind == LobeKind::smooth_dielectric;
-  if (refracts && s.wi.z < 0.0f) result.compression = dielectric::transport_scale(lobe.eta, mode);
+  if (refracts(lobe.kind) && s.wi.z < 0.0f) result.compression = dielectric::transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {

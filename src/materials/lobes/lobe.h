@@ -21,6 +21,48 @@ enum class LobeKind : uint8_t {
 };
 inline constexpr int kLobeKindCount = 9;
 
+/// What the renderer asks of a kind of lobe.
+struct LobeTraits {
+  bool delta;      ///< scatters into single directions, and has no value elsewhere
+  bool glossy;     ///< as wide as its microfacets are rough
+  bool transmits;  ///< takes light from the other side
+  bool refracts;   ///< and bends it
+};
+
+/// In the order of LobeKind.
+inline constexpr LobeTraits kLobeTraits[kLobeKindCount] = {
+    {false, false, false, false},  // lambert
+    {false, false, false, false},  // covered_lambert
+    {false, true, false, false},   // reflection
+    {false, false, false, false},  // multiple_reflection
+    {true, false, false, false},   // mirror
+    {false, true, true, true},     // dielectric
+    {true, false, true, true},     // smooth_dielectric
+    {false, true, true, false},    // thin_transmission
+    {true, false, true, false},    // pass_through
+};
+
+/// One bit for each kind that has a trait, so that kernels test a bit instead of reading a table.
+constexpr uint32_t lobes_with(bool LobeTraits::*trait) {
+  uint32_t bits = 0;
+  for (uint32_t kind = 0; kind < kLobeKindCount; ++kind) bits |= kLobeTraits[kind].*trait ? 1u << kind : 0u;
+  return bits;
+}
+
+template <uint32_t kKinds>
+RELUME_HD constexpr bool is_among(LobeKind kind) {
+  return (kKinds >> static_cast<uint32_t>(kind) & 1u) != 0u;
+}
+
+RELUME_HD constexpr bool is_delta(LobeKind kind) { return is_among<lobes_with(&LobeTraits::delta)>(kind); }
+RELUME_HD constexpr bool is_glossy(LobeKind kind) { return is_among<lobes_with(&LobeTraits::glossy)>(kind); }
+RELUME_HD constexpr bool transmits(LobeKind kind) { return is_among<lobes_with(&LobeTraits::transmits)>(kind); }
+RELUME_HD constexpr bool refracts(LobeKind kind) { return is_among<lobes_with(&LobeTraits::refracts)>(kind); }
+/// Reflects or transmits an image of the surroundings, sharp or blurred; all other lobes scatter diffusely.
+RELUME_HD constexpr bool is_specular(LobeKind kind) { return is_delta(kind) || is_glossy(kind); }
+/// Takes light from the other side, in all directions.
+RELUME_HD constexpr bool is_rough_transmission(LobeKind kind) { return transmits(kind) && !is_delta(kind); }
+
 /// Lobes of microfacets with an α below this count as mirrors: what they show is an image, not a shade, and another as
 /// soon as the eye moves ([Schalk18] §3.2).
 inline constexpr float kNarrowAlpha = 0.01f;
@@ -39,6 +81,11 @@ struct Lobe {
   float weight;       ///< share of the mixture that this lobe stands for
   float probability;  ///< with which sampling chooses this lobe
 };
+
+/// What it reflects or transmits is an image: it is a delta lobe or narrower than kNarrowAlpha.
+RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
+  return is_delta(lobe.kind) || (is_glossy(lobe.kind) && lobe.microfacet.alpha < kNarrowAlpha);
+}
 
 /// Value and density of a lobe for one pair of directions.
 struct LobeEval {

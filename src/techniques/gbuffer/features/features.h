@@ -24,42 +24,24 @@ struct NarrowStep {
 
 namespace feature_detail {
 
-RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
-  switch (lobe.kind) {
-    case LobeKind::mirror:
-    case LobeKind::smooth_dielectric:
-    case LobeKind::pass_through: return true;
-    case LobeKind::reflection:
-    case LobeKind::dielectric:
-    case LobeKind::thin_transmission: return lobe.microfacet.alpha < kNarrowAlpha;
-    default: return false;
-  }
-}
-
 /// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
 RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* compression) {
   const Vec3 mirrored(-wo.x, -wo.y, wo.z);
   *share = Rgb(1);
   *compression = 1.0f;
-  switch (lobe.kind) {
-    case LobeKind::pass_through:
-    case LobeKind::thin_transmission: return -wo;
-    case LobeKind::dielectric:
-    case LobeKind::smooth_dielectric: {
-      const Rgb reflected = dielectric::reflectance(lobe, wo.z);
-      const Rgb through = lobe.color * (Rgb(1) - reflected);
-      const Rgb total = reflected + through;
-      Vec3 wi;
-      if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
-        for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
-        *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
-        return wi;
-      }
-      for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
-      return mirrored;
-    }
-    default: return mirrored;
+  if (!transmits(lobe.kind)) return mirrored;
+  if (!refracts(lobe.kind)) return -wo;
+  const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+  const Rgb through = lobe.color * (Rgb(1) - reflected);
+  const Rgb total = reflected + through;
+  Vec3 wi;
+  if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
+    for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
+    *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+    return wi;
   }
+  for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
+  return mirrored;
 }
 
 RELUME_HD inline bool has_narrow(const Bsdf& bsdf) {
@@ -85,7 +67,7 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
     const float share = sp.bsdf.is_coat(i) ? 1.0f : below_coat;
     const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * share;
     total += albedo;
-    if (!feature_detail::is_narrow(lobe)) continue;
+    if (!is_narrow(lobe)) continue;
     narrow += luminance(albedo);
     if (chosen >= 0 && luminance(albedo) <= luminance(largest)) continue;
     chosen = i;

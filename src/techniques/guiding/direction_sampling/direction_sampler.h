@@ -38,8 +38,7 @@ struct DirectionSampler {
 
   RELUME_HD static BsdfSample sample_bsdf(const SurfacePoint& sp, Sampler& sampler,
                                           TransportMode mode = TransportMode::radiance) {
-    const float u_lobe =
-        sp.bsdf.lobe_count > 1 || sp.bsdf.lobes[0].kind >= LobeKind::dielectric ? sampler.next_1d() : 0.0f;
+    const float u_lobe = sp.bsdf.lobe_count > 1 || transmits(sp.bsdf.lobes[0].kind) ? sampler.next_1d() : 0.0f;
     return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
   }
 

@@ -41,20 +41,7 @@ RELUME_HD inline uint32_t store_direction(const Vec3& w) {
 }
 
 /// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses small α and what refracts.
-RELUME_HD inline bool near_specular(const Lobe& lobe) {
-  switch (lobe.kind) {
-    case LobeKind::lambert:
-    case LobeKind::covered_lambert:
-    case LobeKind::multiple_reflection: return false;
-    case LobeKind::reflection: return lobe.microfacet.alpha < kNarrowAlpha;
-    case LobeKind::mirror:
-    case LobeKind::dielectric:
-    case LobeKind::smooth_dielectric:
-    case LobeKind::thin_transmission:
-    case LobeKind::pass_through: return true;
-  }
-  return true;
-}
+RELUME_HD inline bool near_specular(const Lobe& lobe) { return transmits(lobe.kind) || is_narrow(lobe); }
 
 /// One such lobe is enough, as the paper refuses materials: a smooth coat over a diffuse base mirrors the room, and the
 /// mean that is kept cannot be taken apart into both.

@@ -35,7 +35,7 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
   prepare(reversed, -local.z);
   for (int i = 0; i < reversed.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
-    if (lobe.kind != LobeKind::smooth_dielectric && lobe.kind != LobeKind::pass_through) continue;
+    if (!is_delta(lobe.kind) || !transmits(lobe.kind)) continue;
     // Solid angles change by η² cos θ from one side to the other ([Veach97], §5.2).
     const float jacobian = sp.wo_local.z / (sqr(lobe.eta) * -local.z);
     return reversed.lobes[i].probability / lobe.probability * jacobian;
