@@ -2,12 +2,14 @@
 """The checks of the house find what they are there to find."""
 
 import pathlib
+import re
 import shutil
 import tempfile
 import unittest
 
 import check_files
 import check_layers
+import check_places
 import check_sources
 import check_spelling
 import check_wording
@@ -137,6 +139,29 @@ class Repository(unittest.TestCase):
         text = 'a /* 1\n2 */ b "// no" // c\nd R"(\n)" 1\'000\n'
         self.assertEqual(house.without_comments(text), 'a  \n b ""  \nd ""\n 1\'000\n')
         self.assertEqual([line for line, _ in house.comments(text)], [1, 2])
+
+
+class Places(Repository):
+    def places(self, most, folder=None):
+        return check_places.check(self.root, [("the light type spot", re.compile(r"\bspot\b"), most, folder)])
+
+    def test_counts_sources_without_comments_and_tests(self):
+        self.write("src/lights/a.h", "enum { spot };\n")
+        self.write("src/scene/a.cpp", "// spot\n")
+        self.write("src/scene/a_test.cpp", "spot\n")
+        self.write("src/scene/testing/a.h", "spot\n")
+        self.assertEqual(self.places(1), [])
+        self.write("src/scene/b.cpp", 'f("spot");\n')
+        self.assertIn("is named in 2 places, 1 at most", self.places(1)[0])
+
+    def test_counts_a_folder_once(self):
+        self.write("src/io/spot/a.h", "int spot;\n")
+        self.write("src/io/spot/a.cpp", "int spot;\n")
+        self.assertEqual(self.places(1, "src/io/spot/"), [])
+
+    def test_needs_a_representative(self):
+        self.write("src/a/a.h", "int a;\n")
+        self.assertIn("choose another representative", self.places(1)[0])
 
 
 if __name__ == "__main__":

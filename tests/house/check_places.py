@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Places: how many sources name a scene format, a material parameter or a light type. docs/extending.md promises these numbers."""
+
+import re
+
+import house
+
+# (what, what names the representative, most places, the folder that counts as one place)
+REPRESENTATIVES = (
+    ("the scene format PLY", re.compile(r"(?<![a-z])ply(?![a-z])", re.IGNORECASE), 2, "src/scene_io/ply/"),
+    ("the material parameter specular_color", re.compile(r"\bspecular_color\b"), 4, None),
+    ("the light type spot", re.compile(r"\bPunctualType::spot\b|\bLightKind::spot\b|\bSpotLight\b|\bspot\b(?=[^;]*\bdirectional\b)"), 8, None),
+)
+FOLDERS = ("include", "src", "apps")
+
+
+def sources(root):
+    """Sources that a program is built from, without tests, benchmarks and what they share."""
+    for path in house.code_files(root):
+        parts = path.relative_to(root).parts
+        if parts[0] in FOLDERS and "testing" not in parts and not house.is_test_or_benchmark(path):
+            yield path.relative_to(root).as_posix(), house.without_comments(path.read_text(encoding="utf-8"), keep_strings=True)
+
+
+def places(texts, names, folder):
+    """Files whose text names the representative; those in `folder` are one place."""
+    found = {folder if folder and name.startswith(folder) else name for name, text in texts if names.search(text)}
+    return sorted(found)
+
+
+def check(root, representatives=REPRESENTATIVES):
+    texts = list(sources(root))
+    problems = []
+    for what, names, most, folder in representatives:
+        found = places(texts, names, folder)
+        if not found:
+            problems.append(f"tests/house/check_places.py: nothing names {what}; choose another representative")
+        if len(found) > most:
+            problems.append(f"{what} is named in {len(found)} places, {most} at most (docs/extending.md): {', '.join(found)}")
+    return problems
+
+
+if __name__ == "__main__":
+    house.report(check(house.ROOT))
