@@ -29,7 +29,7 @@ uint32_t instance_of(uint32_t geometry, uint32_t node) {
 
 /// What a filter callback knows about its geometry.
 struct GeometryContext {
-  const CoverageFunction* coverage = nullptr;
+  const OpacityFunction* opacity = nullptr;
   const AccelMesh* mesh = nullptr;
   uint32_t id = 0;  ///< used where the geometry is not below an instance node
 };
@@ -70,9 +70,9 @@ Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
   return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
 }
 
-/// Accepts or rejects a hit by the surface's coverage. A hash decides, so that being called twice for one primitive
+/// Accepts or rejects a hit by the surface's opacity. A hash decides, so that being called twice for one primitive
 /// does no harm.
-void coverage_filter(const RTCFilterFunctionNArguments* args) {
+void opacity_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
     if (args->valid[i] != -1) continue;
@@ -80,10 +80,10 @@ void coverage_filter(const RTCFilterFunctionNArguments* args) {
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
     const Corners c = corners_of(*geometry.mesh, primitive);
     const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
-    const float coverage = geometry.coverage->function(geometry.coverage->context, instance, primitive, hit.u, hit.v);
+    const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
     const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
     const bool accepted =
-        coverage >= 1.0f || (coverage > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < coverage);
+        opacity >= 1.0f || (opacity > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < opacity);
     if (!accepted) args->valid[i] = 0;
   }
 }
@@ -112,8 +112,8 @@ void place(RTCGeometry node, const Mat4& to_world) {
   rtcCommitGeometry(node);
 }
 
-void set_filter(RTCGeometry geometry, GeometryContext* context, bool needs_coverage) {
-  const RTCFilterFunctionN filter = needs_coverage ? coverage_filter : nullptr;
+void set_filter(RTCGeometry geometry, GeometryContext* context, bool needs_opacity) {
+  const RTCFilterFunctionN filter = needs_opacity ? opacity_filter : nullptr;
   rtcSetGeometryUserData(geometry, context);
   rtcSetGeometryIntersectFilterFunction(geometry, filter);
   rtcSetGeometryOccludedFilterFunction(geometry, filter);
@@ -185,7 +185,7 @@ struct EmbreeAccel::State {
   std::vector<GeometryContext> contexts;                         ///< one an instance
   std::vector<AccelMesh> meshes;
   std::vector<AccelInstance> instances;
-  CoverageFunction coverage;
+  OpacityFunction opacity;
 
   ~State() {
     if (still && still != scene) rtcReleaseScene(still);
@@ -208,7 +208,7 @@ struct EmbreeAccel::State {
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
                                3 * sizeof(uint32_t), mesh.triangle_count);
-    set_filter(geometry, context, mesh.needs_coverage);
+    set_filter(geometry, context, mesh.needs_opacity);
     rtcCommitGeometry(geometry);
     return geometry;
   }
@@ -244,10 +244,10 @@ struct EmbreeAccel::State {
 };
 
 EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances,
-                         CoverageFunction coverage)
+                         OpacityFunction opacity)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
-  s.coverage = coverage;
+  s.opacity = opacity;
   s.meshes.assign(meshes.begin(), meshes.end());
   s.instances.assign(instances.begin(), instances.end());
   s.device = new_device();
@@ -269,7 +269,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     const AccelInstance& instance = instances[i];
     const AccelMesh& mesh = meshes[instance.mesh];
     if (mesh.triangle_count == 0) continue;
-    s.contexts[i] = {&s.coverage, &s.meshes[instance.mesh], id_of(i)};
+    s.contexts[i] = {&s.opacity, &s.meshes[instance.mesh], id_of(i)};
     if (instance.in_world_space) {
       RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
       rtcAttachGeometryByID(s.still, geometry, id_of(i));
@@ -295,14 +295,14 @@ void EmbreeAccel::update(std::span<const AccelInstance> instances) {
   state_->check();
 }
 
-void EmbreeAccel::set_needs_coverage(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_coverage) {
+void EmbreeAccel::set_needs_opacity(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity) {
   State& s = *state_;
   for (uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].mesh != mesh || !s.contexts[i].coverage) continue;  // without triangles there is no geometry
+    if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // without triangles there is no geometry
     const bool in_world_space = instances[i].in_world_space;
     const RTCScene owner = in_world_space ? s.still : s.mesh_scenes[mesh];
     const RTCGeometry geometry = rtcGetGeometry(owner, in_world_space ? id_of(i) : 0);
-    set_filter(geometry, &s.contexts[i], needs_coverage);
+    set_filter(geometry, &s.contexts[i], needs_opacity);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
     if (!in_world_space) break;  // the others share that geometry

@@ -12,7 +12,7 @@
 namespace relume {
 
 /// Decides how much of a triangle is there, for alpha masks and blending: value in [0, 1].
-struct CoverageFunction {
+struct OpacityFunction {
   float (*function)(const void* context, uint32_t instance, uint32_t primitive, float u, float v) = nullptr;
   const void* context = nullptr;
 };
@@ -31,13 +31,13 @@ struct AccelMesh {
   size_t vertex_count = 0;            ///< of the whole array
   const uint32_t* indices = nullptr;  ///< three a triangle, into the whole array
   size_t triangle_count = 0;
-  bool needs_coverage = false;
+  bool needs_opacity = false;
 };
 
-/// Owns the structure. The vertex, index and coverage arrays must outlive it.
+/// Owns the structure. The vertex, index and opacity arrays must outlive it.
 class EmbreeAccel {
  public:
-  EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, CoverageFunction coverage);
+  EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity);
   ~EmbreeAccel();
   EmbreeAccel(const EmbreeAccel&) = delete;
   EmbreeAccel& operator=(const EmbreeAccel&) = delete;
@@ -46,8 +46,8 @@ class EmbreeAccel {
   /// in world space costs nothing if some instance was said to move.
   void update(std::span<const AccelInstance> instances);
 
-  /// Whether hits on a mesh ask for its coverage from now on. `instances` as constructed.
-  void set_needs_coverage(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_coverage);
+  /// Whether hits on a mesh ask for its opacity from now on. `instances` as constructed.
+  void set_needs_opacity(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity);
 
   AccelView view() const;
 

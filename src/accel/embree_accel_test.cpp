@@ -43,7 +43,7 @@ struct Row {
   }
 
   EmbreeAccel build() {
-    for (AccelMesh& mesh : meshes) mesh.needs_coverage = covers;
+    for (AccelMesh& mesh : meshes) mesh.needs_opacity = covers;
     const auto function = [](const void* context, uint32_t instance, uint32_t, float, float) {
       return instance == *static_cast<const uint32_t*>(context) ? 0.0f : 1.0f;
     };
@@ -93,7 +93,7 @@ TEST(EmbreeAccel, FindsEveryMixtureOfInstances) {
   }
 }
 
-TEST(EmbreeAccel, AsksForTheCoverageOfTheRightInstance) {
+TEST(EmbreeAccel, AsksForTheOpacityOfTheRightInstance) {
   for (const std::vector<Row::Appearance>& row :
        {std::vector{kWorld, kWorld, kWorld}, {kNode, kWorld, kNode}, {kMoving, kWorld, kNode}}) {
     for (uint32_t hole = 0; hole < 3; ++hole) {
@@ -107,14 +107,14 @@ TEST(EmbreeAccel, AsksForTheCoverageOfTheRightInstance) {
   }
 }
 
-TEST(EmbreeAccel, CoverageComesAndGoes) {
+TEST(EmbreeAccel, OpacityComesAndGoes) {
   Row scene({kNode, kWorld, kNode});
   scene.hole = 1;
   EmbreeAccel accel = scene.build();
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
-  accel.set_needs_coverage(scene.instances[1].mesh, scene.instances, true);
+  accel.set_needs_opacity(scene.instances[1].mesh, scene.instances, true);
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, -1, 2}));
-  accel.set_needs_coverage(scene.instances[1].mesh, scene.instances, false);
+  accel.set_needs_opacity(scene.instances[1].mesh, scene.instances, false);
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
 }
 

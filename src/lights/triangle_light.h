@@ -35,9 +35,9 @@ struct TriangleLight {
 /// their mean luminance.
 struct TexturedTriangle {
   int32_t emission_texture;  ///< −1: none
-  int32_t coverage_texture;  ///< alpha; −1: none
+  int32_t opacity_texture;   ///< alpha; −1: none
   Vec2 emission_uv[3];
-  Vec2 coverage_uv[3];
+  Vec2 opacity_uv[3];
   float alpha_factor[3];  ///< at the vertices; 1 for opaque materials
   float alpha_cutoff;
   bool mask;
@@ -62,7 +62,7 @@ RELUME_HD inline T interpolate_corners(const T v[3], const Vec2& b) {
   return v[0] * (1.0f - b.x - b.y) + v[1] * b.x + v[2] * b.y;
 }
 
-/// What the texture lets through at a point: emission times coverage.
+/// What the texture lets through at a point: emission times opacity.
 RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   Rgb value(1);
   if (t.emission_texture >= 0) {
@@ -70,9 +70,9 @@ RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const Textured
         e.textures[static_cast<uint32_t>(t.emission_texture)].sample_level(interpolate_corners(t.emission_uv, b), 0));
   }
   float alpha = interpolate_corners(t.alpha_factor, b);
-  if (t.coverage_texture >= 0) {
+  if (t.opacity_texture >= 0) {
     alpha *=
-        e.textures[static_cast<uint32_t>(t.coverage_texture)].sample_level(interpolate_corners(t.coverage_uv, b), 0).w;
+        e.textures[static_cast<uint32_t>(t.opacity_texture)].sample_level(interpolate_corners(t.opacity_uv, b), 0).w;
   }
   value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
   return value;

@@ -22,7 +22,7 @@ struct BsdfSample {
   Rgb weight{0};    ///< f · |cos θ| / pdf; zero: the path ends
   float pdf_w = 0;  ///< density of the whole mixture; meaningless for delta
   float alpha = 1;  ///< width of the lobe that was chosen (diffuse: 1), for ray cones
-  float compression =
+  float eta_scale =
       1;  ///< factor 1/η² that refraction has put into `weight`; says nothing of how much light is carried
   bool delta = false;
   bool valid = false;
@@ -72,9 +72,9 @@ RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables
       return multiple_reflection::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
     case LobeKind::dielectric: return dielectric::eval(lobe, wo, wi, mode);
     case LobeKind::thin_transmission: return thin_transmission::eval(lobe, wo, wi);
-    case LobeKind::mirror:
+    case LobeKind::specular_reflection:
     case LobeKind::smooth_dielectric:
-    case LobeKind::pass_through: return {};
+    case LobeKind::null: return {};
   }
   return {};
 }
@@ -89,9 +89,9 @@ RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float 
     case LobeKind::reflection: return reflection::sample(lobe, wo, u);
     case LobeKind::dielectric: return dielectric::sample(lobe, wo, u_side, u);
     case LobeKind::thin_transmission: return thin_transmission::sample(lobe, wo, u);
-    case LobeKind::mirror: return mirror::sample(lobe, wo);
+    case LobeKind::specular_reflection: return specular_reflection::sample(lobe, wo);
     case LobeKind::smooth_dielectric: return smooth_dielectric::sample(lobe, wo, u_side, mode);
-    case LobeKind::pass_through: return pass_through::sample(lobe, wo);
+    case LobeKind::null: return null_transmission::sample(lobe, wo);
   }
   return {};
 }
@@ -106,15 +106,14 @@ RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
       return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
-    case LobeKind::mirror: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
+    case LobeKind::specular_reflection: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
     case LobeKind::dielectric:
     case LobeKind::smooth_dielectric: {
       const Rgb reflected = dielectric::reflectance(lobe, cos_theta);
       return (reflected + lobe.color * (Rgb(1) - reflected)) * lobe.weight;
     }
     case LobeKind::thin_transmission:
-    case LobeKind::pass_through:
-      return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, lobe.f90, cos_theta)) * lobe.weight;
+    case LobeKind::null: return lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, lobe.f90, cos_theta)) * lobe.weight;
   }
   return Rgb(0);
 }
@@ -220,7 +219,7 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 }
 
 /// Factor 1/η² in the value of the BSDF for directions on the viewer's other side; 1 where nothing refracts.
-RELUME_HD inline float refraction_compression(const Bsdf& bsdf) {
+RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     if (refracts(lobe.kind) && !is_delta(lobe.kind))
@@ -246,7 +245,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
-  if (refracts(lobe.kind) && s.wi.z < 0.0f) result.compression = dielectric::transport_scale(lobe.eta, mode);
+  if (refracts(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = dielectric::transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {

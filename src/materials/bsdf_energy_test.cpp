@@ -29,7 +29,7 @@ const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f}
 const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
 
 /// Largest channel of the directional albedo, by quadrature of f cos θ: reflection and refraction without the
-/// compression of radiance, so that a lossless surface has 1. Delta lobes are left out.
+/// eta_scale of radiance, so that a lossless surface has 1. Delta lobes are left out.
 double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
   const Vec3 wo = testing::viewer(cos_o);
   const Bsdf bsdf = c.make(cos_o, true);

@@ -23,7 +23,7 @@ inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 
 RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, MicrofacetModel model) {
   const Microfacet microfacet{model, sqr(m.clearcoat_roughness)};
-  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::mirror : LobeKind::reflection, microfacet);
+  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
   lobe.f0 = Rgb(0.04f);
   lobe.f90 = Rgb(1);
   lobe.weight = m.clearcoat;
@@ -31,7 +31,7 @@ RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, Microfa
 }
 
 RELUME_HD inline void add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, const Microfacet& microfacet) {
-  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::mirror : LobeKind::reflection, microfacet);
+  Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
   lobe.f0 = f0;
   lobe.f90 = f90;
 }
@@ -43,7 +43,7 @@ RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, cons
                                        const Rgb& f90, float weight, bool front_face, const Microfacet& microfacet) {
   const Microfacet interface { microfacet.model, bends(material) ? microfacet.alpha : 0.0f };
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
-  const LobeKind passing = microfacet.smooth() ? LobeKind::pass_through : LobeKind::thin_transmission;
+  const LobeKind passing = microfacet.smooth() ? LobeKind::null : LobeKind::thin_transmission;
   Lobe& lobe = material.volume ? add(bsdf, refracting, interface) : add(bsdf, passing, microfacet);
   if (material.volume) lobe.eta = front_face ? material.ior : 1.0f / material.ior;
   lobe.color = m.base_color;

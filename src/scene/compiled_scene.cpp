@@ -20,8 +20,8 @@ namespace {
 /// Meshes that appear often are instanced once they would add more triangles than this; below, copies trace faster.
 constexpr size_t kFlattenedTriangleBudget = 1'000'000;
 
-float accel_coverage(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
-  return coverage(*static_cast<const SceneView*>(context), instance, primitive, u, v);
+float accel_opacity(const void* context, uint32_t instance, uint32_t primitive, float u, float v) {
+  return opacity(*static_cast<const SceneView*>(context), instance, primitive, u, v);
 }
 
 std::vector<uint32_t> triangle_counts(const Scene& scene) {
@@ -255,10 +255,10 @@ void CompiledScene::build_accel() {
     a.vertex_count = vertices_.size();
     a.indices = m.triangle_count ? &triangles_[m.first_triangle].x : nullptr;
     a.triangle_count = m.triangle_count;
-    a.needs_coverage = materials_[m.material].has_alpha();
+    a.needs_opacity = materials_[m.material].has_alpha();
     meshes.push_back(a);
   }
-  accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), CoverageFunction{accel_coverage, &view_});
+  accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), OpacityFunction{accel_opacity, &view_});
 }
 
 size_t CompiledScene::memory_bytes() const {

@@ -121,7 +121,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
   refresh_view();
   for (uint32_t m = 0; m < meshes_.size() && had_alpha != has_alpha; ++m) {
     if (meshes_[m].material == static_cast<uint32_t>(material))
-      accel_->set_needs_coverage(m, accel_instances(), has_alpha);
+      accel_->set_needs_opacity(m, accel_instances(), has_alpha);
   }
   if (!emits) return Change::materials;
   lights_.forget_textures();

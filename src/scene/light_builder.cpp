@@ -43,7 +43,7 @@ TexelExtent texel_extent(const TexturedEmission& e, const TexturedTriangle& t) {
       extent.longest_edge = relume::max(glm::length(edge), extent.longest_edge);
   };
   count(t.emission_texture, t.emission_uv);
-  count(t.coverage_texture, t.coverage_uv);
+  count(t.opacity_texture, t.opacity_uv);
   return extent;
 }
 
@@ -248,8 +248,8 @@ int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& me
   TexturedTriangle t{};
   t.emission_texture = material.emission_texture.texture;
   transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
-  t.coverage_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
-  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.coverage_uv);
+  t.opacity_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
+  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.opacity_uv);
   for (int k = 0; k < 3; ++k) {
     const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
     t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;

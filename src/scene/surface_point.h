@@ -76,7 +76,7 @@ struct SurfacePosition {
 RELUME_HD SurfacePosition surface_position(const SceneView& scene, const Hit& hit);
 
 /// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
-RELUME_HD float coverage(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
+RELUME_HD float opacity(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
 
 }  // namespace relume
 

@@ -248,7 +248,7 @@ RELUME_HD inline SurfacePosition surface_position(const SceneView& scene, const 
   return {g.position, g.previous_position};
 }
 
-RELUME_HD inline float coverage(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {
+RELUME_HD inline float opacity(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {
   using namespace surface_detail;
   const MeshView& mesh = scene.meshes[scene.instances[instance_index].mesh];
   const MaterialData& material = scene.materials[mesh.material];

@@ -13,11 +13,11 @@ enum class LobeKind : uint8_t {
   covered_lambert,      ///< diffuse reflection below a dielectric interface
   reflection,           ///< single scattering off microfacets
   multiple_reflection,  ///< what bounces between microfacets
-  mirror,               ///< delta reflection
+  specular_reflection,  ///< delta reflection
   dielectric,           ///< rough interface: reflection and refraction
   smooth_dielectric,    ///< delta reflection and refraction
   thin_transmission,    ///< through a rough thin wall, not refracted
-  pass_through,         ///< delta, straight on
+  null,                 ///< delta, straight on
 };
 inline constexpr int kLobeKindCount = 9;
 
@@ -35,11 +35,11 @@ inline constexpr LobeTraits kLobeTraits[kLobeKindCount] = {
     {false, false, false, false},  // covered_lambert
     {false, true, false, false},   // reflection
     {false, false, false, false},  // multiple_reflection
-    {true, false, false, false},   // mirror
+    {true, false, false, false},   // specular_reflection
     {false, true, true, true},     // dielectric
     {true, false, true, true},     // smooth_dielectric
     {false, true, true, false},    // thin_transmission
-    {true, false, true, false},    // pass_through
+    {true, false, true, false},    // null
 };
 
 /// One bit for each kind that has a trait, so that kernels test a bit instead of reading a table.

@@ -56,10 +56,10 @@ RELUME_HD inline Rgb albedo(const Lobe& lobe, const EnergyTable& table, float co
 
 }  // namespace relume::multiple_reflection
 
-namespace relume::mirror {
+namespace relume::specular_reflection {
 
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo) {
   return {{-wo.x, -wo.y, wo.z}, fresnel_schlick(lobe.f0, lobe.f90, wo.z), true};
 }
 
-}  // namespace relume::mirror
+}  // namespace relume::specular_reflection

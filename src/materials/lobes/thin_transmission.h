@@ -25,10 +25,10 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, const Vec2&
 
 }  // namespace relume::thin_transmission
 
-namespace relume::pass_through {
+namespace relume::null_transmission {
 
 RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo) {
   return {-wo, lobe.color * (Rgb(1) - fresnel_schlick(lobe.f0, lobe.f90, wo.z)), true};
 }
 
-}  // namespace relume::pass_through
+}  // namespace relume::null_transmission

@@ -64,9 +64,9 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
             cases.push_back(single_lobe(kind, "dielectric, inside", r, model, 1.0f / 1.5f));
             break;
           case LobeKind::thin_transmission: cases.push_back(single_lobe(kind, "thin transmission", r, model)); break;
-          case LobeKind::mirror:
+          case LobeKind::specular_reflection:
           case LobeKind::smooth_dielectric:
-          case LobeKind::pass_through: break;  // delta: tested on their own
+          case LobeKind::null: break;  // delta: tested on their own
         }
       }
     }

@@ -25,10 +25,10 @@ struct NarrowStep {
 namespace feature_detail {
 
 /// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
-RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* compression) {
+RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* eta_scale) {
   const Vec3 mirrored(-wo.x, -wo.y, wo.z);
   *share = Rgb(1);
-  *compression = 1.0f;
+  *eta_scale = 1.0f;
   if (!transmits(lobe.kind)) return mirrored;
   if (!refracts(lobe.kind)) return -wo;
   const Rgb reflected = dielectric::reflectance(lobe, wo.z);
@@ -37,7 +37,7 @@ RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* shar
   Vec3 wi;
   if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
     for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
-    *compression = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+    *eta_scale = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
     return wi;
   }
   for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
@@ -75,15 +75,15 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   }
   if (chosen < 0 || 2.0f * narrow <= luminance(total)) return step;
   Rgb share;
-  float compression = 1;
-  const Vec3 wi = feature_detail::main_direction(sp.bsdf.lobes[chosen], sp.wo_local, &share, &compression);
+  float eta_scale = 1;
+  const Vec3 wi = feature_detail::main_direction(sp.bsdf.lobes[chosen], sp.wo_local, &share, &eta_scale);
   step.wi = sp.frame.to_world(wi);
   step.reflected = wi.z > 0.0f;
   step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
   // As BSDFs do, emission counts the coat on the way in as well; an albedo is the mean over all directions.
   const float coat_again = sp.bsdf.is_coat(chosen) ? 1.0f : coat_transmittance(sp.bsdf, wi.z);
-  step.emission = largest * share * (compression * coat_again);
-  step.albedo = total * compression;
+  step.emission = largest * share * (eta_scale * coat_again);
+  step.albedo = total * eta_scale;
   return step;
 }
 
@@ -139,8 +139,8 @@ struct FeatureTracer {
     const float alpha = is_delta(lobe.kind) ? 0.0f : lobe.microfacet.alpha;
     if (alpha > kWidestReflection) return;
     Rgb share;
-    float compression = 1;
-    const Vec3 wi_local = feature_detail::main_direction(lobe, sp.wo_local, &share, &compression);
+    float eta_scale = 1;
+    const Vec3 wi_local = feature_detail::main_direction(lobe, sp.wo_local, &share, &eta_scale);
     const Vec3 wi = sp.frame.to_world(wi_local);
     if (!(glm::dot(wi, sp.ng) * wi_local.z > 0.0f)) return;
     reflection.albedo = albedo * let_through;

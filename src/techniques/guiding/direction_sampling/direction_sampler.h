@@ -42,7 +42,7 @@ struct DirectionSampler {
     return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
   }
 
-  /// One sample of the mixture of BSDF and quadtree. `compression` takes the ratio of densities, so that roulette sees
+  /// One sample of the mixture of BSDF and quadtree. `eta_scale` takes the ratio of densities, so that roulette sees
   /// the weight that the BSDF alone would have given: guided directions have small weights because they are likely.
   RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, Sampler& sampler) const {
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
@@ -57,7 +57,7 @@ struct DirectionSampler {
       s.guide_pdf_w = tree.pdf(s.wi);
       const float pdf = mixed(s.pdf_w, s.guide_pdf_w);
       s.weight *= s.pdf_w / pdf;
-      s.compression *= s.pdf_w / pdf;
+      s.eta_scale *= s.pdf_w / pdf;
       s.pdf_w = pdf;
       return s;
     }
@@ -69,8 +69,8 @@ struct DirectionSampler {
     s.valid = !is_black(bsdf.f) && bsdf.pdf_forward > 0.0f;
     if (!s.valid) return s;
     s.weight = bsdf.f * (shading_cosine(sp, s.wi) / s.pdf_w);
-    s.compression = bsdf.pdf_forward / s.pdf_w;
-    if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.compression *= refraction_compression(sp.bsdf);
+    s.eta_scale = bsdf.pdf_forward / s.pdf_w;
+    if (glm::dot(sp.frame.n, s.wi) < 0.0f) s.eta_scale *= refraction_eta_scale(sp.bsdf);
     return s;
   }
 };

@@ -91,11 +91,10 @@ TEST(DirectionSampler, RouletteSeesWhatTheBsdfAloneWouldHaveMade) {
     for (uint32_t i = 0; i < 2000; ++i) {
       Sampler u = numbers(i);
       const BsdfSample s = guide.sampler.sample(sp, u);
-      if (!s.valid || s.delta || glm::dot(sp.frame.n, s.wi) >= 0.0f || refraction_compression(sp.bsdf) == 1.0f)
-        continue;
+      if (!s.valid || s.delta || glm::dot(sp.frame.n, s.wi) >= 0.0f || refraction_eta_scale(sp.bsdf) == 1.0f) continue;
       ++refracted;
-      const float ratio = s.compression * s.pdf_w / eval_pdf(sp, s.wi).pdf_forward;
-      ASSERT_NEAR(ratio, refraction_compression(sp.bsdf), 1e-2f) << c.name;
+      const float ratio = s.eta_scale * s.pdf_w / eval_pdf(sp, s.wi).pdf_forward;
+      ASSERT_NEAR(ratio, refraction_eta_scale(sp.bsdf), 1e-2f) << c.name;
     }
   }
   EXPECT_GT(refracted, 100);

@@ -159,7 +159,7 @@ class PathGraph : public NoPolicy {
     arriving_ = path.throughput;
     path.radiance = Rgb(0);
     path.rr_reference = 1.0f;
-    path.compression = 1.0f;
+    path.eta_scale = 1.0f;
     return context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
   }
 

@@ -48,7 +48,7 @@ class FilterVertex : public NoPolicy {
     path.throughput = 1.0f / d.divisor();
     // Roulette compares with what leaves this vertex: about 1.
     path.rr_reference = 1.0f;
-    path.compression = 1.0f;
+    path.eta_scale = 1.0f;
     return true;
   }
 

@@ -16,7 +16,7 @@ struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
-  float compression = 1;  ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
+  float eta_scale = 1;  ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
   float rr_reference = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
   float pdf_w = 0;         ///< with which the ray's direction was sampled
   bool delta = true;       ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
@@ -155,16 +155,16 @@ RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const
                              Sampler& sampler) {
   if (!s.valid) return false;
   path.throughput *= s.weight;
-  path.compression *= s.compression;
+  path.eta_scale *= s.eta_scale;
   // Black ends the path. So does what is not a number, but that the pixel must report.
   if (!(path.throughput.r + path.throughput.g + path.throughput.b > 0.0f)) {
     path.radiance += path.throughput;
     return false;
   }
   if (path.bounce == 0) {
-    path.rr_reference = max_component(path.throughput) / path.compression;
+    path.rr_reference = max_component(path.throughput) / path.eta_scale;
   } else if (c.russian_roulette) {
-    const float survival = kRouletteThreshold * max_component(path.throughput) / (path.compression * path.rr_reference);
+    const float survival = kRouletteThreshold * max_component(path.throughput) / (path.eta_scale * path.rr_reference);
     if (survival < 1.0f) {
       if (sampler.next_1d() >= survival) return false;
       path.throughput /= survival;
