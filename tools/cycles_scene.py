@@ -45,7 +45,7 @@ def set_up_cycles(scene, options):
     cycles.transparent_max_bounces = 64
 
 
-def set_up_picture(scene, options):
+def set_up_image(scene, options):
     render = scene.render
     render.resolution_x, render.resolution_y, render.resolution_percentage = options.width, options.height, 100
     render.use_compositing = render.use_sequencer = False
@@ -132,7 +132,7 @@ def main():
     scene = bpy.context.scene
     scene.render.threads_mode = "AUTO"
     set_up_cycles(scene, options)
-    set_up_picture(scene, options)
+    set_up_image(scene, options)
     set_up_camera(scene, gltf)
     set_up_environment(scene, options.env)
     lamps = {m.get("name"): radiance_of(m) for m in gltf.get("materials", ()) if any(radiance_of(m))}

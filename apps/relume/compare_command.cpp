@@ -92,7 +92,7 @@ void check_roles(const OutputFiles& files, const CompareOptions& o, const Compar
   roles.reads("--reference", o.reference);
   roles.reads("--env", resolve(options.common).scene.env);
   for (const Contender& contender : options.contenders) roles.reads("--techniques", contender.file);
-  for (const PictureContender& picture : options.pictures) roles.reads("--image", picture.file);
+  for (const ImageContender& image : options.images) roles.reads("--image", image.file);
   for (const std::filesystem::path& output : {files.page, files.json, files.csv}) roles.writes("-o", output);
 }
 
@@ -103,16 +103,16 @@ constexpr const char* kUsualTechniques = "default,interactive";
 ComparisonOptions comparison_options(const CompareOptions& o) {
   ComparisonOptions options;
   options.scene_name = std::filesystem::path(o.scene).stem().string();
-  options.pictures = parse_picture_contenders(o.images, "--image");
-  if (!o.techniques.empty() || options.pictures.empty())
+  options.images = parse_image_contenders(o.images, "--image");
+  if (!o.techniques.empty() || options.images.empty())
     options.contenders = parse_contenders(o.techniques.empty() ? kUsualTechniques : o.techniques, "--techniques");
-  for (const PictureContender& picture : options.pictures) {
+  for (const ImageContender& image : options.images) {
     for (const Contender& contender : options.contenders) {
-      if (picture.name == contender.name)
-        throw UsageError(fmt::format("there are two contenders called '{}'; use --image NAME=FILE", picture.name));
+      if (image.name == contender.name)
+        throw UsageError(fmt::format("there are two contenders called '{}'; use --image NAME=FILE", image.name));
     }
-    if (!std::filesystem::exists(picture.file))
-      throw Error(fmt::format("{}: there is no such file", picture.file.string()));
+    if (!std::filesystem::exists(image.file))
+      throw Error(fmt::format("{}: there is no such file", image.file.string()));
   }
   options.common.flags = o.flags;
   const AllSettings common = resolve(options.common);
@@ -130,7 +130,7 @@ ComparisonOptions comparison_options(const CompareOptions& o) {
   options.reference_settings = parse_settings(o.reference_settings, "--reference-settings");
   if (!o.reference.empty() && !options.reference_settings.empty())
     throw UsageError(
-        "--reference takes a picture from a file, --reference-settings is for one that is rendered; choose one");
+        "--reference takes an image from a file, --reference-settings is for one that is rendered; choose one");
   resolve_reference(options.common, {}, options.reference_settings);
   if (o.reference.empty() && o.timed_frames == 0) options.cache_folder = reference_folder(o.cache_folder);
   options.program = program_stamp();
@@ -152,7 +152,7 @@ void check_timing(const CompareOptions& o) {
       {"--budget", o.budget_s > 0},          {"--frames", !o.frames.empty()},
       {"--reference", !o.reference.empty()}, {"--reference-settings", !o.reference_settings.empty()}};
   for (const auto& [name, given] : others) {
-    if (given) throw UsageError(fmt::format("--timing prints times and compares no pictures; leave {} out", name));
+    if (given) throw UsageError(fmt::format("--timing prints times and compares no images; leave {} out", name));
   }
 }
 
@@ -233,7 +233,7 @@ std::vector<Option> declare(CompareOptions& o) {
        0,
        Completion::preset,
        true},
-      {{"image", &o.images, "A picture made elsewhere as another column; may be given several times"},
+      {{"image", &o.images, "An image made elsewhere as another column; may be given several times"},
        "NAME=FILE",
        0,
        Completion::file,
@@ -248,7 +248,7 @@ std::vector<Option> declare(CompareOptions& o) {
         &o.repetitions,
         "Repetitions with seeds of their own; medians, bias and variance come from them",
         {.min = 1, .max = 1000}}},
-      {{"reference", &o.reference, "Take this picture as the reference instead of rendering one"},
+      {{"reference", &o.reference, "Take this image as the reference instead of rendering one"},
        "FILE",
        0,
        Completion::file},
@@ -294,7 +294,7 @@ Command compare_command(Verbosity& verbosity) {
                "an animation, with its flicker"},
               {"relume compare scene.glb --techniques default,psf,vlc --timing 64", "what frames cost"},
               {"relume compare scene.glb --techniques default --image cycles=cycles.exr -o out",
-               "with a picture made elsewhere"},
+               "with an image made elsewhere"},
           },
       .arguments = {{"SCENE", &options->scene, "Scene file or built-in scene", true, Completion::scene}},
       .options = declare(*options),

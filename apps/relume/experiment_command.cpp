@@ -217,7 +217,7 @@ Command experiment_command(Verbosity& verbosity) {
                    'o',
                    Completion::file},
                   {{"all", &options->all, "Run all of them"}},
-                  {{"quick", &options->quick, "Small pictures and few settings"}},
+                  {{"quick", &options->quick, "Small images and few settings"}},
                   {{"continue", &options->goes_on, "Leave out what is in the folder already"}},
                   {{"scenes", &options->scenes, "Folder with scenes that are not built in: sponza/sponza.gltf"},
                    "FOLDER",

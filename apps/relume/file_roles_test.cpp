@@ -86,9 +86,9 @@ TEST_F(FileRolesTest, OneRoleMayReadAndWriteAFile) {
   roles_.reads("--resume", checkpoint);
   roles_.writes("--resume", checkpoint);
   roles_.writes("--resume", checkpoint);
-  const fs::path picture = existing("a.exr");
-  roles_.reads("A", picture);
-  roles_.reads("B", picture);
+  const fs::path image = existing("a.exr");
+  roles_.reads("A", image);
+  roles_.reads("B", image);
 }
 
 TEST_F(FileRolesTest, DevicesMayHaveAnyRole) {

@@ -18,20 +18,19 @@
 namespace relume::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kPictureExtensions = {".exr",  ".hdr", ".png", ".jpg",
-                                                                ".jpeg", ".tga", ".bmp"};
+constexpr std::array<std::string_view, 7> kImageExtensions = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tga", ".bmp"};
 
-bool is_picture(const std::string& extension) {
-  return std::find(kPictureExtensions.begin(), kPictureExtensions.end(), extension) != kPictureExtensions.end();
+bool is_image(const std::string& extension) {
+  return std::find(kImageExtensions.begin(), kImageExtensions.end(), extension) != kImageExtensions.end();
 }
 
-PictureReport report_picture(const std::string& file, const std::string& extension) {
+ImageReport report_image(const std::string& file, const std::string& extension) {
   if (extension != ".exr") {
     const Image image = read_image(file);
     return {image.width, image.height, {}, {}};
   }
   const ExrFile exr = read_exr(file);
-  PictureReport report{exr.width, exr.height, {}, {exr.attributes.begin(), exr.attributes.end()}};
+  ImageReport report{exr.width, exr.height, {}, {exr.attributes.begin(), exr.attributes.end()}};
   for (const ExrChannel& channel : exr.channels) {
     report.channels.push_back(report_channel(channel));
   }
@@ -50,17 +49,17 @@ std::string printable_lines(std::string_view text) {
   }
 }
 
-std::string to_text(const PictureReport::Channel& channel) {
+std::string to_text(const ImageReport::Channel& channel) {
   std::string text = fmt::format("              {}", printable(channel.name));
   if (channel.min <= channel.max) text += fmt::format(" from {:.4g} to {:.4g}", channel.min, channel.max);
   if (channel.nonfinite > 0) text += fmt::format(", {} not finite", format_count(channel.nonfinite));
   return text + "\n";
 }
 
-std::string to_text(const PictureReport& report) {
+std::string to_text(const ImageReport& report) {
   std::string text = fmt::format("size          {} x {}\n", report.width, report.height);
   if (!report.channels.empty()) text += fmt::format("channels      {}\n", report.channels.size());
-  for (const PictureReport::Channel& channel : report.channels) text += to_text(channel);
+  for (const ImageReport::Channel& channel : report.channels) text += to_text(channel);
   for (const auto& [name, value] : report.attributes)
     text += fmt::format("{}: {}\n", printable(name), printable_lines(value));
   return text;
@@ -76,8 +75,8 @@ int run_info(const InfoOptions& options, const Verbosity& verbosity) {
   const auto print = [&](const auto& what) {
     std::fputs((options.json ? to_json(what) : to_text(what)).c_str(), stdout);
   };
-  if (is_picture(extension)) {
-    print(report_picture(options.file, extension));
+  if (is_image(extension)) {
+    print(report_image(options.file, extension));
   } else {
     const double start_s = now_s();
     const Scene scene = open_scene(options.file);
@@ -93,11 +92,11 @@ Command info_command(Verbosity& verbosity) {
   const auto options = std::make_shared<InfoOptions>();
   Command command{
       .name = "info",
-      .summary = "Tell what a scene or a picture contains, and what the loader ignored.",
+      .summary = "Tell what a scene or an image contains, and what the loader ignored.",
       .examples = {{"relume info scene.glb", "counts, cameras, extent, memory, warnings"},
                    {"relume info out.exr", "size, channels, and how it was rendered"},
                    {"relume info scene.glb --json", "the same for scripts"}},
-      .arguments = {{"FILE", &options->file, "Scene file, built-in scene or picture", true, Completion::scene}},
+      .arguments = {{"FILE", &options->file, "Scene file, built-in scene or image", true, Completion::scene}},
       .options = {{{"json", &options->json, "Print a JSON object"}}},
       .setting_groups = {},
       .setting_flags = nullptr,

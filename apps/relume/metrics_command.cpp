@@ -6,9 +6,9 @@
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
-#include "relume/lab/metrics.h"
-#include "picture.h"
+#include "image.h"
 #include "relume/image_io.h"
+#include "relume/lab/metrics.h"
 #include "reports.h"
 
 namespace relume::cli {
@@ -20,7 +20,7 @@ struct MetricsOptions {
   bool json = false;
   bool hdr_flip = false;
   std::string flip_map;
-  OutputSettings display{.exposure = 0, .tone_map = ToneMap::none};  ///< as which FLIP sees the pictures
+  OutputSettings display{.exposure = 0, .tone_map = ToneMap::none};  ///< as which FLIP sees the images
 };
 
 std::string to_text(const Metrics& m, bool with_hdr_flip) {
@@ -53,13 +53,12 @@ int run_metrics(const MetricsOptions& options) {
   roles.reads("A", options.a);
   roles.reads("B", options.b);
   roles.writes("--flip-map", options.flip_map);
-  if (!options.flip_map.empty()) check_picture_file(options.flip_map, {});
+  if (!options.flip_map.empty()) check_image_file(options.flip_map, {});
   const Image a = read_image(options.a);
   const Image b = read_image(options.b);
   if (a.width != b.width || a.height != b.height) {
-    throw Error(
-        fmt::format("{} has {} x {} pixels, but {} has {} x {}; pictures must have the same size to be compared",
-                    options.a, a.width, a.height, options.b, b.width, b.height));
+    throw Error(fmt::format("{} has {} x {} pixels, but {} has {} x {}; images must have the same size to be compared",
+                            options.a, a.width, a.height, options.b, b.width, b.height));
   }
   const Metrics metrics = measure(options, a, b);
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
@@ -77,11 +76,11 @@ Command metrics_command() {
   const auto options = std::make_shared<MetricsOptions>();
   Command command{
       .name = "metrics",
-      .summary = "Measure how far a picture is from a reference.",
+      .summary = "Measure how far an image is from a reference.",
       .examples = {{"relume metrics out.exr reference.exr", "MSE, relMSE, MAE, MAPE, FLIP and the means"},
                    {"relume metrics out.exr reference.exr --json", "the same for scripts"},
                    {"relume metrics out.exr reference.exr --flip-map flip.png", "where the differences are"}},
-      .arguments = {{"A", &options->a, "Picture"}, {"B", &options->b, "Reference of the same size"}},
+      .arguments = {{"A", &options->a, "Image"}, {"B", &options->b, "Reference of the same size"}},
       .options = {{{"json", &options->json, "Print a JSON object"}},
                   {{"hdr-flip", &options->hdr_flip, "Print HDR-FLIP too, which looks at every exposure; slow"}},
                   {{"flip-map", &options->flip_map, "Write the FLIP difference of each pixel, as colours"},

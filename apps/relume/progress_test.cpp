@@ -18,13 +18,13 @@ TEST(ProgressText, Durations) {
 }
 
 TEST(ProgressText, TellsWhatIsKnown) {
-  EXPECT_EQ(format_progress({.label = "picture 3 of 10",
+  EXPECT_EQ(format_progress({.label = "image 3 of 10",
                              .samples = 16,
                              .samples_wanted = 64,
                              .rays_per_s = 12.34e6,
                              .error = 0.0312,
                              .remaining_s = 42}),
-            "picture 3 of 10, 16/64 samples, 12.3 Mrays/s, error 0.031, 0:42 left");
+            "image 3 of 10, 16/64 samples, 12.3 Mrays/s, error 0.031, 0:42 left");
   EXPECT_EQ(format_progress({.label = "", .samples = 16, .error = kInf, .remaining_s = kInf}), "16 samples");
 }
 

@@ -38,7 +38,7 @@ std::vector<Option> declare(RenderOptions& o) {
         &o.checkpoint_interval_s,
         "Time between checkpoints",
         {.min = 0, .max = 1e8, .unit = "s"}}},
-      {{"display", &o.display, "Show the picture in a running tev viewer; its port is 14158 unless it says otherwise"},
+      {{"display", &o.display, "Show the image in a running tev viewer; its port is 14158 unless it says otherwise"},
        "HOST:PORT"},
   };
 }
@@ -51,7 +51,7 @@ Command render_command(Verbosity& verbosity) {
   const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "render",
-      .summary = "Render a scene to a picture, or an animation to pictures.",
+      .summary = "Render a scene to an image, or an animation to images.",
       .examples =
           {
               {"relume render cornell -o out.png", "a built-in scene, 64 samples a pixel"},

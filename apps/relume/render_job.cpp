@@ -12,8 +12,8 @@
 #include "core/clock.h"
 #include "files/atomic_file.h"
 #include "frame/launch.h"
+#include "image.h"
 #include "image/tev_client.h"
-#include "picture.h"
 #include "platform.h"
 #include "progress.h"
 #include "render/build_pipeline.h"
@@ -30,7 +30,7 @@ namespace {
 
 constexpr double kDisplayInterval_s = 0.5;
 
-/// The picture in a tev viewer, if one was asked for.
+/// The image in a tev viewer, if one was asked for.
 class Display {
  public:
   Display(const std::string& address, std::string name) : name_(std::move(name)) {
@@ -67,13 +67,13 @@ class RenderJob {
     tell_more(verbosity_, fmt::format("built it in {:.2f} s; {} threads", session_->statistics().build_s,
                                       session_->statistics().threads));
     StopReason reason = StopReason::samples;
-    for (size_t i = first_picture_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
-      if (i > first_picture_) {
+    for (size_t i = first_image_; i < plan_.files.size() && reason != StopReason::interrupted; ++i) {
+      if (i > first_image_) {
         session_->set_time(time_of(i));
-        session_->begin_picture();  // even if nothing has moved
+        session_->begin_image();  // even if nothing has moved
       }
-      reason = render_picture(i, interrupts.token());
-      // A picture that was complete when the interrupt came stays complete, and the next one does not begin.
+      reason = render_image(i, interrupts.token());
+      // An image that was complete when the interrupt came stays complete, and the next one does not begin.
       const bool last = i + 1 == plan_.files.size();
       if (!last && interrupts.token().stop_requested()) reason = StopReason::interrupted;
     }
@@ -85,9 +85,9 @@ class RenderJob {
  private:
   void load();
   void resume();
-  size_t picture_of_checkpoint() const;
-  void check_earlier_pictures() const;
-  StopReason render_picture(size_t index, std::stop_token stop);
+  size_t image_of_checkpoint() const;
+  void check_earlier_images() const;
+  StopReason render_image(size_t index, std::stop_token stop);
   void frame_done(size_t index, const RenderProgress& state, const RenderLimits& criteria, ProgressPrinter& printer);
   void keep(size_t index, StopReason reason);
   void save_checkpoint();
@@ -107,7 +107,7 @@ class RenderJob {
   AllSettings settings_;
   float scene_time_s_ = 0;  ///< of frame 0
   std::optional<Session> session_;
-  size_t first_picture_ = 0;  ///< later than 0 if a sequence is resumed
+  size_t first_image_ = 0;  ///< later than 0 if a sequence is resumed
   std::optional<VideoWriter> video_;
   uint64_t resumed_rays_ = 0;  ///< that a checkpoint brought: times are of this run alone
   std::vector<std::string> written_;
@@ -149,18 +149,18 @@ void RenderJob::load() {
 void RenderJob::resume() {
   session_->load_checkpoint(options_.checkpoint);
   resumed_rays_ = session_->statistics().rays;
-  first_picture_ = picture_of_checkpoint();
-  check_earlier_pictures();
+  first_image_ = image_of_checkpoint();
+  check_earlier_images();
   log_info(verbosity_,
            fmt::format("continues from {} at {} samples a pixel{}", options_.checkpoint,
-                       format_samples(session_->picture_samples()),
+                       format_samples(session_->image_samples()),
                        options_.frames.empty()
                            ? ""
-                           : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_picture_))));
-  if (first_picture_ > 0) log_info(verbosity_, "pictures of earlier frames stay as they are");
+                           : fmt::format(" of frame {}", plan_.frames.first + static_cast<int>(first_image_))));
+  if (first_image_ > 0) log_info(verbosity_, "images of earlier frames stay as they are");
 }
 
-size_t RenderJob::picture_of_checkpoint() const {
+size_t RenderJob::image_of_checkpoint() const {
   for (size_t i = 0; i < plan_.files.size(); ++i) {
     if (time_of(i) == render_settings(*session_).time_s) return i;
   }
@@ -171,19 +171,19 @@ size_t RenderJob::picture_of_checkpoint() const {
 }
 
 /// A checkpoint of another range would leave out what comes before it.
-void RenderJob::check_earlier_pictures() const {
-  for (size_t i = 0; i < first_picture_; ++i) {
+void RenderJob::check_earlier_images() const {
+  for (size_t i = 0; i < first_image_; ++i) {
     if (std::filesystem::exists(plan_.files[i])) continue;
     throw Error(
         fmt::format("{}: the checkpoint is of frame {}, and frame {} ({}) is missing; delete the checkpoint to "
                     "render all, or ask for --frames {}-{}",
-                    options_.checkpoint, plan_.frames.first + static_cast<int>(first_picture_),
+                    options_.checkpoint, plan_.frames.first + static_cast<int>(first_image_),
                     plan_.frames.first + static_cast<int>(i), plan_.files[i].string(),
-                    plan_.frames.first + static_cast<int>(first_picture_), plan_.frames.last));
+                    plan_.frames.first + static_cast<int>(first_image_), plan_.frames.last));
   }
 }
 
-StopReason RenderJob::render_picture(size_t index, std::stop_token stop) {
+StopReason RenderJob::render_image(size_t index, std::stop_token stop) {
   const RenderLimits criteria = stop_criteria(settings_.stop);
   last_checkpoint_s_ = now_s();
   ProgressPrinter printer(!verbosity_.quiet);
@@ -200,7 +200,7 @@ void RenderJob::frame_done(size_t index, const RenderProgress& state, const Rend
                            ProgressPrinter& printer) {
   printer.show(
       {
-          .label = plan_.files.size() > 1 ? fmt::format("picture {} of {}", index + 1, plan_.files.size()) : "",
+          .label = plan_.files.size() > 1 ? fmt::format("image {} of {}", index + 1, plan_.files.size()) : "",
           .samples = static_cast<uint32_t>(state.samples),
           .samples_wanted = criteria.samples,
           .fraction = fraction_done(state, criteria),
@@ -213,7 +213,7 @@ void RenderJob::frame_done(size_t index, const RenderProgress& state, const Rend
   if (display_.due()) display_.show(*session_);
 }
 
-/// Picture and checkpoint may lie on different disks: one that is full costs only what lies on it.
+/// Image and checkpoint may lie on different disks: one that is full costs only what lies on it.
 void RenderJob::keep(size_t index, StopReason reason) {
   std::exception_ptr problem;
   try {
@@ -232,7 +232,7 @@ void RenderJob::save_checkpoint() {
   last_checkpoint_s_ = now_s();
 }
 
-/// While a picture is made: that its disk is full is no reason to give the picture up.
+/// While an image is made: that its disk is full is no reason to give the image up.
 void RenderJob::try_checkpoint() {
   try {
     save_checkpoint();
@@ -249,14 +249,14 @@ void RenderJob::write(size_t index, StopReason reason) {
     const Image image = tone_map(session_->image(), settings_.output.tone_map, settings_.output.exposure);
     if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
     video_->add(image);
-    if (index == first_picture_) written_.push_back(file.string());
+    if (index == first_image_) written_.push_back(file.string());
   } else {
-    const Metadata metadata = picture_metadata(*session_, options_.scene, settings_, load_s_);
-    write_picture(file, *session_, settings_.output, plan_.aovs, metadata);
+    const Metadata metadata = image_metadata(*session_, options_.scene, settings_, load_s_);
+    write_image(file, *session_, settings_.output, plan_.aovs, metadata);
     written_.push_back(file.string());
   }
   write_s_ += now_s() - start_s;
-  const std::string samples = format_samples(session_->picture_samples());
+  const std::string samples = format_samples(session_->image_samples());
   const std::string what =
       is_video_file(file) ? fmt::format("frame {} of {}", plan_.frames.first + static_cast<int>(index), file.string())
                           : file.string();
@@ -269,7 +269,7 @@ void RenderJob::report(StopReason reason) const {
   const Statistics& statistics = session_->statistics();
   const uint32_t pilot = pilot_samples(settings_.render);
   if (pilot > 0 && session_->frames_since_change() <= pilot)
-    warn("the picture ended within its pilot samples, which are biased; give it more time");
+    warn("the image ended within its pilot samples, which are biased; give it more time");
   if (statistics.nonfinite_samples > 0) {
     warn(fmt::format("{} of {} samples were not finite and count as black; please report the scene",
                      format_count(statistics.nonfinite_samples), format_count(statistics.samples)));
@@ -289,7 +289,7 @@ void RenderJob::report(StopReason reason) const {
       .scene = options_.scene,
       .width = settings_.render.width,
       .height = settings_.render.height,
-      .samples_per_pixel = session_->picture_samples(),
+      .samples_per_pixel = session_->image_samples(),
       .stopped_by = name_of(reason),
       .estimated_error = session_->estimated_error(),
       .load_s = load_s_,

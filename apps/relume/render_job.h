@@ -1,4 +1,4 @@
-// What `relume render` was asked to do, and the doing: pictures, checkpoints, statistics.
+// What `relume render` was asked to do, and the doing: images, checkpoints, statistics.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct RenderOptions {
   std::string scene;
   std::string output;
   std::string aov;
-  std::string frames;  ///< empty: a single picture
+  std::string frames;  ///< empty: a single image
   float fps = 24;
   std::string preset;
   std::string settings_file;

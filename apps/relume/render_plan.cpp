@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
-#include "picture.h"
+#include "image.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"
@@ -16,7 +16,7 @@ namespace {
 std::vector<std::filesystem::path> files_of_sequence(const RenderOptions& options, const FrameRange& frames) {
   const bool video = is_video_file(options.output);
   if (video && !options.checkpoint.empty())
-    throw UsageError("--resume cannot continue a video; render pictures (-o out.####.png) and encode them afterwards");
+    throw UsageError("--resume cannot continue a video; render images (-o out.####.png) and encode them afterwards");
   const FrameNames name(options.output);
   std::vector<std::filesystem::path> files;
   for (int frame = frames.first; frame <= frames.last; ++frame)
@@ -66,7 +66,7 @@ RenderPlan make_plan(const RenderOptions& options) {
   if (is_video_file(options.output) && !options.frames.empty()) {
     check_video_file(options.output, layers);
   } else {
-    check_picture_file(options.output, layers);
+    check_image_file(options.output, layers);
   }
   return plan;
 }
@@ -82,7 +82,7 @@ void check_stop_settings(const AllSettings& settings) {
   }
   if (settings.render.history != HistoryChoice::none || criteria.samples > 0 || criteria.time_s > 0) return;
   throw UsageError(
-      "--error alone cannot end a picture with --history none, which is one frame whose error is not known; give --spp "
+      "--error alone cannot end an image with --history none, which is one frame whose error is not known; give --spp "
       "or --time, or --history accumulate");
 }
 

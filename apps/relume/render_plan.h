@@ -29,7 +29,7 @@ RenderPlan make_plan(const RenderOptions& options);
 /// that do not combine.
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings);
 
-/// Waiting for an error that never becomes known would not end, and a pilot alone is no picture: throws UsageError.
+/// Waiting for an error that never becomes known would not end, and a pilot alone is no image: throws UsageError.
 void check_stop_settings(const AllSettings& settings);
 
 }  // namespace relume::cli

@@ -69,9 +69,9 @@ std::string to_json(const Metrics& m, bool with_hdr_flip) {
   return text_of(json);
 }
 
-PictureReport::Channel report_channel(const ExrChannel& channel) {
+ImageReport::Channel report_channel(const ExrChannel& channel) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  PictureReport::Channel report{channel.name, kInfinity, -kInfinity};
+  ImageReport::Channel report{channel.name, kInfinity, -kInfinity};
   for (const float value : channel.values) {
     report.min = std::isfinite(value) ? std::min(report.min, value) : report.min;
     report.max = std::isfinite(value) ? std::max(report.max, value) : report.max;
@@ -80,9 +80,9 @@ PictureReport::Channel report_channel(const ExrChannel& channel) {
   return report;
 }
 
-std::string to_json(const PictureReport& report) {
+std::string to_json(const ImageReport& report) {
   Json channels = Json::array();
-  for (const PictureReport::Channel& c : report.channels) {
+  for (const ImageReport::Channel& c : report.channels) {
     channels.push_back({{"name", c.name}, {"min", c.min}, {"max", c.max}, {"nonfinite", c.nonfinite}});
   }
   Json attributes = Json::object();

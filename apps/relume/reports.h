@@ -23,14 +23,14 @@ struct RunReport {
   std::string scene;
   int width = 0;
   int height = 0;
-  double samples_per_pixel = 0;  ///< of the last picture, mean over its pixels
+  double samples_per_pixel = 0;  ///< of the last image, mean over its pixels
   std::string stopped_by;        ///< "samples", "time", "error", "interrupted"
-  double estimated_error = 0;    ///< of the last picture; infinite below two samples
+  double estimated_error = 0;    ///< of the last image; infinite below two samples
   double load_s = 0;             ///< these times are of this run; counts below go on where a checkpoint left them
   double build_s = 0;
   double render_s = 0;
   double write_s = 0;
-  uint64_t samples = 0;  ///< all pixels and pictures
+  uint64_t samples = 0;  ///< all pixels and images
   uint64_t paths = 0;
   uint64_t rays = 0;
   uint64_t nonfinite_samples = 0;
@@ -39,13 +39,13 @@ struct RunReport {
   uint64_t scene_bytes = 0;                             ///< of geometry, lights, textures, acceleration structure
   uint64_t buffer_bytes = 0;                            ///< of the per-pixel buffers
   uint64_t technique_bytes = 0;                         ///< of what techniques hold besides
-  std::vector<std::string> files;                       ///< pictures written
+  std::vector<std::string> files;                       ///< images written
   std::vector<std::pair<std::string, double>> passes;   ///< name and seconds
   std::vector<std::pair<std::string, double>> figures;  ///< what techniques report of themselves
 };
 
-/// What `info` says about a picture.
-struct PictureReport {
+/// What `info` says about an image.
+struct ImageReport {
   struct Channel {
     std::string name;
     float min = 0;
@@ -59,7 +59,7 @@ struct PictureReport {
 };
 
 /// Extremes of what is finite, and how much is not.
-PictureReport::Channel report_channel(const ExrChannel& channel);
+ImageReport::Channel report_channel(const ExrChannel& channel);
 
 /// A mean number of samples a pixel: "64", or "12.25" where it is not whole.
 std::string format_samples(double samples);
@@ -67,7 +67,7 @@ std::string format_samples(double samples);
 /// An object with the members' names.
 std::string to_json(const RunReport& report);
 std::string to_json(const Metrics& metrics, bool with_hdr_flip);
-std::string to_json(const PictureReport& report);
+std::string to_json(const ImageReport& report);
 std::string to_json(const SceneSummary& summary);
 
 }  // namespace relume::cli

@@ -57,8 +57,8 @@ TEST(Reports, MetricsHaveTheNamesThatScriptsRelyOn) {
   expect_in("\"hdr_flip\": 0.0", to_json(metrics, true));
 }
 
-TEST(Reports, PicturesTellTheirChannelsAndAttributes) {
-  const std::string text = to_json(PictureReport{3, 2, {{"depth.Z", 0.5f, 4.0f}}, {{"relume.seed", "7"}}});
+TEST(Reports, ImagesTellTheirChannelsAndAttributes) {
+  const std::string text = to_json(ImageReport{3, 2, {{"depth.Z", 0.5f, 4.0f}}, {{"relume.seed", "7"}}});
   expect_in("\"width\": 3", text);
   expect_in("\"name\": \"depth.Z\",\n      \"min\": 0.5,\n      \"max\": 4.0", text);
   expect_in("\"relume.seed\": \"7\"", text);
@@ -66,13 +66,13 @@ TEST(Reports, PicturesTellTheirChannelsAndAttributes) {
 
 TEST(Reports, ExtremesLeaveOutWhatIsNoNumber) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const PictureReport::Channel channel = report_channel({"R", {kNan, 100, kNan, 1, 2}});
+  const ImageReport::Channel channel = report_channel({"R", {kNan, 100, kNan, 1, 2}});
   EXPECT_EQ(channel.min, 1);
   EXPECT_EQ(channel.max, 100);
   EXPECT_EQ(channel.nonfinite, 2u);
-  const PictureReport::Channel lost = report_channel({"R", {kNan}});
+  const ImageReport::Channel lost = report_channel({"R", {kNan}});
   EXPECT_GT(lost.min, lost.max);
-  expect_in("\"max\": null", to_json(PictureReport{1, 1, {lost}, {}}));
+  expect_in("\"max\": null", to_json(ImageReport{1, 1, {lost}, {}}));
 }
 
 TEST(Reports, ScenesThatPlaceNothingHaveNoBounds) {

@@ -6,7 +6,7 @@
 #include "core/srgb.h"
 #include "file_roles.h"
 #include "files/extension.h"
-#include "picture.h"
+#include "image.h"
 
 namespace relume::cli {
 
@@ -19,7 +19,7 @@ void check_video_file(const std::filesystem::path& file, const std::vector<std::
   check_layers(file, aovs);
   if (!program_exists("ffmpeg")) {
     throw UsageError(fmt::format(
-        "{}: videos are encoded by ffmpeg, which is not there; install it (apt install ffmpeg), or write pictures: "
+        "{}: videos are encoded by ffmpeg, which is not there; install it (apt install ffmpeg), or write images: "
         "-o {}.####.png",
         file.string(), file.stem().string()));
   }

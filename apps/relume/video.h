@@ -25,7 +25,7 @@ class VideoWriter {
   /// Without finish(), nothing is left behind.
   ~VideoWriter();
 
-  /// Appends a display-ready, still linear picture. Throws Error if ffmpeg gave up.
+  /// Appends a display-ready, still linear image. Throws Error if ffmpeg gave up.
   void add(const Image& image);
 
   /// Completes the file and gives it its name. Throws Error.

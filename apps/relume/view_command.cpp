@@ -20,7 +20,7 @@ std::vector<Option> declare(ViewOptions& o) {
        Completion::file},
       {{"target", &o.target_hz, "Rendered frames a second to hold by scaling the resolution", {.min = 1, .max = 240}}},
       {{"smoke", &o.smoke, "Show no window, render this many frames, print a report as JSON and end", {.min = 0}}},
-      {{"screenshot", &o.screenshot, "Write a picture of the window before ending"}, "FILE", 0, Completion::file},
+      {{"screenshot", &o.screenshot, "Write an image of the window before ending"}, "FILE", 0, Completion::file},
       {{"script", &o.script, "Steps to go through: keys, mouse, settings (docs/viewer.md)"},
        "FILE",
        0,
@@ -51,7 +51,7 @@ Command view_command(Verbosity& verbosity) {
           {
               {"relume view scene.glb", "WASD and the mouse fly; F1 lists the keys"},
               {"relume view city --target 15", "scale the resolution so that 15 frames a second are rendered"},
-              {"relume view cornell --width 640 --height 480", "a picture of fixed size"},
+              {"relume view cornell --width 640 --height 480", "an image of fixed size"},
               {"relume view cornell --smoke 10 --screenshot window.png", "no window; for tests"},
           },
       .arguments = {{"SCENE", &options->scene, scene_format_names() + " file, or a built-in scene (default: cornell)",

@@ -41,7 +41,7 @@ RELUME_API double remaining_s(const RenderProgress& state, const RenderLimits& c
 /// Renders frames until a limit is reached or `stop` requested, and calls `frame_done` after each complete frame. The
 /// first frame is always completed, so that there is an image. With a time limit no frame begins that would, taking as
 /// long as those before it, end beyond it; long preparation ends early (Session::shorten_preparation_on). Frames and
-/// samples count from Session::begin_picture().
+/// samples count from Session::begin_image().
 RELUME_API StopReason render_until(Session& session, const RenderLimits& criteria, std::stop_token stop = {},
                                    const std::function<void(const RenderProgress&)>& frame_done = {});
 

@@ -15,7 +15,7 @@ namespace relume {
 RELUME_API Scene load_scene(const std::filesystem::path& file);
 
 /// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives
-/// the same picture; docs/scenes.md says where things go that glTF has no form for. Returns what could not be said
+/// the same image; docs/scenes.md says where things go that glTF has no form for. Returns what could not be said
 /// exactly, one sentence each. Throws Error for other extensions, when a file cannot be written
 /// and where one would replace a file of Scene::source_files.
 RELUME_API std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene);

@@ -69,13 +69,13 @@ class RELUME_API Session {
   double kept_samples() const;
 
   /// Begins an image, with the next frame: of a sequence, say, whether anything has changed or not.
-  void begin_picture();
-  /// Frames since begin_picture(), or since the session began.
-  uint32_t picture_frames() const;
+  void begin_image();
+  /// Frames since begin_image(), or since the session began.
+  uint32_t image_frames() const;
   /// Samples per pixel in these frames, averaged over the pixels.
-  double picture_samples() const;
+  double image_samples() const;
   /// Seconds inside render_frame() in these frames, without those of a loaded checkpoint.
-  double picture_render_s() const;
+  double image_render_s() const;
 
   /// Change the scene from one frame to the next. Histories keep what they can; without one, samples start over. Times
   /// lie in the range of the setting "scene-time". Throw Error (invalid_handle) for parts that are not in the scene.

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "compare/rounds.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "metrics/temporal.h"
 #include "relume/error.h"
+#include "relume/lab/metrics.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
@@ -36,7 +36,7 @@ uint64_t count_nonfinite(const Image& image) {
 
 void check_finite(const std::string& file, const Image& image) {
   if (count_nonfinite(image) < image.pixels.size()) return;
-  throw Error(fmt::format("{}: no pixel of this picture is finite; check what made it", file));
+  throw Error(fmt::format("{}: no pixel of this image is finite; check what made it", file));
 }
 
 class Comparing {
@@ -52,7 +52,7 @@ class Comparing {
   std::optional<Comparison> run() {
     prepare();
     if (!make_references() || !measure_contenders()) return std::nullopt;
-    measure_pictures();
+    measure_images();
     judge_references();
     result_.reference = std::move(references_.back());
     result_.notes = limits_of(result_);
@@ -68,17 +68,17 @@ class Comparing {
   }
 
   void prepare();
-  void read_pictures();
+  void read_images();
   bool make_references();
   bool measure_contenders();
-  void measure_pictures();
+  void measure_images();
   void judge_references();
 
   const Scene& scene_;
   const std::stop_token& stop_;
   const ComparisonProgress& progress_;
   std::vector<AllSettings> settings_;  ///< of the contenders
-  std::vector<Image> pictures_;        ///< made elsewhere
+  std::vector<Image> images_;          ///< made elsewhere
   std::vector<Reference> references_;
   Comparison result_;
 };
@@ -97,20 +97,20 @@ void Comparing::prepare() {
   ReferenceSettings reference = resolve_reference(o.common, settings_, o.reference_settings);
   result_.reference_settings = std::move(reference.settings);
   result_.reference_left_out = std::move(reference.left_out);
-  read_pictures();
+  read_images();
 }
 
 /// Files are looked at before anything is rendered, which may take long.
-void Comparing::read_pictures() {
+void Comparing::read_images() {
   const ComparisonOptions& o = options();
   const RenderSettings& size = result_.reference_settings.render;
-  for (const PictureContender& picture : o.pictures) {
-    pictures_.push_back(read_image(picture.file));
-    check_size(picture.file.string(), pictures_.back(), size.width, size.height);
-    check_finite(picture.file.string(), pictures_.back());
+  for (const ImageContender& image : o.images) {
+    images_.push_back(read_image(image.file));
+    check_size(image.file.string(), images_.back(), size.width, size.height);
+    check_finite(image.file.string(), images_.back());
   }
   if (o.reference_file.empty()) return;
-  if (is_animation(o)) throw Error("a reference from a file is one picture; leave --frames or --reference out");
+  if (is_animation(o)) throw Error("a reference from a file is one image; leave --frames or --reference out");
   references_.push_back(read_reference(o.reference_file));
   check_size(o.reference_file.string(), references_.back().image, size.width, size.height);
   check_finite(o.reference_file.string(), references_.back().image);
@@ -154,16 +154,16 @@ bool Comparing::measure_contenders() {
   const auto progress = stage("contenders");
   for (int repetition = 0; repetition < o.repetitions && !sessions.empty(); ++repetition) {
     std::vector<Repetition> results;
-    std::vector<Image> pictures;
+    std::vector<Image> images;
     const bool done = run_repetition(
-        sessions, o, plan, references_, repetition, stop_, results, pictures,
+        sessions, o, plan, references_, repetition, stop_, results, images,
         [&](double fraction) { progress((repetition + fraction) / static_cast<double>(o.repetitions)); });
     if (!done) return false;
     for (size_t i = 0; i < sessions.size(); ++i) {
-      ensembles[i].add(pictures[i]);
+      ensembles[i].add(images[i]);
       result_.contenders[i].repetitions.push_back(std::move(results[i]));
-      if (repetition == 0) result_.contenders[i].image = pictures[i];
-      if (o.keep_pictures) result_.contenders[i].pictures.push_back(std::move(pictures[i]));
+      if (repetition == 0) result_.contenders[i].image = images[i];
+      if (o.keep_images) result_.contenders[i].images.push_back(std::move(images[i]));
     }
   }
   const Reference& last = references_.back();
@@ -172,13 +172,13 @@ bool Comparing::measure_contenders() {
   return true;
 }
 
-void Comparing::measure_pictures() {
+void Comparing::measure_images() {
   const OutputSettings display = resolve(options().common).output;
   const Image& reference = references_.back().image;
-  for (size_t i = 0; i < pictures_.size(); ++i) {
-    const PictureContender& picture = options().pictures[i];
-    ContenderResult contender{.name = picture.name, .is_picture = true, .settings = picture.file.string()};
-    contender.image = std::move(pictures_[i]);
+  for (size_t i = 0; i < images_.size(); ++i) {
+    const ImageContender& image = options().images[i];
+    ContenderResult contender{.name = image.name, .is_image = true, .settings = image.file.string()};
+    contender.image = std::move(images_[i]);
     const Metrics m =
         compute_metrics(contender.image, reference, {.tone_map = display.tone_map, .exposure = display.exposure});
     contender.repetitions.push_back(

@@ -20,24 +20,24 @@ namespace relume {
 struct ComparisonOptions {
   std::string scene_name;
   std::vector<Contender> contenders;
-  std::vector<PictureContender> pictures;  ///< of the last frame
-  SettingSources common;                   ///< for everybody; the reference takes what cannot bias it
-  int spp = 64;                            ///< samples a pixel; of each frame of an animation
-  double budget_s = 0;                     ///< instead of spp: time of each contender, in each frame of an animation
-  int repetitions = 5;                     ///< with seeds of their own
-  std::vector<float> times_s;              ///< frames of an animation; empty: the still scene
-  std::filesystem::path reference_file;    ///< of the last frame; empty: rendered
+  std::vector<ImageContender> images;    ///< of the last frame
+  SettingSources common;                 ///< for everybody; the reference takes what cannot bias it
+  int spp = 64;                          ///< samples a pixel; of each frame of an animation
+  double budget_s = 0;                   ///< instead of spp: time of each contender, in each frame of an animation
+  int repetitions = 5;                   ///< with seeds of their own
+  std::vector<float> times_s;            ///< frames of an animation; empty: the still scene
+  std::filesystem::path reference_file;  ///< of the last frame; empty: rendered
   int reference_spp = 1024;
   SettingTexts reference_settings = {};  ///< of the rendered reference alone
   std::filesystem::path cache_folder;
-  std::string program = {};    ///< tells builds apart: references of another one are rendered again
-  FrameClock clock = {};       ///< by which contenders are timed; empty: wall_clock()
-  bool keep_pictures = false;  ///< of every repetition
+  std::string program = {};  ///< tells builds apart: references of another one are rendered again
+  FrameClock clock = {};     ///< by which contenders are timed; empty: wall_clock()
+  bool keep_images = false;  ///< of every repetition
 };
 
 inline bool is_animation(const ComparisonOptions& options) { return options.times_s.size() > 1; }
 
-/// How far a picture is from the reference after some frames.
+/// How far an image is from the reference after some frames.
 struct ErrorPoint {
   uint32_t frames = 0;
   double samples = 0;  ///< a pixel
@@ -55,7 +55,7 @@ struct Repetition {
   double samples = 0;  ///< a pixel, all frames of an animation together
   double time_s = 0;
   uint64_t rays = 0;
-  double mse = 0;  ///< of the picture; of an animation, the mean over its frames
+  double mse = 0;  ///< of the image; of an animation, the mean over its frames
   double rel_mse = 0;
   double mape = 0;
   double flip = 0;
@@ -71,13 +71,13 @@ using Figure = std::function<double(const Repetition&)>;
 
 struct ContenderResult {
   std::string name;
-  bool is_picture = false;  ///< made elsewhere: has neither times nor repetitions beyond the one
-  std::string settings;     ///< JSON
+  bool is_image = false;  ///< made elsewhere: has neither times nor repetitions beyond the one
+  std::string settings;   ///< JSON
   std::vector<std::pair<std::string, std::string>> differences = {};  ///< from the defaults
   std::vector<Repetition> repetitions = {};
   std::optional<ErrorSplit> split = {};  ///< of the last frame, from two repetitions on
   Image image = {};                      ///< of the first repetition, last frame
-  std::vector<Image> pictures = {};      ///< of each repetition, if those are kept
+  std::vector<Image> images = {};        ///< of each repetition, if those are kept
 };
 
 /// What noise of the reference adds to the figures on average; of an animation, means over its frames. All 0: not
@@ -97,7 +97,7 @@ struct Comparison {
   uint64_t reference_nonfinite = 0;  ///< pixels of it that are not finite; in all frames of an animation
   uint64_t scene_hash = 0;
   size_t triangles = 0;
-  int threads = 0;           ///< 0: nothing was rendered, only pictures compared
+  int threads = 0;           ///< 0: nothing was rendered, only images compared
   double budget_spread = 0;  ///< expected, of the times that whole frames add up to
   std::vector<ContenderResult> contenders;
   std::vector<std::string> notes;  ///< limits_of() it
@@ -126,7 +126,7 @@ uint64_t most_nonfinite(const ContenderResult& contender);
 /// Milliseconds a frame in each pass, medians over the repetitions. Requires a contender that was rendered.
 std::vector<std::pair<std::string, double>> median_pass_ms(const ContenderResult& contender);
 
-/// One object with everything but the pictures. `machine`: name and value of what the program knows about where it ran.
+/// One object with everything but the images. `machine`: name and value of what the program knows about where it ran.
 std::string to_json(const Comparison& comparison, const std::vector<std::pair<std::string, std::string>>& machine);
 /// A line for each contender.
 std::string to_csv(const Comparison& comparison);

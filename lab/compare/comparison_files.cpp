@@ -59,10 +59,10 @@ Json curve(const Repetition& repetition) {
 }
 
 Json to_json(const ContenderResult& contender, bool has_motion) {
-  Json json = {{"name", contender.name}, {"kind", contender.is_picture ? "picture" : "technique"}};
+  Json json = {{"name", contender.name}, {"kind", contender.is_image ? "image" : "technique"}};
   for (const Quantity& q : kErrors) json[q.name] = quantity(contender, q);
   json["nonfinite_pixels"] = most_nonfinite(contender);
-  if (contender.is_picture) {
+  if (contender.is_image) {
     json["file"] = contender.settings;
     return json;
   }
@@ -106,7 +106,7 @@ std::string to_json(const Comparison& c, const std::vector<std::pair<std::string
                {"triangles", c.triangles},
                {"width", c.reference.image.width},
                {"height", c.reference.image.height},
-               {"mode", !rendered                ? "pictures"
+               {"mode", !rendered                ? "images"
                         : c.options.budget_s > 0 ? "equal-time"
                                                  : "equal-samples"},
                {"spp", !rendered || c.options.budget_s > 0 ? Json() : Json(c.options.spp)},
@@ -143,12 +143,12 @@ std::string to_csv(const Comparison& c) {
     text += csv_text(contender.name);
     const auto add = [&](const Quantity& q) { text += csv_number(median_of(contender, q.value)); };
     for (const Quantity& q : kErrors) add(q);
-    is_animation(c.options) && !contender.is_picture ? add(kTemporal) : void(text += ",");
+    is_animation(c.options) && !contender.is_image ? add(kTemporal) : void(text += ",");
     const double none = std::nan("");
     text += csv_number(contender.split ? contender.split->bias2 : none);
     text += csv_number(contender.split ? contender.split->bias2_error.value_or(none) : none);
     text += csv_number(contender.split ? contender.split->variance : none);
-    for (const Quantity& q : kCosts) contender.is_picture ? void(text += ",") : add(q);
+    for (const Quantity& q : kCosts) contender.is_image ? void(text += ",") : add(q);
     text += fmt::format(",{}\n", most_nonfinite(contender));
   }
   return text;

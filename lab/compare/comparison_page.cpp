@@ -7,7 +7,7 @@
 
 #include "compare/ranking.h"
 #include "metrics/statistics.h"
-#include "report/pictures.h"
+#include "report/images.h"
 #include "settings/nearest_name.h"
 #include "settings/settings_json.h"
 
@@ -46,7 +46,7 @@ Chart make_chart(const Comparison& c, std::string label, std::string x_label, st
   double low = INFINITY;
   double high = -INFINITY;
   for (size_t i = 0; i < c.contenders.size(); ++i) {
-    if (c.contenders[i].is_picture) continue;
+    if (c.contenders[i].is_image) continue;
     chart.curves.push_back(median_curve(c.contenders[i], static_cast<int>(i), x, y));
     for (const CurvePoint& point : chart.curves.back().points) {
       low = std::min(low, point.x);
@@ -73,7 +73,7 @@ std::string settings_text(const SettingTexts& settings) {
 }
 
 std::string budget_text(const Comparison& c) {
-  if (c.threads == 0) return "pictures from files";
+  if (c.threads == 0) return "images from files";
   const bool animation = is_animation(c.options);
   if (c.options.budget_s > 0) {
     const double ms = 1000 * c.options.budget_s;
@@ -151,9 +151,9 @@ DetailsBlock how_it_was_made(const Comparison& c, const std::vector<std::pair<st
   if (!c.reference_left_out.empty() && r.spp > 0)
     block.pairs.emplace_back("Not for the reference", settings_text(c.reference_left_out));
   for (const ContenderResult& contender : c.contenders) {
-    const std::string what = contender.is_picture ? contender.settings : settings_text(contender.differences);
+    const std::string what = contender.is_image ? contender.settings : settings_text(contender.differences);
     block.pairs.emplace_back(contender.name, what.empty() ? "nothing but the common settings" : what);
-    if (!contender.is_picture) block.parts.emplace_back("All settings of " + contender.name, contender.settings);
+    if (!contender.is_image) block.parts.emplace_back("All settings of " + contender.name, contender.settings);
   }
   AllSettings reference_settings = c.reference_settings;
   if (r.spp > 0)
@@ -195,7 +195,7 @@ ChartBlock comparison_curves(const Comparison& c) {
 BarBlock comparison_frame_times(const Comparison& c) {
   BarBlock block{.title = "Time of a frame by pass", .text = "Medians over the repetitions.", .unit = "ms", .bars = {}};
   for (const ContenderResult& contender : c.contenders) {
-    if (contender.is_picture) continue;
+    if (contender.is_image) continue;
     Bar bar{contender.name, {}};
     double sum = 0;
     for (const auto& [name, ms] : median_pass_ms(contender)) {
@@ -209,17 +209,17 @@ BarBlock comparison_frame_times(const Comparison& c) {
   return block;
 }
 
-ViewerBlock comparison_pictures(const Comparison& c) {
+ViewerBlock comparison_images(const Comparison& c) {
   const Image& reference = c.reference.image;
   const OutputSettings display = resolve(c.options.common).output;
   const size_t value_bytes = reference.pixels.size() * 6 * (c.contenders.size() + 1);
-  const PictureOptions options{display.tone_map, display.exposure, value_bytes <= kMostValueBytes};
+  const ImageOptions options{display.tone_map, display.exposure, value_bytes <= kMostValueBytes};
   const bool moves = is_animation(c.options);
-  ViewerBlock block{.title = "Pictures",
+  ViewerBlock block{.title = "Images",
                     .text = c.threads == 0 ? ""
                             : moves        ? "The last frame of the first repetition."
                                            : "Of the first repetition.",
-                    .layers = picture_layer_kinds(),
+                    .layers = image_layer_kinds(),
                     .sets = {}};
   std::vector<MeasuredImage> images;
   for (size_t i = 0; i < c.contenders.size(); ++i) {
@@ -229,7 +229,7 @@ ViewerBlock comparison_pictures(const Comparison& c) {
     images.push_back(
         {contender.name, static_cast<int>(i), &contender.image, fmt::format("relMSE {}", short_number(rel_mse))});
   }
-  block.sets.push_back(measured_set("picture", reference, images, options));
+  block.sets.push_back(measured_set("image", reference, images, options));
   return block;
 }
 
@@ -238,9 +238,9 @@ Page comparison_page(const Comparison& c, const std::vector<std::pair<std::strin
   page.title = fmt::format("{}: {}", c.options.scene_name, names_text(c.contenders));
   page.subtitle = fmt::format("{}×{} pixels, {}{}", c.reference.image.width, c.reference.image.height, budget_text(c),
                               is_animation(c.options) ? fmt::format(", {} frames", c.options.times_s.size()) : "");
-  page.blocks = {summary(c), comparison_pictures(c), comparison_table(c)};
+  page.blocks = {summary(c), comparison_images(c), comparison_table(c)};
   const bool has_times =
-      std::any_of(c.contenders.begin(), c.contenders.end(), [](const ContenderResult& r) { return !r.is_picture; });
+      std::any_of(c.contenders.begin(), c.contenders.end(), [](const ContenderResult& r) { return !r.is_image; });
   if (has_times) {
     page.blocks.emplace_back(comparison_curves(c));
     page.blocks.emplace_back(comparison_frame_times(c));

@@ -16,9 +16,9 @@ std::string short_number(double x);
 /// Everything there is to see of a comparison. `machine`: as for to_json().
 Page comparison_page(const Comparison& comparison, const std::vector<std::pair<std::string, std::string>>& machine);
 
-/// The reference and the contenders' pictures with their maps. Values for the inspector are left out if the page would
+/// The reference and the contenders' images with their maps. Values for the inspector are left out if the page would
 /// grow beyond some 100 MB.
-ViewerBlock comparison_pictures(const Comparison& comparison);
+ViewerBlock comparison_images(const Comparison& comparison);
 TableBlock comparison_table(const Comparison& comparison);
 ChartBlock comparison_curves(const Comparison& comparison);
 BarBlock comparison_frame_times(const Comparison& comparison);

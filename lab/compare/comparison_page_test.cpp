@@ -17,7 +17,7 @@ Image grey(float value) {
 }
 
 ContenderResult contender(std::string name, const std::vector<double>& rel_mse) {
-  ContenderResult result{.name = std::move(name), .is_picture = false, .settings = "{}"};
+  ContenderResult result{.name = std::move(name), .is_image = false, .settings = "{}"};
   for (const double value : rel_mse)
     result.repetitions.push_back({.frames = 1, .time_s = 1, .mse = value, .rel_mse = value, .mape = value});
   result.image = grey(0.4f);

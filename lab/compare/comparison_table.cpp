@@ -24,7 +24,7 @@ std::vector<MedianColumn> error_columns(const Comparison& c) {
         Better::lower},
        &Repetition::rel_mse},
       {{"MAPE", "Mean of the error's size over the reference + 0.01.", Better::lower}, &Repetition::mape},
-      {{"FLIP", "What a viewer sees who flips between picture and reference, from 0 to 1 (Andersson 2020)." + of_frame,
+      {{"FLIP", "What a viewer sees who flips between image and reference, from 0 to 1 (Andersson 2020)." + of_frame,
         Better::lower},
        &Repetition::flip},
   };
@@ -34,8 +34,8 @@ std::vector<TableColumn> split_columns(const Comparison& c) {
   const std::string of_frame = is_animation(c.options) ? " Of the last frame, unlike the MSE." : "";
   return {
       {"bias²",
-       "Part of the MSE that repetitions have in common: what would stay if pictures of as many samples each were "
-       "averaged without end. Pictures of more samples may have less of it. The reference's own noise is subtracted. "
+       "Part of the MSE that repetitions have in common: what would stay if images of as many samples each were "
+       "averaged without end. Images of more samples may have less of it. The reference's own noise is subtracted. "
        "Below it two standard errors, from the spread of the repetitions, which takes three of them; within these it "
        "is 0 as far as one can tell." +
            of_frame},
@@ -63,9 +63,9 @@ std::vector<MedianColumn> cost_columns(const Comparison& c) {
 
 std::vector<TableColumn> table_columns(const Comparison& c) {
   std::vector<TableColumn> columns;
-  const auto add_medians = [&](std::vector<MedianColumn> medians, bool with_pictures) {
+  const auto add_medians = [&](std::vector<MedianColumn> medians, bool with_images) {
     for (MedianColumn& entry : medians) {
-      if (leaders(c, entry.figure, with_pictures).size() != 1) entry.column.better = Better::none;
+      if (leaders(c, entry.figure, with_images).size() != 1) entry.column.better = Better::none;
       columns.push_back(std::move(entry.column));
     }
   };
@@ -110,7 +110,7 @@ TableRow contender_row(const Comparison& c, size_t index, size_t columns) {
     row.cells.push_back(bias_cell(*contender.split));
     row.cells.push_back({short_number(contender.split->variance), contender.split->variance});
   }
-  if (contender.is_picture) {
+  if (contender.is_image) {
     row.cells.resize(columns, TableCell{"–"});
     return row;
   }
@@ -138,7 +138,7 @@ TableRow reference_row(const Comparison& c, size_t columns) {
 
 /// What stands above the table.
 std::string explanation(const Comparison& c) {
-  if (c.threads == 0) return "Figures of the pictures as they are. The best value of a column is marked.";
+  if (c.threads == 0) return "Figures of the images as they are. The best value of a column is marked.";
   const int repetitions = c.options.repetitions;
   std::string text = fmt::format("Medians of {} repetitions{}; ", repetitions,
                                  is_animation(c.options) ? " and means over the frames" : "");

@@ -50,14 +50,14 @@ class ComparisonTest : public testing::Test {
     for (Rgb& pixel : image.pixels) pixel = Rgb(0.3f);
     return image;
   }
-  /// A few samples, compared with the picture as well.
-  ComparisonOptions beside_picture(const std::string& name, const Image& picture) {
+  /// A few samples, compared with the image as well.
+  ComparisonOptions beside_image(const std::string& name, const Image& image) {
     ComparisonOptions o = options("all=seed:1");
     o.spp = 4;
     o.repetitions = 1;
     const std::filesystem::path file = folder_ / (name + ".exr");
-    write_image(file, picture);
-    o.pictures = {{name, file}};
+    write_image(file, image);
+    o.images = {{name, file}};
     return o;
   }
 
@@ -187,26 +187,26 @@ TEST_F(ComparisonTest, AnimationsReportFlicker) {
   EXPECT_EQ(c.contenders[0].repetitions[0].frames, 8u);
 }
 
-TEST_F(ComparisonTest, APictureFromElsewhereIsAColumn) {
-  ComparisonOptions o = beside_picture("grey", grey());
+TEST_F(ComparisonTest, AImageFromElsewhereIsAColumn) {
+  ComparisonOptions o = beside_image("grey", grey());
   const Comparison c = run("cornell", o);
   ASSERT_EQ(c.contenders.size(), 2u);
-  EXPECT_TRUE(c.contenders[1].is_picture);
+  EXPECT_TRUE(c.contenders[1].is_image);
   EXPECT_GT(c.contenders[1].repetitions[0].mse, 0);
   write_image(folder_ / "small.exr", Image(3, 3));
-  o.pictures = {{"small", folder_ / "small.exr"}};
+  o.images = {{"small", folder_ / "small.exr"}};
   EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
 }
 
-TEST_F(ComparisonTest, PicturesAloneClaimNoRenderingOfTheirOwn) {
-  ComparisonOptions o = beside_picture("grey", grey());
+TEST_F(ComparisonTest, ImagesAloneClaimNoRenderingOfTheirOwn) {
+  ComparisonOptions o = beside_image("grey", grey());
   o.contenders.clear();
   o.repetitions = 5;
   const Comparison c = run("cornell", o);
   const auto json = nlohmann::json::parse(to_json(c, {}));
   EXPECT_GT(json["triangles"], 0);
   EXPECT_NE(json["scene_hash"], "0000000000000000");
-  EXPECT_EQ(json["mode"], "pictures");
+  EXPECT_EQ(json["mode"], "images");
   EXPECT_TRUE(json["repetitions"].is_null() && json["spp"].is_null());
   EXPECT_FALSE(json["machine"].contains("threads"));
   const std::string html = to_html(comparison_page(c, {}));
@@ -215,10 +215,10 @@ TEST_F(ComparisonTest, PicturesAloneClaimNoRenderingOfTheirOwn) {
 }
 
 TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
-  Image picture = grey();
-  picture.at(3, 4) = Rgb(std::nanf(""));
-  picture.at(5, 6).g = kInfinity;
-  const ComparisonOptions o = beside_picture("grey", picture);
+  Image image = grey();
+  image.at(3, 4) = Rgb(std::nanf(""));
+  image.at(5, 6).g = kInfinity;
+  const ComparisonOptions o = beside_image("grey", image);
   const Comparison c = run("cornell", o);
   EXPECT_EQ(most_nonfinite(c.contenders[0]), 0u);
   EXPECT_EQ(most_nonfinite(c.contenders[1]), 2u);
@@ -227,8 +227,8 @@ TEST_F(ComparisonTest, PixelsThatAreNotFiniteAreReported) {
   }));
   EXPECT_EQ(nlohmann::json::parse(to_json(c, {}))["contenders"][1]["nonfinite_pixels"], 2);
   EXPECT_FALSE(comparison_table(c).rows[1].competes);
-  for (Rgb& pixel : picture.pixels) pixel.g = std::nanf("");
-  write_image(folder_ / "grey.exr", picture);
+  for (Rgb& pixel : image.pixels) pixel.g = std::nanf("");
+  write_image(folder_ / "grey.exr", image);
   EXPECT_THROW(compare(find_builtin_scene("cornell")->build(), o, {}, {}), Error);
 }
 
@@ -242,7 +242,7 @@ TEST_F(ComparisonTest, StopsWhenAsked) {
   EXPECT_FALSE(stopped);
 }
 
-TEST_F(ComparisonTest, NumbersPictureAndPageAgree) {
+TEST_F(ComparisonTest, NumbersImageAndPageAgree) {
   ComparisonOptions o = options("few=max-bounces:1,\"all\"=seed:7");
   o.spp = 4;
   const Comparison c = run("cornell", o);

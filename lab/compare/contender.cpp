@@ -142,15 +142,15 @@ SettingTexts parse_settings(std::string_view text, std::string_view place) {
   return settings;
 }
 
-std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place) {
-  std::vector<PictureContender> pictures;
+std::vector<ImageContender> parse_image_contenders(std::string_view text, std::string_view place) {
+  std::vector<ImageContender> images;
   for (std::string_view part : split_at_commas(text)) {
     const auto [name, file] = split_name(part, place);
-    pictures.push_back({part.find('=') == std::string_view::npos ? std::filesystem::path(file).stem().string() : name,
-                        std::filesystem::path(file)});
+    images.push_back({part.find('=') == std::string_view::npos ? std::filesystem::path(file).stem().string() : name,
+                      std::filesystem::path(file)});
   }
-  check_names(pictures, place);
-  return pictures;
+  check_names(images, place);
+  return images;
 }
 
 AllSettings resolve_contender(const Contender& contender, const SettingSources& common) {

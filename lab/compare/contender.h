@@ -1,4 +1,4 @@
-// What is compared: presets, settings files, settings written inline, and pictures made elsewhere.
+// What is compared: presets, settings files, settings written inline, and images made elsewhere.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,8 @@ struct Contender {
   SettingTexts settings = {};  ///< on top
 };
 
-/// A picture made elsewhere.
-struct PictureContender {
+/// An image made elsewhere.
+struct ImageContender {
   std::string name;
   std::filesystem::path file;
 };
@@ -40,7 +40,7 @@ struct PictureContender {
 std::vector<Contender> parse_contenders(std::string_view text, std::string_view place);
 
 /// "cycles=a.exr,mitsuba=b.exr"; a file without a name goes by its own. Throws Error.
-std::vector<PictureContender> parse_picture_contenders(std::string_view text, std::string_view place);
+std::vector<ImageContender> parse_image_contenders(std::string_view text, std::string_view place);
 
 /// "lights:light-tree,estimator:bdpt". Throws Error that begins with `place` for what cannot be read.
 SettingTexts parse_settings(std::string_view text, std::string_view place);

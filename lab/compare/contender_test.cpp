@@ -39,10 +39,10 @@ TEST(Contender, PresetsFilesAndSettings) {
 }
 
 TEST(Contender, FilesAreKnownByTheirExtensionInAnyCase) {
-  const auto list = parse_contenders("Mine.JSON,a/picture.Exr", "-t");
+  const auto list = parse_contenders("Mine.JSON,a/image.Exr", "-t");
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].file, "Mine.JSON");
-  EXPECT_EQ(list[1].name, "picture");
+  EXPECT_EQ(list[1].name, "image");
 }
 
 TEST(Contender, TechniquesAreNamedByTheirChoice) {
@@ -176,14 +176,14 @@ TEST(ReferenceSettings, HaveAsManyBouncesAsTheContenderThatHasMost) {
   EXPECT_EQ(resolve_reference(common, {few, more, few}, {}).settings.render.path.max_bounces, 4);
 }
 
-TEST(Contender, Pictures) {
-  const auto list = parse_picture_contenders("cycles=out/a.exr,b.exr", "--image");
+TEST(Contender, Images) {
+  const auto list = parse_image_contenders("cycles=out/a.exr,b.exr", "--image");
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].name, "cycles");
   EXPECT_EQ(list[0].file, "out/a.exr");
   EXPECT_EQ(list[1].name, "b");
-  EXPECT_THROW(parse_picture_contenders("a=x.exr,a=y.exr", "--image"), Error);
-  EXPECT_TRUE(parse_picture_contenders("", "--image").empty());
+  EXPECT_THROW(parse_image_contenders("a=x.exr,a=y.exr", "--image"), Error);
+  EXPECT_TRUE(parse_image_contenders("", "--image").empty());
 }
 
 }  // namespace

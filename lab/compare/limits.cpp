@@ -15,7 +15,7 @@ constexpr double kLargestRatio = 1.05;  // of times that are meant to be equal
 void note_times(const Comparison& c, std::vector<std::string>& notes) {
   std::vector<double> times;
   for (const ContenderResult& contender : c.contenders) {
-    if (!contender.is_picture) times.push_back(median_of(contender, &Repetition::time_s));
+    if (!contender.is_image) times.push_back(median_of(contender, &Repetition::time_s));
   }
   if (times.size() < 2) return;
   const auto [low, high] = std::minmax_element(times.begin(), times.end());
@@ -44,9 +44,9 @@ void note_nonfinite(const Comparison& c, std::vector<std::string>& notes) {
 
 /// "35 % of the MSE", for each figure of which the reference's noise is much.
 std::vector<std::string> large_shares(const Comparison& c, const ContenderResult& contender) {
-  // Pictures made elsewhere are of the last frame.
+  // Images made elsewhere are of the last frame.
   const ReferenceNoise noise =
-      contender.is_picture ? ReferenceNoise{c.reference.mse, c.reference.rel_mse, 0} : c.reference_noise;
+      contender.is_image ? ReferenceNoise{c.reference.mse, c.reference.rel_mse, 0} : c.reference_noise;
   struct Part {
     const char* name;
     double noise;

@@ -9,7 +9,7 @@ namespace {
 Comparison compared(const Repetition& repetition) {
   Comparison c;
   c.reference.spp = 64;
-  c.contenders.push_back({.name = "it", .is_picture = false, .settings = "{}"});
+  c.contenders.push_back({.name = "it", .is_image = false, .settings = "{}"});
   c.contenders.back().repetitions.assign(3, repetition);
   return c;
 }

@@ -18,7 +18,7 @@ struct Candidate {
 };
 
 std::optional<Interval> interval_of(const ContenderResult& contender, const std::vector<double>& values) {
-  if (contender.is_picture) return Interval{values.front(), values.front(), 1};
+  if (contender.is_image) return Interval{values.front(), values.front(), 1};
   if (values.size() < kFewestRepetitions) return std::nullopt;
   return median_interval(values);
 }
@@ -31,11 +31,11 @@ bool lies_above(const Candidate& a, const Candidate& b) {
 
 bool is_ranked(const ContenderResult& contender) { return most_nonfinite(contender) == 0; }
 
-std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_pictures) {
+std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_images) {
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < comparison.contenders.size(); ++i) {
     const ContenderResult& contender = comparison.contenders[i];
-    if (!is_ranked(contender) || (contender.is_picture && !with_pictures)) continue;
+    if (!is_ranked(contender) || (contender.is_image && !with_images)) continue;
     const std::vector<double> values = values_of(contender, figure);
     const double middle = median(values);
     if (std::isfinite(middle)) candidates.push_back({i, middle, interval_of(contender, values)});

@@ -7,16 +7,16 @@ namespace {
 
 double rel_mse_of(const Repetition& repetition) { return repetition.rel_mse; }
 
-ContenderResult contender(const std::vector<double>& rel_mse, bool is_picture = false) {
-  ContenderResult result{.name = "name", .is_picture = is_picture, .settings = "{}"};
+ContenderResult contender(const std::vector<double>& rel_mse, bool is_image = false) {
+  ContenderResult result{.name = "name", .is_image = is_image, .settings = "{}"};
   for (const double value : rel_mse) result.repetitions.push_back({.rel_mse = value});
   return result;
 }
 
-std::vector<size_t> leaders_of(std::vector<ContenderResult> contenders, bool with_pictures = true) {
+std::vector<size_t> leaders_of(std::vector<ContenderResult> contenders, bool with_images = true) {
   Comparison c;
   c.contenders = std::move(contenders);
-  return leaders(c, rel_mse_of, with_pictures);
+  return leaders(c, rel_mse_of, with_images);
 }
 
 using Indices = std::vector<size_t>;
@@ -35,11 +35,11 @@ TEST(Ranking, TwoRepetitionsTellNothing) {
   EXPECT_EQ(leaders_of({contender({4}), contender({1})}), (Indices{1, 0}));
 }
 
-TEST(Ranking, APictureIsExactlyWhatItIs) {
-  const ContenderResult picture = contender({0.5}, true);
-  EXPECT_EQ(leaders_of({contender({1, 2, 3}), picture}), Indices{1});
-  EXPECT_EQ(leaders_of({contender({1, 2, 3}), picture}, false), Indices{0});
-  EXPECT_EQ(leaders_of({contender({0.4, 2, 3}), picture}), (Indices{1, 0}));
+TEST(Ranking, AImageIsExactlyWhatItIs) {
+  const ContenderResult image = contender({0.5}, true);
+  EXPECT_EQ(leaders_of({contender({1, 2, 3}), image}), Indices{1});
+  EXPECT_EQ(leaders_of({contender({1, 2, 3}), image}, false), Indices{0});
+  EXPECT_EQ(leaders_of({contender({0.4, 2, 3}), image}), (Indices{1, 0}));
 }
 
 TEST(Ranking, WhatIsNotFiniteIsNotRanked) {

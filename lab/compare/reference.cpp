@@ -9,8 +9,8 @@
 #include "core/clock.h"
 #include "core/fnv1a.h"
 #include "files/atomic_file.h"
-#include "relume/lab/metrics.h"
 #include "relume/error.h"
+#include "relume/lab/metrics.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
@@ -169,7 +169,7 @@ std::optional<Reference> ReferenceRenderer::render(float time_s, float previous_
     const ExrFile exr = read_exr(target);
     if (exr.width != settings_.width || exr.height != settings_.height) {
       throw Error(
-          fmt::format("{}: this picture has {} × {} pixels, not {} × {}; delete the file, so that it is made again",
+          fmt::format("{}: this image has {} × {} pixels, not {} × {}; delete the file, so that it is made again",
                       target.string(), exr.width, exr.height, settings_.width, settings_.height));
     }
     estimate_error(image_from_exr(exr, "a", target.string()), image_from_exr(exr, "b", target.string()), reference);

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
-#include "relume/lab/metrics.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {
@@ -83,7 +83,7 @@ TEST_F(ReferenceTest, WhatIsDifferentHasAFileOfItsOwn) {
 }
 
 TEST_F(ReferenceTest, StatesItsOwnError) {
-  // Against an independent picture of 512 samples, the distance is the sum of both variances. The lamp is out of sight:
+  // Against an independent image of 512 samples, the distance is the sum of both variances. The lamp is out of sight:
   // a few pixels on its edges would outweigh all others.
   Scene scene = find_builtin_scene("cornell")->build();
   scene.cameras.front().fov_y_rad *= 0.5f;
@@ -135,12 +135,12 @@ TEST_F(ReferenceTest, KnowsHowSurfacesMoved) {
   const auto turned = ReferenceRenderer(scene, small(), 4, folder_).render(0.2f, 0.1f, {}, {}, {});
   const size_t middle = 9 * 24 + 12;
   EXPECT_LT(std::hypot(still->surface.motion[middle].x, still->surface.motion[middle].y), 1e-3f);
-  // One degree of a picture 24 pixels wide that covers 75°: a third of a pixel.
+  // One degree of an image 24 pixels wide that covers 75°: a third of a pixel.
   EXPECT_NEAR(std::fabs(turned->surface.motion[middle].x), 0.3f, 0.15f);
   EXPECT_GT(turned->surface.depth[middle], 0.5f);
 }
 
-TEST_F(ReferenceTest, APictureOfAnotherSizeIsRefused) {
+TEST_F(ReferenceTest, AImageOfAnotherSizeIsRefused) {
   const Scene scene = find_builtin_scene("cornell")->build();
   ReferenceRenderer renderer(scene, small(), 2, folder_);
   ASSERT_TRUE(renderer.render(0, {}, {}));

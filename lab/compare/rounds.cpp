@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {
@@ -70,7 +70,7 @@ class Recorder {
   }
 
   /// After all contenders have rendered frame `frame` of the animation, or the still scene.
-  void picture_done(size_t frame) {
+  void image_done(size_t frame) {
     const Reference& reference = references_[frame];
     for (size_t i = 0; i < sessions_.size(); ++i) {
       const TimedSession& session = *sessions_[i];
@@ -123,7 +123,7 @@ class Recorder {
   std::vector<Image> images_;
 };
 
-/// Seconds of frames, by contender and picture.
+/// Seconds of frames, by contender and image.
 using FrameTimes = std::vector<std::vector<std::vector<double>>>;
 
 /// Whether frames make up `share_s` as cumulative_time() counts them, or some are so slow that no more are asked for.
@@ -134,17 +134,17 @@ bool fill(const std::vector<double>& frame_s, size_t first, double used_s, doubl
   return cumulative_time({frame_s.begin() + static_cast<std::ptrdiff_t>(first), frame_s.end()}).back() >= share_s;
 }
 
-/// Contenders take turns until each has rendered the first pictures of an animation, or the still scene, for `share_s`
+/// Contenders take turns until each has rendered the first images of an animation, or the still scene, for `share_s`
 /// each. std::nullopt if `stop` was requested.
-std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vector<float>& times_s, double share_s,
-                                        const std::stop_token& stop, const std::function<void(double)>& progress) {
-  const size_t pictures = std::clamp(times_s.size(), size_t{1}, kTimedFrames);
+std::optional<FrameTimes> time_images(const Sessions& sessions, const std::vector<float>& times_s, double share_s,
+                                      const std::stop_token& stop, const std::function<void(double)>& progress) {
+  const size_t images = std::clamp(times_s.size(), size_t{1}, kTimedFrames);
   FrameTimes frame_s(sessions.size());
-  for (size_t picture = 0; picture < pictures; ++picture) {
+  for (size_t image = 0; image < images; ++image) {
     std::vector<double> used(sessions.size());
     std::vector<size_t> before(sessions.size());
     for (size_t i = 0; i < sessions.size(); ++i) {
-      if (picture > 0) sessions[i]->session().set_time(times_s[picture]);
+      if (image > 0) sessions[i]->session().set_time(times_s[image]);
       before[i] = sessions[i]->frames();
     }
     for (bool any = true; any;) {
@@ -157,7 +157,7 @@ std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vec
         any = true;
       }
       const double least = *std::min_element(used.begin(), used.end());
-      progress((static_cast<double>(picture) + std::min(least / share_s, 1.0)) / double(pictures));
+      progress((static_cast<double>(image) + std::min(least / share_s, 1.0)) / double(images));
     }
     for (size_t i = 0; i < sessions.size(); ++i) {
       const auto& all = sessions[i]->frame_s();
@@ -167,13 +167,13 @@ std::optional<FrameTimes> time_pictures(const Sessions& sessions, const std::vec
   return frame_s;
 }
 
-/// Medians over the pictures of their first, second, … frame, of those that have one.
-std::vector<double> median_frames(const std::vector<std::vector<double>>& pictures) {
+/// Medians over the images of their first, second, … frame, of those that have one.
+std::vector<double> median_frames(const std::vector<std::vector<double>>& images) {
   std::vector<double> usual;
   for (size_t k = 0;; ++k) {
     std::vector<double> times;
-    for (const auto& picture : pictures) {
-      if (k < picture.size()) times.push_back(picture[k]);
+    for (const auto& image : images) {
+      if (k < image.size()) times.push_back(image[k]);
     }
     if (times.empty()) return usual;
     usual.push_back(median(std::move(times)));
@@ -193,16 +193,16 @@ std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::ve
     if (!times_s.empty()) session->session().set_time(times_s.front());
     session->restart(render_settings(session->session()).seed);
   }
-  const std::optional<FrameTimes> frame_s = time_pictures(sessions, times_s, kTimedShare * budget_s, stop, progress);
+  const std::optional<FrameTimes> frame_s = time_images(sessions, times_s, kTimedShare * budget_s, stop, progress);
   if (!frame_s) return std::nullopt;
   std::vector<std::vector<double>> cumulative;
-  for (const auto& pictures : *frame_s) cumulative.push_back(cumulative_time(median_frames(pictures)));
+  for (const auto& images : *frame_s) cumulative.push_back(cumulative_time(median_frames(images)));
   return equal_time(cumulative, budget_s);
 }
 
 bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, const FramePlan& plan,
                     const std::vector<Reference>& references, int repetition, const std::stop_token& stop,
-                    std::vector<Repetition>& results, std::vector<Image>& pictures,
+                    std::vector<Repetition>& results, std::vector<Image>& images,
                     const std::function<void(double)>& progress) {
   for (const auto& session : sessions) {
     if (!options.times_s.empty()) session->session().set_time(options.times_s.front());
@@ -211,17 +211,17 @@ bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, 
   }
   results.assign(sessions.size(), {});
   Recorder recorder(sessions, options, references, results);
-  for (size_t picture = 0; picture < references.size(); ++picture) {
-    if (picture > 0) {
-      for (const auto& session : sessions) session->session().set_time(options.times_s[picture]);
+  for (size_t image = 0; image < references.size(); ++image) {
+    if (image > 0) {
+      for (const auto& session : sessions) session->session().set_time(options.times_s[image]);
     }
     Turns turns(sessions, plan);
     if (!turns.run(stop, [&](size_t i) { recorder.frame_rendered(i); })) return false;
-    recorder.picture_done(picture);
-    progress(static_cast<double>(picture + 1) / static_cast<double>(references.size()));
+    recorder.image_done(image);
+    progress(static_cast<double>(image + 1) / static_cast<double>(references.size()));
   }
   recorder.finish(resolve(options.common).output);
-  pictures = recorder.take_images();
+  images = recorder.take_images();
   return true;
 }
 

@@ -26,10 +26,10 @@ std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::ve
                                          const std::stop_token& stop, const std::function<void(double)>& progress);
 
 /// Renders one repetition with each contender; `references` has one entry a frame of the animation, or one.
-/// `pictures` becomes what each contender shows at the end. False if `stop` was requested.
+/// `images` becomes what each contender shows at the end. False if `stop` was requested.
 bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, const FramePlan& plan,
                     const std::vector<Reference>& references, int repetition, const std::stop_token& stop,
-                    std::vector<Repetition>& results, std::vector<Image>& pictures,
+                    std::vector<Repetition>& results, std::vector<Image>& images,
                     const std::function<void(double)>& progress);
 
 }  // namespace relume

@@ -33,7 +33,7 @@ struct SceneResult {
   std::string name;
   std::string property;
   std::vector<Trace> traces;  ///< the first is path tracing
-  PictureSet pictures;
+  ImageSet images;
 };
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, const Bounds* bounds) {
@@ -69,10 +69,10 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
                              .repetitions = context.choose(3, 1),
                              .reference = &reference.image,
                              .reference_mse = reference.mse,
-                             .picture_frame = 32};
+                             .image_frame = 32};
   std::vector<Trace> traces = trace(context, scene.name, scene, contenders, options);
-  PictureSet pictures = trace_pictures(scene.name, traces, reference.image);
-  return {scene.name, scene.property, std::move(traces), std::move(pictures)};
+  ImageSet images = trace_images(scene.name, traces, reference.image);
+  return {scene.name, scene.property, std::move(traces), std::move(images)};
 }
 
 /// Times that are compared, in frames of path tracing.
@@ -238,12 +238,11 @@ ExperimentResult run_adaptive_sampling(const ExperimentContext& context) {
             results, [&](const SceneResult& scene) { return &scene == sponza_hall ? kPaperSponza : kPaperBox; }));
   result.blocks.emplace_back(table("Later", "from 24 to 128 frames, after the threshold has come down", results,
                                    [](const SceneResult&) { return kLate; }));
-  std::vector<PictureSet> pictures;
-  for (SceneResult& scene : results) pictures.push_back(std::move(scene.pictures));
+  std::vector<ImageSet> images;
+  for (SceneResult& scene : results) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(trace_viewer(
-      "Pictures",
-      "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
-      std::move(pictures)));
+      "Images", "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
+      std::move(images)));
   for (const SceneResult& scene : results) result.blocks.emplace_back(charts(scene));
   result.setup = {common_setup(context).front(),
                   {"Reference", fmt::format("{} samples a pixel, as in the paper in full", reference_spp(context))},

@@ -11,10 +11,10 @@
 #include "experiments/measure/learning_regions.h"
 #include "experiments/measure/ratio.h"
 #include "experiments/setup/references.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
-#include "report/pictures.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -154,17 +154,16 @@ ChartBlock arrival_chart(const std::vector<Arrival>& list) {
       "Frame by frame", "One sample a pixel, no history but that of the cells.", {std::move(share), std::move(error)}};
 }
 
-ViewerBlock pictures(const std::vector<Arrival>& list, const Image& reference) {
-  const PictureOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
-  PictureSet set{
-      .label = "corridor", .width = reference.width, .height = reference.height, .pictures = {}, .crops = {}};
-  set.pictures.push_back(plain_picture("reference", kNeutralColor, reference, options));
+ViewerBlock images(const std::vector<Arrival>& list, const Image& reference) {
+  const ImageOptions options{.tone_map = ToneMap::agx, .exposure = 0, .values = false};
+  ImageSet set{.label = "corridor", .width = reference.width, .height = reference.height, .images = {}, .crops = {}};
+  set.images.push_back(plain_image("reference", kNeutralColor, reference, options));
   for (size_t i = 0; i < list.size(); ++i) {
     const int color = static_cast<int>(i);
-    set.pictures.push_back(measured_picture(list[i].name + ", first", color, list[i].first, reference, options));
-    set.pictures.push_back(measured_picture(list[i].name + ", last", color, list[i].last, reference, options));
+    set.images.push_back(measured_image(list[i].name + ", first", color, list[i].first, reference, options));
+    set.images.push_back(measured_image(list[i].name + ", last", color, list[i].last, reference, options));
   }
-  return {"Pictures", "The first and the last frame.", picture_layer_kinds(), {std::move(set)}};
+  return {"Images", "The first and the last frame.", image_layer_kinds(), {std::move(set)}};
 }
 
 ExperimentResult run_apg_depth(const ExperimentContext& context) {
@@ -177,7 +176,7 @@ ExperimentResult run_apg_depth(const ExperimentContext& context) {
                                       measure_arrival(context, corridor, "apg+apsf", CacheChoice::apsf_apg, reference)};
   ExperimentResult result;
   result.claims = {claim_depth(depths), claim_arrival(arrivals[2]), claim_error(arrivals[0], arrivals[3])};
-  result.blocks = {depth_chart(depths), arrival_chart(arrivals), pictures(arrivals, reference.image)};
+  result.blocks = {depth_chart(depths), arrival_chart(arrivals), images(arrivals, reference.image)};
   result.setup = {{"Scene", "corridor, 10 bounces"},
                   common_setup(context).front(),
                   {"Reference", fmt::format("{} samples", context.choose(kReferenceSpp, 16))}};

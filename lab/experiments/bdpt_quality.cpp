@@ -51,9 +51,7 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, Rec
 }
 
 /// Path tracing's MSE over that of bidirectional path tracing.
-Ratio gain(const Comparison& c, const Rectangle& region = {"picture"}) {
-  return region_ratio(c, "path", "bdpt", region);
-}
+Ratio gain(const Comparison& c, const Rectangle& region = {"image"}) { return region_ratio(c, "path", "bdpt", region); }
 
 TableBlock table(const std::vector<Case>& cases) {
   TableBlock block{"Path tracing's MSE over that of bidirectional path tracing",
@@ -74,7 +72,7 @@ TableBlock table(const std::vector<Case>& cases) {
   return block;
 }
 
-/// Noise alone: path tracing lacks light here that a mean of its pictures lacks, too.
+/// Noise alone: path tracing lacks light here that a mean of its images lacks, too.
 Ratio noise_gain(const Comparison& path, const Comparison& bdpt, const Rectangle& region) {
   return error_ratio(region_variances(path, "path", region), region_variances(bdpt, "bdpt", region));
 }
@@ -83,8 +81,7 @@ Ratio noise_gain(const Comparison& c, const Rectangle& region) { return noise_ga
 /// The share of the region's light that path tracing does not find.
 double light_missed(const Case& c) {
   std::vector<double> means;
-  for (const Image& picture : contender_named(c.samples, "path").pictures)
-    means.push_back(region_mean(picture, c.region));
+  for (const Image& image : contender_named(c.samples, "path").images) means.push_back(region_mean(image, c.region));
   return 1 - mean(means) / region_mean(c.samples.reference.image, c.region);
 }
 
@@ -138,7 +135,7 @@ std::pair<Comparison, Comparison> forty_and_ten(const ExperimentContext& context
 
 void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) {
   const auto [mirror_path, mirror_bdpt] = forty_and_ten(context, built_in("cornell-mirror", kBounces));
-  const Rectangle all{"picture"};
+  const Rectangle all{"image"};
   const Ratio mirror = error_ratio(region_errors(mirror_path, "path", all), region_errors(mirror_bdpt, "bdpt", all));
   claims.push_back(judged_ratios("ten-frames-mirror", "[Sun20 §5.1.2]",
                                  "On the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
@@ -161,8 +158,8 @@ constexpr OwnLight kOwnLights[] = {{DeltaLight::point, "point", "Under a point l
                                    {DeltaLight::directional, "directional", "Under light from a direction"}};
 
 std::vector<Case> measure_under(const ExperimentContext& context, DeltaLight light) {
-  return {measure(context, box_under("cornell-spheres", light, kPaperBounces), {"picture"}),
-          measure(context, box_under("cornell-mirror", light, kPaperBounces), {"picture"}),
+  return {measure(context, box_under("cornell-spheres", light, kPaperBounces), {"image"}),
+          measure(context, box_under("cornell-mirror", light, kPaperBounces), {"image"}),
           measure(context, box_under("cornell-water", light, kPaperBounces), kAboveWater)};
 }
 
@@ -184,7 +181,7 @@ void claim_own_light(const ExperimentContext& context, const OwnLight& own, cons
   judge("less-noise", "[Sun20 §5.1.1]", "at equal samples it has less noise.", "variance over its own: " + measured,
         gains, 1);
   const auto [mirror_path, mirror_bdpt] = forty_and_ten(context, box_under("cornell-mirror", own.light, kPaperBounces));
-  const Ratio mirror = noise_gain(mirror_path, mirror_bdpt, {"picture"});
+  const Ratio mirror = noise_gain(mirror_path, mirror_bdpt, {"image"});
   judge("ten-frames-mirror", "[Sun20 §5.1.2]",
         "on the box with a mirror, 10 frames have as little noise as 40 of path tracing.",
         "variance over its own: " + to_text(mirror), {mirror}, 0.8);
@@ -201,7 +198,7 @@ Claim claim_region(const Case& c, std::string id, const char* paper, double fact
   return judged_ratios(
       std::move(id), paper,
       fmt::format("{}: at equal time its MSE is lower by a factor of {} at least ({}).", c.name, factor, c.region.name),
-      fmt::format("{}; over the picture {}", to_text(ratio), to_text(gain(c.time))), {ratio}, factor);
+      fmt::format("{}; over the image {}", to_text(ratio), to_text(gain(c.time))), {ratio}, factor);
 }
 
 /// The reference by an estimator that shares nothing but the light subpaths: mean of a region in plain view.
@@ -214,8 +211,8 @@ Claim claim_reference(const ExperimentContext& context, const std::vector<Case>&
     const Comparison c = study(context, built_in(scene, kBounces), options);
     const Rectangle& region = named(cases, scene).region;
     std::vector<double> differences;
-    for (const Image& picture : contender_named(c, "light").pictures)
-      differences.push_back(region_mean(picture, region) / region_mean(c.reference.image, region) - 1);
+    for (const Image& image : contender_named(c, "light").images)
+      differences.push_back(region_mean(image, region) / region_mean(c.reference.image, region) - 1);
     const Interval interval = mean_interval(differences);
     verdicts.push_back(verdict_of(interval, -0.01, 0.01));
     measured += fmt::format("{}{}: {:+.2f} % ({:+.2f} to {:+.2f})", measured.empty() ? "" : ", ", scene,
@@ -234,10 +231,9 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   add("cornell-mirror", {"mirror", 0.2, 0.2, 0.8, 0.7});
   add("cornell-water", kAboveWater);
   add("cornell-glass", {"floor before the spheres", 0.1, 0.85, 0.9, 0.97});
-  add("lamp-room", {"picture"});
-  add("door", {"picture"});
-  if (const std::optional<ExperimentScene> hall = sponza(context))
-    cases.push_back(measure(context, *hall, {"picture"}));
+  add("lamp-room", {"image"});
+  add("door", {"image"});
+  if (const std::optional<ExperimentScene> hall = sponza(context)) cases.push_back(measure(context, *hall, {"image"}));
   ExperimentResult result;
   result.claims.push_back(claim_less_noise(cases));
   claim_frames(context, result.claims);
@@ -253,9 +249,9 @@ ExperimentResult run_bdpt_quality(const ExperimentContext& context) {
   }
   result.blocks.emplace_back(table(cases));
   result.blocks.emplace_back(table_of_own_lights(own_lights));
-  for (const Case& c : cases) result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));
+  for (const Case& c : cases) result.blocks.emplace_back(region_images(c.name + ", equal time", c.time, {c.region}));
   for (const Case& c : own_lights)
-    result.blocks.emplace_back(region_pictures(c.name + ", equal time", c.time, {c.region}));
+    result.blocks.emplace_back(region_images(c.name + ", equal time", c.time, {c.region}));
   for (const Case& c : cases) {
     for (Block& block : study_blocks(c.name + ", equal time", c.time)) {
       if (!std::holds_alternative<ViewerBlock>(block)) result.blocks.push_back(std::move(block));

@@ -1,5 +1,5 @@
 // [Sun20 §5.1.3]: what is left of caustics, bleeding colours, shadows and mirror images after the denoiser; and how
-// much nearer denoised pictures come, still and along a walk.
+// much nearer denoised images come, still and along a walk.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -13,8 +13,8 @@
 #include "experiments/measure/ratio.h"
 #include "experiments/measure/regions.h"
 #include "experiments/setup/named.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 #include "render/session.h"
 
 namespace relume {
@@ -24,17 +24,17 @@ constexpr const char* kPaper = "[Sun20 §5.1.3]";
 constexpr const char* kOurs = "[relume]";
 constexpr const char* kDenoisers[] = {"bmfr", "svgf"};
 /// Denoisers trace camera rays of their own at edges of lamps: with as many samples, they would have more to go by than
-/// what they are compared with. Claims are about filters, and so without; pictures show both.
+/// what they are compared with. Claims are about filters, and so without; images show both.
 constexpr const char* kOfSamples =
     "none=denoise:none,bmfr=denoise:bmfr,features.edge-rays:0,svgf=denoise:svgf,features.edge-rays:0,"
     "koskela=history:none,denoise:bmfr,features.edge-rays:0,bmfr.alpha:0.2,bmfr.detail:0";
-/// As [Koskela19] has it: frames weigh a fifth at least in the first accumulation, and the picture is the fit, without
+/// As [Koskela19] has it: frames weigh a fifth at least in the first accumulation, and the image is the fit, without
 /// details and without the mean of the samples. Shown beside; claims are judged without it.
 constexpr const char* kOfPaper = "koskela";
 constexpr const char* kBeside[] = {kDenoisers[0], kDenoisers[1], kOfPaper};
-constexpr int kSide = 160;  ///< of still pictures
+constexpr int kSide = 160;  ///< of still images
 
-/// What the paper names, and where it is in a still picture.
+/// What the paper names, and where it is in a still image.
 struct Feature {
   const char* scene;
   Rectangle region;
@@ -52,13 +52,13 @@ struct Still {
   std::string name;  ///< of the scene
   std::vector<Rectangle> regions;
   Comparison comparison;
-  Image clean;  ///< independent_picture()
+  Image clean;  ///< independent_image()
 };
 
-/// Another picture of many samples, without a denoiser: noise in the reference makes contrast and detail that nothing
+/// Another image of many samples, without a denoiser: noise in the reference makes contrast and detail that nothing
 /// can keep, so what counts is the share of what this keeps.
-Image independent_picture(const ExperimentContext& context, const ExperimentScene& scene, EstimatorChoice estimator,
-                          const Image& reference) {
+Image independent_image(const ExperimentContext& context, const ExperimentScene& scene, EstimatorChoice estimator,
+                        const Image& reference) {
   RenderSettings settings = scene.settings;
   settings.width = reference.width;
   settings.height = reference.height;
@@ -87,7 +87,7 @@ Still measure_still(const ExperimentContext& context, const std::string& name) {
   }
   const ExperimentScene scene = built_in(name, 8);
   Comparison comparison = study(context, scene, options);
-  Image clean = independent_picture(context, scene, EstimatorChoice::bdpt, comparison.reference.image);
+  Image clean = independent_image(context, scene, EstimatorChoice::bdpt, comparison.reference.image);
   return {name, std::move(regions), std::move(comparison), std::move(clean)};
 }
 
@@ -159,7 +159,7 @@ Claim claim_time(const std::vector<double>& fit, const std::vector<double>& feat
   const Interval of_fit = median_interval(fit);
   const Interval of_all = median_interval(all);
   return with_verdict(
-      "time", kOurs, "Denoising is fast enough for pictures as they are looked at.",
+      "time", kOurs, "Denoising is fast enough for images as they are looked at.",
       fmt::format("regression {:.0f} ms ({:.0f} to {:.0f}), all of bmfr {:.0f} ms ({:.0f} to {:.0f}), {:.0f} of them "
                   "for features",
                   median(fit), of_fit.low, of_fit.high, median(all), of_all.low, of_all.high, median(features)),
@@ -206,11 +206,11 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
   return block;
 }
 
-/// What `value` makes of the picture of each repetition.
-std::vector<double> of_pictures(const Comparison& c, std::string_view name,
-                                const std::function<double(const Image&)>& value) {
+/// What `value` makes of the image of each repetition.
+std::vector<double> of_images(const Comparison& c, std::string_view name,
+                              const std::function<double(const Image&)>& value) {
   std::vector<double> values;
-  for (const Image& picture : contender_named(c, name).pictures) values.push_back(value(picture));
+  for (const Image& image : contender_named(c, name).images) values.push_back(value(image));
   return values;
 }
 
@@ -229,7 +229,7 @@ void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims
     std::string measured;
     const char* verdict = kVerdictUndecided;
     for (const char* name : kBeside) {
-      const std::vector<double> kept = of_pictures(
+      const std::vector<double> kept = of_images(
           c, name, [&](const Image& image) { return contrast_kept(image, c.reference.image, f.region) / possible; });
       const Ratio error = region_ratio(c, name, "none", f.region);
       if (name == kDenoisers[0])
@@ -247,7 +247,7 @@ void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims
 }
 
 Claim claim_error(const std::vector<Still>& stills) {
-  const Rectangle all{"picture"};
+  const Rectangle all{"image"};
   std::string measured;
   std::vector<Ratio> of_bmfr;
   for (const Still& s : stills) {
@@ -258,7 +258,7 @@ Claim claim_error(const std::vector<Still>& stills) {
                     measured.empty() ? "" : "; ", s.name, share_text(of_bmfr.back()), share_text(share("svgf")),
                     kOfPaper, share_text(share(kOfPaper)), share("bmfr-edges").value, share("svgf-edges").value);
   }
-  return judged_within("error", kPaper, "Denoised pictures have less error than the mean of the same samples.",
+  return judged_within("error", kPaper, "Denoised images have less error than the mean of the same samples.",
                        measured + " of its MSE after 8 samples", "below 1 in every scene", of_bmfr, 0, 1);
 }
 
@@ -272,13 +272,13 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
   StudyOptions options{.techniques = kOfSamples, .spp = 8, .repetitions = 4, .reference_spp = 1024};
   if (!context.quick) options.common = {{"width", "480"}, {"height", "270"}};
   Comparison c = study(context, hall, options);
-  const Image clean = independent_picture(context, hall, EstimatorChoice::path, c.reference.image);
+  const Image clean = independent_image(context, hall, EstimatorChoice::path, c.reference.image);
   std::vector<const char*> verdicts;
   std::string measured;
   for (const char* name : kBeside) {
     for (const Rectangle& region : kTextures) {
       const double possible = detail_kept(clean, c.reference.image, region);
-      const std::vector<double> kept = of_pictures(
+      const std::vector<double> kept = of_images(
           c, name, [&](const Image& image) { return detail_kept(image, c.reference.image, region) / possible; });
       if (name != kOfPaper) verdicts.push_back(verdict_of(mean_interval(kept), 0.95));
       measured += fmt::format("{}{}, {}: {}", measured.empty() ? "" : "; ", name, region.name, percent_text(kept));
@@ -292,7 +292,7 @@ Comparison claim_textures(const ExperimentContext& context, const ExperimentScen
 }
 
 void claim_walk(const Walk* walk, std::vector<Claim>& claims) {
-  const std::string still = "At one sample a frame, the MSE is a tenth of the noisy picture's while nothing moves.";
+  const std::string still = "At one sample a frame, the MSE is a tenth of the noisy image's while nothing moves.";
   const std::string moving = "While the camera walks it is a fifth.";
   if (!walk) {
     claims.push_back(unmeasured("walk-still", kOurs, still, "10 ×", kNoSponza));
@@ -326,7 +326,7 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
     walk = measure_walk(context, *hall);
     const Comparison textures = claim_textures(context, *hall, result.claims);
     result.blocks.emplace_back(
-        region_pictures("Sponza, textures", textures, {std::begin(kTextures), std::end(kTextures)}));
+        region_images("Sponza, textures", textures, {std::begin(kTextures), std::end(kTextures)}));
   } else {
     result.claims.push_back(unmeasured("textures", kOurs, kTextureClaim, "95 %", kNoSponza));
   }
@@ -335,7 +335,7 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
   claim_walk(walk ? &*walk : nullptr, result.claims);
   BarBlock times = measure_times(context, result.claims);
   for (const Still& s : stills) {
-    result.blocks.emplace_back(region_pictures(s.name, s.comparison, s.regions));
+    result.blocks.emplace_back(region_images(s.name, s.comparison, s.regions));
     result.blocks.emplace_back(comparison_table(s.comparison));
   }
   if (walk) {
@@ -350,7 +350,7 @@ ExperimentResult run_bmfr(const ExperimentContext& context) {
        "a sample a frame of path tracing; stands, then walks 5 cm and turns 0.5° a frame; the noise "
        "of the reference (64 samples) is known and taken off every MSE"},
       {"Contrast",
-       "slope of the picture's luminance over the reference's, both cut off at 1; of what another picture of many "
+       "slope of the image's luminance over the reference's, both cut off at 1; of what another image of many "
        "samples has"}};
   return result;
 }

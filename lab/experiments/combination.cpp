@@ -14,7 +14,7 @@ constexpr const char* kPaper = "[Schalk18 §4.4]";
 struct SceneResult {
   std::string name;
   std::vector<Trace> traces;  ///< start anew, reprojection, combinations
-  PictureSet pictures;
+  ImageSet images;
 };
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, std::string name,
@@ -48,10 +48,10 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
                              .repetitions = context.choose(3, 1),
                              .reference = &reference.image,
                              .reference_mse = reference.mse,
-                             .picture_frame = 8};
+                             .image_frame = 8};
   std::vector<Trace> traces = trace(context, scene.name, scene, contenders, options);
-  PictureSet pictures = trace_pictures(scene.name, traces, reference.image);
-  return {scene.name, std::move(traces), std::move(pictures)};
+  ImageSet images = trace_images(scene.name, traces, reference.image);
+  return {scene.name, std::move(traces), std::move(images)};
 }
 
 void claim_box(const SceneResult& scene, std::vector<Claim>& claims) {
@@ -93,13 +93,13 @@ ExperimentResult run_combination(const ExperimentContext& context) {
   ExperimentResult result;
   claim_box(results.front(), result.claims);
   claim_sponza(hall ? &results[1] : nullptr, result.claims);
-  std::vector<PictureSet> pictures;
-  for (SceneResult& scene : results) pictures.push_back(std::move(scene.pictures));
+  std::vector<ImageSet> images;
+  for (SceneResult& scene : results) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(
-      trace_viewer("Pictures",
+      trace_viewer("Images",
                    "After the last step, and as much time as eight frames of starting anew take. Maps: the probability "
                    "of a sample, at the end.",
-                   std::move(pictures)));
+                   std::move(images)));
   for (const SceneResult& scene : results) {
     result.blocks.emplace_back(trace_charts(scene.name, "Error after the last step of a turn of 100°.", scene.traces,
                                             &TracePoint::mse, "MSE"));

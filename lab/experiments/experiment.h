@@ -19,7 +19,7 @@ namespace relume {
 class ExperimentStopped : public std::exception {};
 
 struct ExperimentContext {
-  bool quick = false;                  ///< small pictures and few settings: shows that everything works
+  bool quick = false;                  ///< small images and few settings: shows that everything works
   std::filesystem::path cache_folder;  ///< for references
   std::filesystem::path scene_folder;  ///< holds sponza/sponza.gltf; empty: what needs it is left out
   /// Where what is measured stays until the experiment is complete, so that it goes on after an interruption; empty:
@@ -42,7 +42,7 @@ struct ExperimentContext {
 
 struct ExperimentResult {
   std::vector<Claim> claims;
-  std::vector<Block> blocks;                               ///< curves and pictures
+  std::vector<Block> blocks;                               ///< curves and images
   std::vector<std::pair<std::string, std::string>> setup;  ///< what was rendered, name and value
 };
 

@@ -11,7 +11,7 @@
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
-#include "report/pictures.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -23,7 +23,7 @@ struct SceneResult {
   std::string name;
   std::vector<PixelMask> regions;
   std::vector<AdaptedError> errors;  ///< the first follows the BSDF; then guiding, as `kGuided` says
-  PictureSet pictures;
+  ImageSet images;
 };
 
 /// What of AdaptedError's list guides, and how claims about it are told apart.
@@ -88,7 +88,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   }
   result.errors = measure_adapted(context, scene, contenders(context, scene, departures && !context.quick), reference,
                                   result.regions, adapted_options(context));
-  result.pictures = adapted_pictures(scene.name, result.errors, reference.image);
+  result.images = adapted_images(scene.name, result.errors, reference.image);
   return result;
 }
 
@@ -100,7 +100,7 @@ TableBlock table(const SceneResult& scene) {
   TableBlock block{
       scene.name,
       "How many times lower the mean squared error of single frames is than with the BSDF's directions, by "
-      "region of the picture, at equal samples, with 95 % intervals.",
+      "region of the image, at equal samples, with 95 % intervals.",
       "directions",
       {{"ms a frame", "", Better::lower}},
       {}};
@@ -183,7 +183,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guide
   }
 }
 
-/// Pictures of the mine whose regions get some thousand samples a frame, as in the paper.
+/// Images of the mine whose regions get some thousand samples a frame, as in the paper.
 constexpr int kMineScale = 3;
 
 ExperimentScene mine(std::string name, bool environment, int scale) {
@@ -217,7 +217,7 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 ExperimentResult run_guiding(const ExperimentContext& context) {
   const SceneResult paper_result = measure(context, mine("mine, environment not sampled", false, kMineScale), false);
   const SceneResult sampled_result = measure(context, mine("mine, environment sampled", true, kMineScale), false);
-  // A quick run has no departures, and all its pictures are small.
+  // A quick run has no departures, and all its images are small.
   const SceneResult departures =
       context.quick ? paper_result : measure(context, mine("mine, environment not sampled, small", false, 1), true);
   std::vector<SceneResult> suns;
@@ -241,10 +241,10 @@ ExperimentResult run_guiding(const ExperimentContext& context) {
     claim_elsewhere(others, guided, result.claims);
   }
   claim_suns(departures, suns, result.claims);
-  std::vector<PictureSet> pictures{paper_result.pictures, sampled_result.pictures, departures.pictures};
-  for (const SceneResult& scene : others) pictures.push_back(scene.pictures);
+  std::vector<ImageSet> images{paper_result.images, sampled_result.images, departures.images};
+  for (const SceneResult& scene : others) images.push_back(scene.images);
   result.blocks.emplace_back(
-      ViewerBlock{"Pictures", "One frame of one sample a pixel, adapted.", picture_layer_kinds(), std::move(pictures)});
+      ViewerBlock{"Images", "One frame of one sample a pixel, adapted.", image_layer_kinds(), std::move(images)});
   result.blocks.emplace_back(table(paper_result));
   result.blocks.emplace_back(table(sampled_result));
   result.blocks.emplace_back(table(departures));

@@ -1,4 +1,4 @@
-// Which combination of techniques shows the best picture while the camera turns: many that combine, and presets, at
+// Which combination of techniques shows the best image while the camera turns: many that combine, and presets, at
 // equal time.
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
 #include "render/presets.h"
-#include "report/pictures.h"
+#include "report/images.h"
 #include "settings/settings_json.h"
 
 namespace relume {
@@ -185,7 +185,7 @@ Claim claim_choice(const std::vector<MovingErrors>& scenes) {
                        measured, ratios, 0.9);
 }
 
-PictureSet pictures(const MovingErrors& scene) {
+ImageSet images(const MovingErrors& scene) {
   std::vector<MeasuredImage> images;
   for (size_t i = 0; i <= std::size(kPapers); ++i) {
     const MovingError& e = scene.contenders[i];
@@ -214,13 +214,13 @@ ExperimentResult run_interactive(const ExperimentContext& context) {
                                        "every ratio above 1", kNoSponza));
   }
   if (!context.quick) result.claims.push_back(claim_choice(scenes));
-  std::vector<PictureSet> sets;
-  for (const MovingErrors& scene : scenes) sets.push_back(pictures(scene));
+  std::vector<ImageSet> sets;
+  for (const MovingErrors& scene : scenes) sets.push_back(images(scene));
   result.blocks.emplace_back(table(scenes));
-  result.blocks.emplace_back(ViewerBlock{"Pictures",
+  result.blocks.emplace_back(ViewerBlock{"Images",
                                          "What is shown at the last view, while the camera turns; with the mean MSE "
                                          "over both views and all repetitions.",
-                                         picture_layer_kinds(), std::move(sets)});
+                                         image_layer_kinds(), std::move(sets)});
   result.setup = {
       {"Camera",
        fmt::format(

@@ -9,7 +9,7 @@
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/named.h"
 #include "experiments/setup/references.h"
-#include "report/pictures.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -26,7 +26,7 @@ struct SceneResult {
   std::string name;
   double noise = 0;  ///< MSE of the reference where errors count
   std::vector<AdaptedError> errors;
-  PictureSet pictures;
+  ImageSet images;
 };
 
 /// How much is measured.
@@ -35,7 +35,7 @@ enum class Extent {
   tuned,  ///< also static lists with other settings
 };
 
-/// Pictures of the warehouse in which regions get as many samples as in the paper's, or nearly.
+/// Images of the warehouse in which regions get as many samples as in the paper's, or nearly.
 constexpr int kWarehouseScale = 3;
 
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
@@ -77,7 +77,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   SceneResult result{scene.name, reference_noise(reference, surfaces), {}, {}};
   result.errors = measure_adapted(context, scene, contenders(context, scene, extent), reference, {surfaces},
                                   adapted_options(context));
-  result.pictures = adapted_pictures(scene.name, result.errors, reference.image);
+  result.images = adapted_images(scene.name, result.errors, reference.image);
   return result;
 }
 
@@ -205,10 +205,10 @@ ExperimentResult run_light_selection(const ExperimentContext& context) {
   claim_elsewhere(scenes, kPaperCache, "", result.claims);
   claim_elsewhere(scenes, kCache, "-own", result.claims);
   claim_baseline(field, result.claims);
-  std::vector<PictureSet> pictures;
-  for (SceneResult& scene : scenes) pictures.push_back(std::move(scene.pictures));
+  std::vector<ImageSet> images;
+  for (SceneResult& scene : scenes) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(
-      ViewerBlock{"Pictures", "One frame of one sample a pixel, adapted.", picture_layer_kinds(), std::move(pictures)});
+      ViewerBlock{"Images", "One frame of one sample a pixel, adapted.", image_layer_kinds(), std::move(images)});
   for (const SceneResult& scene : scenes) result.blocks.emplace_back(table(scene));
   result.setup = adapted_setup(context);
   if (!context.quick)

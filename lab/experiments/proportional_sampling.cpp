@@ -30,7 +30,7 @@ constexpr double kEnd = 64;
 struct SceneResult {
   std::string name;
   std::vector<Trace> traces;  ///< the first is path tracing
-  PictureSet pictures;
+  ImageSet images;
 };
 
 int method_reference_spp(const ExperimentContext& context) { return context.choose(4096, 16); }
@@ -75,10 +75,10 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
                              .repetitions = context.choose(repetitions, 1),
                              .reference = &reference.image,
                              .reference_mse = reference.mse,
-                             .picture_frame = 32};
+                             .image_frame = 32};
   std::vector<Trace> traces = trace(context, scene.name, scene, contenders, options);
-  PictureSet pictures = trace_pictures(scene.name, traces, reference.image);
-  return {scene.name, std::move(traces), std::move(pictures)};
+  ImageSet images = trace_images(scene.name, traces, reference.image);
+  return {scene.name, std::move(traces), std::move(images)};
 }
 
 /// Sponza and the box, with every method.
@@ -179,12 +179,11 @@ ExperimentResult run_proportional_sampling(const ExperimentContext& context) {
   result.blocks.emplace_back(
       table("What a display shows", "MSE of sRGB values, cut off at 1,", methods, &TracePoint::display_mse));
   result.blocks.emplace_back(table("MSE in built-in scenes", "MSE", built_in_scenes, &TracePoint::mse));
-  std::vector<PictureSet> pictures;
-  for (SceneResult& scene : methods) pictures.push_back(std::move(scene.pictures));
+  std::vector<ImageSet> images;
+  for (SceneResult& scene : methods) images.push_back(std::move(scene.images));
   result.blocks.emplace_back(trace_viewer(
-      "Pictures",
-      "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
-      std::move(pictures)));
+      "Images", "After as much time as 32 frames of path tracing take. Maps: the probability of a sample, at the end.",
+      std::move(images)));
   for (const SceneResult& scene : methods)
     result.blocks.emplace_back(trace_charts(scene.name, "", scene.traces, &TracePoint::mse, "MSE"));
   result.setup = {{"Size", context.quick ? size_text(context)

@@ -92,7 +92,7 @@ struct FirstFrames {
 FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene& scene, const RenderSettings& settings,
                          const Reference& reference, const PixelMask& surfaces) {
   const int count = context.choose(16, 4);
-  const PixelMask all = mask_of({"picture"}, reference.image.width, reference.image.height);
+  const PixelMask all = mask_of({"image"}, reference.image.width, reference.image.height);
   Session session(scene.scene, settings);
   session.set_camera(scene.camera);
   FirstFrames errors;
@@ -120,11 +120,11 @@ void claim_filter_alone(const ExperimentContext& context, const ExperimentScene&
   const Ratio away = paired_error_ratio(psf.away, path.away);
   claims.push_back(judged_within(
       "first-frame-filter-" + scene.name, kOurs, filter_text(scene.name),
-      fmt::format(
-          "{} of path tracing's MSE without the pixels at lamps ({} with psf.edge-rays 0); of whole pictures {}, "
-          "and {} with psf.edge-rays 0",
-          share_text(away), share_text(paired_error_ratio(plain.away, path.away)),
-          share_text(paired_error_ratio(psf.all, path.all)), share_text(paired_error_ratio(plain.all, path.all))),
+      fmt::format("{} of path tracing's MSE without the pixels at lamps ({} with psf.edge-rays 0); of whole images {}, "
+                  "and {} with psf.edge-rays 0",
+                  share_text(away), share_text(paired_error_ratio(plain.away, path.away)),
+                  share_text(paired_error_ratio(psf.all, path.all)),
+                  share_text(paired_error_ratio(plain.all, path.all))),
       kHalf, {away}, 0, 0.5));
 }
 

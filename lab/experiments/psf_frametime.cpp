@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.2]";
 constexpr const char* kOurs = "[relume]";
 
-/// Smaller pictures say little of time: what a frame takes besides its pixels weighs too much.
+/// Smaller images say little of time: what a frame takes besides its pixels weighs too much.
 int width_of(const ExperimentContext& context) { return context.choose(480, 96); }
 int height_of(const ExperimentContext& context) { return context.choose(270, 54); }
 

@@ -25,7 +25,7 @@ constexpr float kEyeStep_m = 0.01f;  ///< of an eye that moves besides turning, 
 struct Case {
   float step_deg;
   std::vector<Trace> traces;  ///< the first starts anew
-  PictureSet pictures = {};
+  ImageSet images = {};
 };
 
 struct SceneResult {
@@ -84,11 +84,11 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, con
                              .repetitions = context.choose(3, 1),
                              .reference = &reference.image,
                              .reference_mse = reference.mse,
-                             .picture_frame = 4};
+                             .image_frame = 4};
   const std::string name = fmt::format("{}, {:.0f}°", scene.name, step_deg);
   std::vector<Trace> traces = trace(context, name, scene, list, options);
-  PictureSet pictures = trace_pictures(name, traces, reference.image);
-  return {step_deg, std::move(traces), std::move(pictures)};
+  ImageSet images = trace_images(name, traces, reference.image);
+  return {step_deg, std::move(traces), std::move(images)};
 }
 
 SceneResult measure_scene(const ExperimentContext& context, const ExperimentScene& scene, std::vector<float> steps,
@@ -300,14 +300,14 @@ Claim claim_materials(const ExperimentContext& context, const std::vector<SceneR
                        measured + " of starting anew", "ratios above the box's", ratios, 1);
 }
 
-/// Overheads, pictures and curves, in the page's order.
+/// Overheads, images and curves, in the page's order.
 std::vector<Block> shown(std::vector<SceneResult>& results, const std::vector<Overhead>& overheads) {
   std::vector<Block> blocks{overhead_table(overheads)};
-  std::vector<PictureSet> pictures;
-  for (SceneResult& scene : results) pictures.push_back(std::move(scene.cases.front().pictures));
+  std::vector<ImageSet> images;
+  for (SceneResult& scene : results) images.push_back(std::move(scene.cases.front().images));
   blocks.emplace_back(
-      trace_viewer("Pictures", "After the last step of a turn, and as much time as four frames of starting anew take.",
-                   std::move(pictures)));
+      trace_viewer("Images", "After the last step of a turn, and as much time as four frames of starting anew take.",
+                   std::move(images)));
   for (const SceneResult& scene : results) {
     for (const Case& c : scene.cases) {
       blocks.emplace_back(trace_charts(fmt::format("{}, steps of {:.0f}°", scene.name, c.step_deg),

@@ -19,7 +19,7 @@ void add_claims(const Adaptation& cache, const Adaptation& tree, const std::stri
   const Ratio second = error_ratio(cache.at(0), cache.at(1));
   const Ratio better = error_ratio(tree.plateaus(tree.runs.front().size()), cache.at(1));
   claims.push_back(judged_ratios("second-frame" + suffix, source,
-                                 cache.name + ": already the second frame has a better picture than the first.",
+                                 cache.name + ": already the second frame has a better image than the first.",
                                  fmt::format("{} lower MSE than the first frame's, {} lower than the light tree's",
                                              to_text(second), to_text(better)),
                                  {second}, 1.5));

@@ -29,7 +29,7 @@ class Ensemble {
 
   /// `reference_mse`: the reference's own expected MSE against the truth, which its noise adds to the distance of the
   /// means and which is subtracted, as is the noise of the mean of the repetitions. The error of bias² is that of the
-  /// repetitions' noise, whatever the bias looks like over the picture (squared_bias()); what chance there is in the
+  /// repetitions' noise, whatever the bias looks like over the image (squared_bias()); what chance there is in the
   /// reference's noise is not in it. Throws Error below two repetitions and if the sizes differ.
   ErrorSplit split(const Image& reference, double reference_mse = 0) const;
 

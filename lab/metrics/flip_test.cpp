@@ -23,7 +23,7 @@ Image constant(int width, int height, const Rgb& color) {
 }
 
 /// Smooth shapes with an edge and a few dots.
-Image make_picture(int width, int height, uint32_t seed) {
+Image make_image(int width, int height, uint32_t seed) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -166,8 +166,8 @@ class DirectFlip {
 };
 
 TEST(Flip, MatchesADirectEvaluationOfThePaper) {
-  const Image test = make_picture(48, 40, 1);
-  const Image reference = make_picture(48, 40, 2);
+  const Image test = make_image(48, 40, 1);
+  const Image reference = make_image(48, 40, 2);
   for (const float ppd : {30.0f, kDefaultPixelsPerDegree}) {
     const std::vector<float> map = flip_map(test, reference, ppd);
     const DirectFlip direct(test, reference, static_cast<double>(ppd));
@@ -196,16 +196,16 @@ TEST(Flip, UniformPairsReduceToTheColourDifference) {
 }
 
 TEST(Flip, IdenticalIsZeroAndOppositeIsNearOne) {
-  const Image picture = make_picture(32, 32, 1);
-  for (const float value : flip_map(picture, picture)) ASSERT_EQ(value, 0.0f);
+  const Image image = make_image(32, 32, 1);
+  for (const float value : flip_map(image, image)) ASSERT_EQ(value, 0.0f);
   for (const float value : flip_map(constant(16, 16, Rgb(0)), constant(16, 16, Rgb(1)))) EXPECT_GT(value, 0.95f);
   const std::vector<float> most = flip_map(constant(16, 16, Rgb(0, 1, 0)), constant(16, 16, Rgb(0, 0, 1)));
   for (const float value : most) EXPECT_NEAR(value, 1.0f, 1e-3f);  // the pair that defines the maximum
 }
 
 TEST(Flip, IsSymmetric) {
-  const Image a = make_picture(32, 32, 1);
-  const Image b = make_picture(32, 32, 5);
+  const Image a = make_image(32, 32, 1);
+  const Image b = make_image(32, 32, 5);
   EXPECT_EQ(flip_map(a, b), flip_map(b, a));
 }
 

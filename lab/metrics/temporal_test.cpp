@@ -68,7 +68,7 @@ TEST(TemporalError, IndependentNoiseCountsTwice) {
 }
 
 TEST(TemporalError, NoiseOfTheReferencesIsKnown) {
-  // Pictures without error against references with noise: all of the temporal error is theirs.
+  // Images without error against references with noise: all of the temporal error is theirs.
   const Image black(kWidth, kHeight);
   Image variance(kWidth, kHeight);
   for (Rgb& pixel : variance.pixels) pixel = Rgb(1.0f / 12);

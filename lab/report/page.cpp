@@ -110,12 +110,12 @@ Json to_json(const ClaimBlock& b) {
   return json;
 }
 
-Json to_json(const Picture& picture) {
-  Json json = {{"name", picture.name}, {"color", picture.color}, {"note", picture.note}};
-  json["layers"] = list(picture.layers, [](const PictureLayer& layer) -> Json {
+Json to_json(const PageImage& page_image) {
+  Json json = {{"name", page_image.name}, {"color", page_image.color}, {"note", page_image.note}};
+  json["layers"] = list(page_image.layers, [](const ImageLayer& layer) -> Json {
     return {{"label", layer.label}, {"png", layer.png}};
   });
-  if (!picture.values.empty()) json["values"] = picture.values;
+  if (!page_image.values.empty()) json["values"] = page_image.values;
   return json;
 }
 
@@ -124,12 +124,12 @@ Json to_json(const ViewerBlock& b) {
   json["layers"] = list(b.layers, [](const LayerKind& layer) -> Json {
     return {{"label", layer.label}, {"ramp", layer.ramp}, {"low", layer.low}, {"high", layer.high}};
   });
-  json["views"] = list(b.sets, [](const PictureSet& set) -> Json {
+  json["views"] = list(b.sets, [](const ImageSet& set) -> Json {
     return {{"label", set.label},
             {"width", set.width},
             {"height", set.height},
             {"reference", set.reference},
-            {"pictures", list(set.pictures, [](const Picture& picture) { return to_json(picture); })},
+            {"images", list(set.images, [](const PageImage& page_image) { return to_json(page_image); })},
             {"crops", list(set.crops, [](const Crop& c) {
                return Json::array({c.x, c.y, c.size});
              })}};

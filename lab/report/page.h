@@ -1,4 +1,4 @@
-// A page of results as data, and its one self-contained HTML file: pictures, curves, tables, claims. It needs no
+// A page of results as data, and its one self-contained HTML file: images, curves, tables, claims. It needs no
 // network and no other file.
 #pragma once
 
@@ -123,16 +123,16 @@ struct LayerKind {
 };
 
 /// PNG bytes in base64.
-struct PictureLayer {
+struct ImageLayer {
   std::string label;
   std::string png;
 };
 
-struct Picture {
+struct PageImage {
   std::string name;
   int color = kNeutralColor;
   std::string note;  ///< beside the name
-  std::vector<PictureLayer> layers;
+  std::vector<ImageLayer> layers;
   std::vector<std::string> values;  ///< two PNGs with the high and low bytes of binary16; empty: left out
 };
 
@@ -143,21 +143,21 @@ struct Crop {
   int size = 0;
 };
 
-/// Pictures of one size that are looked at together.
-struct PictureSet {
+/// Images of one size that are looked at together.
+struct ImageSet {
   std::string label;
   int width = 0;
   int height = 0;
-  int reference = 0;  ///< index of the picture that others are measured against
-  std::vector<Picture> pictures;
+  int reference = 0;  ///< index of the image that others are measured against
+  std::vector<PageImage> images;
   std::vector<Crop> crops;
 };
 
 struct ViewerBlock {
   std::string title;
   std::string text;
-  std::vector<LayerKind> layers;  ///< the first is what a picture without the others shows
-  std::vector<PictureSet> sets;
+  std::vector<LayerKind> layers;  ///< the first is what an image without the others shows
+  std::vector<ImageSet> sets;
 };
 
 struct DetailsBlock {

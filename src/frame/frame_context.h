@@ -29,7 +29,7 @@ struct FrameState {
   uint32_t number = 0;            ///< frames since the session began
   uint32_t since_change = 0;      ///< frames since the last change
   Change changes = Change::none;  ///< since the previous frame
-  bool begins_picture = false;    ///< the first frame of an image: of a sequence, or after a change
+  bool begins_image = false;      ///< the first frame of an image: of a sequence, or after a change
   bool ends_pilot = false;        ///< earlier samples decided where samples go, and leave the image
   bool begins_epoch = true;       ///< structures that learn are replaced by what later samples have added
   bool stratified = false;     ///< a pixel's samples since the last change are one low-discrepancy sequence of its own

@@ -23,7 +23,7 @@ enum class Stage : uint8_t {
   trace,         ///< the paths
   resolve,       ///< caches turn samples into pixels
   present,       ///< samples join the history
-  denoise,       ///< filters over the picture
+  denoise,       ///< filters over the image
 };
 
 struct PassDeclaration {

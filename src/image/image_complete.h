@@ -1,4 +1,4 @@
-// Whether pictures that stb_image decodes are there to their end: it fills what is missing with grey, black or whatever
+// Whether images that stb_image decodes are there to their end: it fills what is missing with grey, black or whatever
 // is in memory.
 #pragma once
 

@@ -91,7 +91,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   return {begin, begin + text.size()};
 }
 
-TEST(Image, HdrReadsFlatOldAndBottomUpPictures) {
+TEST(Image, HdrReadsFlatOldAndBottomUpImages) {
   const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n";
   const auto pixel = [](int r, int g, int b, int e) {
     return std::string{static_cast<char>(r), static_cast<char>(g), static_cast<char>(b), static_cast<char>(e)};
@@ -169,7 +169,7 @@ TEST(ImageMalformed, TruncatedAndFlippedFilesNeverCrash) {
   }
 }
 
-TEST(ImageMalformed, CutOffPicturesAreErrors) {
+TEST(ImageMalformed, CutOffImagesAreErrors) {
   const TempFolder folder;
   for (const char* name : {"a.png", "a.jpg", "a.tga", "a.hdr"}) {
     write_image(folder / name, make_gradient(30, 20));
@@ -179,20 +179,20 @@ TEST(ImageMalformed, CutOffPicturesAreErrors) {
   }
 }
 
-TEST(ImageMalformed, TheEndOfAThumbnailIsNotThatOfThePicture) {
+TEST(ImageMalformed, TheEndOfAThumbnailIsNotThatOfTheImage) {
   const TempFolder folder;
   write_image(folder / "a.jpg", make_gradient(30, 20));
-  const auto picture = read_file(folder / "a.jpg");
-  // An application segment, behind the first marker, that holds a small picture.
-  std::vector<std::byte> bytes(picture.begin(), picture.begin() + 2);
-  const size_t length = picture.size() + 2;
+  const auto image = read_file(folder / "a.jpg");
+  // An application segment, behind the first marker, that holds a small image.
+  std::vector<std::byte> bytes(image.begin(), image.begin() + 2);
+  const size_t length = image.size() + 2;
   for (const size_t byte : {size_t{0xff}, size_t{0xe1}, length >> 8, length & 0xff}) bytes.push_back(std::byte(byte));
-  bytes.insert(bytes.end(), picture.begin(), picture.end());
-  bytes.insert(bytes.end(), picture.begin() + 2, picture.end());
+  bytes.insert(bytes.end(), image.begin(), image.end());
+  bytes.insert(bytes.end(), image.begin() + 2, image.end());
   EXPECT_NO_THROW(parse_image(bytes, "a.jpg"));
   EXPECT_THROW(parse_image({bytes.data(), bytes.size() - 20}, "a.jpg"), Error);
   for (const unsigned char byte : {0x00, 0xff, 0xda, 0x12, 0x34}) bytes.push_back(std::byte(byte));
-  EXPECT_NO_THROW(parse_image(bytes, "a.jpg")) << "what follows the end is none of the picture's";
+  EXPECT_NO_THROW(parse_image(bytes, "a.jpg")) << "what follows the end is none of the image's";
 }
 
 TEST(ImageMalformed, CutOffBitmapsAreErrors) {

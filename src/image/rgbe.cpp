@@ -39,7 +39,7 @@ class RgbeParser {
 
  private:
   [[noreturn]] void fail(const char* problem) const {
-    throw Error(fmt::format("{}: damaged HDR picture ({}); export or copy it again", name_, problem));
+    throw Error(fmt::format("{}: damaged HDR image ({}); export or copy it again", name_, problem));
   }
 
   uint8_t byte() {
@@ -61,8 +61,7 @@ class RgbeParser {
     line();  // "#?RADIANCE"
     for (std::string text = line(); !text.empty(); text = line()) {
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
-        throw Error(
-            fmt::format("{}: HDR pictures with '{}' are not supported; convert it to RGBE or EXR", name_, text));
+        throw Error(fmt::format("{}: HDR images with '{}' are not supported; convert it to RGBE or EXR", name_, text));
       if (text.starts_with("EXPOSURE=")) read_exposure(std::string_view(text).substr(9));
     }
   }

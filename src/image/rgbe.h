@@ -1,4 +1,4 @@
-// Radiance HDR pictures: 8 bits a channel with a shared exponent.
+// Radiance HDR images: 8 bits a channel with a shared exponent.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace relume::detail {
 
-/// Flat, old and new run-length encoded pictures, stored from top to bottom or from bottom to top. EXPOSURE lines
-/// are divided out. Own code because the packaged stb_image loops forever on pictures that are cut off.
+/// Flat, old and new run-length encoded images, stored from top to bottom or from bottom to top. EXPOSURE lines
+/// are divided out. Own code because the packaged stb_image loops forever on images that are cut off.
 /// Throws Error.
 Image parse_rgbe(std::span<const std::byte> bytes, const std::string& name);
 

@@ -55,7 +55,7 @@ Layers all_layers() {
 std::string aov_reference() {
   std::string text =
       "\n## Layers\n\n"
-      "What `--aov` can write into an EXR beside the picture, and the viewer's inspector shows.\n\n"
+      "What `--aov` can write into an EXR beside the image, and the viewer's inspector shows.\n\n"
       "| `--aov` | shows | with |\n|---|---|---|\n";
   for (const auto& [name, layer] : all_layers())
     text += fmt::format("| `{}` | {} | {} |\n", name, layer.help, fmt::join(layer.choices, ", "));

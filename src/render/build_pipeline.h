@@ -22,7 +22,7 @@ bool learns(const RenderSettings& settings);
 /// Changes after which every pixel starts a new sequence of samples.
 Change ends_sequences(const RenderSettings& settings);
 
-/// Frames after a change whose samples leave the picture again (AdaptiveSamplingSettings::pilot); 0: none do.
+/// Frames after a change whose samples leave the image again (AdaptiveSamplingSettings::pilot); 0: none do.
 uint32_t pilot_samples(const RenderSettings& settings);
 
 /// The passes that `settings` ask for, in the order of a frame: what they own, read and write. Costs no more than the

@@ -157,7 +157,7 @@ bool plausible(const Counters& counters) {
   const SettingTraits& time = require_setting(list, "scene-time", "").traits;
   const auto in_range = [&](float time_s) { return time_s >= time.min && time_s <= time.max; };
   return counters.since_change <= counters.sequence_age && counters.sequence_age <= counters.frames &&
-         counters.picture_frames <= counters.frames && counters.picture_paths <= counters.paths &&
+         counters.image_frames <= counters.frames && counters.image_paths <= counters.paths &&
          in_range(counters.time_s) && in_range(counters.previous_time_s) && in_range(counters.stretch_time_s);
 }
 

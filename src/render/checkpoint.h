@@ -13,17 +13,17 @@ namespace relume {
 
 /// Where a session stands.
 struct Counters {
-  uint32_t frames = 0;          ///< complete ones
-  uint32_t since_change = 0;    ///< of them, since anything changed
-  uint32_t epoch = 0;           ///< edits that came after a frame: each has random numbers of its own
-  float time_s = 0;             ///< of the animation
-  float previous_time_s = 0;    ///< in the frame before
-  float stretch_time_s = 0;     ///< of the first frame since anything changed
-  uint32_t picture_frames = 0;  ///< `frames` when the picture that is being made began
-  uint32_t sequence_age = 0;    ///< frames since a change started the sequences of samples
+  uint32_t frames = 0;        ///< complete ones
+  uint32_t since_change = 0;  ///< of them, since anything changed
+  uint32_t epoch = 0;         ///< edits that came after a frame: each has random numbers of its own
+  float time_s = 0;           ///< of the animation
+  float previous_time_s = 0;  ///< in the frame before
+  float stretch_time_s = 0;   ///< of the first frame since anything changed
+  uint32_t image_frames = 0;  ///< `frames` when the image that is being made began
+  uint32_t sequence_age = 0;  ///< frames since a change started the sequences of samples
   uint64_t paths = 0;
   uint64_t rays = 0;
-  uint64_t picture_paths = 0;  ///< `paths` then
+  uint64_t image_paths = 0;  ///< `paths` then
 };
 static_assert(sizeof(Counters) == 8 * sizeof(uint32_t) + 3 * sizeof(uint64_t));
 

@@ -34,11 +34,11 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
          .time_s = 1e6f,
          .previous_time_s = 0,
          .stretch_time_s = 3,
-         .picture_frames = 6,
+         .image_frames = 6,
          .sequence_age = 5,
          .paths = 4,
          .rays = 9,
-         .picture_paths = 1});
+         .image_paths = 1});
   const Counters counters = read();
   EXPECT_EQ(counters.frames, 7u);
   EXPECT_EQ(counters.since_change, 3u);
@@ -46,9 +46,9 @@ TEST_F(CheckpointTest, GivesTheCountersBack) {
   EXPECT_EQ(counters.time_s, 1e6f);
   EXPECT_EQ(counters.previous_time_s, 0.0f);
   EXPECT_EQ(counters.stretch_time_s, 3.0f);
-  EXPECT_EQ(counters.picture_frames, 6u);
+  EXPECT_EQ(counters.image_frames, 6u);
   EXPECT_EQ(counters.sequence_age, 5u);
-  EXPECT_EQ(counters.picture_paths, 1u);
+  EXPECT_EQ(counters.image_paths, 1u);
   EXPECT_EQ(counters.paths, 4u);
   EXPECT_EQ(counters.rays, 9u);
 }
@@ -69,10 +69,10 @@ TEST_F(CheckpointTest, RefusesMoreFramesSinceAChangeThanAtAll) {
   EXPECT_THROW(read(), Error);
 }
 
-TEST_F(CheckpointTest, RefusesMoreInAPictureThanAtAll) {
-  write({.frames = 2, .picture_frames = 3});
+TEST_F(CheckpointTest, RefusesMoreInAImageThanAtAll) {
+  write({.frames = 2, .image_frames = 3});
   EXPECT_THROW(read(), Error);
-  write({.paths = 2, .picture_paths = 3});
+  write({.paths = 2, .image_paths = 3});
   EXPECT_THROW(read(), Error);
 }
 

@@ -12,7 +12,7 @@ const std::vector<Preset>& presets() {
       {"preview", "A first look: few samples, few bounces (too dark where light takes many)",
        R"({"spp": 16, "max-bounces": 3, "estimator": "path", "lights": "power", "guide": "bsdf", "cache": "none",
            "allocation": "uniform", "history": "accumulate", "denoise": "none"})"},
-      {"reference", "What other pictures are measured against: unbiased up to 64 bounces, many samples",
+      {"reference", "What other images are measured against: unbiased up to 64 bounces, many samples",
        R"({"spp": 4096, "max-bounces": 64, "path.russian-roulette": true, "estimator": "path", "lights": "power",
            "guide": "bsdf", "cache": "none", "allocation": "uniform", "history": "accumulate", "denoise": "none"})"},
       {"adaptive", "More samples where the noise is", R"({"allocation": "adaptive"})"},

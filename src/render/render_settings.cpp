@@ -11,10 +11,10 @@ void append(SettingList& list, SettingList more) {
 
 }  // namespace
 
-SettingList describe_picture(RenderSettings& s) {
+SettingList describe_image(RenderSettings& s) {
   return {
-      {"width", &s.width, "Width of the picture", {.min = 1, .max = 32768, .unit = "pixels"}},
-      {"height", &s.height, "Height of the picture", {.min = 1, .max = 32768, .unit = "pixels"}},
+      {"width", &s.width, "Width of the image", {.min = 1, .max = 32768, .unit = "pixels"}},
+      {"height", &s.height, "Height of the image", {.min = 1, .max = 32768, .unit = "pixels"}},
       {"camera", &s.camera, "Name or index (from 0) of the scene's camera; empty: the first"},
       {"scene-time", &s.time_s, "Time of the animation that is shown", {.min = 0, .max = kLatestTime_s, .unit = "s"}},
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
@@ -33,7 +33,7 @@ SettingList describe_picture(RenderSettings& s) {
        "eyes remove more of them"},
       {"threads",
        &s.threads,
-       "Worker threads; 0: one for each core; the picture does not depend on it",
+       "Worker threads; 0: one for each core; the image does not depend on it",
        {.min = 0, .max = 1024, .resets_history = false}},
   };
 }
@@ -66,7 +66,7 @@ SettingList describe_slots(RenderSettings& s) {
        {.biases = true}},
       {"denoise",
        choice(s.denoise, {"none", "bmfr", "svgf", "oidn"}),
-       "Filter over the finished picture: none, block by block least squares with what surfaces look like, as wide as "
+       "Filter over the finished image: none, block by block least squares with what surfaces look like, as wide as "
        "the noise asks for, or the library Open Image Denoise",
        {.biases = true}},
   };
@@ -108,7 +108,7 @@ SettingList describe_denoisers(RenderSettings& s) {
 }
 
 SettingList describe(RenderSettings& settings) {
-  SettingList list = describe_picture(settings);
+  SettingList list = describe_image(settings);
   append(list, describe_slots(settings));
   append(list, describe_transport(settings));
   append(list, describe_caches(settings));

@@ -83,7 +83,7 @@ struct RenderSettings {
 SettingList describe(RenderSettings& settings);
 
 /// The parts of describe(RenderSettings&), as reference pages and widgets group them.
-SettingList describe_picture(RenderSettings& settings);
+SettingList describe_image(RenderSettings& settings);
 SettingList describe_slots(RenderSettings& settings);
 SettingList describe_transport(RenderSettings& settings);
 SettingList describe_caches(RenderSettings& settings);

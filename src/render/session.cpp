@@ -65,7 +65,7 @@ bool Session::render_frame(std::stop_token stop) {
   try {
     complete = s.passes.pipeline.run(s.frame(stop), s.pass_hook);
   } catch (...) {
-    // Passes before the one that failed have added to the picture: what there is of it is not the mean of its samples.
+    // Passes before the one that failed have added to the image: what there is of it is not the mean of its samples.
     s.buffers->swap();
     s.edit(Change::settings);
     throw;
@@ -96,22 +96,22 @@ double Session::kept_samples() const {
   return static_cast<double>(sum(*state_->backend, samples)) / std::max(samples.size, 1u);
 }
 
-void Session::begin_picture() {
+void Session::begin_image() {
   Counters& c = state_->counters;
-  c.picture_frames = c.frames;
-  c.picture_paths = c.paths;
-  state_->picture_begun_s = state_->statistics.render_s;
+  c.image_frames = c.frames;
+  c.image_paths = c.paths;
+  state_->image_begun_s = state_->statistics.render_s;
 }
 
-uint32_t Session::picture_frames() const { return state_->counters.frames - state_->counters.picture_frames; }
+uint32_t Session::image_frames() const { return state_->counters.frames - state_->counters.image_frames; }
 
-double Session::picture_samples() const {
+double Session::image_samples() const {
   const Counters& c = state_->counters;
   const double pixels = double{1} * state_->buffers->width() * state_->buffers->height();
-  return static_cast<double>(c.paths - c.picture_paths) / pixels;
+  return static_cast<double>(c.paths - c.image_paths) / pixels;
 }
 
-double Session::picture_render_s() const { return state_->statistics.render_s - state_->picture_begun_s; }
+double Session::image_render_s() const { return state_->statistics.render_s - state_->image_begun_s; }
 
 double Session::estimated_error() const {
   const uint32_t pilot = pilot_samples(state_->settings);
@@ -194,7 +194,7 @@ void Session::restart(int seed) {
   s.rebuild_pipeline();
   s.scene->end_frame();
   s.counters = {};
-  s.picture_begun_s = s.statistics.render_s;
+  s.image_begun_s = s.statistics.render_s;
   s.counters.time_s = s.counters.previous_time_s = s.settings.time_s;
   s.changes = Change::none;
   s.edited = false;
@@ -218,7 +218,7 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
   s.counters = counters;
   s.drop_kept_image();
   s.take(std::move(fresh));
-  s.picture_begun_s = s.statistics.render_s;
+  s.image_begun_s = s.statistics.render_s;
   s.scene->end_frame();
   set_time(s.counters.time_s);
   if (s.counters.time_s == s.counters.previous_time_s) s.changes = Change::none;

@@ -198,7 +198,7 @@ struct Session::State {
                          .number = counters.frames,
                          .since_change = counters.since_change,
                          .changes = changes,
-                         .begins_picture = counters.since_change == 0 || counters.picture_frames == counters.frames,
+                         .begins_image = counters.since_change == 0 || counters.image_frames == counters.frames,
                          .ends_pilot = pilot > 0 && counters.since_change == pilot,
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
@@ -232,7 +232,7 @@ struct Session::State {
   std::vector<Rgb> kept_image;  ///< where its buffers are cleared or replaced
   bool shows_kept_image = false;
   mutable Statistics statistics;
-  double picture_begun_s = 0;  ///< statistics.render_s when the picture began
+  double image_begun_s = 0;  ///< statistics.render_s when the image began
 };
 
 }  // namespace relume

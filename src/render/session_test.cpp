@@ -104,25 +104,25 @@ TEST(Session, LayersStayUntilTheNextFrame) {
   EXPECT_EQ(session.aov("albedo").front().values[6 * 16 + 8], before);
 }
 
-TEST(Session, PicturesHaveSamplesAndSecondsOfTheirOwn) {
+TEST(Session, ImagesHaveSamplesAndSecondsOfTheirOwn) {
   Session session = furnace(small_settings());
   for (int i = 0; i < 3; ++i) session.render_frame();
   const double before_s = session.statistics().render_s;
-  EXPECT_EQ(session.picture_samples(), 3);
-  EXPECT_EQ(session.picture_render_s(), before_s);
-  session.begin_picture();
-  EXPECT_EQ(session.picture_render_s(), 0);
+  EXPECT_EQ(session.image_samples(), 3);
+  EXPECT_EQ(session.image_render_s(), before_s);
+  session.begin_image();
+  EXPECT_EQ(session.image_render_s(), 0);
   session.render_frame();
-  EXPECT_EQ(session.picture_samples(), 1);
-  EXPECT_GT(session.picture_render_s(), 0);
-  EXPECT_EQ(session.picture_render_s(), session.statistics().render_s - before_s);
+  EXPECT_EQ(session.image_samples(), 1);
+  EXPECT_GT(session.image_render_s(), 0);
+  EXPECT_EQ(session.image_render_s(), session.statistics().render_s - before_s);
   session.restart(1);
-  EXPECT_EQ(session.picture_render_s(), 0);
+  EXPECT_EQ(session.image_render_s(), 0);
 }
 
 /// Each time of an animation has random numbers of its own, unless something was edited.
 TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
-  const auto picture_after = [](auto&& touch) {
+  const auto image_after = [](auto&& touch) {
     Session session(find_builtin_scene("turntable")->build(), small_settings());
     session.render_frame();
     touch(session);
@@ -130,15 +130,15 @@ TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
     session.render_frame();
     return session.image().pixels;
   };
-  const auto untouched = picture_after([](Session&) {});
-  EXPECT_EQ(picture_after([](Session& s) { s.set_camera(s.camera()); }), untouched);
+  const auto untouched = image_after([](Session&) {});
+  EXPECT_EQ(image_after([](Session& s) { s.set_camera(s.camera()); }), untouched);
   const auto moved = [](Session& s) {
     CameraPose camera = s.camera();
     camera.to_world[3].x += 0.1f;
     s.set_camera(camera);
   };
-  EXPECT_NE(picture_after(moved), untouched);
-  EXPECT_EQ(picture_after([&](Session& s) {
+  EXPECT_NE(image_after(moved), untouched);
+  EXPECT_EQ(image_after([&](Session& s) {
               const CameraPose camera = s.camera();
               moved(s);
               s.set_camera(camera);

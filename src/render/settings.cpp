@@ -21,13 +21,13 @@ SettingList concatenate(std::initializer_list<SettingList> lists) {
   return result;
 }
 
-/// Pictures say how they were made; that can be repeated.
+/// Images say how they were made; that can be repeated.
 void apply_image_settings(const SettingList& list, const std::string& file) {
   const ExrFile exr = read_exr(file);
   const auto attribute = exr.attributes.find("relume.settings");
   if (attribute == exr.attributes.end()) {
     throw Error(file +
-                ": the picture has no attribute 'relume.settings'; only EXR files that relume wrote carry settings");
+                ": the image has no attribute 'relume.settings'; only EXR files that relume wrote carry settings");
   }
   settings_from_json(list, attribute->second, file);
 }
@@ -53,7 +53,7 @@ SettingList describe(StopSettings& s) {
        {.min = 0, .max = 1e8, .unit = "s", .resets_history = false}},
       {"error",
        &s.error,
-       "Estimated relative error of the picture at which to stop, such as 0.02; 0: no limit",
+       "Estimated relative error of the image at which to stop, such as 0.02; 0: no limit",
        {.min = 0, .max = 1e6, .resets_history = false}},
   };
 }
@@ -73,8 +73,8 @@ SettingList describe(OutputSettings& s) {
 
 std::vector<SettingGroup> setting_groups(AllSettings& s) {
   return {
-      {"Picture", "What is rendered, and with what.", concatenate({describe_picture(s.render), describe(s.scene)}),
-       SettingGroupRole::picture},
+      {"Image", "What is rendered, and with what.", concatenate({describe_image(s.render), describe(s.scene)}),
+       SettingGroupRole::image},
       {"When to stop", "Whichever comes first.", describe(s.stop), SettingGroupRole::stopping},
       {"Light transport", "`--max-bounces` and `--path.russian-roulette` hold for every estimator.",
        describe_transport(s.render)},
@@ -82,7 +82,7 @@ std::vector<SettingGroup> setting_groups(AllSettings& s) {
        "`psf` is what all caches have in common: the cells and what they take in; `apsf` and `apg` are theirs alone.",
        describe_caches(s.render)},
       {"Frames", "Of adaptive sampling and reprojection.", describe_frames(s.render)},
-      {"Denoisers", "Of the filters over the picture.", describe_denoisers(s.render)},
+      {"Denoisers", "Of the filters over the image.", describe_denoisers(s.render)},
       {"Slots", "One technique each; docs/combinations.md says what combines.", describe_slots(s.render),
        SettingGroupRole::slots},
       {"Display", "For 8-bit files and displays; EXR and HDR files hold linear radiance.", describe(s.output)},
@@ -109,11 +109,11 @@ std::string settings_reference() {
       "Every setting is a flag (`relume render scene.glb --max-bounces 4`), a key in settings files\n"
       "(`--settings file.json` with `{\"max-bounces\": 4}`) and part of the metadata of every EXR. What comes later "
       "wins:\n"
-      "defaults, settings in the scene file, `--preset`, `--settings`, flags. `--settings picture.exr` takes the "
+      "defaults, settings in the scene file, `--preset`, `--settings`, flags. `--settings image.exr` takes the "
       "settings\n"
       "that an EXR was rendered with. Flags that are true or false are switched by `--name` and `--no-name`.\n\n"
       "*Resets*: a change drops what earlier frames have accumulated. *Biases*: some values change the expected "
-      "picture.\n";
+      "image.\n";
   text += settings_to_markdown(setting_groups(defaults));
   text +=
       "\n## Presets\n\n"
@@ -141,8 +141,8 @@ AllSettings resolve(const SettingSources& sources) {
   if (!sources.preset.empty())
     settings_from_json(list, require_preset(sources.preset).json, "preset " + sources.preset);
   if (!sources.file.empty()) {
-    const bool picture = lower_extension(sources.file) == ".exr";
-    picture ? apply_image_settings(list, sources.file) : settings_from_file(list, sources.file);
+    const bool image = lower_extension(sources.file) == ".exr";
+    image ? apply_image_settings(list, sources.file) : settings_from_file(list, sources.file);
   }
   for (const auto& [name, text] : sources.flags) {
     Setting flag = require_setting(list, name, "--" + name);

@@ -1,5 +1,5 @@
 // All settings of a render: what the session computes, what the scene is overridden with, when to stop, and what is
-// done with the picture. Flags, JSON files, presets, image metadata and docs/settings.md cover exactly these.
+// done with the image. Flags, JSON files, presets, image metadata and docs/settings.md cover exactly these.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ struct SceneOverrides {
   std::string env;  ///< environment: "R,G,B", "none", or an EXR or HDR file; empty: the scene's own
 };
 
-/// When a picture is done: whichever comes first.
+/// When an image is done: whichever comes first.
 struct StopSettings {
   int spp = 0;       ///< samples a pixel; 0: no limit if another criterion is set, or else kDefaultSpp
   float time_s = 0;  ///< render time; 0: no limit
@@ -28,7 +28,7 @@ struct StopSettings {
 };
 inline constexpr int kDefaultSpp = 64;
 
-/// How linear radiance becomes a display-ready picture. EXR and HDR files hold radiance and ignore it.
+/// How linear radiance becomes a display-ready image. EXR and HDR files hold radiance and ignore it.
 struct OutputSettings {
   float exposure = 0;  ///< stops
   ToneMap tone_map = ToneMap::agx;

@@ -59,7 +59,7 @@ bool checks_error_at(uint32_t frames) {
 StopReason render_until(const FrameSource& source, const RenderLimits& criteria, const std::function<double()>& now_s,
                         std::stop_token stop, const std::function<void(const RenderProgress&)>& frame_done) {
   const double start_s = now_s();
-  RenderProgress state{.frames = source.picture_frames(), .samples = source.picture_samples()};
+  RenderProgress state{.frames = source.image_frames(), .samples = source.image_samples()};
   const double loaded = state.samples;
   const bool errors_count = criteria.error > 0;
   while (true) {
@@ -74,8 +74,8 @@ StopReason render_until(const FrameSource& source, const RenderLimits& criteria,
       if (criteria.time_s > 0 && state.elapsed_s + frame_s > criteria.time_s) return StopReason::time;
     }
     if (!source.render_frame(state.frames > 0 ? stop : std::stop_token{})) return StopReason::interrupted;
-    state.frames = source.picture_frames();
-    state.samples = source.picture_samples();
+    state.frames = source.image_frames();
+    state.samples = source.image_samples();
     ++state.frames_done_here;
     state.samples_done_here = state.samples - loaded;
     state.elapsed_s = now_s() - start_s;
@@ -87,8 +87,8 @@ StopReason render_until(Session& session, const RenderLimits& criteria, std::sto
                         const std::function<void(const RenderProgress&)>& frame_done) {
   const FrameSource source{
       .render_frame = [&session](std::stop_token token) { return session.render_frame(std::move(token)); },
-      .picture_frames = [&session] { return session.picture_frames(); },
-      .picture_samples = [&session] { return session.picture_samples(); },
+      .image_frames = [&session] { return session.image_frames(); },
+      .image_samples = [&session] { return session.image_samples(); },
       .estimated_error = [&session] { return session.estimated_error(); },
   };
   const TimedStop timer(stop, criteria.time_s);

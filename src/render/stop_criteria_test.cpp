@@ -32,8 +32,8 @@ struct FakeSession {
   StopReason run(const RenderLimits& criteria) {
     const FrameSource source{
         .render_frame = [this](std::stop_token stop) { return render_frame(stop); },
-        .picture_frames = [this] { return samples; },
-        .picture_samples = [this] { return samples * samples_a_frame; },
+        .image_frames = [this] { return samples; },
+        .image_samples = [this] { return samples * samples_a_frame; },
         .estimated_error = [this] { return error_of_one / std::sqrt(samples); },
     };
     return render_until(
@@ -114,14 +114,14 @@ TEST(RenderUntil, InterruptDropsTheFrameInProgress) {
   EXPECT_EQ(session.samples, 3u);
 }
 
-TEST(RenderUntil, InterruptDuringTheFirstFrameStillGivesAPicture) {
+TEST(RenderUntil, InterruptDuringTheFirstFrameStillGivesAImage) {
   FakeSession session;
   session.interrupt_at = 1;
   EXPECT_EQ(session.run({.samples = 10}), StopReason::interrupted);
   EXPECT_EQ(session.samples, 1u);
 }
 
-TEST(RenderUntil, InterruptAfterTheLastSampleIsACompletePicture) {
+TEST(RenderUntil, InterruptAfterTheLastSampleIsACompleteImage) {
   FakeSession session;
   session.interrupt_at = 1;
   EXPECT_EQ(session.run({.samples = 1}), StopReason::samples);
@@ -132,7 +132,7 @@ TEST(RenderUntil, EndsASession) {
   settings.width = settings.height = 16;
   Session session(find_builtin_scene("furnace")->build(), settings);
   EXPECT_EQ(render_until(session, {.samples = 3}), StopReason::samples);
-  EXPECT_EQ(session.picture_frames(), 3u);
+  EXPECT_EQ(session.image_frames(), 3u);
   EXPECT_EQ(render_until(session, {.time_s = 0.01}), StopReason::time);
   EXPECT_EQ(render_until(session, {.error = 0.5}), StopReason::error);
   std::stop_source stop;

@@ -151,7 +151,7 @@ TEST(Camera, RaysFollowTheirDensity) {
       histogram.add(p.x, p.y);
     }
     const auto pdf = [&](const Vec3& w) { return double{pdf_we(c, {origin, w, kInfinity}).pdf_w}; };
-    constexpr double kMaxStrays = 2e-4;  // the picture's edges cut bins, and quadrature misses slips of them
+    constexpr double kMaxStrays = 2e-4;  // the image's edges cut bins, and quadrature misses slips of them
     EXPECT_GT(histogram.test(chart.density(pdf), 8, 1, kMaxStrays).p_value, testing::significance()) << name;
   }
 }

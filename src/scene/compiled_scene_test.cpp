@@ -276,7 +276,7 @@ TEST(CompiledScene, BoundsHoldOneKeyAmongThousands) {
   EXPECT_GE(CompiledScene(scene, {}).bounds().radius, 50.0f);
 }
 
-TEST(CompiledScene, TheStandInCameraSeesAllOfItInPicturesOfAnyShape) {
+TEST(CompiledScene, TheStandInCameraSeesAllOfItInImagesOfAnyShape) {
   Scene scene = plate();
   scene.nodes[1].camera = kNone;
   const auto width_seen = [&](int width, int height) {  // at the middle, where the plate's sphere has its radius

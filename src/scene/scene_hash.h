@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Hash of everything in the scene that the picture depends on (FNV-1a, 64 bits). Names do not count, but for cameras.
+/// Hash of everything in the scene that the image depends on (FNV-1a, 64 bits). Names do not count, but for cameras.
 uint64_t scene_hash(const Scene& scene);
 
 }  // namespace relume

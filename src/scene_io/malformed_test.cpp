@@ -1,4 +1,4 @@
-// Damaged files of every format end in an Error or in a picture, never in a crash or a hang. Mutations are generated
+// Damaged files of every format end in an Error or in an image, never in a crash or a hang. Mutations are generated
 // from a fixed seed; the suite prints the count.
 #include <chrono>
 #include <functional>
@@ -43,7 +43,7 @@ Scene load(const std::string& name, const Bytes& bytes) {
 }
 
 /// Every pixel must be a number, and no sample may have been replaced to make it one.
-void expect_picture(Scene scene, const std::string& what) {
+void expect_image(Scene scene, const std::string& what) {
   RenderSettings settings;
   settings.width = settings.height = 4;
   settings.threads = 1;
@@ -58,7 +58,7 @@ bool is_refused(const std::string& name, const Bytes& bytes, const std::string& 
   const auto start = std::chrono::steady_clock::now();
   bool refused = false;
   try {
-    expect_picture(load(name, bytes), name + " " + what);
+    expect_image(load(name, bytes), name + " " + what);
   } catch (const Error& error) {
     refused = true;
     EXPECT_GT(std::string_view(error.what()).size(), name.size()) << what;

@@ -10,7 +10,7 @@
 namespace relume {
 
 /// Groups that interfaces show in a way of their own.
-enum class SettingGroupRole { ordinary, picture, stopping, slots };
+enum class SettingGroupRole { ordinary, image, stopping, slots };
 
 /// Settings that are shown together.
 struct SettingGroup {

@@ -44,7 +44,7 @@ inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt)
 inline void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 inline std::string way_name(const ::testing::TestParamInfo<Way>& info) { return info.param.name; }
 
-/// Pictures are small, and regions should be many.
+/// Images are small, and regions should be many.
 inline void take(const Way& way, RenderSettings& settings) {
   settings.estimator = way.estimator;
   settings.lights = way.lights;

@@ -1,4 +1,4 @@
-// Furnaces, path lengths and delta scattering: pictures whose every pixel is known.
+// Furnaces, path lengths and delta scattering: images whose every pixel is known.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -161,7 +161,7 @@ std::string deviation_table(const std::function<Deviation(const Choice& a, const
   const std::vector<Choice>& choices = all_choices();
   std::string text = kDeviationsTitle;
   text +=
-      "\nBy how many percent the mean luminance of the pictures was off, and in brackets the standard error. Seeds are "
+      "\nBy how many percent the mean luminance of the images was off, and in brackets the standard error. Seeds are "
       "fixed, but compilers and\nvector units round in ways of their own, so that another machine may show other last "
       "digits.\n\n";
   return text + matrix([&](size_t row, size_t column) -> std::string {

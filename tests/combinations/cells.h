@@ -15,7 +15,7 @@ namespace relume::support {
 struct Choice {
   std::string slot;
   std::string value;
-  double bias = 0;  ///< by how much it may change the picture's mean, as a share; 0: not at all
+  double bias = 0;  ///< by how much it may change the image's mean, as a share; 0: not at all
 
   bool operator==(const Choice& o) const { return slot == o.slot && value == o.value; }
 };
@@ -45,7 +45,7 @@ std::string name_of(const std::pair<Choice, Choice>& pair);
 /// All that is to be compared: of cells that `base` lets run.
 std::vector<Cell> distinct_cells(const RenderSettings& base);
 
-/// How far the mean of a cell's pictures is from path tracing's, and the standard error of that, as shares of it.
+/// How far the mean of a cell's images is from path tracing's, and the standard error of that, as shares of it.
 struct Deviation {
   double value = 0;
   double error = 0;

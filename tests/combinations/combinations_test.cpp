@@ -39,13 +39,13 @@ constexpr double kMostSlowError = 0.0025;
 constexpr int kMeans = 4;
 using Means = std::array<double, kMeans>;
 
-/// Means over pictures of several seeds, and their standard errors.
+/// Means over images of several seeds, and their standard errors.
 struct Mean {
   Means value = {};
   Means error = {};
 };
 
-/// Means of the pictures of the last half of `frames` that follow a move of the camera sideways, so that
+/// Means of the images of the last half of `frames` that follow a move of the camera sideways, so that
 /// histories have something to carry over.
 Means means_after_a_move(const RenderSettings& settings, int frames) {
   Session session(open_box(), settings);
@@ -66,12 +66,12 @@ Means means_after_a_move(const RenderSettings& settings, int frames) {
   return means;
 }
 
-/// Pictures of seeds 1, 2, …, as many as have been asked for.
+/// Images of seeds 1, 2, …, as many as have been asked for.
 class Measurement {
  public:
   Measurement(const RenderSettings& settings, int frames) : settings_(settings), frames_(frames) {}
 
-  /// Over `seeds` pictures, or as many as there are.
+  /// Over `seeds` images, or as many as there are.
   Mean over(int seeds) {
     while (seeds_ < seeds) {
       settings_.seed = ++seeds_;
@@ -110,7 +110,7 @@ const Mean& reference(int max_bounces = RenderSettings{}.path.max_bounces) {
   return found->second;
 }
 
-/// For pictures this small.
+/// For images this small.
 RenderSettings scaled(RenderSettings settings) {
   settings.static_lists.rays = 64;  // what they are prepared with would take longer than all else together
   settings.static_lists.cell_size = 0.5f;

@@ -124,7 +124,7 @@ constexpr std::array kDetails = {
     Detail{"svgf.newest", {"0.01", "0.2", "1"}},
 };
 
-/// Some slot takes another choice, a setting another value, and sometimes the picture another size. Throws Error if the
+/// Some slot takes another choice, a setting another value, and sometimes the image another size. Throws Error if the
 /// slots do not combine.
 void change_settings(Session& session, Dice& dice) {
   const std::vector<Choice>& choices = all_choices();
@@ -197,7 +197,7 @@ std::string described(const RenderSettings& settings, int frame) {
   return text;
 }
 
-/// How bright the picture is on average while nothing changes, or the camera trembles by `step_m`, once what adapts has
+/// How bright the image is on average while nothing changes, or the camera trembles by `step_m`, once what adapts has
 /// had time to. Pixels count as L / (1 + L): a mean that single bright paths decide says nothing of drift.
 double brightness_shown(Session& session, int settling = kSettling, float step_m = 0) {
   constexpr int kFrames = 32;

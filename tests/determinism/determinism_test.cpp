@@ -37,7 +37,7 @@ RenderSettings settings_of(const Case& c, int threads) {
     s.vlc.memory = 2;
     s.guide = GuideChoice::cdq;
     s.cdq.migrations = 2;
-    s.octree.scale = false;  // small regions, of which these pictures fill many
+    s.octree.scale = false;  // small regions, of which these images fill many
     s.octree.split = 64;
     s.octree.collapse = 32;
   }

@@ -1,4 +1,4 @@
-// Fuzzes texts of the command line: contenders, pictures, durations, ranges and names of frames, settings. Any text
+// Fuzzes texts of the command line: contenders, images, durations, ranges and names of frames, settings. Any text
 // ends in what it says or in an Error. The first byte chooses which it is.
 #include <cstdint>
 #include <string>
@@ -26,7 +26,7 @@ void read_contenders(const std::string& text) {
 void read_text(int kind, const std::string& text) {
   switch (kind) {
     case 0: read_contenders(text); return;
-    case 1: relume::parse_picture_contenders(text, "--image"); return;
+    case 1: relume::parse_image_contenders(text, "--image"); return;
     case 2: relume::parse_duration_s(text, "--time"); return;
     case 3: relume::cli::parse_frame_range(text, "--frames"); return;
     case 4: relume::cli::FrameNames(std::filesystem::path(text))(7); return;

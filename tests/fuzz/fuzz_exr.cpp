@@ -1,4 +1,4 @@
-// Fuzzes the EXR reader and the settings that it finds among the attributes: any bytes end in a picture with settings
+// Fuzzes the EXR reader and the settings that it finds among the attributes: any bytes end in an image with settings
 // or in an Error.
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Fuzzes the readers of images, for textures and for pictures that are measured: any bytes end in an image or in an
+// Fuzzes the readers of images, for textures and for images that are measured: any bytes end in an image or in an
 // Error.
 #include <cstddef>
 #include <cstdint>

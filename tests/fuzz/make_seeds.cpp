@@ -48,7 +48,7 @@ void write_scenes(const fs::path& folder) {
   }
 }
 
-void write_pictures(const fs::path& folder) {
+void write_images(const fs::path& folder) {
   write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
   for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
     relume::write_image(folder / "texture" / name, relume::Image(3, 2));
@@ -98,7 +98,7 @@ void write_records(const fs::path& folder) {
       relume::to_json(experiment, result, {{{"processor", "two cores"}}, true, 3}));
 
   relume::Trace trace{.name = "path", .points = {{1, 1, 0.5, 0.1, 0.2}, {2, 2, 1, 0.05, 0.1}}};
-  trace.picture = relume::Image(4, 3);
+  trace.image = relume::Image(4, 3);
   trace.map.assign(12, 0.5f);
   relume::save_traces(whole, {trace, trace});
   add(RecordKind::traces, "traces.exr", relume::fuzz::contents(whole));
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   write_scenes(argv[1]);
-  write_pictures(argv[1]);
+  write_images(argv[1]);
   write_settings(argv[1]);
   write_checkpoints(argv[1]);
   write_records(argv[1]);

@@ -1,4 +1,4 @@
-// What the program leaves behind and reads again, beside pictures, settings and checkpoints.
+// What the program leaves behind and reads again, beside images, settings and checkpoints.
 #pragma once
 
 #include <filesystem>

@@ -22,7 +22,7 @@ Image columns(const json& mode, float factor, int spp) {
   json material = unlit_json(alphas(stage, {255, 100, 140, 0}), {0.5, 0.25, 0.125, factor});
   material.update(mode);
   stage.show(stage.square(), material);
-  return picture(stage.load(1), 16, spp);
+  return image(stage.load(1), 16, spp);
 }
 
 /// Colour of the card where it is covered by this share.
@@ -63,7 +63,7 @@ Image colored(const std::vector<float>& rgba, const json& material, float enviro
   json attributes = stage.square();
   attributes["COLOR_0"] = stage.file.floats(rgba, 4);
   stage.show(attributes, material);
-  return picture(stage.load(environment), 16, spp);
+  return image(stage.load(environment), 16, spp);
 }
 
 TEST(VertexColor, InterpolatesLinearly) {  // and is linear light, not sRGB

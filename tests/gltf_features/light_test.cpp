@@ -16,7 +16,7 @@ Image under(const json& light, const json& node) {
   Stage stage;
   stage.show(stage.square(), matte_json(static_cast<float>(kAlbedo)));
   stage.light(light, node);
-  return picture(stage.load(), 16, 64);
+  return image(stage.load(), 16, 64);
 }
 
 /// Lambert's reflection of an irradiance.
@@ -61,13 +61,13 @@ TEST(Punctual, NodesPlaceAndTurnButDoNotScaleIntensity) {
 }
 
 TEST(Cameras, PerspectiveSeesItsVerticalAngle) {
-  // From 2 m, an angle of 90° shows 4 m: the square fills the middle half of the picture both ways.
+  // From 2 m, an angle of 90° shows 4 m: the square fills the middle half of the image both ways.
   Stage stage;
   stage.file.doc["cameras"][0] = {{"type", "perspective"},
                                   {"perspective", {{"yfov", std::numbers::pi / 2}, {"znear", 0.1}}}};
   stage.file.doc["nodes"][0]["translation"] = {0, 0, 2};
   stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 0.125, 1}));
-  expect_pixels(picture(stage.load()), 1e-5, [](double x, double y) {
+  expect_pixels(image(stage.load()), 1e-5, [](double x, double y) {
     return std::fabs(x) < 0.5 && std::fabs(y) < 0.5 ? Rgb(0.5f, 0.25f, 0.125f) : Rgb(0);
   });
 }
@@ -76,7 +76,7 @@ TEST(Cameras, OrthographicSeesItsHeight) {
   Stage stage;
   stage.file.doc["cameras"][0]["orthographic"]["ymag"] = 4;
   stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 0.125, 1}));
-  expect_pixels(picture(stage.load()), 1e-5, [](double x, double y) {
+  expect_pixels(image(stage.load()), 1e-5, [](double x, double y) {
     return std::fabs(x) < 0.25 && std::fabs(y) < 0.25 ? Rgb(0.5f, 0.25f, 0.125f) : Rgb(0);
   });
 }
@@ -85,8 +85,7 @@ TEST(Cameras, StandWhereTheirNodesMoveThem) {  // half a second into a move to t
   Stage stage;
   stage.animate(0, "translation", {0, 1}, {0, 0, 5, 2, 0, 5}, 3);
   stage.show(stage.square(), unlit_json({}, {0.5, 0.25, 0.125, 1}));
-  expect_pixels(picture(stage.load()), 1e-5,
-                [](double x, double) { return x < 0 ? Rgb(0.5f, 0.25f, 0.125f) : Rgb(0); });
+  expect_pixels(image(stage.load()), 1e-5, [](double x, double) { return x < 0 ? Rgb(0.5f, 0.25f, 0.125f) : Rgb(0); });
 }
 
 }  // namespace

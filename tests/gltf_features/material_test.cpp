@@ -1,4 +1,4 @@
-// Material extensions whose pictures have a closed form: what a smooth surface in uniform light of radiance 1 shows is
+// Material extensions whose images have a closed form: what a smooth surface in uniform light of radiance 1 shows is
 // how much of it returns.
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@ json polished(const json& extensions) {
           {"extensions", extensions}};
 }
 
-/// Mean of a picture of the square with `material`, its normal turned away from the viewer by `angle` radians, in
+/// Mean of an image of the square with `material`, its normal turned away from the viewer by `angle` radians, in
 /// uniform light of radiance 1.
 Rgb furnace(const json& material, float angle = 0, int spp = 4) {
   Stage stage;
   stage.show(stage.square(), material, {{"rotation", rotation_json({0, 1, 0}, angle)}, {"scale", {9, 9, 1}}});
-  return estimate_of(picture(stage.load(1), 16, spp)).mean;
+  return estimate_of(image(stage.load(1), 16, spp)).mean;
 }
 
 void expect_rgb(const Rgb& value, const Rgb& expected, float tolerance) {
@@ -88,10 +88,10 @@ TEST(GltfMaterial, TransmissionSharesWithTheDiffuseBase) {
   stage.show(stage.square(), material, {{"translation", {0, 0, 1}}});
   stage.show(stage.square(), glowing_json({0.5, 0.25, 1}));
   // Nothing but the card behind shines: the diffuse base sees the dark.
-  expect_rgb(estimate_of(picture(stage.load(), 16, 256)).mean, 0.3f * Rgb(0.5f, 0.25f, 1), 0.005f);
+  expect_rgb(estimate_of(image(stage.load(), 16, 256)).mean, 0.3f * Rgb(0.5f, 0.25f, 1), 0.005f);
 }
 
-/// A wedge: no thickness at the left edge of the picture, 2 m at the right.
+/// A wedge: no thickness at the left edge of the image, 2 m at the right.
 int add_wedge(Stage& stage, const json& material) {
   const int positions = stage.file.floats({-1, 2, 0, -1, -2, 0, 1, 2, 0, 1, -2, 0, 1, 2, -2, 1, -2, -2}, 3);
   const std::vector<uint16_t> triangles = {0, 1, 2, 2, 1, 3, 0, 4, 1, 1, 4, 5, 2, 3, 4, 4, 3, 5, 0, 2, 4, 1, 5, 3};
@@ -115,7 +115,7 @@ TEST(GltfMaterial, VolumeAbsorbsByThickness) {  // attenuation colour ^ (way / a
       {"thicknessFactor", 1}, {"attenuationColor", {0.9, 0.5, 0.2}}, {"attenuationDistance", 0.8}};
   Stage stage;
   add_wedge(stage, material);
-  expect_pixels(picture(stage.load(1), 16, 64), 0.01, [](double x, double) {  // jitter within a pixel
+  expect_pixels(image(stage.load(1), 16, 64), 0.01, [](double x, double) {  // jitter within a pixel
     const double way = (x + 1) / 0.8;
     return Rgb(std::pow(0.9, way), std::pow(0.5, way), std::pow(0.2, way));
   });
@@ -141,8 +141,8 @@ TEST(GltfMaterial, VolumeRefractsByItsIor) {  // a slab shifts what lies behind 
   const double refracted = std::asin(std::sin(0.8) / 1.5);
   const float shift = static_cast<float>(std::sin(0.8 - refracted) / std::cos(refracted));
   // The slab's normal leans to the right, so rays leave it further to the left of where they would have gone.
-  const Image straight = picture(edge_below_glass(1, shift), 16, 16);
-  const Image bent = picture(edge_below_glass(1.5, 0), 16, 256);
+  const Image straight = image(edge_below_glass(1, shift), 16, 16);
+  const Image bent = image(edge_below_glass(1.5, 0), 16, 256);
   const auto column = [](const Image& image, int x) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y) sum += static_cast<double>(image.at(x, y).r) / image.height;
@@ -167,7 +167,7 @@ TEST(GltfMaterial, UnlitIsItsColorWhateverTheLight) {  // factor · texture · v
   stage.sun();
   stage.show(attributes, unlit_json(stage.texture(1, 1, {188, 255, 255, 255}), {0.5, 0.5, 0.5, 1}));
   const float texel = static_cast<float>(linear_of(188));
-  expect_pixels(picture(stage.load(2)), 1e-5, [&](double, double) { return 0.5f * Rgb(texel, 0.5f, 0.25f); });
+  expect_pixels(image(stage.load(2)), 1e-5, [&](double, double) { return 0.5f * Rgb(texel, 0.5f, 0.25f); });
 }
 
 }  // namespace

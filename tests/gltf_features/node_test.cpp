@@ -141,11 +141,11 @@ class Containers : public ::testing::Test {
     name_extensions(stage_.file.doc);
   }
 
-  Image expected() const { return picture(testing::load_text(stage_.file.text())); }
+  Image expected() const { return image(testing::load_text(stage_.file.text())); }
   static Image read(const std::filesystem::path& file) {
     Scene scene = load_scene(file);
     EXPECT_TRUE(scene.warnings.empty());
-    return picture(std::move(scene));
+    return image(std::move(scene));
   }
 
   Stage stage_;
@@ -164,13 +164,13 @@ TEST_F(Containers, DataUris) {
 TEST_F(Containers, FilesBesideIt) {
   json doc = json::parse(stage_.file.text());
   doc["buffers"][0]["uri"] = "some%20data.bin";
-  doc["images"][0]["uri"] = "maps/picture.png";
+  doc["images"][0]["uri"] = "maps/image.png";
   const std::filesystem::path file = folder_.write("a.gltf", doc.dump());
   const Bytes glb = stage_.file.glb();  // ends with the buffer
   const size_t size = doc["buffers"][0]["byteLength"];
   folder_.write("some data.bin", Bytes(glb.end() - static_cast<std::ptrdiff_t>(size + (4 - size % 4) % 4), glb.end()));
   std::filesystem::create_directories(folder_.path() / "maps");
-  folder_.write("maps/picture.png", testing::png(4, 4, colorful(4, 4)));
+  folder_.write("maps/image.png", testing::png(4, 4, colorful(4, 4)));
   expect_same(read(file), expected(), 0);
 }
 

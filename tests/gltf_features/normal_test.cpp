@@ -69,7 +69,7 @@ Image shown(Stage& stage, const json& square, const json& texture, const json& n
   stage.show(square, mapped(texture), node);
   Scene scene = stage.load();
   EXPECT_TRUE(scene.warnings.empty());
-  return picture(std::move(scene));
+  return image(std::move(scene));
 }
 
 constexpr double kPrecision = 2e-3;  // packed normals and tangents, of radiances about 2

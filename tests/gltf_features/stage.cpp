@@ -167,7 +167,7 @@ double linear_of(int code) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
 }
 
-Image picture(Scene scene, int size, int spp, int max_bounces) {
+Image image(Scene scene, int size, int spp, int max_bounces) {
   RenderSettings settings = small_settings(size, size);
   settings.time_s = 0.5f;
   settings.path.max_bounces = max_bounces;
@@ -194,7 +194,7 @@ void FeatureTest::check() const {
   const FeatureCase& c = GetParam();
   Scene scene = c.scene(Way::feature);
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
-  const auto seen = [&](Scene shown) { return picture(std::move(shown), 16, 4, c.max_bounces); };
+  const auto seen = [&](Scene shown) { return image(std::move(shown), 16, 4, c.max_bounces); };
   const Image expected = seen(c.scene(Way::plain));
   expect_same(seen(std::move(scene)), expected, c.tolerance);
   EXPECT_GT(largest_difference(seen(c.scene(Way::ignored)), expected).value, 0.02 + 2 * c.tolerance)

@@ -1,4 +1,4 @@
-// Small glTF files made in code whose pictures are known: a square fills the view of a camera that looks straight at
+// Small glTF files made in code whose images are known: a square fills the view of a camera that looks straight at
 // it.
 #pragma once
 
@@ -76,12 +76,12 @@ std::vector<uint8_t> colorful(int width, int height);
 double linear_of(int code);
 
 /// `spp` samples a pixel, half a second into the animation, without Russian roulette.
-Image picture(Scene scene, int size = 16, int spp = 4, int max_bounces = PathSettings{}.max_bounces);
+Image image(Scene scene, int size = 16, int spp = 4, int max_bounces = PathSettings{}.max_bounces);
 
 /// Expects every pixel within `tolerance` of what `expected` says for the point of the square at its centre.
 void expect_pixels(const Image& image, double tolerance, const std::function<Rgb(double x, double y)>& expected);
 
-/// Expects two pictures to differ nowhere by more than `tolerance`.
+/// Expects two images to differ nowhere by more than `tolerance`.
 void expect_same(const Image& a, const Image& b, double tolerance);
 
 /// How a scene is made: by a feature of glTF, without it to the same effect, or as by a loader that ignores the

@@ -145,7 +145,7 @@ TEST(TextureFeatures, TexelsLieWhereGltfPutsThem) {  // (0, 0) is the upper left
   Stage stage;
   const std::vector<uint8_t> texels = colorful(4, 4);
   stage.show(stage.square(), unlit_json(stage.texture(4, 4, texels)));
-  expect_pixels(picture(stage.load()), 1e-5, [&](double x, double y) {
+  expect_pixels(image(stage.load()), 1e-5, [&](double x, double y) {
     const size_t texel = 4 * (static_cast<size_t>((1 - y) * 2) * 4 + static_cast<size_t>((x + 1) * 2));
     return Rgb(linear_of(texels[texel]), linear_of(texels[texel + 1]), linear_of(texels[texel + 2]));
   });
@@ -155,7 +155,7 @@ TEST(TextureFeatures, InterpolationIsOfLinearValues) {  // between 0 and 1, not 
   Stage stage;
   const json texture = stage.texture(2, 1, {0, 0, 0, 255, 255, 255, 255, 255}, {{"magFilter", 9729}, {"wrapS", 33071}});
   stage.show(stage.square(), unlit_json(texture));
-  expect_pixels(picture(stage.load(), 16, 64), 0.01, [](double x, double) {  // jitter within a pixel
+  expect_pixels(image(stage.load(), 16, 64), 0.01, [](double x, double) {  // jitter within a pixel
     return Rgb(static_cast<float>(glm::clamp(0.5 + x, 0.0, 1.0)));
   });
 }

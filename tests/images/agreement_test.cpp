@@ -1,4 +1,4 @@
-// Ways to render a scene that must show the same picture in the mean.
+// Ways to render a scene that must show the same image in the mean.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -12,7 +12,7 @@ namespace relume::support {
 namespace {
 
 /// A built-in scene, how large, with how many samples a pixel, and when; and from which relative error on the
-/// comparison notices, block by block and in the mean of the picture (ImageTest::detectable).
+/// comparison notices, block by block and in the mean of the image (ImageTest::detectable).
 struct Case {
   const char* scene;
   int width;
@@ -56,12 +56,12 @@ class Agreement : public ::testing::TestWithParam<Case> {
     s.time_s = GetParam().time_s;
     return s;
   }
-  Moments pictures(const RenderSettings& s, int first_seed) const {
+  Moments images(const RenderSettings& s, int first_seed) const {
     return measure(scene(), s, GetParam().spp, kSeeds, first_seed);
   }
   void expect_same(const char* what, const RenderSettings& a, const RenderSettings& b) const {
-    expect_same_picture(std::string(what) + "-" + GetParam().scene, pictures(a, 1), pictures(b, 1001),
-                        {.detectable = GetParam().blocks, .detectable_mean = GetParam().mean});
+    expect_same_image(std::string(what) + "-" + GetParam().scene, images(a, 1), images(b, 1001),
+                      {.detectable = GetParam().blocks, .detectable_mean = GetParam().mean});
   }
 };
 

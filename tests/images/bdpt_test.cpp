@@ -70,11 +70,11 @@ TEST_P(BdptZoo, AgreesWithPathTracing) {
   bdpt.estimator = EstimatorChoice::bdpt;
   // A panorama sees the lamp itself, in few pixels that a sample hits or misses.
   const bool lamp_in_view = GetParam().camera == ZooCamera::panoramic && GetParam().light == ZooLight::two_sided;
-  expect_same_picture("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 48, kSeeds, 1),
-                      measure(scene, bdpt, 24, kSeeds, 1001),
-                      {.block_size = GetParam().size * 2 / 3,
-                       .detectable = lamp_in_view ? 0.3 : 0.1,
-                       .detectable_mean = lamp_in_view ? 0.25 : 0.05});
+  expect_same_image("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 48, kSeeds, 1),
+                    measure(scene, bdpt, 24, kSeeds, 1001),
+                    {.block_size = GetParam().size * 2 / 3,
+                     .detectable = lamp_in_view ? 0.3 : 0.1,
+                     .detectable_mean = lamp_in_view ? 0.25 : 0.05});
 }
 
 TEST_P(BdptLightZoo, LightTracingAgreesWithPathTracing) {
@@ -90,10 +90,10 @@ TEST_P(BdptLightZoo, LightTracingAgreesWithPathTracing) {
   // A pixel in the lamp's shadow is lit by light paths that are few and bright: its spread over 64 images is still most
   // of its mean.
   const bool rare = GetParam().light == ZooLight::point && parallel_rays;
-  expect_same_picture("light-" + zoo_name({GetParam(), 0}),
-                      measure(scene, path, sharp ? 384 : 192, kSeeds, sharp ? 501 : 1),
-                      measure(scene, light, sharp ? 512 : 256, kSeeds, sharp ? 2001 : 1001),
-                      {.pixels = !rare, .block_size = GetParam().size * 2 / 3});
+  expect_same_image("light-" + zoo_name({GetParam(), 0}),
+                    measure(scene, path, sharp ? 384 : 192, kSeeds, sharp ? 501 : 1),
+                    measure(scene, light, sharp ? 512 : 256, kSeeds, sharp ? 2001 : 1001),
+                    {.pixels = !rare, .block_size = GetParam().size * 2 / 3});
 }
 INSTANTIATE_TEST_SUITE_P(Zoo, BdptZoo, ::testing::ValuesIn(zoo_cases(kOneOfAKind)), zoo_name);
 INSTANTIATE_TEST_SUITE_P(Zoo, BdptLightZoo, ::testing::ValuesIn(zoo_cases({ZooLight::two_sided})), zoo_name);
@@ -149,12 +149,12 @@ TEST_P(BdptBuiltin, AgreesWithPathTracing) {
   settings.time_s = c.time_s;
   const Moments path = measure(scene, settings, c.path, kSeeds, 1);
   settings.estimator = EstimatorChoice::bdpt;
-  expect_same_picture(std::string("bdpt-") + c.scene, path, measure(scene, settings, c.bdpt, kSeeds, 1001),
-                      {.pixels = !c.rare, .detectable = c.blocks, .detectable_mean = c.mean});
+  expect_same_image(std::string("bdpt-") + c.scene, path, measure(scene, settings, c.bdpt, kSeeds, 1001),
+                    {.pixels = !c.rare, .detectable = c.blocks, .detectable_mean = c.mean});
   if (c.light == 0) return;
   settings.estimator = EstimatorChoice::light;
-  expect_same_picture(std::string("light-") + c.scene, path, measure(scene, settings, c.light, kSeeds, 2001),
-                      {.detectable = c.blocks, .detectable_mean = c.mean});
+  expect_same_image(std::string("light-") + c.scene, path, measure(scene, settings, c.light, kSeeds, 2001),
+                    {.detectable = c.blocks, .detectable_mean = c.mean});
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, BdptBuiltin, ::testing::ValuesIn(kQuick), builtin_name);
 INSTANTIATE_TEST_SUITE_P(SlowBuiltin, BdptBuiltin, ::testing::ValuesIn(kSharp), builtin_name);

@@ -1,4 +1,4 @@
-// Denoisers against the picture that they stand in for: how much nearer they come than what they were given, and
+// Denoisers against the image that they stand in for: how much nearer they come than what they were given, and
 // whether what features do not tell survives.
 #include <gtest/gtest.h>
 
@@ -77,11 +77,11 @@ struct Shown {
       session.render_frame();
     }
     denoised = session.image();
-    noisy = picture(session, kRadiance);
-    mean = picture(session, kMean);
+    noisy = image(session, kRadiance);
+    mean = image(session, kMean);
   }
 
-  static Image picture(const Session& session, const BufferKey<Rgb>& buffer) {
+  static Image image(const Session& session, const BufferKey<Rgb>& buffer) {
     Image image(kWidth, kHeight);
     const auto pixels = buffer_table(session).view(buffer);
     std::copy(pixels.begin(), pixels.end(), image.pixels.begin());
@@ -95,7 +95,7 @@ struct Shown {
 };
 
 /// Tests take both in turn, as what they are held to is rendered once a process.
-class DenoisedPicture : public ::testing::Test {
+class DenoisedImage : public ::testing::Test {
  protected:
   template <typename Check>
   static void for_each_denoiser(const Check& check) {
@@ -106,21 +106,21 @@ class DenoisedPicture : public ::testing::Test {
   }
 };
 
-TEST_F(DenoisedPicture, ATenthOfTheErrorWhereNothingMoves) {
+TEST_F(DenoisedImage, ATenthOfTheErrorWhereNothingMoves) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell", settings_of(denoise), 8, 0);
     EXPECT_LT(shown_mse(s.denoised, s.reference), 0.1 * shown_mse(s.noisy, s.reference));
   });
 }
 
-TEST_F(DenoisedPicture, AFifthOfTheErrorWhereTheCameraMoves) {
+TEST_F(DenoisedImage, AFifthOfTheErrorWhereTheCameraMoves) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell", settings_of(denoise), 1, 8);
     EXPECT_LT(shown_mse(s.denoised, s.reference), 0.2 * shown_mse(s.noisy, s.reference));
   });
 }
 
-TEST_F(DenoisedPicture, IsAsBrightAsTheScene) {
+TEST_F(DenoisedImage, IsAsBrightAsTheScene) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell", settings_of(denoise), 16, 0);
     EXPECT_NEAR(mean_luminance(s.denoised) / mean_luminance(s.reference), 1.0, 0.02);  // the bias that the pages state
@@ -128,7 +128,7 @@ TEST_F(DenoisedPicture, IsAsBrightAsTheScene) {
 }
 
 /// What features cannot tell is not blurred away: the error falls below that of the samples' own mean.
-TEST_F(DenoisedPicture, MirrorImagesSurvive) {
+TEST_F(DenoisedImage, MirrorImagesSurvive) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell-mirror", settings_of(denoise, EstimatorChoice::bdpt), 8, 0);
     const Region mirror{16, 16, 80, 60};
@@ -136,7 +136,7 @@ TEST_F(DenoisedPicture, MirrorImagesSurvive) {
   });
 }
 
-TEST_F(DenoisedPicture, CausticsSurvive) {
+TEST_F(DenoisedImage, CausticsSurvive) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Shown s("cornell-glass", settings_of(denoise, EstimatorChoice::bdpt), 16, 0);
     const Region floor{8, 70, 88, 94};
@@ -145,7 +145,7 @@ TEST_F(DenoisedPicture, CausticsSurvive) {
 }
 
 /// Emission that caches average at edges is no light that falls on the surfaces there.
-TEST_F(DenoisedPicture, EdgesOfLampsDoNotShineThroughCaches) {
+TEST_F(DenoisedImage, EdgesOfLampsDoNotShineThroughCaches) {
   for_each_denoiser([](DenoiseChoice denoise) {
     RenderSettings settings = settings_of(denoise);
     settings.cache = CacheChoice::psf;
@@ -155,7 +155,7 @@ TEST_F(DenoisedPicture, EdgesOfLampsDoNotShineThroughCaches) {
   });
 }
 
-TEST_F(DenoisedPicture, AFurnaceStaysWhite) {
+TEST_F(DenoisedImage, AFurnaceStaysWhite) {
   for_each_denoiser([](DenoiseChoice denoise) {
     Session session(build("furnace"), settings_of(denoise));
     for (int i = 0; i < 4; ++i) session.render_frame();
@@ -181,7 +181,7 @@ Image first_of_a_view(const RenderSettings& settings, int frames_before) {
   return session.image();
 }
 
-TEST_F(DenoisedPicture, ACutIsFilteredAsAFirstFrameIs) {
+TEST_F(DenoisedImage, ACutIsFilteredAsAFirstFrameIs) {
   for_each_denoiser([](DenoiseChoice denoise) {
     const Image& reference = reference_of("cornell-closed", EstimatorChoice::path, 0);
     double first = 0;

@@ -1,4 +1,4 @@
-// A built-in scene and its glTF file show the same picture.
+// A built-in scene and its glTF file show the same image.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -52,7 +52,7 @@ std::string export_name(const ::testing::TestParamInfo<ExportCase>& info) {
   return test_name(std::string(std::get<0>(info.param)) + std::get<1>(info.param));
 }
 
-TEST_P(Export, RereadShowsTheSamePicture) {
+TEST_P(Export, RereadShowsTheSameImage) {
   const RenderSettings settings = settings_of(scene_name());
   const Scene before = original();
   const Scene after = reread();
@@ -89,8 +89,8 @@ class SlowExport : public Export {};
 
 TEST_P(SlowExport, RereadAgreesInTheMean) {
   const MeanCase c = mean_case_of(scene_name());
-  expect_same_picture("export-" + export_name({GetParam(), 0}), measure(reread(), c.settings, c.spp, 16, 1),
-                      measure(original(), c.settings, c.spp, 16, 1001), c.options);
+  expect_same_image("export-" + export_name({GetParam(), 0}), measure(reread(), c.settings, c.spp, 16, 1),
+                    measure(original(), c.settings, c.spp, 16, 1001), c.options);
 }
 
 /// One of everything that glTF has no form for.

@@ -65,7 +65,7 @@ struct Truth {
 
 double squared_distance(const Rgb& a, const Rgb& b) { return static_cast<double>(length_squared(a - b)) / 3; }
 
-/// Each the mean of two pictures of independent seeds, whose difference tells the noise of that mean.
+/// Each the mean of two images of independent seeds, whose difference tells the noise of that mean.
 std::vector<Truth> truths(const Scene& scene) {
   constexpr int kSamples = 64;
   std::vector<Truth> list;

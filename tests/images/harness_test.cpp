@@ -23,7 +23,7 @@ Scene cornell_with_lamp(float factor) {
   return scene;
 }
 
-Moments pictures(const Scene& scene, int first_seed, int spp = 16) {
+Moments images(const Scene& scene, int first_seed, int spp = 16) {
   return measure(scene, small_settings(32, 32), spp, kSeeds, first_seed);
 }
 
@@ -39,13 +39,13 @@ TEST(ImageTest, StudentsDistribution) {
 }
 
 TEST(ImageTest, AcceptsTheSameSceneUnderOtherSeeds) {
-  const ImageTest test = compare(pictures(cornell(), 1), pictures(cornell(), 101));
+  const ImageTest test = compare(images(cornell(), 1), images(cornell(), 101));
   EXPECT_TRUE(test.agree()) << test.report();
 }
 
 TEST(ImageTest, RejectsAPixelAsOftenAsItSays) {
-  const Moments a = pictures(cornell(), 1);
-  const Moments b = pictures(cornell(), 101);
+  const Moments a = images(cornell(), 1);
+  const Moments b = images(cornell(), 101);
   const ImageTest test = compare(a, b);
   // p is the least of three channels that hardly depend on one another at worst, or wholly: between 5 and 14 %.
   const auto below = std::count_if(test.p.begin(), test.p.end(), [](float p) { return p < 0.05f; });
@@ -55,8 +55,8 @@ TEST(ImageTest, RejectsAPixelAsOftenAsItSays) {
 }
 
 TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
-  const Moments reference = pictures(cornell(), 1, 128);
-  const ImageTest test = compare(pictures(cornell_with_lamp(1.02f), 101, 128), reference);
+  const Moments reference = images(cornell(), 1, 128);
+  const ImageTest test = compare(images(cornell_with_lamp(1.02f), 101, 128), reference);
   EXPECT_FALSE(test.agree()) << test.report();
   EXPECT_GT(test.rejected_blocks, 0);
   EXPECT_GT(test.rejected_means, 0);
@@ -66,10 +66,10 @@ TEST(ImageTest, RejectsALampThatIsTwoPercentBrighter) {
 
 /// What a comparison says that it can tell, it tells.
 TEST(ImageTest, RejectsWhatItSaysIsDetectable) {
-  const Moments reference = pictures(cornell(), 1, 8);
-  const double detectable = compare(pictures(cornell(), 101, 8), reference).detectable_mean;
+  const Moments reference = images(cornell(), 1, 8);
+  const double detectable = compare(images(cornell(), 101, 8), reference).detectable_mean;
   const auto factor = static_cast<float>(1 + 1.5 * detectable);
-  const ImageTest test = compare(pictures(cornell_with_lamp(factor), 101, 8), reference);
+  const ImageTest test = compare(images(cornell_with_lamp(factor), 101, 8), reference);
   EXPECT_GT(test.rejected_means, 0) << test.report();
 }
 
@@ -79,17 +79,17 @@ TEST(ImageTest, CannotTellAnythingInTheDark) {
 }
 
 TEST(ImageTest, RefusesToTellAlmostNothing) {
-  const Moments reference = pictures(cornell(), 1);
-  EXPECT_NONFATAL_FAILURE(expect_same_picture("refused", reference, reference, {.detectable = kMostDetectable}),
+  const Moments reference = images(cornell(), 1);
+  EXPECT_NONFATAL_FAILURE(expect_same_image("refused", reference, reference, {.detectable = kMostDetectable}),
                           "black block");
 }
 
 TEST(ImageTest, RejectsOneWrongPixel) {
-  const Moments reference = pictures(cornell(), 1);
-  std::vector<Image> images = pictures(cornell(), 101).images;
+  const Moments reference = images(cornell(), 1);
+  std::vector<Image> others = images(cornell(), 101).images;
   const Rgb spread = glm::sqrt(reference.variance[17]);
-  for (Image& image : images) image.pixels[17] += 4.0f * spread;
-  const ImageTest test = compare(moments_of(std::move(images)), reference);
+  for (Image& image : others) image.pixels[17] += 4.0f * spread;
+  const ImageTest test = compare(moments_of(std::move(others)), reference);
   EXPECT_EQ(test.rejected_pixels, 1);
   EXPECT_LT(test.p[17], test.pixel_threshold);
 }

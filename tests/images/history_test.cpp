@@ -1,4 +1,4 @@
-// Histories and allocations against the picture that they stand in for: those without bias agree with it, the others
+// Histories and allocations against the image that they stand in for: those without bias agree with it, the others
 // keep to the bound that their pages state.
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ CameraPose moved(const Session& session, float shift) {
   return camera;
 }
 
-/// Pictures after the camera has come back to where it was: five steps aside, `frames` at each, and five back.
+/// Images after the camera has come back to where it was: five steps aside, `frames` at each, and five back.
 Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames, int seeds = kSeeds) {
   std::vector<Image> images;
   for (int seed = 1; seed <= seeds; ++seed) {
@@ -59,17 +59,17 @@ Moments after_a_walk(const RenderSettings& settings, int frames, int last_frames
 
 /// Rendered once in the process that has all tests of its suite.
 const Moments& reference() {
-  static const Moments pictures =
+  static const Moments images =
       measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate), 96, kSeeds, 1001);
-  return pictures;
+  return images;
 }
 
 /// The same of the scene where deciding by what is averaged shows most.
 const Moments& reference_of_the_open_box() {
-  static const Moments pictures =
+  static const Moments images =
       measure(open_box(), settings_of(AllocationChoice::uniform, HistoryChoice::accumulate, 24), 2 * kPilotFrames,
               kPilotImages, 1001);
-  return pictures;
+  return images;
 }
 
 double mean_of(const Moments& m) { return mean_luminance(m.mean_image()); }
@@ -88,13 +88,13 @@ double mse_of(const Moments& m, const Moments& truth) {
 }
 
 TEST(SharedHistory, ReprojectionWithoutMovesIsAccumulation) {
-  expect_same_picture(
+  expect_same_image(
       "reproject-still", reference(),
       measure(cornell(), settings_of(AllocationChoice::uniform, HistoryChoice::reproject), 64, kSeeds, 1));
 }
 
 TEST(SharedHistory, AdaptiveSamplingWithPilotSamplesHasNoBias) {
-  const auto pictures = [](AdaptiveMethod method, bool pilot) {
+  const auto images = [](AdaptiveMethod method, bool pilot) {
     RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate, 24);
     s.adaptive.method = method;
     s.adaptive.pilot = pilot;
@@ -103,18 +103,18 @@ TEST(SharedHistory, AdaptiveSamplingWithPilotSamplesHasNoBias) {
   const ImageTestOptions options{.detectable = 0.02, .detectable_mean = 0.015};
   for (const AdaptiveMethod method : {AdaptiveMethod::pooled, AdaptiveMethod::paper}) {
     const std::string name = method == AdaptiveMethod::pooled ? "pooled" : "paper";
-    expect_same_picture("adaptive-pilot-" + name, pictures(method, true), reference_of_the_open_box(), options);
+    expect_same_image("adaptive-pilot-" + name, images(method, true), reference_of_the_open_box(), options);
   }
   // The same comparison tells what a pilot that does nothing would leave.
-  const ImageTest without = compare(pictures(AdaptiveMethod::paper, false), reference_of_the_open_box(), options);
+  const ImageTest without = compare(images(AdaptiveMethod::paper, false), reference_of_the_open_box(), options);
   EXPECT_GT(without.rejected_means, 0) << without.report();
 }
 
 /// The pixel's own values do not enter its own estimate.
 TEST(SharedHistory, PooledDeviationsLeaveNoBiasThatShows) {
   const RenderSettings s = settings_of(AllocationChoice::adaptive, HistoryChoice::accumulate, 24);
-  expect_same_picture("adaptive-pooled", measure(open_box(), s, kPilotFrames, kPilotImages, 1),
-                      reference_of_the_open_box(), {.detectable = 0.02, .detectable_mean = 0.015});
+  expect_same_image("adaptive-pooled", measure(open_box(), s, kPilotFrames, kPilotImages, 1),
+                    reference_of_the_open_box(), {.detectable = 0.02, .detectable_mean = 0.015});
 }
 
 TEST(SharedHistory, AdaptiveSamplingIsBiasedByLessThanTwoPercent) {

@@ -1,4 +1,4 @@
-// However lights and directions are chosen, and whatever was learnt for it from earlier frames: the picture is that of
+// However lights and directions are chosen, and whatever was learnt for it from earlier frames: the image is that of
 // plain path tracing in the mean.
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct Way {
   RenderSettings settings;
 };
 
-/// Pictures are small, and regions should be many.
+/// Images are small, and regions should be many.
 RenderSettings base_settings(const Effort& effort) {
   RenderSettings s = small_settings(effort.width, effort.height);
   s.octree = {.collapse = 32, .split = 64, .scale = false};
@@ -85,8 +85,8 @@ std::vector<Way> ways(const Effort& effort) {
   return list;
 }
 
-/// Pictures of independent seeds, each the mean of all frames.
-Moments pictures(Session& session, const RenderSettings& settings, int frames, int first_seed) {
+/// Images of independent seeds, each the mean of all frames.
+Moments images(Session& session, const RenderSettings& settings, int frames, int first_seed) {
   EXPECT_TRUE(session.set_settings(settings));
   std::vector<Image> images;
   for (int i = 0; i < kImages; ++i) {
@@ -114,11 +114,11 @@ const ImageTestOptions kOptions{.significance = 2.5e-5, .detectable = 0.25, .det
 void check_all_ways(std::string_view scene, const Effort& effort, const ImageTestOptions& options) {
   const RenderSettings plain = plain_settings(scene, effort);
   Session session(find_builtin_scene(scene)->build(), plain);
-  const Moments expected = pictures(session, plain, 2 * effort.frames, 1001);
+  const Moments expected = images(session, plain, 2 * effort.frames, 1001);
   int seed = 1;
   for (const Way& way : ways(effort)) {
-    expect_same_picture("learning-" + way.name + "-" + std::string(scene),
-                        pictures(session, way.settings, effort.frames, seed), expected, options);
+    expect_same_image("learning-" + way.name + "-" + std::string(scene),
+                      images(session, way.settings, effort.frames, seed), expected, options);
     seed += kImages;
   }
 }
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(Builtin, Learning, ::testing::Values("cornell", "turnta
 TEST(LearningAmongHiddenLamps, ShowsTheSame) {
   const RenderSettings plain = plain_settings("warehouse", kQuick);
   Session session(find_builtin_scene("warehouse")->build(), plain);
-  const Moments expected = pictures(session, plain, 4 * kQuick.frames, 1001);
+  const Moments expected = images(session, plain, 4 * kQuick.frames, 1001);
   int compared = 0;
   for (const Way& way : ways(kQuick)) {
     const LightSelectionChoice lights = way.settings.lights;
@@ -140,8 +140,8 @@ TEST(LearningAmongHiddenLamps, ShowsTheSame) {
     if (lights == plain.lights && way.settings.guide == plain.guide) continue;
     // Small buckets and one table to explore by leave rare bright samples; in motion these take part.
     if (way.name == "departures" || way.name == "paper") continue;
-    expect_same_picture("learning-" + way.name + "-warehouse",
-                        pictures(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
+    expect_same_image("learning-" + way.name + "-warehouse",
+                      images(session, way.settings, 4 * kQuick.frames, 1 + compared * kImages), expected, kOptions);
     ++compared;
   }
   EXPECT_EQ(compared, 3);  // the tree with guiding, the cache without and with it
@@ -153,7 +153,7 @@ TEST_P(SlowLearning, EveryWayShowsTheSame) {
   // to 15 of 1536 pixels, with every way to choose lights. Means of blocks are judged.
   const bool rare = GetParam() == "warehouse" || GetParam() == "corridor" || GetParam() == "cornell-water" ||
                     GetParam() == "cornell-glass";
-  // Guided paths that find the lamp behind three bends are few and bright: only the picture as a whole tells there.
+  // Guided paths that find the lamp behind three bends are few and bright: only the image as a whole tells there.
   const bool bends = GetParam() == "corridor";
   const ImageTestOptions options{.significance = 2.5e-5,
                                  .pixels = !rare,
@@ -166,8 +166,8 @@ TEST_P(SlowLearning, EveryWayShowsTheSame) {
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, SlowLearning, ::testing::ValuesIn(scene_names()), scene_name);
 
-/// The last picture of a movement: what was learnt belongs to where things were before.
-Moments last_pictures(Session& session, const RenderSettings& settings, int repeats, int first_seed) {
+/// The last image of a movement: what was learnt belongs to where things were before.
+Moments last_images(Session& session, const RenderSettings& settings, int repeats, int first_seed) {
   EXPECT_TRUE(session.set_settings(settings));
   std::vector<Image> images;
   for (int i = 0; i < kImages; ++i) {
@@ -201,7 +201,7 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
     }
     const int frames = many_lamps ? 4 * kQuick.frames : kQuick.frames;
     Session session(find_builtin_scene(scene)->build(), quiet);
-    const Moments expected = pictures(session, quiet, frames, 1001);
+    const Moments expected = images(session, quiet, frames, 1001);
     for (const LightSelectionChoice lights : {LightSelectionChoice::light_tree, LightSelectionChoice::static_lists}) {
       RenderSettings settings = plain;
       settings.lights = lights;
@@ -212,7 +212,7 @@ TEST(BidirectionalLights, EverySelectorShowsTheSame) {
         options.detectable_mean = 0.2;
         options.pixels = false;  // as in SlowLearning
       }
-      expect_same_picture("bidirectional-" + name + scene, pictures(session, settings, frames, 1), expected, options);
+      expect_same_image("bidirectional-" + name + scene, images(session, settings, frames, 1), expected, options);
     }
   }
 }
@@ -225,16 +225,16 @@ TEST(EnvironmentLeftToPaths, ShowsTheSame) {
   const Effort effort{24, 16, 32};
   const RenderSettings plain = base_settings(effort);
   Session session(std::move(scene), plain);
-  const Moments expected = pictures(session, plain, effort.frames, 1001);
+  const Moments expected = images(session, plain, effort.frames, 1001);
   for (const Way& way : ways(effort)) {
     RenderSettings settings = way.settings;
     settings.light_selection.environment = false;
-    expect_same_picture("sky-" + way.name, pictures(session, settings, effort.frames, 1), expected, kOptions);
+    expect_same_image("sky-" + way.name, images(session, settings, effort.frames, 1), expected, kOptions);
   }
 }
 
 class LearningInMotion : public ::testing::TestWithParam<std::string_view> {};
-TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
+TEST_P(LearningInMotion, TheLastImageIsTheSame) {
   const Effort effort{24, 16, 0};
   const RenderSettings plain = plain_settings(GetParam(), effort);
   Session session(find_builtin_scene(GetParam())->build(), plain);
@@ -245,11 +245,11 @@ TEST_P(LearningInMotion, TheLastPictureIsTheSame) {
     options.detectable = 0.59;
     options.detectable_mean = 0.4;
   }
-  const Moments expected = last_pictures(session, plain, repeats, 1001);
+  const Moments expected = last_images(session, plain, repeats, 1001);
   for (const Way& way : ways(effort)) {
     if (way.name != "vlc-cdq" && way.name != "departures" && way.name != "paper") continue;
-    expect_same_picture("motion-" + way.name + "-" + std::string(GetParam()),
-                        last_pictures(session, way.settings, repeats, 1), expected, options);
+    expect_same_image("motion-" + way.name + "-" + std::string(GetParam()),
+                      last_images(session, way.settings, repeats, 1), expected, options);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, LearningInMotion, ::testing::Values("turntable", "warehouse"), scene_name);

@@ -30,7 +30,7 @@ constexpr int kFirstCompared = 8;  ///< from here on there are references
 constexpr int kSeeds = 3;
 constexpr float kFps = 24;
 
-/// Half a second. The tall box crosses the picture by one to two pixels a frame.
+/// Half a second. The tall box crosses the image by one to two pixels a frame.
 constexpr const char* kBox = R"({
   "scene": "builtin:cornell-closed",
   "camera": {"fov_y_deg": 60},
@@ -156,7 +156,7 @@ std::vector<Frame> play(const Scene& scene, HistoryChoice history, int seed, int
 // --- What is kept is explained
 // ----------------------------------------------------------------------------------------
 
-/// Calls f(index of each pixel of the picture within `reach` of (x, y)).
+/// Calls f(index of each pixel of the image within `reach` of (x, y)).
 template <typename F>
 void around(float x, float y, int reach, F f) {
   const int cx = static_cast<int>(std::floor(x));
@@ -170,7 +170,7 @@ void around(float x, float y, int reach, F f) {
 struct Unexplained {
   int keep_too_many = 0;   ///< more samples than this frame's without a history, or than a change leaves
   int without_source = 0;  ///< a history, but no pixel near where the surface was gave its own away
-  int of_the_hidden = 0;   ///< a history, though the surface was not in the picture
+  int of_the_hidden = 0;   ///< a history, though the surface was not in the image
   int kept = 0;            ///< for the test to mean something
   int hidden = 0;
 };
@@ -309,7 +309,7 @@ void expect_no_ghosts(const MovingScene& moving) {
   EXPECT_LT(std::fabs(kept.elsewhere), 0.04);
 }
 
-/// What histories brought along is forgotten, as the picture converges.
+/// What histories brought along is forgotten, as the image converges.
 void expect_no_stuck_pixels(const MovingScene& moving) {
   constexpr int kRest = 256;
   constexpr int kScale = 2;  // fewer pixels will do

@@ -1,4 +1,4 @@
-// Samples that are no numbers, from the scene to the picture: each is counted, counts as black, and spoils nothing.
+// Samples that are no numbers, from the scene to the image: each is counted, counts as black, and spoils nothing.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kSize = 8;
 constexpr int kFrames = 4;
 
-/// A card of 4 × 4 texels that fills the picture. One texel is NaN, one infinite; the others are 0.5.
+/// A card of 4 × 4 texels that fills the image. One texel is NaN, one infinite; the others are 0.5.
 Scene broken_card(float environment) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::array<Vec4, 16> texels;
@@ -75,7 +75,7 @@ TEST(Nonfinite, AdaptiveSamplingGoesOn) {
   for (const Rgb& pixel : session.image().pixels) EXPECT_TRUE(is_finite(pixel));
 }
 
-/// A sun so bright and small that its radiance overflows, on a card that covers the right half of the picture.
+/// A sun so bright and small that its radiance overflows, on a card that covers the right half of the image.
 TEST(Nonfinite, OverflowOnTheWayIsFoundToo) {
   Scene scene;
   add(scene, quad({0, -1, 0}, {1, 0, 0}, {0, 2, 0}), matte("card", Rgb(0.5f)));

@@ -169,13 +169,13 @@ const ImageTestOptions kOptions{.detectable = 0.25, .detectable_mean = 0.2};
 TEST(PoisonedStructures, QuadtreesKeepTheMean) {
   Poisoned poisoned("cornell");
   const Moments expected = poisoned.images(poisoned.plain(), 1001);
-  expect_same_picture("poisoned-quadtrees", poisoned.images(poisoned.guided(), 1), expected, kOptions);
+  expect_same_image("poisoned-quadtrees", poisoned.images(poisoned.guided(), 1), expected, kOptions);
 }
 
 TEST(PoisonedStructures, LightCachesKeepTheMean) {
   Poisoned poisoned("turntable");
   const Moments expected = poisoned.images(poisoned.plain(), 1001);
-  expect_same_picture("poisoned-caches", poisoned.images(poisoned.cached(), 1), expected, kOptions);
+  expect_same_image("poisoned-caches", poisoned.images(poisoned.cached(), 1), expected, kOptions);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ RenderSettings settings_of(CacheChoice cache, HistoryChoice history) {
   return s;
 }
 
-/// What pictures of the box are measured against. Pixels that see the lamp do not count: emission is not filtered, and
+/// What images of the box are measured against. Pixels that see the lamp do not count: emission is not filtered, and
 /// the noise of the lamp's edges would outweigh all else.
 struct Truth {
   Image image;
@@ -75,7 +75,7 @@ TEST(SharedCacheErrors, PsfHalvesThatOfAFirstFrame) {
             0.5 * course(CacheChoice::none, HistoryChoice::none, 1).error[0]);
 }
 
-TEST(SharedCacheErrors, PsfHalvesThatOfPicturesWithLamps) {
+TEST(SharedCacheErrors, PsfHalvesThatOfImagesWithLamps) {
   RenderSettings s = settings_of(CacheChoice::none, HistoryChoice::none);
   const double path = compute_metrics(render(cornell(), s, 1), truth().image, {.flip = false}).mse;
   s.cache = CacheChoice::psf;

@@ -162,7 +162,7 @@ std::vector<bool> steady_pixels(Session& before, Session& after) {
   return steady;
 }
 
-/// Share of the way from one picture to another that `image` has gone: 0 to 1.
+/// Share of the way from one image to another that `image` has gone: 0 to 1.
 double share_of_way(const Image& image, const Image& from, const Image& to, const std::vector<bool>& counts) {
   double gone = 0;
   double whole = 0;

@@ -27,7 +27,7 @@ RenderSettings settings_of(CacheChoice cache, int width, int height) {
 class CachesInTime : public ::testing::TestWithParam<CacheChoice> {};
 class CachesInTimeSlow : public CachesInTime {};
 
-/// A floor under a clear sky without anything else: the picture is the same everywhere, so whatever differs is error.
+/// A floor under a clear sky without anything else: the image is the same everywhere, so whatever differs is error.
 Scene open_floor() {
   Scene scene;
   scene.name = "open floor";

@@ -11,8 +11,8 @@
 namespace relume::support {
 namespace {
 
-/// Under a sky of radiance (0.25, 0.3, 0.4), six bounces; mean of a picture of 640 × 360 pixels by Cycles 3.4.1,
-/// 1,024 samples, box filter (tools/compare_cycles renders such pictures).
+/// Under a sky of radiance (0.25, 0.3, 0.4), six bounces; mean of an image of 640 × 360 pixels by Cycles 3.4.1,
+/// 1,024 samples, box filter (tools/compare_cycles renders such images).
 const Rgb kCycles{0.21621f, 0.15628f, 0.09051f};
 
 class Sponza : public ::testing::Test {

@@ -88,7 +88,7 @@ class Errors(RefusalTest):
         self.refuse(USAGE, *self.render("-o", "out.exr", "--exposure", "nan"), says=["--exposure"])
         self.refuse(USAGE, *self.render("-o", "out.exr", "--time", "soon"), says=["--time"])
 
-    def test_timing_of_what_is_compared_by_pictures(self):
+    def test_timing_of_what_is_compared_by_images(self):
         for other in (("--budget", "1s"), ("-o", "out"), ("--reference", "a.exr"), ("--reference-settings", "lights:uniform")):
             self.refuse(USAGE, "compare", "cornell", *SMALL, "--timing", "4", *other, says=["--timing", "leave"])
 
@@ -215,7 +215,7 @@ class Checkpoints(RefusalTest):
         (self.folder / "a.exr").unlink()
         self.checkpoint = (self.folder / "a.ckpt").read_bytes()
 
-    def test_of_another_picture(self):
+    def test_of_another_image(self):
         self.refuse_each(self.render("-o", "out.exr", "--resume", "a.ckpt"), [
             (FAILED, "--seed 3", r'a\.ckpt: .* made with other settings \("seed": 0, now "seed": 3\); use those or delete it'),
             (FAILED, "--height 19", r'a\.ckpt: .* other settings \("height": 18, now "height": 19\)'),
@@ -269,10 +269,10 @@ class Commands(RefusalTest):
             (FAILED, "--techniques a=width:8", "a: width is the same for all that are compared; give it as --width"),
             (FAILED, "--techniques small.exr", r"small\.exr: .* no attribute 'relume\.settings'"),
             (FAILED, "--reference small.exr", r"small\.exr has 8x8 pixels, but 24x18 are compared; give --width and --height"),
-            (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one picture; leave --frames or --reference out"),
-            (FAILED, "--reference nan.exr", r"nan\.exr: no pixel of this picture is finite; check what made it"),
-            (FAILED, "--image nan.exr", r"nan\.exr: no pixel of this picture is finite; check what made it"),
-            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference takes a picture .* --reference-settings .*; choose one"),
+            (FAILED, "--reference fits.exr --frames 0-3", "a reference from a file is one image; leave --frames or --reference out"),
+            (FAILED, "--reference nan.exr", r"nan\.exr: no pixel of this image is finite; check what made it"),
+            (FAILED, "--image nan.exr", r"nan\.exr: no pixel of this image is finite; check what made it"),
+            (USAGE, "--reference fits.exr --reference-settings lights:uniform", "--reference takes an image .* --reference-settings .*; choose one"),
             (FAILED, "--reference-settings lights", "--reference-settings: 'lights' is not KEY:VALUE"),
             (FAILED, "--reference-settings lihgts:power", "--reference-settings: there is no setting 'lihgts'; did you mean 'lights'"),
             (FAILED, "--reference-settings width:8", "--reference-settings: width is the same for all that are compared; give it as --width"),
@@ -300,7 +300,7 @@ class Commands(RefusalTest):
         (self.folder / "odd.exr").write_bytes(data.replace(b"R\0" + struct.pack("<i", 2), b"\x1b\0" + struct.pack("<i", 2)))
         self.assertIn(r"\x1b from 0.5", self.succeed("info", "odd.exr").stdout)
 
-    def test_settings_of_a_picture_that_has_none(self):
+    def test_settings_of_a_image_that_has_none(self):
         write_bare_exr(self.folder / "bare.exr", 0.5)
         self.refuse(FAILED, *self.render("-o", "out.exr", "--settings", "bare.exr"), matches=r"bare\.exr: .* no attribute 'relume\.settings'; only EXR files that relume wrote")
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Every experiment runs, small, with one command, and leaves what its index promises. Verdicts are those of full runs
-(docs/results.md): pictures of 32 × 18 pixels decide nothing."""
+(docs/results.md): images of 32 × 18 pixels decide nothing."""
 
 import json
 import os

@@ -51,13 +51,13 @@ class Limits(ProgramTest):
                 self.assertIn("20000 bytes", last)
                 self.assertEqual(self.written(), [])
 
-    def test_a_checkpoint_that_does_not_fit_leaves_the_picture(self):
+    def test_a_checkpoint_that_does_not_fit_leaves_the_image(self):
         command = ["render", "cornell", "--width", "60", "--height", "40", "--spp", "3", "--resume", "a.ckpt", "--checkpoint-interval", "0", "-o", "a.png"]
         last = self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, *command))
         self.assertIn("a.ckpt", last)
         self.assertEqual(self.written(), ["a.png"])
 
-    def test_an_old_picture_outlives_a_full_disk(self):
+    def test_an_old_image_outlives_a_full_disk(self):
         self.succeed("render", "cornell", *SIZE, "--spp", "1", "-o", "a.exr")
         before = (self.folder / "a.exr").read_bytes()
         self.complaint(self.run_limited(resource.RLIMIT_FSIZE, LARGEST_FILE, "render", "cornell", *SIZE, "--spp", "2", "-o", "a.exr"))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the program writes: pictures, layers, metadata, statistics, sequences, completion."""
+"""What the program writes: images, layers, metadata, statistics, sequences, completion."""
 
 import json
 import os
@@ -59,13 +59,13 @@ class Outputs(ProgramTest):
         self.succeed("render", "view.json", "-o", "out.exr", *SMALL, "--spp", "1", "--estimator", "bdpt", "--history", "reproject")
         self.assertEqual(run("render", "view.json", "-o", "no.exr", *SMALL, "--aov", "denoisd", cwd=self.folder).returncode, 2)
 
-    def test_a_pilot_alone_is_no_picture(self):
+    def test_a_pilot_alone_is_no_image(self):
         pilot = ["--allocation", "adaptive", "--adaptive.pilot", "--adaptive.max", "8", "--adaptive.min", "2"]
         refused = run("render", "furnace", "-o", "no.png", *map(str, SMALL), *pilot, "--spp", "8", cwd=self.folder)
         self.assertEqual((refused.returncode, "leaves the samples of the first 8 frames out" in refused.stderr), (2, True), refused.stderr)
         self.succeed("render", "furnace", "-o", "out.png", *SMALL, *pilot, "--spp", "9")
 
-    def test_a_tev_viewer_gets_the_picture(self):
+    def test_a_tev_viewer_gets_the_image(self):
         viewer = TevViewer()
         self.succeed("render", "furnace", "-o", "out.exr", *SMALL, "--spp", "2", "--display", viewer.address)
         viewer.join(20)
@@ -86,7 +86,7 @@ class Outputs(ProgramTest):
         mean = sum(value[1] for value in pixels.values()) / len(pixels)
         self.assertAlmostEqual(mean, json.loads(self.succeed("metrics", "out.exr", "out.exr", "--json").stdout)["mean_a"][1], delta=1e-4)
 
-    def test_every_kind_of_picture(self):
+    def test_every_kind_of_image(self):
         for kind in ("exr", "hdr", "png", "jpg", "jpeg", "tga"):
             self.succeed("render", "cornell", "-o", f"out.{kind}", *SMALL, "--spp", "2")
             self.assertIn("24 x 18", self.succeed("info", f"out.{kind}").stdout)
@@ -134,7 +134,7 @@ class Outputs(ProgramTest):
         self.assertRegex(strings["relume.scene_hash"], "^[0-9a-f]{16}$")
         self.assertLessEqual({"load_s", "build_s", "render_s"}, set(json.loads(strings["relume.timings"])))
         self.assertTrue(strings["relume.version"])
-        # Each picture of a sequence names the seconds that it took itself.
+        # Each image of a sequence names the seconds that it took itself.
         self.succeed("render", "slit", "-o", "f.exr", *SMALL, "--spp", "2", "--frames", "0-2", "--stats", "s.json")
         seconds = [json.loads(exr_strings(file)["relume.timings"])["render_s"] for file in sorted(self.folder.glob("f.*.exr"))]
         self.assertEqual(len(seconds), 3)
@@ -159,7 +159,7 @@ class Outputs(ProgramTest):
         self.assertGreater(sum(entry["seconds"] for entry in stats["passes"]), 0)
 
     def test_samples_that_are_no_numbers_are_counted_and_reported(self):
-        # A sun so bright and small that its radiance overflows; it shines on a triangle in the middle of the picture.
+        # A sun so bright and small that its radiance overflows; it shines on a triangle in the middle of the image.
         write_gltf(self.folder / "card.gltf", {
             "cameras": [{"type": "orthographic", "orthographic": {"xmag": 4, "ymag": 4, "znear": 0.1, "zfar": 10}}],
             "nodes": [{"camera": 0, "translation": [0, 0, 1]}, {"mesh": 0}],
@@ -200,10 +200,10 @@ class Outputs(ProgramTest):
         self.assertGreater(scene["triangles"], 0)
         self.assertEqual(len(scene["cameras"]), 1)
         self.succeed("render", "cornell", "-o", "a.exr", *SMALL, "--spp", "1", "--seed", "5")
-        picture = json.loads(self.succeed("info", "a.exr", "--json").stdout)
-        self.assertEqual((picture["width"], picture["height"]), (24, 18))
-        self.assertEqual(sorted(c["name"] for c in picture["channels"]), ["B", "G", "R"])
-        self.assertEqual(picture["attributes"]["relume.seed"], "5")
+        image = json.loads(self.succeed("info", "a.exr", "--json").stdout)
+        self.assertEqual((image["width"], image["height"]), (24, 18))
+        self.assertEqual(sorted(c["name"] for c in image["channels"]), ["B", "G", "R"])
+        self.assertEqual(image["attributes"]["relume.seed"], "5")
 
     def test_seed_and_threads(self):
         for name, flags in {"a": ["--threads", "1"], "b": ["--threads", "2"], "c": ["--threads", "5"], "d": ["--threads", "1", "--seed", "2"]}.items():

@@ -131,7 +131,7 @@ class ComparePage(Page):
         pairs = [row.text for row in self.all(".details-block tbody tr")]
         self.assertIn("Not for the reference psf.cell-size = 12", [" ".join(pair.split()) for pair in pairs])
 
-    def test_keys_flip_through_the_pictures(self):
+    def test_keys_flip_through_the_images(self):
         self.one(".viewer").click()
         shown = []
         for key, name in (("1", "reference"), ("2", "uniform"), ("3", "short")):
@@ -146,12 +146,12 @@ class ComparePage(Page):
         self.keys("g")
         self.assertEqual(len(self.visible_panes()), 3)
 
-    def test_layout_and_picture_buttons(self):
+    def test_layout_and_image_buttons(self):
         self.click("[data-choice='In place']")
         self.assertEqual(self.visible_panes(), ["reference"])
-        self.click("[data-picture='short']")
+        self.click("[data-image='short']")
         self.assertEqual(self.visible_panes(), ["short"])
-        self.assertEqual(self.one("[data-picture='short']").get_attribute("aria-pressed"), "true")
+        self.assertEqual(self.one("[data-image='short']").get_attribute("aria-pressed"), "true")
         self.click("[data-choice='Side by side']")
         self.assertEqual(len(self.visible_panes()), 3)
 
@@ -165,10 +165,10 @@ class ComparePage(Page):
             seen.add(self.pixels())
             self.assertTrue(self.one(".ramp i").is_displayed())
         self.keys("m")
-        self.assertEqual(self.one("[data-choice='Picture']").get_attribute("aria-pressed"), "true")
+        self.assertEqual(self.one("[data-choice='Image']").get_attribute("aria-pressed"), "true")
         self.assertEqual(self.all(".ramp i"), [])
 
-    def test_zoom_and_pan_move_all_pictures(self):
+    def test_zoom_and_pan_move_all_images(self):
         fitted = self.zoom()
         before = self.pixels()
         self.click("[data-action='Zoom in']")
@@ -191,7 +191,7 @@ class ComparePage(Page):
         self.assertNotEqual(self.zoom(), fitted)
         zoomed = self.pixels()
         ActionChains(self.browser).drag_and_drop_by_offset(canvases[2], 40, 25).perform()
-        self.assertNotEqual(self.pixels(), zoomed)  # of the first picture, while the third was dragged
+        self.assertNotEqual(self.pixels(), zoomed)  # of the first image, while the third was dragged
         self.click("[data-action='Fit']")
         self.wait(lambda: self.zoom() == fitted)
         self.one(".viewer").send_keys(Keys.ENTER, Keys.ENTER)  # holds the pixel that the mouse marked, and lets it go
@@ -299,7 +299,7 @@ class ExperimentPage(Page):
         self.click("[data-choice='by frames']")
         self.assertGreaterEqual(len(self.all("g[data-curve]")), 4)
 
-    def test_pictures_of_every_scene_can_be_chosen(self):
+    def test_images_of_every_scene_can_be_chosen(self):
         self.assertIn("combination, min/max 4/32, map", self.visible_panes())
         self.browser.get((self.folder / "out" / "adaptive-sampling.html").as_uri())
         choice = Select(self.one("[data-action='view']"))

@@ -31,7 +31,7 @@ class Roles(RefusalTest):
         (self.folder / "x.exr").write_bytes(b"old")
         self.refuse_pair("-o", "--stats", "x.exr", "render", "cornell", *TINY, "-o", "x.exr", "--stats", "link.json")
 
-    def test_pictures_that_are_measured_stay(self):
+    def test_images_that_are_measured_stay(self):
         for name in ("a.png", "b.png"):
             self.succeed("render", "cornell", *TINY, "-o", name)
         self.refuse_pair("--flip-map", "which A reads", "a.png", "metrics", "a.png", "b.png", "--flip-map", "a.png")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Large scenes and large pictures: time and memory."""
+"""Large scenes and large images: time and memory."""
 
 import json
 import sys
@@ -24,9 +24,9 @@ class Scale(ProgramTest):
         self.assertLess(stats["load_s"] + stats["build_s"], 10)
         self.assertLess(stats["peak_memory_bytes"], 4 * GIB)
 
-    def test_8k_picture(self):
+    def test_8k_image(self):
         stats = self.stats("cornell", "--width", "7680", "--height", "4320")
-        # Six planes of floats for the sums, as many again for the picture and the file: 33 million pixels, below 120 bytes each.
+        # Six planes of floats for the sums, as many again for the image and the file: 33 million pixels, below 120 bytes each.
         self.assertLess(stats["peak_memory_bytes"], 4 * GIB)
 
 

@@ -91,8 +91,8 @@ class Stopping(ProgramTest):
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130, errors)
         last = self.files()[-1]
-        self.assertNotIn("interrupted; wrote", errors, "every picture has its sample")
-        # It goes on with the picture after the last.
+        self.assertNotIn("interrupted; wrote", errors, "every image has its sample")
+        # It goes on with the image after the last.
         number = int(re.search(r"\d+", last)[0])
         process = start("render", *ROOM, "-o", "out.####.png", "--frames", f"0-{number + 2}", "--spp", "1", "--resume", "a.ckpt", cwd=self.folder)
         _, errors = process.communicate(timeout=60)
@@ -256,7 +256,7 @@ class Stopping(ProgramTest):
         self.assert_same_pixels("b.exr", "c.exr")
 
     def test_kill_and_resume_a_sequence(self):
-        # The history goes from picture to picture, so every later one depends on where the checkpoint left off.
+        # The history goes from image to image, so every later one depends on where the checkpoint left off.
         arguments = ["render", "turntable", "--width", "96", "--height", "54", "--frames", "0-5", "--spp", "24", "--history", "reproject"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)
@@ -278,7 +278,7 @@ class Stopping(ProgramTest):
         self.succeed(*arguments, "--frames", "2-4")
         self.assertTrue((self.folder / "a.0004.png").exists())
 
-    def test_pictures_of_a_scene_at_rest_are_rendered(self):
+    def test_images_of_a_scene_at_rest_are_rendered(self):
         for history in ("none", "accumulate", "reproject"):
             arguments = ["render", "cornell", *SMALL, "--frames", "0-3", "--spp", "2", "--history", history]
             self.succeed(*arguments, "-o", f"{history}.####.exr", "--stats", "s.json")
@@ -287,7 +287,7 @@ class Stopping(ProgramTest):
                 self.assertGreater(self.metrics(f"{history}.{frame:04}.exr", f"{history}.{frame + 1:04}.exr")["mse"], 0, (history, frame))
 
     def test_kill_and_resume_a_sequence_at_rest(self):
-        # No change tells where a picture begins: the checkpoint has to.
+        # No change tells where an image begins: the checkpoint has to.
         arguments = ["render", *ROOM, "--frames", "0-3", "--spp", "24", "--history", "reproject", "--allocation", "adaptive"]
         process = start(*arguments, "-o", "a.####.exr", "--resume", "a.ckpt", "--checkpoint-interval", "0", cwd=self.folder)
         self.addCleanup(process.kill)

@@ -36,8 +36,8 @@ class Tutorial(ProgramTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         folder = self.folder / "out/tutorial"
         self.assertLess(time.monotonic() - start, MOST_SECONDS)
-        for picture in ("first.png", "evening.png"):
-            self.assertEqual(png_size(folder / picture), size)
+        for image in ("first.png", "evening.png"):
+            self.assertEqual(png_size(folder / image), size)
         for page in ("lights/compare.html", "adaptive/compare.html", "moving/compare.html"):
             self.assertIn("</html>", (folder / page).read_text(), page)
 

@@ -58,7 +58,7 @@ class Viewer(ProgramTest):
     def assert_shows_something(self, file):
         width, height, channels, rows = png_pixels(file)
         self.assertGreater(width * height, 100000)
-        # The picture is in the upper left part of the window.
+        # The image is in the upper left part of the window.
         values = [row[x * channels + 1] for row in rows[height // 8:height // 2:8] for x in range(width // 8, width // 2, 8)]
         self.assertGreater(sum(values) / len(values), 12, "black")
         self.assertGreater(max(values) - min(values), 20, "all the same")
@@ -89,7 +89,7 @@ class Scenes(Viewer):
             "lost.json": b'{"scene": "nowhere.gltf"}',
             "unknown.json": b'{"scene": "builtin:mine", "settings": {"max-bouncs": 3}}',
             "refused.json": b'{"scene": "builtin:mine", "settings": {"cache": "psf", "guide": "cdq"}}',
-            "picture.png": b"\x89PNG\r\n",
+            "image.png": b"\x89PNG\r\n",
             "nothing": b"\0" * 16,
         }
         for name, data in bad.items():
@@ -302,7 +302,7 @@ class Settings(Viewer):
         return result
 
     def test_buffers_sides_and_files(self):
-        script = ("pace off\nframes 2\nreport\nbuffer depth\nframes 2\nreport\nbuffer picture\nsplit on\nset-b lights uniform\nframes 3\n"
+        script = ("pace off\nframes 2\nreport\nbuffer depth\nframes 2\nreport\nbuffer image\nsplit on\nset-b lights uniform\nframes 3\n"
                   "save a.png\nsave a.exr\nkey w 10\nkey k\nkey w 10\nkey k\nsave-view v.json\nframes 3\nreport\n")
         first, depth, last, _ = self.view("cornell", script, "--width", 160, "--height", 120)
         self.assertIn("heatmap", first["buffers"])
@@ -317,7 +317,7 @@ class Settings(Viewer):
         self.succeed("render", "v.json", "-o", "f.png", "--frames", "0-1", "--fps", 1, "--spp", 1)
         self.assertLessEqual({"f.0000.png", "f.0001.png"}, set(self.files()))
 
-    def test_pictures_that_wait_for_the_same_frame_have_names_of_their_own(self):
+    def test_images_that_wait_for_the_same_frame_have_names_of_their_own(self):
         keys = "key f12 1\nkey f12 1\nkey f12 1\n"
         self.view("cornell", f"frames 1\nset width 900\nset height 700\nset max-bounces 8\n{keys}", frames=2)
         self.assertEqual([name for name in self.files() if name.endswith(".png")], [f"relume-cornell-{i:04}.png" for i in (1, 2, 3)])
@@ -326,7 +326,7 @@ class Settings(Viewer):
         report = self.view("cornell", "", "--width", 240, "--height", 180, "--spp", 4, frames=20)[-1]
         self.assertEqual(report["samples"], 4)
 
-    def test_a_picture_that_cannot_be_written_is_an_error(self):
+    def test_a_image_that_cannot_be_written_is_an_error(self):
         for step in ("save missing/a.png", "save-view missing/a.json"):
             (self.folder / "steps.txt").write_text(f"frames 1\n{step}\n")
             done = subprocess.run([PROGRAM, "view", "cornell", "--smoke", "1", "--script", "steps.txt"], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False)

@@ -10,7 +10,7 @@ namespace relume::support {
 /// the first second.
 Scene build_busy_room();
 
-/// A light that fills the picture evenly, whatever the random numbers, and is gone after a second.
+/// A light that fills the image evenly, whatever the random numbers, and is gone after a second.
 Scene build_curtain();
 
 }  // namespace relume::support

@@ -65,7 +65,7 @@ double welch_p(const Sample& a, const Sample& b) {
 
 double sidak(double significance, double tests) { return -std::expm1(std::log1p(-significance) / tests); }
 
-/// Over images: the mean of one channel in a part of the picture.
+/// Over images: the mean of one channel in a part of the image.
 Sample part_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel) {
   Sample sample{.count = m.count};
   std::vector<double> means;
@@ -81,7 +81,7 @@ Sample part_sample(const Moments& m, int x0, int y0, int x1, int y1, int channel
   return sample;
 }
 
-/// Tests of the means of one channel in parts of the picture: all of one size, but at the border.
+/// Tests of the means of one channel in parts of the image: all of one size, but at the border.
 struct PartTest {
   double worst = 0;       ///< relative difference
   double detectable = 0;  ///< relative error from which on a part is rejected, averaged by the parts' light
@@ -138,7 +138,7 @@ double student_two_sided_quantile(double p, double degrees) {
 std::string ImageTest::report() const {
   return fmt::format(
       "pixels: {} of {} rejected, least p {:.2g} against {:.2g}; blocks: {} rejected, largest difference {:.2f} %, "
-      "detectable {:.2f} %; picture: {} rejected, {:.2f} %, detectable {:.2f} %",
+      "detectable {:.2f} %; image: {} rejected, {:.2f} %, detectable {:.2f} %",
       rejected_pixels, p.size(), least_p, pixel_threshold, rejected_blocks, 100 * worst_block, 100 * detectable,
       rejected_means, 100 * worst_mean, 100 * detectable_mean);
 }
@@ -161,19 +161,19 @@ ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& op
   test.worst_block = blocks.worst;
   test.rejected_blocks = blocks.rejected;
   test.detectable = blocks.detectable;
-  const PartTest picture = compare_parts(a, b, a.width, a.height, options);
-  test.worst_mean = picture.worst;
-  test.rejected_means = picture.rejected;
-  test.detectable_mean = picture.detectable;
+  const PartTest image = compare_parts(a, b, a.width, a.height, options);
+  test.worst_mean = image.worst;
+  test.rejected_means = image.rejected;
+  test.detectable_mean = image.detectable;
   return test;
 }
 
-void expect_same_picture(const std::string& name, const Moments& a, const Moments& b, const ImageTestOptions& options) {
+void expect_same_image(const std::string& name, const Moments& a, const Moments& b, const ImageTestOptions& options) {
   const ImageTest test = compare(a, b, options);
   ::testing::Test::RecordProperty("agreement", test.report());
   EXPECT_LT(options.detectable, kMostDetectable) << name << ": a black block would hardly show";
   EXPECT_LE(test.detectable, options.detectable) << name << ": blocks are too noisy to tell";
-  EXPECT_LE(test.detectable_mean, options.detectable_mean) << name << ": the picture is too noisy to tell";
+  EXPECT_LE(test.detectable_mean, options.detectable_mean) << name << ": the image is too noisy to tell";
   if (test.agree()) return;
   const std::filesystem::path folder = RELUME_TEST_RESULTS;
   std::filesystem::create_directories(folder);
@@ -184,7 +184,7 @@ void expect_same_picture(const std::string& name, const Moments& a, const Moment
     brightness.push_back(static_cast<float>(std::log(std::max(double{p}, 1e-300)) / std::log(test.pixel_threshold)));
   }
   write_image(folder / (name + "-p.png"), color_map(brightness, a.width, a.height));
-  ADD_FAILURE() << name << ": the pictures differ; " << test.report() << "; see " << (folder / name).string()
+  ADD_FAILURE() << name << ": the images differ; " << test.report() << "; see " << (folder / name).string()
                 << "-{a.exr,b.exr,p.png}";
 }
 

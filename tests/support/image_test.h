@@ -1,4 +1,4 @@
-// Do two ways to render show the same picture? Statistical tests over many independently seeded images of each.
+// Do two ways to render show the same image? Statistical tests over many independently seeded images of each.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ namespace relume::support {
 inline constexpr double kMostDetectable = 0.6;
 
 struct ImageTestOptions {
-  /// Probability of rejecting equal pictures, for each of the three tests: 1 % over the hundred or so comparisons of
+  /// Probability of rejecting equal images, for each of the three tests: 1 % over the hundred or so comparisons of
   /// the whole suite, 1 − 0.99^(1/100). Seeds are fixed, so a test that passes keeps passing until the code changes.
   double significance = 1e-4;
   /// Whether pixels count, not only blocks. Not where one side finds light so rarely that most of its images lack it:
   /// the spread of 16 images says nothing of such a pixel then.
   bool pixels = true;
   int block_size = 16;
-  double tolerance = 0.005;  ///< of the mean of a block or the picture
+  double tolerance = 0.005;  ///< of the mean of a block or the image
   /// What the test must be able to tell: the most that `detectable` (below kMostDetectable) and `detectable_mean` of
   /// ImageTest may be.
   double detectable = 0.1;
@@ -33,9 +33,9 @@ struct ImageTest {
   int rejected_pixels = 0;
   double worst_block = 0;  ///< relative difference of means
   int rejected_blocks = 0;
-  double worst_mean = 0;  ///< the same of the whole picture, a channel
+  double worst_mean = 0;  ///< the same of the whole image, a channel
   int rejected_means = 0;
-  /// The relative error from which on a block is rejected, averaged by the blocks' light, and the whole picture's mean:
+  /// The relative error from which on a block is rejected, averaged by the blocks' light, and the whole image's mean:
   /// smaller ones hide. Infinite where there is no light.
   double detectable = 0;
   double detectable_mean = 0;
@@ -44,15 +44,15 @@ struct ImageTest {
   std::string report() const;
 };
 
-/// Welch's t-test in every pixel and channel, two-sided, and of means over blocks and over the picture: those are
+/// Welch's t-test in every pixel and channel, two-sided, and of means over blocks and over the image: those are
 /// rejected if they differ by more than the tolerance and by more than chance explains (Welch and Šidák again). At
 /// least 16 images a side.
 ImageTest compare(const Moments& a, const Moments& b, const ImageTestOptions& options = {});
 
-/// Expects agreement; otherwise writes both pictures (EXR) and the map of p-values (PNG, black: 1, bright: rejected) as
+/// Expects agreement; otherwise writes both images (EXR) and the map of p-values (PNG, black: 1, bright: rejected) as
 /// NAME-*.exr and NAME-p.png in the folder of test results, and says where they are.
-void expect_same_picture(const std::string& name, const Moments& a, const Moments& b,
-                         const ImageTestOptions& options = {});
+void expect_same_image(const std::string& name, const Moments& a, const Moments& b,
+                       const ImageTestOptions& options = {});
 
 /// P(|T| ≥ |t|) for Student's distribution with `degrees` > 0 degrees of freedom (NIST DLMF §8.17).
 double student_two_sided_p(double t, double degrees);

@@ -1,4 +1,4 @@
-// Parts of scenes whose pictures have an analytic answer, and the formulas for them.
+// Parts of scenes whose images have an analytic answer, and the formulas for them.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ Index add_texture(Scene& scene, Texture texture);
 /// Orthographic camera that sees 1 mm² about `target` along `direction`, from `distance` metres.
 void add_spot_meter(Scene& scene, const Vec3& target, const Vec3& direction, float distance);
 
-/// A white Lambert patch about the origin that faces +Z, and a spot meter on it: the picture is irradiance / π.
+/// A white Lambert patch about the origin that faces +Z, and a spot meter on it: the image is irradiance / π.
 Scene irradiance_meter();
 
 /// The Cornell box, open at the front to a sky, with two lamps besides its own: some light of every kind to choose

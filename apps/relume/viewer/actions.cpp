@@ -9,7 +9,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "files/extension.h"
-#include "picture.h"
+#include "image.h"
 #include "relume/error.h"
 #include "reports.h"
 #include "viewer/panels.h"
@@ -20,7 +20,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kRecordInterval_s = 0.1;
-constexpr const char* kNoCamera = "the camera is not known before the first picture; wait for it";
+constexpr const char* kNoCamera = "the camera is not known before the first image; wait for it";
 
 /// Depth along the viewing direction of what is selected; 0 without anything that has a place.
 float selection_depth(const State& state, const CameraPose& camera) {
@@ -54,15 +54,15 @@ std::filesystem::path free_name(const std::string& document, const std::string& 
   }
 }
 
-/// `name` is called when the picture is written: two that wait for the same frame get names of their own.
-void post_picture(State& state, std::function<std::filesystem::path()> name) {
+/// `name` is called when the image is written: two that wait for the same frame get names of their own.
+void post_image(State& state, std::function<std::filesystem::path()> name) {
   state.renderer->post_task([name = std::move(name), settings = state.settings[0], renderer = state.renderer](
                                 const Session& session, const LoadedScene& scene) {
     const std::filesystem::path file = name();
     std::vector<std::string> aovs;
     if (lower_extension(file) == ".exr") aovs = Session::aov_names(render_settings(session));
-    const cli::Metadata metadata = cli::picture_metadata(session, scene.name, settings, scene.load_s);
-    cli::write_picture(file, session, settings.output, aovs, metadata);
+    const cli::Metadata metadata = cli::image_metadata(session, scene.name, settings, scene.load_s);
+    cli::write_image(file, session, settings.output, aovs, metadata);
     const std::string samples = cli::format_samples(session.kept_samples());
     renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
   });
@@ -152,12 +152,12 @@ void update_animation(State& state, double seconds) {
   set_scene_time(state, std::fmod(state.document->time_s() + static_cast<float>(seconds), end));
 }
 
-void save_picture(State& state, const std::filesystem::path& file) {
-  post_picture(state, [file] { return file; });
+void save_image(State& state, const std::filesystem::path& file) {
+  post_image(state, [file] { return file; });
 }
 
-void save_numbered_picture(State& state, const std::string& extension) {
-  post_picture(state, [document = state.document->name(), extension] { return free_name(document, extension); });
+void save_numbered_image(State& state, const std::string& extension) {
+  post_image(state, [document = state.document->name(), extension] { return free_name(document, extension); });
 }
 
 void write_view_file(State& state, const std::filesystem::path& file) {

@@ -22,10 +22,10 @@ void update_path(State& state);
 /// Moves the animation on by `seconds`, round and round.
 void update_animation(State& state, double seconds);
 
-/// Has the rendering thread write the picture of side A between two frames; a message tells how it went.
-void save_picture(State& state, const std::filesystem::path& file);
+/// Has the rendering thread write the image of side A between two frames; a message tells how it went.
+void save_image(State& state, const std::filesystem::path& file);
 /// The same, with a name in the working folder that no file has then: "relume-cornell-0001.png".
-void save_numbered_picture(State& state, const std::string& extension);
+void save_numbered_image(State& state, const std::string& extension);
 
 /// Writes camera, path, changes and settings of side A as relume JSON.
 void save_view_file(State& state, const std::filesystem::path& file);
@@ -36,7 +36,7 @@ void write_view_file(State& state, const std::filesystem::path& file);
 /// Puts the sun of `sky` where it stands at the state's hour, day and latitude.
 void move_sun(const State& state, SunSky& sky);
 
-/// Has the rendering thread find out what lies at a point of the picture; it is then selected.
+/// Has the rendering thread find out what lies at a point of the image; it is then selected.
 void pick_at(State& state, const Vec2& point, bool focus);
 /// Takes the answer.
 void finish_pick(State& state);
@@ -44,10 +44,10 @@ void finish_pick(State& state);
 /// The node that places what is selected; kNone for what has no place.
 Index selected_node(const State& state);
 
-/// Shows the buffer "directions" for a point of the picture, if a technique fills it; else a message says what would.
+/// Shows the buffer "directions" for a point of the image, if a technique fills it; else a message says what would.
 void show_directions_at(State& state, const Vec2& point);
 
-/// Moves what is selected parallel to the picture by `delta`, in heights of the picture.
+/// Moves what is selected parallel to the image by `delta`, in heights of the image.
 void drag_selection(State& state, const Vec2& delta);
 
 }  // namespace relume::viewer

@@ -24,7 +24,7 @@ constexpr float kSidebar_px = 390;
 constexpr float kTiming_px = 148;
 constexpr double kPatience_s = 300;  // for a frame, also one for which a scene is compiled, before smoke tests give up
 
-/// A window in which a picture of the wanted size has room, as far as screens usually go.
+/// A window in which an image of the wanted size has room, as far as screens usually go.
 IVec2 window_size(const AllSettings& settings, bool fixed_size) {
   if (!fixed_size) return {1440, 900};
   return {std::clamp(settings.render.width + static_cast<int>(kSidebar_px), 960, 1920),
@@ -82,7 +82,7 @@ void App::frame() {
   update_path(state_);
   viewport_.update(state_);
   draw();
-  handle_keys(state_, static_cast<float>(passed_s), viewport_.picture().size.y);
+  handle_keys(state_, static_cast<float>(passed_s), viewport_.image().size.y);
   post();
   window_.end_frame(viewport_.version());
   monitor_.interface_frame(now_s());
@@ -103,8 +103,8 @@ void App::take_input() {
   if (options_.script.empty()) return;
   hold_keys(input.keys);
   if (!input.mouse) return;
-  const Rect& picture = viewport_.picture();
-  hold_mouse({picture.at.x + input.point.x * picture.size.x, picture.at.y + input.point.y * picture.size.y}, input.left,
+  const Rect& image = viewport_.image();
+  hold_mouse({image.at.x + input.point.x * image.size.x, image.at.y + input.point.y * image.size.y}, input.left,
              input.wheel);
 }
 
@@ -151,8 +151,8 @@ void App::take_notices() {
 
 void App::post() {
   if (!state_.request_changed || !state_.document) return;
-  if (state_.picture_changed) ++picture_version_;
-  state_.request_changed = state_.picture_changed = false;
+  if (state_.image_changed) ++image_version_;
+  state_.request_changed = state_.image_changed = false;
   const uint64_t camera = state_.document->edits().camera.version;
   ++version_;
   if (std::exchange(state_.camera_released, false)) {
@@ -162,7 +162,7 @@ void App::post() {
   const auto newest = renderer_.frame(0);  // may be newer than the one that is shown
   if (camera != camera_version_ && newest) camera_moves_.emplace_back(version_, newest->serial);
   camera_version_ = camera;
-  renderer_.post(make_request(state_, version_, picture_version_));
+  renderer_.post(make_request(state_, version_, image_version_));
 }
 
 void App::draw_tabs() {

@@ -52,7 +52,7 @@ class App {
   double last_s_ = 0;
   double numbers_s_ = 0;  ///< when the shown rates last changed
   uint64_t version_ = 0;
-  uint64_t picture_version_ = 0;
+  uint64_t image_version_ = 0;
   uint64_t camera_version_ = 0;
   uint64_t release_version_ = 0;                            ///< request with which the scene's camera came back last
   double newest_frame_s_ = 0;                               ///< when the newest frame was taken

@@ -114,13 +114,13 @@ void App::act(const ScriptStep& step) {
   if (step.verb == "preset-b") apply_preset(state_, 1, w[0]);
   if (step.verb == "panel") choose_panel(state_, w[0]);
   if (step.verb == "drop") open_scene(state_, w[0]);
-  if (step.verb == "save") save_picture(state_, w[0]);
+  if (step.verb == "save") save_image(state_, w[0]);
   if (step.verb == "save-view") write_view_file(state_, w[0]);
   if (step.verb == "screenshot") screenshot_ = w[0];
   if (step.verb == "play") toggle_path(state_);
   if (step.verb == "report") print(report());
   if (step.verb == "buffer") {
-    state_.buffer = w[0] == "picture" ? "" : w[0];
+    state_.buffer = w[0] == "image" ? "" : w[0];
     state_.request_changed = true;
   }
   if (step.verb == "split") {
@@ -181,7 +181,7 @@ void App::finish() {
   renderer_.stop();
   take_notices();
   if (smoke_) print(report());
-  // Whoever sat before the window has read of it; a script, and pictures written after the window closed, have not.
+  // Whoever sat before the window has read of it; a script, and images written after the window closed, have not.
   if (!failed_task_.empty() && (!told || !options_.script.empty())) throw Error(failed_task_);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 void draw_choice(State& state) {
   ImGui::BeginChild("list", {0, ImGui::GetContentRegionAvail().y * 0.5f});
-  if (ImGui::Selectable("picture", state.buffer.empty())) {
+  if (ImGui::Selectable("image", state.buffer.empty())) {
     state.buffer.clear();
     state.request_changed = true;
   }

@@ -29,7 +29,7 @@ void draw_lens(State& state) {
     tooltip("0: a pinhole, everything is sharp");
     changed |= ImGui::DragFloat("focus", &placed.camera.focus_distance, 0.02f, 0.001f, 1e6f, "%.3f m",
                                 ImGuiSliderFlags_AlwaysClamp);
-    tooltip("Ctrl+Shift+click in the picture focuses there");
+    tooltip("Ctrl+Shift+click in the image focuses there");
   }
   ImGui::SliderFloat("speed", &state.fly.speed, 0.01f, 100, "%.2f m/s",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
@@ -84,10 +84,10 @@ void draw_path(State& state) {
 
 void draw_files(State& state) {
   heading("Files");
-  if (ImGui::Button("Picture as PNG")) save_numbered_picture(state, ".png");
+  if (ImGui::Button("GlImage as PNG")) save_numbered_image(state, ".png");
   tooltip("As it is displayed [F12]");
   ImGui::SameLine();
-  if (ImGui::Button("as EXR")) save_numbered_picture(state, ".exr");
+  if (ImGui::Button("as EXR")) save_numbered_image(state, ".exr");
   tooltip("Linear radiance, with every buffer that is being recorded as a layer [Shift+F12]");
   if (ImGui::Button("View as relume JSON")) save_numbered_view_file(state);
   tooltip("Camera or path, changes to the scene, and settings; `relume render` takes it like any scene [Ctrl+S]");

@@ -24,11 +24,11 @@ void FlyCamera::place(const Vec3& eye, const glm::quat& rotation) {
   rotation_ = glm::normalize(rotation);
 }
 
-bool FlyCamera::update(const FlyInput& input, float seconds, float fov_y_rad, float picture_height_px) {
+bool FlyCamera::update(const FlyInput& input, float seconds, float fov_y_rad, float image_height_px) {
   if (input.idle()) return false;
   if (input.turn_px != Vec2(0)) {
-    // The point under the cursor stays under it, near the centre of the picture.
-    const float rad_per_px = fov_y_rad / std::max(picture_height_px, 1.0f);
+    // The point under the cursor stays under it, near the centre of the image.
+    const float rad_per_px = fov_y_rad / std::max(image_height_px, 1.0f);
     const float pitch = std::asin(clamp(forward().y, -1.0f, 1.0f));
     const float wanted = clamp(pitch - input.turn_px.y * rad_per_px, -kSteepest_rad, kSteepest_rad);
     const glm::quat yaw = glm::angleAxis(-input.turn_px.x * rad_per_px, Vec3(0, 1, 0));

@@ -23,7 +23,7 @@ class FlyCamera {
 
   /// Moves and turns. Turning keeps the horizon as it is and never goes over the zenith. Returns whether anything
   /// changed.
-  bool update(const FlyInput& input, float seconds, float fov_y_rad, float picture_height_px);
+  bool update(const FlyInput& input, float seconds, float fov_y_rad, float image_height_px);
 
   Mat4 to_world() const;
   const Vec3& eye() const { return eye_; }

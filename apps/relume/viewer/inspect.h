@@ -15,14 +15,14 @@ std::vector<AovLayer> inspectable_buffers(const RenderSettings& settings);
 bool needs_auxiliary(const RenderSettings& settings, const std::string& buffer);
 
 /// Copies the named buffer into the frame: channels, values and their range. A name that the session lacks leaves the
-/// frame showing the picture.
+/// frame showing the image.
 void read_buffer(const Session& session, const std::string& name, ViewerFrame& frame);
 
 /// 1st and 99th percentile of the finite values of the first `channels` channels, from at most some thousand pixels.
 /// Equal values are widened to an interval of length 1 that begins at 0 or ends at the value.
 Vec2 value_range(const std::vector<Rgb>& values, size_t channels);
 
-/// What a frame holds under a point of the picture, (0, 0) its top left corner and (1, 1) the opposite one: the pixel,
+/// What a frame holds under a point of the image, (0, 0) its top left corner and (1, 1) the opposite one: the pixel,
 /// its radiance, and the values of the buffer that was read, with the buffer's name and channels.
 std::string describe_pixel(const ViewerFrame& frame, const Vec2& point);
 

@@ -9,7 +9,7 @@ float axis(int positive, int negative) {
   return static_cast<float>(is_down(positive)) - static_cast<float>(is_down(negative));
 }
 
-void fly(State& state, float seconds, float picture_height_px) {
+void fly(State& state, float seconds, float image_height_px) {
   const ImGuiIO& io = ImGui::GetIO();
   FlyInput input;
   if (!io.WantTextInput && !io.KeyCtrl)
@@ -20,7 +20,7 @@ void fly(State& state, float seconds, float picture_height_px) {
   if (input.idle() || !state.knows_camera()) return;
   CameraPose placed = current_camera(state);
   if (!state.flying) state.fly.place(placed.to_world);
-  if (!state.fly.update(input, seconds, placed.camera.fov_y_rad, picture_height_px)) return;
+  if (!state.fly.update(input, seconds, placed.camera.fov_y_rad, image_height_px)) return;
   state.flying = true;
   state.path.playing = false;
   placed.to_world = state.fly.to_world();
@@ -51,7 +51,7 @@ void handle_plain_keys(State& state) {
   if (is_pressed(GLFW_KEY_ESCAPE)) state.selection = {};
   if (is_pressed(GLFW_KEY_LEFT_BRACKET)) expose(state, -0.5f);
   if (is_pressed(GLFW_KEY_RIGHT_BRACKET)) expose(state, 0.5f);
-  if (is_pressed(GLFW_KEY_F12)) save_numbered_picture(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
+  if (is_pressed(GLFW_KEY_F12)) save_numbered_image(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
   if (is_pressed(GLFW_KEY_SPACE)) {
     state.paused = !state.paused;
     state.request_changed = true;
@@ -64,8 +64,8 @@ void handle_plain_keys(State& state) {
 
 }  // namespace
 
-void handle_keys(State& state, float seconds, float picture_height_px) {
-  fly(state, seconds, picture_height_px);
+void handle_keys(State& state, float seconds, float image_height_px) {
+  fly(state, seconds, image_height_px);
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput || !state.document) return;
   if (io.KeyCtrl) {

@@ -114,7 +114,7 @@ void RenderThread::finish_tasks() {
   }
   if (tasks_wait()) {
     add_notice({.problem = true,
-                .text = "there was no picture for what was asked for last",
+                .text = "there was no image for what was asked for last",
                 .refused_scene = nullptr,
                 .failed_task = true});
   }
@@ -140,7 +140,7 @@ bool RenderThread::wait_for_work(const std::stop_token& stop) {
   wake_.wait(lock, stop, due);
   if (stop.stop_requested()) return false;
   if (wanted_.version != request_.version) {
-    if (wanted_.picture_version != request_.picture_version) changed_s_ = now_s();
+    if (wanted_.image_version != request_.image_version) changed_s_ = now_s();
     request_ = wanted_;
     goal_reached_ = false;
   }
@@ -210,7 +210,7 @@ bool RenderThread::render_side(const std::stop_token& stop, int side, const IVec
     hurry_ = std::stop_source();
     if (wanted_.version != request_.version) hurry_.request_stop();
     hurry = hurry_.get_token();
-    // A large first frame after a rest may be abandoned too: the picture that is shown is as new.
+    // A large first frame after a rest may be abandoned too: the image that is shown is as new.
     if (session.frames_since_change() > 0 || (request_.resolution_policy.hold_rate && rest)) {
       // A newer request may have come while the scene was compiled or the settings taken on.
       if (wanted_.version != request_.version) return false;
@@ -271,7 +271,7 @@ bool RenderThread::goal_reached(int side) {
   const Session& session = *slots_[static_cast<size_t>(side)].session();
   const bool accurate = error_reached(side);  // first: it follows every frame
   if (!has_final_size(session)) return false;
-  if (goal.spp > 0 && session.picture_samples() >= static_cast<double>(goal.spp)) return true;
+  if (goal.spp > 0 && session.image_samples() >= static_cast<double>(goal.spp)) return true;
   if (goal.time_s > 0 && now_s() - changed_s_ >= static_cast<double>(goal.time_s)) return true;
   return accurate;
 }

@@ -31,13 +31,13 @@ class RenderThread {
   /// Ends rendering, after the tasks that were asked for. Nothing is rendered after that.
   void stop();
 
-  /// Replaces the request. A frame that only refines a picture that is no longer wanted is abandoned; the first frame
-  /// after a change never is, so that a picture follows every stream of changes. Only its preparation ends early.
+  /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned; the first frame
+  /// after a change never is, so that an image follows every stream of changes. Only its preparation ends early.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
   using Task = std::function<void(const Session&, const LoadedScene&)>;
-  /// Asks for something to be done between two frames, once there is a picture: it may take as long as it likes.
+  /// Asks for something to be done between two frames, once there is an image: it may take as long as it likes.
   void post_task(Task task);
 
   /// The newest frame of a side; nullptr before the first.
@@ -71,8 +71,8 @@ class RenderThread {
   void finish_tasks();  ///< at the end: a task that is not done is a notice
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
   IVec2 choose_size(bool rest) const;
-  bool at_rest() const;  ///< nothing has changed for a moment: pictures may take their time
-  bool has_final_size(const Session& session) const;  ///< no larger picture follows at rest
+  bool at_rest() const;                               ///< nothing has changed for a moment: images may take their time
+  bool has_final_size(const Session& session) const;  ///< no larger image follows at rest
   bool goal_reached(int side);
   bool error_reached(int side);
 

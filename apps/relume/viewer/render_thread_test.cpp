@@ -39,7 +39,7 @@ TEST(RenderThread, RendersAndRefines) {
   EXPECT_FALSE(frame->passes.empty());
 }
 
-TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByPictures) {
+TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByImages) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());
@@ -58,7 +58,7 @@ TEST(RenderThread, EveryStreamOfCameraChangesIsFollowedByPictures) {
 }
 
 TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
-  // Every edit takes longer than the moment after which the picture counts as at rest, and longer than the next edit
+  // Every edit takes longer than the moment after which the image counts as at rest, and longer than the next edit
   // lets it: frames follow nevertheless.
   Stage stage("cornell-water");  // many triangles, which all become lamps
   stage.resolution_policy = {.hold_rate = true, .target_hz = 1000, .full_at_rest = true, .rest_after_s = 0.005f};
@@ -77,7 +77,7 @@ TEST(RenderThread, ChangesThatTakeLongToTakeOnAreNoRest) {
   EXPECT_GT(stage.thread.frame(0)->serial, enough) << "no frames came while slow edits went on";
 }
 
-TEST(RenderThread, AGoalThatIsMetAtASmallSizeDoesNotKeepThePictureSmall) {
+TEST(RenderThread, AGoalThatIsMetAtASmallSizeDoesNotKeepTheImageSmall) {
   Stage stage;
   stage.settings[0].render.width = 1000;
   stage.settings[0].render.height = 600;
@@ -288,7 +288,7 @@ TEST(RenderThread, DoesWhatWasAskedForBeforeItEnds) {
   EXPECT_TRUE(notices[0].failed_task);
 }
 
-TEST(RenderThread, APictureOfWhatIsNewIsMadeForWhatWasAskedForLast) {
+TEST(RenderThread, AImageOfWhatIsNewIsMadeForWhatWasAskedForLast) {
   // Slow frames of a size of their own, so that the end comes before the first is done.
   Stage stage;
   stage.post();
@@ -307,7 +307,7 @@ TEST(RenderThread, APictureOfWhatIsNewIsMadeForWhatWasAskedForLast) {
   EXPECT_GT(width, 0);
 }
 
-TEST(RenderThread, TasksFindAPictureThoughTheNextIsBegun) {
+TEST(RenderThread, TasksFindAImageThoughTheNextIsBegun) {
   Stage stage;
   stage.post();
   ASSERT_TRUE(stage.next());

@@ -57,14 +57,14 @@ inline constexpr int kSides = 2;  ///< A and B
 /// What the user wants to see. The newest one counts.
 struct RenderRequest {
   uint64_t version = 0;
-  uint64_t picture_version = 0;  ///< changes only where the picture does; what else changes disturbs no rest
+  uint64_t image_version = 0;  ///< changes only where the image does; what else changes disturbs no rest
   std::shared_ptr<const LoadedScene> scene;
   SceneEdits edits;
   std::array<AllSettings, kSides> settings;
   bool split = false;  ///< render B too
   bool paused = false;
   ResolutionPolicy resolution_policy;
-  std::string buffer;  ///< to inspect; empty: the picture
+  std::string buffer;  ///< to inspect; empty: the image
 };
 
 /// A complete frame, with all that the interface shows of it.
@@ -76,7 +76,7 @@ struct ViewerFrame {
   int height = 0;
   int full_width = 0;  ///< without scaling
   std::vector<Rgb> radiance;
-  std::string buffer;         ///< name of the inspected one; empty: the picture
+  std::string buffer;         ///< name of the inspected one; empty: the image
   std::string channels;       ///< its channels, one letter each, at most three
   std::vector<Rgb> values;    ///< its values; missing channels are 0
   Vec2 value_range{0, 1};     ///< 1st and 99th percentile of its finite values
@@ -92,9 +92,9 @@ struct ViewerFrame {
   std::vector<std::string> notes;
 };
 
-/// What lies under a point of the picture.
+/// What lies under a point of the image.
 struct PickResult {
-  const LoadedScene* scene = nullptr;  ///< that the picture shows
+  const LoadedScene* scene = nullptr;  ///< that the image shows
   bool hit = false;
   Index node = kNone;
   Vec3 position{0};
@@ -105,7 +105,7 @@ struct Notice {
   bool problem = false;
   std::string text;
   std::shared_ptr<const LoadedScene> refused_scene = nullptr;  ///< this scene could not be compiled
-  bool failed_task = false;                                    ///< a picture could not be written, for instance
+  bool failed_task = false;                                    ///< an image could not be written, for instance
 };
 
 }  // namespace relume::viewer

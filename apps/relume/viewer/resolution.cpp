@@ -7,7 +7,7 @@ namespace relume::viewer {
 namespace {
 
 constexpr double kPixelsPerStep = 1.4142135623730951;
-constexpr double kTooSlow = 1.05;     // share of the budget above which the picture shrinks
+constexpr double kTooSlow = 1.05;     // share of the budget above which the image shrinks
 constexpr double kAimedAt = 0.9;      // share of the budget that a new size is chosen for
 constexpr double kAffordable = 0.85;  // share that the next larger size must be expected to stay below
 constexpr int kSlowFrames = 2;        // one slow frame may be the system's fault

@@ -24,7 +24,7 @@ class ResolutionControl {
   int smallest_step(const IVec2& full) const;
   void go_to(int step);
 
-  static constexpr int kFarBelow = 64;  ///< no picture has that many steps
+  static constexpr int kFarBelow = 64;  ///< no image has that many steps
 
   int step_ = kFarBelow;   ///< 0: full size; each step divides the pixels by the square root of two
   int slow_ = 0;           ///< frames in a row that took too long

@@ -28,7 +28,7 @@ float number_in(const std::string& text);
 struct ScriptedInput {
   std::vector<int> keys;  ///< GLFW's names of the keys that are down
   bool mouse = false;     ///< the script has the mouse
-  Vec2 point{0.5f};       ///< of the picture, (0, 0) its top left corner
+  Vec2 point{0.5f};       ///< of the image, (0, 0) its top left corner
   bool left = false;
   float wheel = 0;
 };

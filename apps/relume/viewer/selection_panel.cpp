@@ -22,7 +22,7 @@ void draw_transform(State& state, Index node) {
   const float step = max(0.001f, 0.0005f * document.bounds(kNone == node ? 0 : node).diagonal());
   Vec3 rotation_deg = euler_degrees(t.rotation);
   bool changed = ImGui::DragFloat3("position", &t.translation.x, max(step, 0.005f), 0, 0, "%.3f");
-  tooltip("Metres, below the parent. Ctrl and the mouse move it in the picture.");
+  tooltip("Metres, below the parent. Ctrl and the mouse move it in the image.");
   if (ImGui::DragFloat3("rotation", &rotation_deg.x, 0.5f, 0, 0, "%.1f")) {
     t.rotation = glm::quat(glm::radians(rotation_deg));
     changed = true;
@@ -130,7 +130,7 @@ void draw_selection(State& state) {
   const Selection selection = state.selection;
   if (selection.kind == Selected::nothing) {
     ImGui::PushStyleColor(ImGuiCol_Text, kTextDim);
-    ImGui::TextWrapped("Click something in the picture, or choose from the lists below, to change it.");
+    ImGui::TextWrapped("Click something in the image, or choose from the lists below, to change it.");
     ImGui::PopStyleColor();
     return;
   }

@@ -51,7 +51,7 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
     compile(request, settings);
     apply(request.edits);
   }
-  if (session_->frames_since_change() == 0) session_->begin_picture();
+  if (session_->frames_since_change() == 0) session_->begin_image();
 }
 
 PickResult pick(const Session& session, const Vec2& point) {

@@ -12,7 +12,7 @@ namespace relume::viewer {
 class SessionSlot {
  public:
   /// Makes the session what `request` asks of this side, at `size` pixels: takes on settings and edits, and compiles
-  /// the scene anew only where the session cannot. With a change a picture of its own begins. Throws Error; the session
+  /// the scene anew only where the session cannot. With a change an image of its own begins. Throws Error; the session
   /// then is as it was, if there was one.
   void update(const RenderRequest& request, int side, const IVec2& size);
 
@@ -32,7 +32,7 @@ class SessionSlot {
   uint64_t environment_ = 0;  ///< edit of the environment that it was compiled with
 };
 
-/// What lies under a point of the picture, (0, 0) its top left corner and (1, 1) the opposite one.
+/// What lies under a point of the image, (0, 0) its top left corner and (1, 1) the opposite one.
 PickResult pick(const Session& session, const Vec2& point);
 
 }  // namespace relume::viewer

@@ -91,7 +91,7 @@ std::string help_of(const Setting& setting, const Setting& standard, const std::
   std::string text = fmt::format("{}\n\n--{}: {}; default {}", setting.help, setting.name, describe_type(setting),
                                  to_string(standard).empty() ? "empty" : to_string(standard));
   if (setting.traits.resets_history) text += "\nA change drops what earlier frames have accumulated.";
-  if (setting.traits.biases) text += "\nSome values change the expected picture.";
+  if (setting.traits.biases) text += "\nSome values change the expected image.";
   if (!inactive.empty()) text += "\nTakes effect with " + inactive + ".";
   return text;
 }
@@ -149,7 +149,7 @@ void draw_presets(State& state) {
 void draw_sides(State& state) {
   bool split = state.split;
   if (ImGui::Checkbox("Compare A and B", &split)) set_split(state, split);
-  tooltip("Renders two settings in alternation; drag the line in the picture [B]");
+  tooltip("Renders two settings in alternation; drag the line in the image [B]");
   if (!state.split) return;
   ImGui::SameLine();
   ImGui::RadioButton("edit A", &state.edited_side, 0);
@@ -172,7 +172,7 @@ void draw_group(State& state, const SettingGroup& group, AllSettings& wanted, co
   const bool rarely_used = group.role == SettingGroupRole::stopping;
   if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return;
   tooltip(std::string(group.summary));
-  if (group.role == SettingGroupRole::picture) ImGui::Checkbox("Size follows the window", &state.follow_window);
+  if (group.role == SettingGroupRole::image) ImGui::Checkbox("Size follows the window", &state.follow_window);
   if (!ImGui::BeginTable(title.c_str(), 2)) return;
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 0.5f);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 0.5f);

@@ -25,9 +25,9 @@ bool chooses_technique(const SettingSources& sources) {
 }
 
 /// Everything of `wanted` but what is rendered, which stays.
-void keep_picture(AllSettings current, AllSettings& wanted) {
-  const SettingList from = describe_picture(current.render);
-  const SettingList to = describe_picture(wanted.render);
+void keep_image(AllSettings current, AllSettings& wanted) {
+  const SettingList from = describe_image(current.render);
+  const SettingList to = describe_image(wanted.render);
   for (size_t i = 0; i < from.size(); ++i) assign(to[i], to_string(from[i]), "");
   wanted.scene = current.scene;
   wanted.output = current.output;
@@ -52,10 +52,10 @@ bool chooses_size(const SettingSources& sources) {
 AllSettings apply_preset(const AllSettings& current, const std::string& scene_json, const std::string& scene_place,
                          const std::string& preset) {
   AllSettings wanted = resolve({.scene_json = scene_json, .scene_place = scene_place});
-  keep_picture(current, wanted);
+  keep_image(current, wanted);
   wanted.render.path.max_bounces = current.render.path.max_bounces;
   settings_from_json(describe(wanted), require_preset(preset).json, "preset " + preset);
-  wanted.stop = current.stop;  // a preset's number of samples is for pictures that end
+  wanted.stop = current.stop;  // a preset's number of samples is for images that end
   return wanted;
 }
 
@@ -71,7 +71,7 @@ AllSettings settings_in_scene(const AllSettings& current, const std::string& sce
   if (refusal(over.render).empty()) return over;
   AllSettings own = resolve_start({.scene_json = scene_json, .scene_place = scene_place});
   if (const std::string why = refusal(own.render); !why.empty()) throw Error(scene_place + ": " + why);
-  keep_picture(over, own);
+  keep_image(over, own);
   return own;
 }
 

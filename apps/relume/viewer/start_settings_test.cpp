@@ -69,7 +69,7 @@ TEST(Presets, MeanTheSameWhateverWasChosenBefore) {
   }
 }
 
-TEST(Presets, KeepThePictureAndWhatTheSceneAsksFor) {
+TEST(Presets, KeepTheImageAndWhatTheSceneAsksFor) {
   AllSettings current;
   current.render.width = 123;
   current.render.camera = "side";

@@ -162,7 +162,7 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
     state.document->set_time(wanted.render.time_s);
   if (wanted.render.camera != current.render.camera) release_camera(state);
   current = wanted;
-  // One picture, one scene: what is not a matter of technique is the same on both sides.
+  // One image, one scene: what is not a matter of technique is the same on both sides.
   AllSettings& other = state.settings[static_cast<size_t>(1 - side)];
   other.scene = current.scene;
   other.render.camera = current.render.camera;
@@ -236,10 +236,10 @@ void save_bookmarks(State& state) {
   }
 }
 
-RenderRequest make_request(const State& state, uint64_t version, uint64_t picture_version) {
+RenderRequest make_request(const State& state, uint64_t version, uint64_t image_version) {
   RenderRequest request;
   request.version = version;
-  request.picture_version = picture_version;
+  request.image_version = image_version;
   request.settings = state.settings;
   request.split = state.split;
   request.paused = state.paused;

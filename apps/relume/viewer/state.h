@@ -14,7 +14,7 @@
 #include "viewer/camera_path.h"
 #include "viewer/document.h"
 #include "viewer/fly_camera.h"
-#include "viewer/gl_picture.h"
+#include "viewer/gl_image.h"
 #include "viewer/render_thread.h"
 #include "viewer/request.h"
 
@@ -83,7 +83,7 @@ struct State {
   int edited_side = 0;
   bool split = false;
   float split_at = 0.5f;
-  bool follow_window = true;  ///< the picture's size is that of its place in the window
+  bool follow_window = true;  ///< the image's size is that of its place in the window
   bool paused = false;
   ResolutionPolicy resolution_policy;
 
@@ -119,10 +119,10 @@ struct State {
 
   RenderThread* renderer = nullptr;
   bool request_changed = true;
-  bool picture_changed = true;
+  bool image_changed = true;
 
-  /// The picture will differ.
-  void touch() { request_changed = picture_changed = true; }
+  /// The image will differ.
+  void touch() { request_changed = image_changed = true; }
   void notify(const std::string& text, bool problem = false);
   double now_s = 0;
 
@@ -174,6 +174,6 @@ void release_camera(State& state);
 
 void save_bookmarks(State& state);
 
-RenderRequest make_request(const State& state, uint64_t version, uint64_t picture_version);
+RenderRequest make_request(const State& state, uint64_t version, uint64_t image_version);
 
 }  // namespace relume::viewer

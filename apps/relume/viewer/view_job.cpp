@@ -10,7 +10,7 @@
 #include "core/clock.h"
 #include "file_roles.h"
 #include "files/atomic_file.h"
-#include "picture.h"
+#include "image.h"
 #include "platform.h"
 #include "render/settings.h"
 #include "scene_source.h"
@@ -54,7 +54,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   SettingSources sources{.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   // What is wrong with these is told before anything is loaded.
   resolve(sources);
-  if (!options.screenshot.empty()) check_picture_file(options.screenshot, {});
+  if (!options.screenshot.empty()) check_image_file(options.screenshot, {});
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
   FileRoles roles = roles_of(options, steps);
   viewer::Window::require_display();

@@ -27,7 +27,7 @@ Rect fit(const Rect& room, float aspect) {
   return {at, {std::floor(size.x), std::floor(size.y)}};
 }
 
-/// The picture grows and shrinks with its place, once that has settled.
+/// The image grows and shrinks with its place, once that has settled.
 void follow_room(State& state, const Rect& room, IVec2& wanted, double& wanted_s) {
   const IVec2 size(std::clamp(static_cast<int>(room.size.x) / 2 * 2, 64, 8192),
                    std::clamp(static_cast<int>(room.size.y) / 2 * 2, 64, 8192));
@@ -67,7 +67,7 @@ void Viewport::update(State& state) {
     if (frame->serial != uploaded_[s]) {
       uploaded_[s] = frame->serial;
       shows_buffer_[s] = !frame->values.empty();
-      pictures_[s].upload(shows_buffer_[s] ? frame->values : frame->radiance, frame->width, frame->height);
+      images_[s].upload(shows_buffer_[s] ? frame->values : frame->radiance, frame->width, frame->height);
       if (side == 0 && state.inspector.automatic && shows_buffer_[s]) {
         DisplayTransform& d = state.inspector.display_transform;
         d.range = frame->value_range;
@@ -81,25 +81,25 @@ void Viewport::update(State& state) {
         if (color) d.range = {0, max(1.0f, frame->value_range.y)};
       }
     }
-    if (pictures_[s].to_display(display_shader_, display_transform(state, side))) ++version_;
+    if (images_[s].to_display(display_shader_, display_transform(state, side))) ++version_;
   }
 }
 
 Vec2 Viewport::point_under_mouse() const {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  return {(mouse.x - picture_.at.x) / picture_.size.x, (mouse.y - picture_.at.y) / picture_.size.y};
+  return {(mouse.x - image_.at.x) / image_.size.x, (mouse.y - image_.at.y) / image_.size.y};
 }
 
-void Viewport::draw_picture(State& state) {
+void Viewport::draw_image(State& state) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const ImVec2 end = picture_.end();
+  const ImVec2 end = image_.end();
   if (state.sharp_pixels) {
     list.AddCallback(bind_sampler, as_callback_data(display_shader_.nearest_sampler()));
   }
-  list.AddImage(as_texture(pictures_[0].texture()), picture_.at, end);
-  if (state.split && state.frames[1] && !pictures_[1].empty()) {
-    const float x = std::floor(picture_.at.x + state.split_at * picture_.size.x);
-    list.AddImage(as_texture(pictures_[1].texture()), {x, picture_.at.y}, end, {state.split_at, 0}, {1, 1});
+  list.AddImage(as_texture(images_[0].texture()), image_.at, end);
+  if (state.split && state.frames[1] && !images_[1].empty()) {
+    const float x = std::floor(image_.at.x + state.split_at * image_.size.x);
+    list.AddImage(as_texture(images_[1].texture()), {x, image_.at.y}, end, {state.split_at, 0}, {1, 1});
   }
   if (state.sharp_pixels) list.AddCallback(ImDrawCallback_ResetRenderState, nullptr);
 }
@@ -107,14 +107,14 @@ void Viewport::draw_picture(State& state) {
 void Viewport::draw_split(State& state) {
   if (!state.split) return;
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  const float x = picture_.at.x + state.split_at * picture_.size.x;
-  const float middle = picture_.at.y + 0.5f * picture_.size.y;
-  list.AddLine({x, picture_.at.y}, {x, picture_.end().y}, kAccent, 2);
+  const float x = image_.at.x + state.split_at * image_.size.x;
+  const float middle = image_.at.y + 0.5f * image_.size.y;
+  list.AddLine({x, image_.at.y}, {x, image_.end().y}, kAccent, 2);
   list.AddCircleFilled({x, middle}, 9, kAccent);
   list.AddText({x - 5, middle - 0.5f * ImGui::GetFontSize()}, IM_COL32(20, 20, 24, 255), "||");
   const auto label = [&](const char* text, float at_x) {
     const ImVec2 size = ImGui::CalcTextSize(text);
-    const ImVec2 at(at_x, picture_.end().y - size.y - 18);
+    const ImVec2 at(at_x, image_.end().y - size.y - 18);
     list.AddRectFilled({at.x - 7, at.y - 4}, {at.x + size.x + 7, at.y + size.y + 4}, kOverlay, 4);
     list.AddText(at, kAccent, text);
   };
@@ -130,10 +130,10 @@ bool Viewport::project(const State& state, const Vec3& p, ImVec2& at) const {
   const bool perspective = placed.camera.projection == Projection::perspective;
   if (perspective && depth < 1e-3f) return false;
   const float half = perspective ? depth * std::tan(0.5f * placed.camera.fov_y_rad) : placed.camera.half_height;
-  const float aspect = picture_.size.x / picture_.size.y;
+  const float aspect = image_.size.x / image_.size.y;
   const float x = glm::dot(d, glm::normalize(Vec3(placed.to_world[0]))) / (half * aspect);
   const float y = glm::dot(d, glm::normalize(Vec3(placed.to_world[1]))) / half;
-  at = {picture_.at.x + 0.5f * (x + 1) * picture_.size.x, picture_.at.y + 0.5f * (1 - y) * picture_.size.y};
+  at = {image_.at.x + 0.5f * (x + 1) * image_.size.x, image_.at.y + 0.5f * (1 - y) * image_.size.y};
   return true;
 }
 
@@ -166,7 +166,7 @@ void Viewport::draw_lights(State& state) {
     const Index node = state.document->node_of_light(static_cast<Index>(i));
     if (node == kNone || type_of(scene.lights[i]).at_infinity) continue;
     ImVec2 at;
-    if (!project(state, Vec3(state.document->world()[static_cast<size_t>(node)][3]), at) || !picture_.contains(at))
+    if (!project(state, Vec3(state.document->world()[static_cast<size_t>(node)][3]), at) || !image_.contains(at))
       continue;
     const bool chosen = state.selection.kind == Selected::light && state.selection.index == static_cast<Index>(i);
     list.AddCircleFilled(at, 5, IM_COL32(255, 240, 200, 255));
@@ -177,21 +177,21 @@ void Viewport::draw_lights(State& state) {
 void Viewport::draw(State& state, const Rect& room) {
   follow_room(state, room, size_wanted_, size_wanted_s_);
   const RenderSettings& render = state.settings[0].render;
-  picture_ = fit(room, static_cast<float>(render.width) / static_cast<float>(render.height));
+  image_ = fit(room, static_cast<float>(render.width) / static_cast<float>(render.height));
   ImDrawList& list = *ImGui::GetWindowDrawList();
-  // Only what the picture leaves free: where the processor draws, every pixel counts.
+  // Only what the image leaves free: where the processor draws, every pixel counts.
   constexpr ImU32 kMargin = IM_COL32(14, 15, 18, 255);
-  const ImVec2 end = picture_.end();
-  list.AddRectFilled(room.at, {room.end().x, picture_.at.y}, kMargin);
+  const ImVec2 end = image_.end();
+  list.AddRectFilled(room.at, {room.end().x, image_.at.y}, kMargin);
   list.AddRectFilled({room.at.x, end.y}, room.end(), kMargin);
-  list.AddRectFilled({room.at.x, picture_.at.y}, {picture_.at.x, end.y}, kMargin);
-  list.AddRectFilled({end.x, picture_.at.y}, {room.end().x, end.y}, kMargin);
+  list.AddRectFilled({room.at.x, image_.at.y}, {image_.at.x, end.y}, kMargin);
+  list.AddRectFilled({end.x, image_.at.y}, {room.end().x, end.y}, kMargin);
   ImGui::SetCursorScreenPos(room.at);
-  ImGui::InvisibleButton("picture", room.size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  ImGui::InvisibleButton("image", room.size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
   if (!state.document) return;
   under_mouse_ = describe_under_mouse(state);
-  if (!pictures_[0].empty()) draw_picture(state);
-  list.PushClipRect(picture_.at, picture_.end(), true);
+  if (!images_[0].empty()) draw_image(state);
+  list.PushClipRect(image_.at, image_.end(), true);
   draw_selection_box(state);
   draw_lights(state);
   draw_split(state);
@@ -205,7 +205,7 @@ void Viewport::handle_mouse(State& state) {
   const bool held = ImGui::IsItemActive();
   const Vec2 point = point_under_mouse();
   if (ImGui::IsItemActivated()) {
-    const float line = picture_.at.x + state.split_at * picture_.size.x;
+    const float line = image_.at.x + state.split_at * image_.size.x;
     const bool on_line = state.split && std::fabs(io.MousePos.x - line) < kHandle_px;
     drag_ = on_line ? Drag::split : io.KeyCtrl && !io.KeyShift ? Drag::move : Drag::look;
     dragged_px_ = 0;
@@ -214,10 +214,10 @@ void Viewport::handle_mouse(State& state) {
     dragged_px_ += std::fabs(io.MouseDelta.x) + std::fabs(io.MouseDelta.y);
     if (drag_ == Drag::split) state.split_at = clamp(point.x, 0.02f, 0.98f);
     if (drag_ == Drag::move && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0))
-      drag_selection(state, Vec2(io.MouseDelta.x, io.MouseDelta.y) / picture_.size.y);
+      drag_selection(state, Vec2(io.MouseDelta.x, io.MouseDelta.y) / image_.size.y);
   }
   if (ImGui::IsItemDeactivated()) {
-    const bool click = dragged_px_ < kClick_px && drag_ == Drag::look && picture_.contains(io.MousePos);
+    const bool click = dragged_px_ < kClick_px && drag_ == Drag::look && image_.contains(io.MousePos);
     if (click && io.KeyAlt) {
       show_directions_at(state, point);
     } else if (click) {

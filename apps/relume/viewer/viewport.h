@@ -1,4 +1,4 @@
-// The picture: drawn, split, magnified, and worked in with mouse and keys.
+// The image: drawn, split, magnified, and worked in with mouse and keys.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 #include <imgui/imgui.h>
 
-#include "viewer/gl_picture.h"
+#include "viewer/gl_image.h"
 #include "viewer/state.h"
 
 namespace relume::viewer {
@@ -39,13 +39,13 @@ class Viewport {
   /// Draws into `room` and handles the mouse there.
   void draw(State& state, const Rect& room);
 
-  /// Where the picture was drawn last.
-  const Rect& picture() const { return picture_; }
+  /// Where the image was drawn last.
+  const Rect& image() const { return image_; }
 
-  /// Counts changes of what the pictures' textures hold.
+  /// Counts changes of what the images' textures hold.
   uint64_t version() const { return version_; }
 
-  /// Point of the picture under the mouse, (0, 0) its top left corner.
+  /// Point of the image under the mouse, (0, 0) its top left corner.
   Vec2 point_under_mouse() const;
 
   /// What describe_pixel() said of the pixel under the mouse, of the side that is shown there, when this was drawn
@@ -54,7 +54,7 @@ class Viewport {
 
  private:
   DisplayTransform display_transform(const State& state, int side) const;
-  void draw_picture(State& state);
+  void draw_image(State& state);
   void draw_split(State& state);
   void draw_selection_box(const State& state) const;
   void draw_lights(State& state);
@@ -68,11 +68,11 @@ class Viewport {
   enum class Drag { none, look, move, split };
 
   DisplayShader display_shader_;
-  std::array<Picture, kSides> pictures_;
+  std::array<GlImage, kSides> images_;
   std::array<uint64_t, kSides> uploaded_{};
   std::array<bool, kSides> shows_buffer_{};
   uint64_t version_ = 0;
-  Rect picture_;
+  Rect image_;
   Drag drag_ = Drag::none;
   float dragged_px_ = 0;
   std::string under_mouse_;
@@ -81,7 +81,7 @@ class Viewport {
 };
 
 /// Flies, and does what keys ask for.
-void handle_keys(State& state, float seconds, float picture_height_px);
+void handle_keys(State& state, float seconds, float image_height_px);
 
 /// The list of keys, as an overlay.
 void draw_help(State& state);

@@ -1,4 +1,4 @@
-// What the viewport writes over the picture.
+// What the viewport writes over the image.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +43,7 @@ std::string status_of(const State& state, const ViewerFrame& frame) {
 void Viewport::draw_overlay(const State& state) const {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float line = ImGui::GetFontSize() + 14;
-  ImVec2 at(picture_.at.x + 18, picture_.at.y + 16);
+  ImVec2 at(image_.at.x + 18, image_.at.y + 16);
   if (const ViewerFrame* frame = state.frame()) {
     label(list, at, status_of(state, *frame));
   } else {
@@ -57,23 +57,23 @@ void Viewport::draw_overlay(const State& state) const {
   if (state.path.recording) {
     label(list, at, fmt::format("recording {:.1f} s", state.now_s - state.path.since_s), kProblem);
   }
-  float y = picture_.end().y - 20 - line;
+  float y = image_.end().y - 20 - line;
   for (auto toast = state.toasts.rbegin(); toast != state.toasts.rend(); ++toast) {
-    label(list, {picture_.at.x + 18, y}, toast->text, toast->problem ? kProblem : IM_COL32(230, 232, 238, 255));
+    label(list, {image_.at.x + 18, y}, toast->text, toast->problem ? kProblem : IM_COL32(230, 232, 238, 255));
     y -= line;
   }
 }
 
 std::string Viewport::describe_under_mouse(const State& state) const {
   const ViewerFrame* frame = frame_at(state, point_under_mouse());
-  if (!frame || !picture_.contains(ImGui::GetIO().MousePos)) return {};
+  if (!frame || !image_.contains(ImGui::GetIO().MousePos)) return {};
   return describe_pixel(*frame, point_under_mouse());
 }
 
 void Viewport::draw_values() const {
   ImGui::PushFont(monospace_font());
   const float width = ImGui::CalcTextSize(under_mouse_.c_str()).x;
-  label(*ImGui::GetWindowDrawList(), {picture_.end().x - width - 18, picture_.at.y + 16}, under_mouse_);
+  label(*ImGui::GetWindowDrawList(), {image_.end().x - width - 18, image_.at.y + 16}, under_mouse_);
   ImGui::PopFont();
 }
 
@@ -81,7 +81,7 @@ void Viewport::draw_loupe(const State& state) const {
   const Vec2 point = point_under_mouse();
   const ViewerFrame* frame = frame_at(state, point);
   if (!frame) return;
-  const Picture& picture = pictures_[frame == state.frames[0].get() ? 0 : 1];
+  const GlImage& image = images_[frame == state.frames[0].get() ? 0 : 1];
   constexpr float kSide_px = 220;
   const float pixels = kSide_px / static_cast<float>(state.inspector.loupe_zoom);
   const Vec2 half = 0.5f * pixels / Vec2(frame->width, frame->height);
@@ -90,13 +90,13 @@ void Viewport::draw_loupe(const State& state) const {
       (glm::floor(point * Vec2(frame->width, frame->height)) + 0.5f) / Vec2(frame->width, frame->height);
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   ImVec2 at(mouse.x + 24, mouse.y + 24);
-  if (at.x + kSide_px > picture_.end().x) at.x = mouse.x - 24 - kSide_px;
-  if (at.y + kSide_px > picture_.end().y) at.y = mouse.y - 24 - kSide_px;
+  if (at.x + kSide_px > image_.end().x) at.x = mouse.x - 24 - kSide_px;
+  if (at.y + kSide_px > image_.end().y) at.y = mouse.y - 24 - kSide_px;
   const ImVec2 end(at.x + kSide_px, at.y + kSide_px);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled({at.x - 3, at.y - 3}, {end.x + 3, end.y + 3}, kOverlay, 4);
   list.AddCallback(bind_sampler, as_callback_data(display_shader_.nearest_sampler()));
-  list.AddImage(as_texture(picture.texture()), at, end, {center.x - half.x, center.y - half.y},
+  list.AddImage(as_texture(image.texture()), at, end, {center.x - half.x, center.y - half.y},
                 {center.x + half.x, center.y + half.y});
   list.AddCallback(ImDrawCallback_ResetRenderState, nullptr);
   const float side = static_cast<float>(state.inspector.loupe_zoom);
@@ -122,7 +122,7 @@ void draw_help(State& state) {
       {"B", "compare A and B"},
       {"L", "loupe"},
       {"[ ]", "exposure"},
-      {"F12", "picture as PNG; with Shift: as EXR"},
+      {"F12", "image as PNG; with Shift: as EXR"},
       {"Ctrl + S", "view as relume JSON"},
       {"Tab, F1", "panels; this list"},
   };

@@ -27,7 +27,7 @@ std::string glfw_problem() {
   return text ? text : "no reason given";
 }
 
-/// The bottom row first, as OpenGL has it, to a picture.
+/// The bottom row first, as OpenGL has it, to an image.
 Image image_from_pixels(const std::vector<unsigned char>& rgba, int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -54,7 +54,7 @@ uint64_t mix(uint64_t hash, const void* data, size_t size) {
   return hash;
 }
 
-/// Tells pictures of the interface apart.
+/// Tells images of the interface apart.
 uint64_t fingerprint(const ImDrawData& data, uint64_t content) {
   uint64_t hash = mix(14695981039346656037ull, &content, sizeof content);
   hash = mix(hash, &data.DisplaySize, sizeof data.DisplaySize);

@@ -24,7 +24,7 @@ struct Adaptation {
 };
 
 /// Runs a session `runs` times with different seeds; `before` is called with the number of the frame before each of
-/// `frames` frames. `region`: of the picture, in which errors count. Throws ExperimentStopped.
+/// `frames` frames. `region`: of the image, in which errors count. Throws ExperimentStopped.
 Adaptation measure_adaptation(const ExperimentContext& context, const std::string& name, Session& session, int runs,
                               int frames, const Reference& reference, const PixelMask& region,
                               const std::function<void(Session&, int frame)>& before = {});

@@ -10,7 +10,7 @@
 #include "experiments/measure/adapted_file.h"
 #include "experiments/setup/learning_scenes.h"
 #include "render/build_pipeline.h"
-#include "report/pictures.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -128,7 +128,7 @@ Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t regi
   return product(error_ratio(a.mse[region], b.mse[region]), time_ratio(a, b));
 }
 
-PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference) {
+ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference) {
   std::vector<MeasuredImage> images;
   int color = 0;
   for (const AdaptedError& e : errors)

@@ -1,4 +1,4 @@
-// The error of single frames once techniques have adapted, region by region of the picture.
+// The error of single frames once techniques have adapted, region by region of the image.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +56,7 @@ Ratio time_ratio(const AdaptedError& a, const AdaptedError& b);
 Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
 
 /// The reference and the last frame of each.
-PictureSet adapted_pictures(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
+ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
 
 /// 128 frames to adapt and four times 64 measured; few in a quick run.
 AdaptedOptions adapted_options(const ExperimentContext& context);

@@ -24,9 +24,9 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
   cache.lights = LightSelectionChoice::vlc;
   RenderSettings lists = settings;
   lists.lights = LightSelectionChoice::static_lists;
-  const std::vector<AdaptedError> errors = measure_adapted(
-      {}, scene, {{"plain", settings}, {"vlc", cache}, {"lists", lists}}, {.image = Image(16, 12)},
-      {mask_of({"picture"}, 16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
+  const std::vector<AdaptedError> errors =
+      measure_adapted({}, scene, {{"plain", settings}, {"vlc", cache}, {"lists", lists}}, {.image = Image(16, 12)},
+                      {mask_of({"image"}, 16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
   ASSERT_EQ(errors.size(), 3u);
   for (const AdaptedError& e : errors) {
     ASSERT_EQ(e.mse[0].size(), e.name == "lists" ? 2u : 4u);  // one or two blocks a session
@@ -50,7 +50,7 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
   settings.height = 12;
   settings.lights = LightSelectionChoice::vlc;
   const std::vector<NamedSettings> contenders{{"vlc", settings}};
-  const std::vector<PixelMask> regions{mask_of({"picture"}, 16, 12)};
+  const std::vector<PixelMask> regions{mask_of({"image"}, 16, 12)};
   AdaptedOptions options{.warm_up = 1, .frames = 2, .sessions = 1, .block = 1, .seed = 1};
   const auto measure = [&] {
     return measure_adapted(context, scene, contenders, {.image = Image(16, 12)}, regions, options);

@@ -96,7 +96,7 @@ FrameAverages average_frames(const ExperimentContext& context, const ExperimentS
   }
   result.bias2 = squared_bias(means, reference.image, reference.mse);
   result.variance =
-      frame_variance(repetitions, mask_of({"picture"}, contender.settings.width, contender.settings.height));
+      frame_variance(repetitions, mask_of({"image"}, contender.settings.width, contender.settings.height));
   result.surface_variance = frame_variance(repetitions, surfaces);
   result.termination = mean_estimate(terminations);
   Ensemble ensemble;

@@ -25,7 +25,7 @@ std::vector<FrameSums> sums_of(int repetitions, int frames, float shared, float 
 }
 
 TEST(FrameVariance, CountsWhatFramesOfASessionShare) {
-  const PixelMask all = mask_of({"picture"}, 32, 32);
+  const PixelMask all = mask_of({"image"}, 32, 32);
   // Ten thousand values know a variance to some per cent.
   EXPECT_NEAR(frame_variance(sums_of(6, 8, 0, 0.3f, 1), all).value, 0.03, 0.002);
   EXPECT_NEAR(frame_variance(sums_of(6, 8, 0.3f, 0, 2), all).value, 0.03, 0.002);
@@ -35,7 +35,7 @@ TEST(FrameVariance, CountsWhatFramesOfASessionShare) {
 }
 
 TEST(FrameVariance, IsThatOfTheRegion) {
-  PixelMask left = mask_of({"picture"}, 32, 32);
+  PixelMask left = mask_of({"image"}, 32, 32);
   for (size_t p = 0; p < left.mask.size(); ++p) left.mask[p] = p % 32 < 16 ? 1 : 0;
   std::vector<FrameSums> sums = sums_of(6, 8, 0, 0.3f, 4);
   for (FrameSums& s : sums) {

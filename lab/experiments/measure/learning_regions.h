@@ -10,11 +10,11 @@
 
 namespace relume {
 
-/// The picture without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
+/// The image without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
 /// single samples differ by all of their brightness, whatever the technique.
 PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// Parts of the picture of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
+/// Parts of the image of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
 /// by a reference and one without indirect light. All surfaces come first.
 std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces);
 

@@ -19,14 +19,14 @@ struct MovingContender {
 
 struct MovingOptions {
   int frames = 16;  ///< of the first contender from one view to the next; whoever is slower has fewer and moves further
-  int views = 2;    ///< at which the picture is measured
+  int views = 2;    ///< at which the image is measured
   int repetitions = 3;
   float step_deg = 10;  ///< from one view to the next
   int reference_spp = 1024;
   FrameClock clock = {};  ///< empty: wall_clock()
 };
 
-/// Means over views and repetitions, between the shown picture and a reference of the same view, whose own noise is
+/// Means over views and repetitions, between the shown image and a reference of the same view, whose own noise is
 /// taken off the MSE.
 struct MovingError {
   std::string name;

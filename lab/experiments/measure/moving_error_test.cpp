@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {
@@ -46,7 +46,7 @@ TEST(MovingError, EverybodyEndsAtTheReferencesView) {
   const MovingErrors errors =
       measure({.frames = 6, .repetitions = 1, .step_deg = 40, .reference_spp = 256, .clock = rays_clock});
   const MovingError& clean = errors.contenders[2];
-  // Blurred, noise and all: but the same view. Another view has an error of the order of the picture itself.
+  // Blurred, noise and all: but the same view. Another view has an error of the order of the image itself.
   EXPECT_LT(clean.flip, 0.35);
   EXPECT_LT(clean.mse, 0.5 * errors.contenders[0].mse);
   Image mirrored = errors.reference;
@@ -57,7 +57,7 @@ TEST(MovingError, EverybodyEndsAtTheReferencesView) {
 }
 
 TEST(MovingError, KeepsTheReferencesNoiseOut) {
-  // With four samples a pixel, noise of the reference is a good part of what a denoised picture differs by.
+  // With four samples a pixel, noise of the reference is a good part of what a denoised image differs by.
   const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
   const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
   EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);

@@ -1,4 +1,4 @@
-// Parts of a picture, and errors there.
+// Parts of an image, and errors there.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace relume {
 
-/// A rectangle, as shares of the picture's width and height from its upper left corner.
+/// A rectangle, as shares of the image's width and height from its upper left corner.
 struct Rectangle {
   std::string name;
   double x0 = 0;
@@ -28,10 +28,10 @@ struct PixelRange {
   int x1 = 0;
   int y1 = 0;
 };
-/// Those of a rectangle in a picture of this size.
+/// Those of a rectangle in an image of this size.
 PixelRange pixels_of(const Rectangle& rectangle, int width, int height);
 
-/// A part of the picture.
+/// A part of the image.
 struct PixelMask {
   std::string name;
   std::vector<uint8_t> mask;  ///< by pixel, row by row; 0: outside

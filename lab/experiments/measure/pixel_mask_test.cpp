@@ -20,16 +20,16 @@ TEST(PixelMasks, CountsThePixelsOfARegionOnly) {
   Image frame(2, 1);
   frame.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(frame_mse(frame, reference, {"left", {1, 0}}), (1.0 + 4 + 9) / 3);
-  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, mask_of({"picture"}, 2, 1)), (1.0 + 4 + 9 + 2700) / 6);
+  EXPECT_DOUBLE_EQ(frame_mse(frame, reference, mask_of({"image"}, 2, 1)), (1.0 + 4 + 9 + 2700) / 6);
 }
 
 TEST(PixelMasks, TheReferencesNoiseIsThatOfTheRegion) {
   Reference reference;
-  EXPECT_EQ(reference_noise(reference, mask_of({"picture"}, 2, 1)), 0);
+  EXPECT_EQ(reference_noise(reference, mask_of({"image"}, 2, 1)), 0);
   reference.squared_error = Image(2, 1);
   reference.squared_error.pixels = {Rgb(1, 2, 3), Rgb(30)};
   EXPECT_DOUBLE_EQ(reference_noise(reference, {"left", {1, 0}}), 2);
-  EXPECT_DOUBLE_EQ(reference_noise(reference, mask_of({"picture"}, 2, 1)), 16);
+  EXPECT_DOUBLE_EQ(reference_noise(reference, mask_of({"image"}, 2, 1)), 16);
 }
 
 TEST(PixelMasks, TellTheMinesRegionsApart) {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "compare/comparison_page.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {
@@ -21,8 +21,8 @@ std::vector<double> region_errors(const Comparison& comparison, std::string_view
   const Image& reference = comparison.reference.image;
   const PixelMask mask = mask_of(region, reference.width, reference.height);
   std::vector<double> errors;
-  for (const Image& picture : contender_named(comparison, name).pictures)
-    errors.push_back(frame_mse(picture, reference, mask) - reference_noise(comparison.reference, mask));
+  for (const Image& image : contender_named(comparison, name).images)
+    errors.push_back(frame_mse(image, reference, mask) - reference_noise(comparison.reference, mask));
   return errors;
 }
 
@@ -31,19 +31,19 @@ Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string
 }
 
 std::vector<double> region_variances(const Comparison& comparison, std::string_view name, const Rectangle& region) {
-  const std::vector<Image>& pictures = contender_named(comparison, name).pictures;
-  const auto n = static_cast<float>(pictures.size());
-  Image sum = pictures.front();
+  const std::vector<Image>& images = contender_named(comparison, name).images;
+  const auto n = static_cast<float>(images.size());
+  Image sum = images.front();
   const PixelMask mask = mask_of(region, sum.width, sum.height);
-  for (size_t k = 1; k < pictures.size(); ++k) {
-    for (size_t i = 0; i < sum.pixels.size(); ++i) sum.pixels[i] += pictures[k].pixels[i];
+  for (size_t k = 1; k < images.size(); ++k) {
+    for (size_t i = 0; i < sum.pixels.size(); ++i) sum.pixels[i] += images[k].pixels[i];
   }
   std::vector<double> variances;
-  for (const Image& picture : pictures) {
+  for (const Image& image : images) {
     Image others = sum;
-    for (size_t i = 0; i < sum.pixels.size(); ++i) others.pixels[i] = (sum.pixels[i] - picture.pixels[i]) / (n - 1);
+    for (size_t i = 0; i < sum.pixels.size(); ++i) others.pixels[i] = (sum.pixels[i] - image.pixels[i]) / (n - 1);
     // The mean of the others has a variance of its own: 1 / (n − 1) of that of one.
-    variances.push_back(frame_mse(picture, others, mask) * static_cast<double>((n - 1) / n));
+    variances.push_back(frame_mse(image, others, mask) * static_cast<double>((n - 1) / n));
   }
   return variances;
 }
@@ -80,13 +80,13 @@ double detail_kept(const Image& image, const Image& reference, const Rectangle& 
   return energy > 0 ? product / energy : 1;
 }
 
-ViewerBlock region_pictures(const std::string& title, const Comparison& comparison,
-                            const std::vector<Rectangle>& regions) {
-  ViewerBlock block = comparison_pictures(comparison);
+ViewerBlock region_images(const std::string& title, const Comparison& comparison,
+                          const std::vector<Rectangle>& regions) {
+  ViewerBlock block = comparison_images(comparison);
   block.title = title + ": " + block.title;
   const Image& reference = comparison.reference.image;
   const int size = std::max(8, std::min(reference.width, reference.height) / 5);
-  for (PictureSet& set : block.sets) {
+  for (ImageSet& set : block.sets) {
     set.crops.clear();
     for (const Rectangle& region : regions) {
       const PixelRange r = pixels_of(region, reference.width, reference.height);

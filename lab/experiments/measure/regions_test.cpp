@@ -21,7 +21,7 @@ TEST(Regions, AreCutOut) {
   EXPECT_NEAR(region_mean(image, {"bright", 0, 0, 0.5, 0.5}), 0.8, 1e-6);
   EXPECT_NEAR(region_mean(image, {"right", 0.5, 0, 1, 1}), 0.2, 1e-6);
   EXPECT_NEAR(frame_mse(image, Image(32, 32), mask_of({"right", 0.5, 0, 1, 1}, 32, 32)), 0.04, 1e-6);
-  EXPECT_NEAR(frame_mse(image, Image(32, 32), mask_of({"picture"}, 32, 32)), (0.64 + 3 * 0.04) / 4, 1e-6);
+  EXPECT_NEAR(frame_mse(image, Image(32, 32), mask_of({"image"}, 32, 32)), (0.64 + 3 * 0.04) / 4, 1e-6);
 }
 
 TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
@@ -29,14 +29,14 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   comparison.reference.image = Image(32, 32);
   comparison.reference.squared_error = Image(32, 32);
   comparison.contenders.emplace_back().name = "noisy";
-  comparison.contenders[0].pictures = {Image(32, 32), Image(32, 32)};
+  comparison.contenders[0].images = {Image(32, 32), Image(32, 32)};
   comparison.contenders.emplace_back().name = "clean";
-  comparison.contenders[1].pictures.assign(2, Image(32, 32));
+  comparison.contenders[1].images.assign(2, Image(32, 32));
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) {
-      comparison.contenders[0].pictures[0].at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
-      comparison.contenders[0].pictures[1].at(x, y) = Rgb(0.7f);
-      for (Image& picture : comparison.contenders[1].pictures) picture.at(x, y) = Rgb(0.4f);
+      comparison.contenders[0].images[0].at(x, y) = Rgb(x < 16 ? 0.5f : 0.1f);
+      comparison.contenders[0].images[1].at(x, y) = Rgb(0.7f);
+      for (Image& image : comparison.contenders[1].images) image.at(x, y) = Rgb(0.4f);
       comparison.reference.squared_error.at(x, y) = Rgb(0.02f, 0, 0.01f);
     }
   }
@@ -48,15 +48,15 @@ TEST(Regions, ErrorsOfAComparisonAreWithoutTheReferencesNoise) {
   EXPECT_NEAR(region_ratio(comparison, "noisy", "clean", left).value, 0.36 / 0.15, 1e-5);
 }
 
-TEST(Regions, VariancesAreNoiseWithoutWhatAllPicturesLack) {
+TEST(Regions, VariancesAreNoiseWithoutWhatAllImagesLack) {
   Comparison comparison;
   comparison.contenders.emplace_back().name = "dark";
-  comparison.contenders[0].pictures.assign(3, Image(16, 16));
+  comparison.contenders[0].images.assign(3, Image(16, 16));
   const float levels[] = {0.1f, 0.2f, 0.6f};  // mean 0.3, variance 0.07
   for (size_t k = 0; k < 3; ++k) {
-    for (Rgb& pixel : comparison.contenders[0].pictures[k].pixels) pixel = Rgb(levels[k]);
+    for (Rgb& pixel : comparison.contenders[0].images[k].pixels) pixel = Rgb(levels[k]);
   }
-  const std::vector<double> variances = region_variances(comparison, "dark", {"picture"});
+  const std::vector<double> variances = region_variances(comparison, "dark", {"image"});
   ASSERT_EQ(variances.size(), 3u);
   EXPECT_NEAR(variances[0], 0.09 * 2 / 3, 1e-6);  // the others' mean is 0.4
   EXPECT_NEAR((variances[0] + variances[1] + variances[2]) / 3, 0.07, 1e-6);
@@ -74,11 +74,11 @@ TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
     blurred.pixels[i] = Rgb(0.35f);
     halved.pixels[i] = 0.5f * (reference.pixels[i] + Rgb(0.35f));
   }
-  EXPECT_NEAR(contrast_kept(reference, reference, {"picture"}), 1.0, 1e-9);
-  EXPECT_NEAR(contrast_kept(halved, reference, {"picture"}), 0.5, 1e-6);
-  EXPECT_NEAR(contrast_kept(blurred, reference, {"picture"}), 0.0, 1e-6);
-  EXPECT_NEAR(contrast_kept(noisy, reference, {"picture"}), 1.0, 0.05);  // five standard errors
-  EXPECT_EQ(contrast_kept(noisy, blurred, {"picture"}), 1);              // nothing to keep
+  EXPECT_NEAR(contrast_kept(reference, reference, {"image"}), 1.0, 1e-9);
+  EXPECT_NEAR(contrast_kept(halved, reference, {"image"}), 0.5, 1e-6);
+  EXPECT_NEAR(contrast_kept(blurred, reference, {"image"}), 0.0, 1e-6);
+  EXPECT_NEAR(contrast_kept(noisy, reference, {"image"}), 1.0, 0.05);  // five standard errors
+  EXPECT_EQ(contrast_kept(noisy, blurred, {"image"}), 1);              // nothing to keep
 }
 
 TEST(Regions, DetailSurvivesNoiseButNotBlur) {
@@ -94,10 +94,10 @@ TEST(Regions, DetailSurvivesNoiseButNotBlur) {
   for (int y = 0; y < 64; ++y) {
     for (int x = 1; x < 64; ++x) blurred.at(x, y) = 0.5f * (reference.at(x, y) + reference.at(x - 1, y));
   }
-  EXPECT_NEAR(detail_kept(reference, reference, {"picture"}), 1.0, 1e-9);
-  EXPECT_NEAR(detail_kept(noisy, reference, {"picture"}), 1.0, 0.05);  // five standard errors
-  EXPECT_LT(detail_kept(blurred, reference, {"picture"}), 0.7);
-  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"picture"}), 1);  // nothing to keep
+  EXPECT_NEAR(detail_kept(reference, reference, {"image"}), 1.0, 1e-9);
+  EXPECT_NEAR(detail_kept(noisy, reference, {"image"}), 1.0, 0.05);  // five standard errors
+  EXPECT_LT(detail_kept(blurred, reference, {"image"}), 0.7);
+  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"image"}), 1);  // nothing to keep
 }
 
 }  // namespace

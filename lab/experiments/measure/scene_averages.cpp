@@ -8,7 +8,7 @@
 #include "experiments/measure/learning_regions.h"
 #include "experiments/setup/cache_scenes.h"
 #include "experiments/setup/references.h"
-#include "report/pictures.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -59,8 +59,8 @@ ChartBlock curves(const SceneAverages& scene) {
           {{"by constant", "variance constant", "bias², variance", true, true, {bias, variance}}}};
 }
 
-ViewerBlock pictures(const std::vector<SceneAverages>& scenes) {
-  ViewerBlock block{"Average frames", "What remains when the noise is gone.", picture_layer_kinds(), {}};
+ViewerBlock images(const std::vector<SceneAverages>& scenes) {
+  ViewerBlock block{"Average frames", "What remains when the noise is gone.", image_layer_kinds(), {}};
   for (const SceneAverages& scene : scenes) {
     std::vector<MeasuredImage> images;
     for (size_t i = 1; i < scene.caches.size(); ++i)
@@ -96,7 +96,7 @@ void show_averages(const ExperimentContext& context, const std::vector<SceneAver
                    ExperimentResult& result) {
   for (const SceneAverages& scene : scenes) result.blocks.emplace_back(table(scene));
   for (const SceneAverages& scene : scenes) result.blocks.emplace_back(curves(scene));
-  result.blocks.emplace_back(pictures(scenes));
+  result.blocks.emplace_back(images(scenes));
   const FramePlanOfAverages plan = plan_of(context);
   result.setup = {common_setup(context).front(),
                   {"Frames", fmt::format("{} of one sample a pixel after {} others, {} times with other seeds",

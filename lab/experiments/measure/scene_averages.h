@@ -31,7 +31,7 @@ struct SceneAverages {
 /// Throws ExperimentStopped.
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches);
 
-/// Adds tables, curves and pictures, and says what was rendered.
+/// Adds tables, curves and images, and says what was rendered.
 void show_averages(const ExperimentContext& context, const std::vector<SceneAverages>& scenes,
                    ExperimentResult& result);
 

@@ -62,7 +62,7 @@ Comparison study(const ExperimentContext& context, const ExperimentScene& scene,
   o.reference_spp = context.choose(options.reference_spp, std::min(options.reference_spp, 16));
   o.cache_folder = context.cache_folder;
   o.program = context.program;
-  o.keep_pictures = true;
+  o.keep_images = true;
   std::optional<Comparison> result =
       compare(with_camera(scene), o, context.stop, [&](const std::string& stage, double fraction) {
         context.report(fmt::format("{}, {}", scene.name, stage), fraction);
@@ -82,7 +82,7 @@ const ContenderResult& contender_named(const Comparison& comparison, std::string
 }
 
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison) {
-  return {titled(title, comparison_pictures(comparison)), titled(title, comparison_table(comparison)),
+  return {titled(title, comparison_images(comparison)), titled(title, comparison_table(comparison)),
           titled(title, comparison_curves(comparison)), titled(title, comparison_frame_times(comparison))};
 }
 

@@ -28,7 +28,7 @@ struct StudyOptions {
   int reference_spp = 1024;
 };
 
-/// A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference, and small pictures.
+/// A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference, and small images.
 /// Throws ExperimentStopped, and Error for settings that do not fit.
 Comparison study(const ExperimentContext& context, const ExperimentScene& scene, const StudyOptions& options);
 
@@ -38,7 +38,7 @@ std::vector<float> frame_times(int count);
 /// The contender of that name. Throws Error if there is none.
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name);
 
-/// Pictures, table, curves and frame times, with `title` before their titles.
+/// Images, table, curves and frame times, with `title` before their titles.
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison);
 
 }  // namespace relume

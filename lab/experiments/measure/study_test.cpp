@@ -40,7 +40,7 @@ TEST_F(StudyTest, ComparesAsTheCommandDoes) {
   EXPECT_GT(median_of(contender_named(c, "all"), frame_ms), trace->second);
   EXPECT_THROW(contender_named(c, "other"), Error);
   const std::vector<Block> blocks = study_blocks("Box", c);
-  EXPECT_EQ(std::get<ViewerBlock>(blocks.front()).title, "Box: Pictures");
+  EXPECT_EQ(std::get<ViewerBlock>(blocks.front()).title, "Box: Images");
 }
 
 TEST_F(StudyTest, LooksThroughTheCameraOfTheExperiment) {

@@ -12,9 +12,9 @@
 
 #include "core/srgb.h"
 #include "experiments/measure/trace_file.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
-#include "report/pictures.h"
+#include "relume/lab/metrics.h"
+#include "report/images.h"
 
 namespace relume {
 namespace {
@@ -27,8 +27,8 @@ struct Runner {
   uint32_t frames = 0;  ///< at the last view
   double time_s = 0;
   double samples_before = 0;
-  Image picture = {};
-  TracePoint picture_point = {};
+  Image image = {};
+  TracePoint image_point = {};
   std::vector<float> map = {};
 };
 
@@ -83,10 +83,10 @@ void render(Runner& runner, const TraceOptions& options) {
   runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), options));
 }
 
-void take_pictures(std::vector<Runner>& runners, const TraceOptions& options) {
+void take_images(std::vector<Runner>& runners, const TraceOptions& options) {
   for (Runner& runner : runners) {
-    runner.picture = runner.session->session().image();
-    runner.picture_point = point_of(runner, runner.picture, options);
+    runner.image = runner.session->session().image();
+    runner.image_point = point_of(runner, runner.image, options);
   }
 }
 
@@ -156,7 +156,7 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
           render(runners[i], options);
         }
       }
-      if (repetition == 0 && frame + 1 == options.picture_frame) take_pictures(runners, options);
+      if (repetition == 0 && frame + 1 == options.image_frame) take_images(runners, options);
     }
     if (repetition == 0) take_maps(runners);
     for (Runner& runner : runners) end_repetition(runner, options);
@@ -167,12 +167,12 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
     traces.push_back({runner.contender->name,
                       std::move(runner.repetitions),
                       {},
-                      std::move(runner.picture),
-                      runner.picture_point,
+                      std::move(runner.image),
+                      runner.image_point,
                       std::move(runner.map)});
     traces.back().points = median_points(traces.back().repetitions);
   }
-  if (!file.empty() && options.picture_frame > 0) save_traces(file, traces);
+  if (!file.empty() && options.image_frame > 0) save_traces(file, traces);
   return traces;
 }
 
@@ -264,25 +264,25 @@ ChartBlock trace_charts(std::string title, std::string text, const std::vector<T
   return block;
 }
 
-PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference) {
+ImageSet trace_images(const std::string& label, const std::vector<Trace>& traces, const Image& reference) {
   std::vector<MeasuredImage> images;
   for (size_t i = 0; i < traces.size(); ++i) {
     const Trace& t = traces[i];
-    images.push_back({t.name, static_cast<int>(i), &t.picture,
-                      fmt::format("{:.0f} ms, {:.3g} samples, MSE {:.2e}", 1000 * t.picture_point.time_s,
-                                  t.picture_point.samples, t.picture_point.mse)});
+    images.push_back({t.name, static_cast<int>(i), &t.image,
+                      fmt::format("{:.0f} ms, {:.3g} samples, MSE {:.2e}", 1000 * t.image_point.time_s,
+                                  t.image_point.samples, t.image_point.mse)});
   }
-  PictureSet set = measured_set(label, reference, images, {.values = false});
+  ImageSet set = measured_set(label, reference, images, {.values = false});
   for (size_t i = 0; i < traces.size(); ++i) {
     if (traces[i].map.empty()) continue;
-    set.pictures.push_back(
-        map_picture(traces[i].name + ", map", static_cast<int>(i), traces[i].map, reference.width, reference.height));
+    set.images.push_back(
+        map_image(traces[i].name + ", map", static_cast<int>(i), traces[i].map, reference.width, reference.height));
   }
   return set;
 }
 
-ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets) {
-  return {std::move(title), std::move(text), picture_layer_kinds(), std::move(sets)};
+ViewerBlock trace_viewer(std::string title, std::string text, std::vector<ImageSet> sets) {
+  return {std::move(title), std::move(text), image_layer_kinds(), std::move(sets)};
 }
 
 }  // namespace relume

@@ -30,8 +30,8 @@ struct Trace {
   std::string name;
   std::vector<TracePoints> repetitions;  ///< each to the end of its time
   TracePoints points = {};               ///< medians over the repetitions, as far as all have them
-  Image picture = {};                    ///< of the first repetition; empty: none was asked for
-  TracePoint picture_point = {};         ///< after which it was taken
+  Image image = {};                      ///< of the first repetition; empty: none was asked for
+  TracePoint image_point = {};           ///< after which it was taken
   std::vector<float> map = {};           ///< the contender's map at the end of the first repetition
 };
 
@@ -62,9 +62,9 @@ struct TraceOptions {
   uint32_t frames = 32;  ///< of the first contender at the last view; the others have as much time
   int repetitions = 3;
   const Image* reference = nullptr;
-  double reference_mse = 0;    ///< its own noise, which is taken off every MSE
-  uint32_t picture_frame = 0;  ///< of the first contender, at which pictures are taken; 0: never
-  FrameClock clock = {};       ///< empty: wall_clock()
+  double reference_mse = 0;  ///< its own noise, which is taken off every MSE
+  uint32_t image_frame = 0;  ///< of the first contender, at which images are taken; 0: never
+  FrameClock clock = {};     ///< empty: wall_clock()
 };
 
 /// Contenders take turns frame by frame at the last view; points are measured after 1, 2, 3, 4, 6, 8, … frames and
@@ -98,9 +98,9 @@ Ratio early_ratio(const std::vector<Trace>& traces, size_t a, size_t b, double f
 ChartBlock trace_charts(std::string title, std::string text, const std::vector<Trace>& traces, TraceValue value,
                         const std::string& label);
 
-/// The traces' pictures after the reference, and their maps. Requires that pictures were taken.
-PictureSet trace_pictures(const std::string& label, const std::vector<Trace>& traces, const Image& reference);
-/// Sets of trace_pictures() to choose from.
-ViewerBlock trace_viewer(std::string title, std::string text, std::vector<PictureSet> sets);
+/// The traces' images after the reference, and their maps. Requires that images were taken.
+ImageSet trace_images(const std::string& label, const std::vector<Trace>& traces, const Image& reference);
+/// Sets of trace_images() to choose from.
+ViewerBlock trace_viewer(std::string title, std::string text, std::vector<ImageSet> sets);
 
 }  // namespace relume

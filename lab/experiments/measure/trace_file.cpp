@@ -33,8 +33,8 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
     }
     if (trace.repetitions.empty()) throw Error(place + ": a trace without repetitions");
     trace.points = median_points(trace.repetitions);
-    trace.picture_point = point_from(json.at("picture_point"));
-    trace.picture = image_from_exr(exr, layer_of(traces.size()), place);
+    trace.image_point = point_from(json.at("image_point"));
+    trace.image = image_from_exr(exr, layer_of(traces.size()), place);
     if (const ExrChannel* map = exr.find(map_of(traces.size()))) trace.map = map->values;
     traces.push_back(std::move(trace));
   }
@@ -46,7 +46,7 @@ std::vector<Trace> traces_from(const ExrFile& exr, const std::string& place) {
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options) {
   std::string text = fmt::format("{} {} {} {} {} {}", options.turn.total_deg, options.turn.step_deg,
-                                 options.turn.aside_m, options.frames, options.repetitions, options.picture_frame);
+                                 options.turn.aside_m, options.frames, options.repetitions, options.image_frame);
   for (const TraceContender& c : contenders) {
     RenderSettings settings = c.settings;
     text += fmt::format(" {} {} {} {}", c.name, c.samples_per_step, c.map, settings_to_json(describe(settings)));
@@ -55,7 +55,7 @@ std::filesystem::path trace_file(const ExperimentContext& context, const Experim
 }
 
 void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces) {
-  ExrFile exr{traces.front().picture.width, traces.front().picture.height, {}, {}};
+  ExrFile exr{traces.front().image.width, traces.front().image.height, {}, {}};
   nlohmann::json list = nlohmann::json::array();
   for (size_t i = 0; i < traces.size(); ++i) {
     const Trace& trace = traces[i];
@@ -65,9 +65,8 @@ void save_traces(const std::filesystem::path& file, const std::vector<Trace>& tr
       for (const TracePoint& p : points) repetition.push_back(to_json(p));
       repetitions.push_back(std::move(repetition));
     }
-    list.push_back(
-        {{"name", trace.name}, {"repetitions", repetitions}, {"picture_point", to_json(trace.picture_point)}});
-    for (ExrChannel& channel : exr_channels(trace.picture, layer_of(i))) exr.channels.push_back(std::move(channel));
+    list.push_back({{"name", trace.name}, {"repetitions", repetitions}, {"image_point", to_json(trace.image_point)}});
+    for (ExrChannel& channel : exr_channels(trace.image, layer_of(i))) exr.channels.push_back(std::move(channel));
     if (!trace.map.empty()) exr.channels.push_back({map_of(i), trace.map});
   }
   exr.attributes[kAttribute] = list.dump();

@@ -14,7 +14,7 @@ namespace relume {
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options);
 
-/// An EXR with pictures and maps, and points as an attribute. Requires that pictures were taken. Throws Error.
+/// An EXR with images and maps, and points as an attribute. Requires that images were taken. Throws Error.
 void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces);
 
 /// std::nullopt if there is no such file, or it is something else.

@@ -88,15 +88,15 @@ TEST(Trace, GoesOnFromWhatWasMeasured) {
   contender.settings.allocation = AllocationChoice::adaptive;
   contender.map = "sampling-probability";
   const Image reference(contender.settings.width, contender.settings.height);
-  TraceOptions options{.frames = 4, .repetitions = 1, .reference = &reference, .picture_frame = 2};
+  TraceOptions options{.frames = 4, .repetitions = 1, .reference = &reference, .image_frame = 2};
   const auto first = trace(context, "test", box, {contender}, options);
   const auto again = trace(context, "test", box, {contender}, options);
   ASSERT_EQ(again.size(), 1u);
   ASSERT_EQ(again[0].points.size(), first[0].points.size());
   EXPECT_EQ(again[0].points.back().time_s, first[0].points.back().time_s);  // not measured again
   EXPECT_EQ(again[0].repetitions[0].size(), first[0].repetitions[0].size());
-  EXPECT_EQ(again[0].picture.pixels, first[0].picture.pixels);
-  EXPECT_EQ(again[0].picture_point.mse, first[0].picture_point.mse);
+  EXPECT_EQ(again[0].image.pixels, first[0].image.pixels);
+  EXPECT_EQ(again[0].image_point.mse, first[0].image_point.mse);
   EXPECT_EQ(again[0].map, first[0].map);
   // What is different is measured.
   context.program = "another";

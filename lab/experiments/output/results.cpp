@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kQuickNote =
-    "A quick run: small pictures, few settings, much noise. It shows that everything works; the verdicts mean little.";
+    "A quick run: small images, few settings, much noise. It shows that everything works; the verdicts mean little.";
 
 std::string count_text(const std::vector<Claim>& claims) {
   const auto count = [&](std::string_view verdict) {

@@ -1,4 +1,4 @@
-// How large pictures are, and the references that they are compared with.
+// How large images are, and the references that they are compared with.
 #pragma once
 
 #include <string>

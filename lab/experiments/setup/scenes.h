@@ -19,7 +19,7 @@ struct ExperimentScene {
   Scene scene;
   std::optional<CameraPose> camera = {};  ///< at which a turn ends; empty: the scene's own
   RenderSettings settings = {};           ///< bounces
-  int scale = 1;                          ///< edges of its pictures over the usual ones, in a full run
+  int scale = 1;                          ///< edges of its images over the usual ones, in a full run
 };
 
 /// A technique that an experiment measures.

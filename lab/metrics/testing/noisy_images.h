@@ -1,4 +1,4 @@
-// Small pictures with a known bias and known noise.
+// Small images with a known bias and known noise.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ inline float noise(uint32_t seed, uint32_t i) {
   return sum;
 }
 
-/// Pictures of value 1 + bias with noise of standard deviation `spread`.
+/// Images of value 1 + bias with noise of standard deviation `spread`.
 inline std::vector<Image> repetitions(int count, float bias, float spread, uint32_t seed) {
   std::vector<Image> list;
   for (int r = 0; r < count; ++r) {

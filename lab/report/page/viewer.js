@@ -1,4 +1,4 @@
-// Pictures side by side or in place, with one pan and zoom; maps of the error; values under the cursor; crops.
+// Images side by side or in place, with one pan and zoom; maps of the error; values under the cursor; crops.
 relume.Viewer = class {
   constructor(block) {
     this.block = block;
@@ -21,7 +21,7 @@ relume.Viewer = class {
     const { make, choice } = relume;
     this.layoutChoice = choice("Layout", ["Side by side", "In place"], 0, (i) => this.setLayout(i === 0 ? "grid" : "single"));
     this.layerChoice = choice("What is shown", this.block.layers.map((l) => l.label), 0, (i) => this.setLayer(i));
-    this.pictureBar = make("span", { class: "bar", style: "margin: 0", role: "group", "aria-label": "Picture shown in place" });
+    this.imageBar = make("span", { class: "bar", style: "margin: 0", role: "group", "aria-label": "Image shown in place" });
     const zoomButton = (text, label, action) => make("button", { type: "button", text, "aria-label": label, "data-action": label, click: action });
     const zoomBar = make("span", { class: "group", role: "group", "aria-label": "Zoom" },
       zoomButton("−", "Zoom out", () => this.zoomBy(1 / 1.5)), zoomButton("Fit", "Fit", () => this.fit()),
@@ -35,12 +35,12 @@ relume.Viewer = class {
     bar.append(this.layoutChoice, this.layerChoice, zoomBar, this.zoomText);
     this.ramp = make("span", { class: "ramp" });
     this.panes = make("div", { class: "panes" });
-    this.frame = make("div", { class: "viewer", tabindex: "0", role: "group", "aria-label": "Pictures. Keys: 1 to 9 choose a picture, G side by side, M next map, arrows move, plus and minus zoom, F fits." }, this.panes);
+    this.frame = make("div", { class: "viewer", tabindex: "0", role: "group", "aria-label": "Images. Keys: 1 to 9 choose an image, G side by side, M next map, arrows move, plus and minus zoom, F fits." }, this.panes);
     this.status = make("p", { class: "visually-hidden", role: "status" });
     this.inspector = make("div", { class: "inspector" });
     this.crops = make("div", { class: "crops" });
     const cropButton = make("button", { type: "button", text: "Add what is shown", "data-action": "Add crop", click: () => this.addCrop() });
-    this.section.append(bar, make("div", { class: "bar" }, this.pictureBar, this.ramp), this.frame, this.status,
+    this.section.append(bar, make("div", { class: "bar" }, this.imageBar, this.ramp), this.frame, this.status,
       make("div", { class: "under" },
         make("div", {}, make("h3", { text: "Values" }), this.inspector),
         make("div", {}, make("div", { class: "bar" }, make("h3", { text: "Crops", style: "margin: 0" }), cropButton), this.crops)),
@@ -59,26 +59,26 @@ relume.Viewer = class {
       this.pinned = false;
       this.ownCrops = [];
     }
-    this.view.decoded = this.view.decoded || this.view.pictures.map((p) => new relume.Picture(p));
-    this.pictures = this.view.decoded;
-    this.current = Math.min(this.current, this.pictures.length - 1);
+    this.view.decoded = this.view.decoded || this.view.images.map((p) => new relume.PageImage(p));
+    this.images = this.view.decoded;
+    this.current = Math.min(this.current, this.images.length - 1);
     if (!this.center) this.center = [this.view.width / 2, this.view.height / 2];
     const { make } = relume;
-    this.pictureButtons = this.pictures.map((picture, i) => make("button", { type: "button", "data-picture": picture.name, click: () => this.choose(i) }, relume.dot(picture.color), i < 9 ? `${i + 1}  ${picture.name}` : picture.name));
-    this.pictureBar.replaceChildren(...this.pictureButtons);
-    this.paneList = this.pictures.map((picture, i) => this.makePane(picture, i));
+    this.imageButtons = this.images.map((item, i) => make("button", { type: "button", "data-image": item.name, click: () => this.choose(i) }, relume.dot(item.color), i < 9 ? `${i + 1}  ${item.name}` : item.name));
+    this.imageBar.replaceChildren(...this.imageButtons);
+    this.paneList = this.images.map((item, i) => this.makePane(item, i));
     this.panes.replaceChildren(...this.paneList.map((pane) => pane.figure));
     this.setLayout(this.layout);
     this.showCrops();
     this.inspect();
   }
 
-  makePane(picture, index) {
+  makePane(item, index) {
     const { make } = relume;
-    const canvas = make("canvas", { role: "img", "aria-label": picture.name });
-    const caption = make("figcaption", {}, make("span", {}, relume.dot(picture.color), picture.name, index < 9 ? make("kbd", { text: String(index + 1) }) : null), picture.note ? make("span", { class: "num", text: picture.note }) : null);
-    const figure = make("figure", { class: "pane", style: "margin: 0", "data-pane": picture.name }, canvas, caption);
-    const pane = { figure, canvas, picture };
+    const canvas = make("canvas", { role: "img", "aria-label": item.name });
+    const caption = make("figcaption", {}, make("span", {}, relume.dot(item.color), item.name, index < 9 ? make("kbd", { text: String(index + 1) }) : null), item.note ? make("span", { class: "num", text: item.note }) : null);
+    const figure = make("figure", { class: "pane", style: "margin: 0", "data-pane": item.name }, canvas, caption);
+    const pane = { figure, canvas, item };
     this.listen(pane);
     return pane;
   }
@@ -164,19 +164,19 @@ relume.Viewer = class {
   setLayout(layout) {
     this.layout = layout;
     this.layoutChoice.querySelectorAll("button").forEach((button, i) => button.setAttribute("aria-pressed", String((i === 0) === (layout === "grid"))));
-    this.pictureBar.hidden = false;
+    this.imageBar.hidden = false;
     this.choose(this.current, layout === "grid");
   }
 
-  /// Shows one picture in place of the others.
+  /// Shows one image in place of the others.
   choose(index, keepLayout) {
-    if (index >= this.pictures.length) return;
+    if (index >= this.images.length) return;
     if (index !== this.current) this.last = this.current;
     this.current = index;
     if (!keepLayout && this.layout === "grid") return this.setLayout("single");
-    this.pictureButtons.forEach((button, i) => button.setAttribute("aria-pressed", String(this.layout === "single" && i === index)));
+    this.imageButtons.forEach((button, i) => button.setAttribute("aria-pressed", String(this.layout === "single" && i === index)));
     this.paneList.forEach((pane, i) => (pane.figure.hidden = this.layout === "single" && i !== index));
-    if (this.layout === "single") this.status.textContent = `${this.pictures[index].name}, ${this.layer}`;
+    if (this.layout === "single") this.status.textContent = `${this.images[index].name}, ${this.layer}`;
     this.resize();
   }
 
@@ -235,7 +235,7 @@ relume.Viewer = class {
     context.setTransform(scale, 0, 0, scale, pane.canvas.width / 2 - this.center[0] * scale, pane.canvas.height / 2 - this.center[1] * scale);
     context.imageSmoothingEnabled = scale < 1.5;
     context.imageSmoothingQuality = "high";
-    const image = pane.picture.image(this.layer, () => this.redraw());
+    const image = pane.item.image(this.layer, () => this.redraw());
     if (image) context.drawImage(image, 0, 0);
     if (!this.pixel) return;
     const size = Math.max(1, 9 / scale);
@@ -260,18 +260,18 @@ relume.Viewer = class {
   inspect() {
     const { make, format } = relume;
     if (!this.pixel) {
-      this.inspector.replaceChildren(make("p", { class: "subtitle", text: "Point at a picture to read linear radiance; click to hold a pixel, double-click to let go. Enter holds the pixel in the middle." }));
+      this.inspector.replaceChildren(make("p", { class: "subtitle", text: "Point at an image to read linear radiance; click to hold a pixel, double-click to let go. Enter holds the pixel in the middle." }));
       return;
     }
     const [x, y] = this.pixel;
-    const values = this.pictures.map((picture) => picture.value(x, y, () => this.inspect()));
+    const values = this.images.map((item) => item.value(x, y, () => this.inspect()));
     const luminance = (v) => 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
     const reference = values[this.view.reference];
-    const rows = this.pictures.map((picture, i) => {
+    const rows = this.images.map((item, i) => {
       const v = values[i];
       const cells = v ? v.map(format) : v === null ? ["left out", "", ""] : ["…", "", ""];
       const apart = v && reference && i !== this.view.reference ? `${format((100 * (luminance(v) - luminance(reference))) / (luminance(reference) + 0.01))} %` : "";
-      return make("tr", {}, make("th", { scope: "row" }, relume.dot(picture.color), picture.name), ...cells.map((text) => make("td", { class: "value", text })), make("td", { class: "value", text: apart }));
+      return make("tr", {}, make("th", { scope: "row" }, relume.dot(item.color), item.name), ...cells.map((text) => make("td", { class: "value", text })), make("td", { class: "value", text: apart }));
     });
     this.inspector.replaceChildren(
       make("p", { class: "num", style: "margin: 0 0 .3rem", "data-pixel": `${x},${y}`, text: `Pixel ${x}, ${y}${this.pinned ? " (held)" : ""}` }),
@@ -298,22 +298,22 @@ relume.Viewer = class {
 
   showCrops() {
     const { make } = relume;
-    const rows = this.view.crops.concat(this.ownCrops).map((crop) => make("div", { class: "crop" }, ...this.pictures.map((picture) => make("figure", {}, this.makeShot(picture, crop), make("figcaption", { text: picture.name })))));
+    const rows = this.view.crops.concat(this.ownCrops).map((crop) => make("div", { class: "crop" }, ...this.images.map((item) => make("figure", {}, this.makeShot(item, crop), make("figcaption", { text: item.name })))));
     this.crops.replaceChildren(...rows);
   }
 
-  makeShot(picture, [x, y, size]) {
+  makeShot(item, [x, y, size]) {
     const { make } = relume;
     const canvas = make("canvas", { width: 184, height: 184 });
     const paint = () => {
-      const image = picture.image(this.layer, paint);
+      const image = item.image(this.layer, paint);
       if (!image) return;
       const context = canvas.getContext("2d");
       context.imageSmoothingEnabled = false;
       context.drawImage(image, x, y, size, size, 0, 0, 184, 184);
     };
     paint();
-    return make("button", { type: "button", class: "shot", "aria-label": `Zoom to ${picture.name} at ${x}, ${y}`, click: () => {
+    return make("button", { type: "button", class: "shot", "aria-label": `Zoom to ${item.name} at ${x}, ${y}`, click: () => {
       this.center = [x + size / 2, y + size / 2];
       const shown = this.visiblePanes()[0].canvas;
       this.zoom = this.limit(Math.min(shown.clientWidth, shown.clientHeight) / size);
@@ -329,7 +329,7 @@ relume.Viewer = class {
       "-": () => this.zoomBy(1 / 1.5), o: () => this.zoomTo(1), Enter: () => this.pinCenter(), " ": () => this.choose(this.last),
       ArrowLeft: () => this.moveBy(-step, 0), ArrowRight: () => this.moveBy(step, 0), ArrowUp: () => this.moveBy(0, -step), ArrowDown: () => this.moveBy(0, step),
     };
-    if (/^[1-9]$/.test(key) && Number(key) <= this.pictures.length) this.choose(Number(key) - 1);
+    if (/^[1-9]$/.test(key) && Number(key) <= this.images.length) this.choose(Number(key) - 1);
     else if (actions[key]) actions[key]();
     else return false;
     return true;
@@ -338,11 +338,11 @@ relume.Viewer = class {
 
 relume.keyHelp = function () {
   const { make } = relume;
-  const keys = [["1 … 9", "that picture, in place"], ["Space", "the one before"], ["G", "side by side"], ["M", "next map"], ["+ −", "zoom"], ["F", "fit"], ["O", "one to one"], ["← ↑ → ↓", "move"], ["Enter", "hold a pixel"], ["wheel, drag", "zoom, move"]];
+  const keys = [["1 … 9", "that image, in place"], ["Space", "the one before"], ["G", "side by side"], ["M", "next map"], ["+ −", "zoom"], ["F", "fit"], ["O", "one to one"], ["← ↑ → ↓", "move"], ["Enter", "hold a pixel"], ["wheel, drag", "zoom, move"]];
   return make("details", {}, make("summary", { text: "Keys and mouse" }), make("ul", { class: "keys" }, ...keys.map(([key, text]) => make("li", {}, make("kbd", { text: key }), ` ${text}`))));
 };
 
-/// Keys that scroll or press something elsewhere count only while the pictures have the focus.
+/// Keys that scroll or press something elsewhere count only while the images have the focus.
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || !relume.viewers.length) return;
   const target = event.target;

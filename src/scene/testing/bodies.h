@@ -1,4 +1,4 @@
-// Plates seen from above, and bodies that absorb around them: scenes whose pictures are known in closed form.
+// Plates seen from above, and bodies that absorb around them: scenes whose images are known in closed form.
 #pragma once
 
 #include <utility>
@@ -16,7 +16,7 @@ inline void add_mesh(Scene& scene, const Material& material, Mesh mesh) {
   scene.add_node(node);
 }
 
-/// Camera straight above a square plate of `material` that lies in y = 0 and fills the picture. Orthographic, so that
+/// Camera straight above a square plate of `material` that lies in y = 0 and fills the image. Orthographic, so that
 /// all pixels see the plate alike.
 inline Scene plate(const Material& material, float half_size, float seen) {
   Scene scene;

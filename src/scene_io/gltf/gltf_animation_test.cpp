@@ -84,7 +84,7 @@ TEST(GltfCamera, ReadsBothKinds) {
   EXPECT_TRUE(mentions(scene.warnings, "xmag / ymag 1.5 is not used"));
 }
 
-TEST(GltfCamera, NamesAShapeThatThePictureDoesNotHave) {
+TEST(GltfCamera, NamesAShapeThatTheImageDoesNotHave) {
   const auto warnings = [](double ratio) {
     GltfBuilder file;
     file.add("cameras", {{"type", "perspective"},
@@ -95,7 +95,7 @@ TEST(GltfCamera, NamesAShapeThatThePictureDoesNotHave) {
   };
   ASSERT_EQ(warnings(1.5).size(), 1u);
   EXPECT_TRUE(mentions(warnings(1.5), "aspectRatio 1.5 is not used"));
-  EXPECT_TRUE(warnings(1.7777).empty());  // as pictures are if nothing else is said
+  EXPECT_TRUE(warnings(1.7777).empty());  // as images are if nothing else is said
 }
 
 TEST(GltfLights, ReadsAllTypes) {

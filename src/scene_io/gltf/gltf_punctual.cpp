@@ -11,12 +11,12 @@
 namespace relume::gltf {
 namespace {
 
-/// Pictures have the shape that --width and --height give them: 16:9 unless they say something else.
+/// Images have the shape that --width and --height give them: 16:9 unless they say something else.
 void warn_of_aspect_ratio(Document& document, const Camera& camera, const char* what, float ratio) {
   constexpr float kDefault = 16.0f / 9.0f;
   if (!(ratio > 0) || !is_finite(ratio) || std::fabs(ratio / kDefault - 1) <= 0.01f) return;
   document.warnings.add(
-      fmt::format("camera '{}': its {} {:.3g} is not used; give the picture that shape with --width and --height",
+      fmt::format("camera '{}': its {} {:.3g} is not used; give the image that shape with --width and --height",
                   camera.name, what, ratio));
 }
 

@@ -85,7 +85,7 @@ void NodeWriter::write_cameras() {
     OutputJson json = OutputJson::object();
     if (!camera.name.empty()) json["name"] = camera.name;
     if (camera.projection == Projection::orthographic) {
-      const OutputJson width = number(camera.half_height * 16 / 9);  // of a picture that is given no other shape
+      const OutputJson width = number(camera.half_height * 16 / 9);  // of an image that is given no other shape
       json["type"] = "orthographic";
       json["orthographic"] = {{"xmag", width}, {"ymag", number(camera.half_height)}, {"znear", 0}, {"zfar", 1e6}};
     } else {

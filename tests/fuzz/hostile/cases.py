@@ -5,7 +5,7 @@ import os
 
 import command_lines
 import outputs
-import pictures
+import images
 import references
 import scenes
 from damage import damage
@@ -16,23 +16,23 @@ TECHNIQUES = [
     ["--cache", "apsf+apg"], ["--estimator", "bdpt"], ["--estimator", "light"], ["--history", "reproject", "--denoise", "svgf"], ["--denoise", "bmfr"],
     ["--allocation", "adaptive", "--spp", "8"], ["--texture-filter", "encoded"], ["--aov", "albedo,normal,depth,motion"], ["--env", "1,1,1"], ["--scene-time", "0.5"],
 ]
-PICTURES = ["out.exr", "out.exr", "out.hdr", "out.png", "out.jpg", "out.tga"]
+IMAGES = ["out.exr", "out.exr", "out.hdr", "out.png", "out.jpg", "out.tga"]
 
 
 def render(scene, rng, *more):
     """Renders with one technique of many."""
     technique = rng.choice(TECHNIQUES)
-    picture = "made/" + ("out.exr" if "--aov" in technique else rng.choice(PICTURES))
+    image = "made/" + ("out.exr" if "--aov" in technique else rng.choice(IMAGES))
     arguments = ["render", scene, *SMALL, *technique, *more]
-    required = [picture]
+    required = [image]
     if rng.random() < 0.1:
         arguments += ["--stats", "made/stats.json"]
         required.append("made/stats.json")
     if rng.random() < 0.1:
         arguments += ["--frames", "0-1"]
-        stem, extension = os.path.splitext(picture)
-        picture, required[:1] = f"{stem}.####{extension}", [f"{stem}.0000{extension}", f"{stem}.0001{extension}"]
-    return Case("", [*arguments, "-o", picture, "-q"], required=required)
+        stem, extension = os.path.splitext(image)
+        image, required[:1] = f"{stem}.####{extension}", [f"{stem}.0000{extension}", f"{stem}.0001{extension}"]
+    return Case("", [*arguments, "-o", image, "-q"], required=required)
 
 
 def use_scene(scene, rng):
@@ -56,12 +56,12 @@ def damaged_scene(kind, files, rng):
     return dataclasses.replace(use_scene(names[0], rng), kind=kind, files=files)
 
 
-def some_pictures():
+def some_images():
     return {
-        "a.png": [pictures.png(), pictures.png(depth=16, channels=3), pictures.png(channels=1), pictures.palette_png()],
-        "a.jpg": [pictures.jpeg(), pictures.jpeg(1)], "a.bmp": [pictures.bmp()], "a.tga": [pictures.tga(), pictures.tga(packed=True)],
-        "a.hdr": [pictures.hdr(), pictures.hdr(packed=False)],
-        "a.exr": [pictures.exr(), pictures.exr(compress=False), pictures.exr(half=True), pictures.exr(tiled=True), pictures.exr(channels=("A", "B", "G", "R", "albedo.R"))],
+        "a.png": [images.png(), images.png(depth=16, channels=3), images.png(channels=1), images.palette_png()],
+        "a.jpg": [images.jpeg(), images.jpeg(1)], "a.bmp": [images.bmp()], "a.tga": [images.tga(), images.tga(packed=True)],
+        "a.hdr": [images.hdr(), images.hdr(packed=False)],
+        "a.exr": [images.exr(), images.exr(compress=False), images.exr(half=True), images.exr(tiled=True), images.exr(channels=("A", "B", "G", "R", "albedo.R"))],
     }
 
 
@@ -79,7 +79,7 @@ class Maker:
     def __init__(self, products, helps):
         self.products = products
         self.scenes = scenes.all_scenes()
-        self.pictures = some_pictures()
+        self.images = some_images()
         self.lines = command_lines.CommandLines(helps)
         weights = {"gltf": 9, "glb": 6, "relume json": 6, "obj": 4, "ply": 4, "stl": 2, "off": 2, "dae": 3, "fbx": 3, "3ds": 2}
         makers = {self.texture: 6, self.environment: 5, self.settings: 5, self.settings_exr: 3, self.checkpoint: 5, self.metrics: 6, self.compare: 2,
@@ -94,12 +94,12 @@ class Maker:
     def scene(self, kind):
         return lambda rng: damaged_scene(kind, rng.choice(self.scenes[kind]), rng)
 
-    def damaged_picture(self, rng, names):
+    def damaged_image(self, rng, names):
         name = rng.choice(names)
-        return name, damage(name, rng.choice(self.pictures[name]), rng)
+        return name, damage(name, rng.choice(self.images[name]), rng)
 
     def texture(self, rng):
-        name, data = self.damaged_picture(rng, list(self.pictures))
+        name, data = self.damaged_image(rng, list(self.images))
         if name in ("a.png", "a.jpg") and rng.random() < 0.5:
             files = {"a.gltf": scenes.gltf({"uri": name}).text(), name: data}
         else:
@@ -107,7 +107,7 @@ class Maker:
         return dataclasses.replace(use_scene(next(iter(files)), rng), kind="texture", files=files)
 
     def environment(self, rng):
-        name, data = self.damaged_picture(rng, ["a.hdr", "a.exr"])
+        name, data = self.damaged_image(rng, ["a.hdr", "a.exr"])
         if rng.random() < 0.6:
             case = render(rng.choice(("cornell", "furnace")), rng)
             return dataclasses.replace(case, kind="environment", files={name: data}, arguments=case.arguments + ["--env", name])
@@ -124,7 +124,7 @@ class Maker:
 
     def settings_exr(self, rng):
         text = rng.choice(('{"max-bounces": 3}', self.products["all.json"].decode(), "{}", "[", '{"max-bounces": 1e308}'))
-        data = pictures.exr(texts={"relume.settings": text, "relume.seed": "1", "relume.version": "1"})
+        data = images.exr(texts={"relume.settings": text, "relume.seed": "1", "relume.version": "1"})
         data = rng.choice((self.products["out.exr"], data))
         data = data if rng.random() < 0.1 else damage("a.exr", data, rng)
         if rng.random() < 0.3:
@@ -144,8 +144,8 @@ class Maker:
         return Case("checkpoint", arguments, {name: data}, required=["made/out.exr"], may_change=[name])
 
     def metrics(self, rng):
-        first, data = self.damaged_picture(rng, list(self.pictures))
-        files = {first: data, "b.exr": pictures.exr()}
+        first, data = self.damaged_image(rng, list(self.images))
+        files = {first: data, "b.exr": images.exr()}
         pair = [first, rng.choice(("b.exr", first))]
         rng.shuffle(pair)
         arguments, required = ["metrics", *pair], []
@@ -155,7 +155,7 @@ class Maker:
         return Case("metrics", [*arguments, *rng.choice(([], ["--json"], ["--hdr-flip"]))], files, required=required)
 
     def compare(self, rng):
-        name, data = self.damaged_picture(rng, ["a.exr", "a.hdr", "a.png"])
+        name, data = self.damaged_image(rng, ["a.exr", "a.hdr", "a.png"])
         few = damage("few.json", b'{"max-bounces": 3, "lights": "uniform"}', rng)
         which = rng.choice((["--image", f"x={name}"], ["--reference", name], ["--techniques", "default,few.json"]))
         arguments = ["compare", "cornell", *SMALL, "--repeat", "1", "--reference-spp", "2", "--cache-dir", "cache", "-o", "made/page", "-q"]

@@ -2,7 +2,7 @@
 
 import re
 
-import pictures
+import images
 from damage import EXTREME_NUMBERS, ODD_STRINGS
 from trial_case import SMALL, Case
 
@@ -103,6 +103,6 @@ class CommandLines:
             arguments += self.flag(command, rng)
         if rng.random() < 0.05:
             command = odd_text(rng)
-        files = {"a.exr": pictures.exr(), "few.json": b'{"max-bounces": 2}'}
+        files = {"a.exr": images.exr(), "few.json": b'{"max-bounces": 2}'}
         # Without -o the pages of a comparison are beside the scene.
         return Case("command line", [command, *arguments], files, may_change=["*-compare/*", "experiments/*", "made.*"])

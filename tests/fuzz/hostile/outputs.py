@@ -86,15 +86,15 @@ def same_name_twice(rng):
 def over_input(rng):
     """The program may refuse, or replace its input by a whole file."""
     rich = scenes.gltf()
-    picture = scenes.pictures.exr(texts={"relume.settings": '{"max-bounces": 2}'})
+    image = scenes.images.exr(texts={"relume.settings": '{"max-bounces": 2}'})
     cases = [
         (["export", "a.gltf", "-q", "-o", "a.gltf"], {"a.gltf": rich.text("a.bin"), "a.bin": rich.data}),
         (["export", "a.glb", "-q", "-o", "a.glb"], {"a.glb": rich.glb()}),
-        (["export", "a.obj", "-q", "-o", "a.gltf"], scenes.obj("a.png", scenes.pictures.png())),
-        (render("--settings", "a.exr", "-o", "a.exr"), {"a.exr": picture}),
-        (render("--env", "a.exr", "-o", "a.exr"), {"a.exr": picture}),
+        (["export", "a.obj", "-q", "-o", "a.gltf"], scenes.obj("a.png", scenes.images.png())),
+        (render("--settings", "a.exr", "-o", "a.exr"), {"a.exr": image}),
+        (render("--env", "a.exr", "-o", "a.exr"), {"a.exr": image}),
         (["render", "a.glb", *SMALL, "-q", "--stats", "a.glb", "-o", "made/a.exr"], {"a.glb": rich.glb()}),
-        (["metrics", "a.png", "a.png", "--flip-map", "a.png"], {"a.png": scenes.pictures.png()}),
+        (["metrics", "a.png", "a.png", "--flip-map", "a.png"], {"a.png": scenes.images.png()}),
         (render("--settings", "a.json", "--stats", "a.json", "-o", "made/a.exr"), {"a.json": b'{"max-bounces": 2}'}),
     ]
     arguments, files = rng.choice(cases)

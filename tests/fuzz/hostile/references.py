@@ -3,7 +3,7 @@
 import dataclasses
 import json
 
-import pictures
+import images
 import scenes
 
 
@@ -22,7 +22,7 @@ def json_circle(rng):
 
 def json_to_odd_file(rng):
     target = rng.choice((".", "..", "/dev/null", "/dev/zero", "builtin:", "builtin:cornel", "", "a.json", "./a.json", "a.png", "b.ply"))
-    files = {"a.json": json.dumps({"scene": target}).encode(), "a.png": pictures.png()}
+    files = {"a.json": json.dumps({"scene": target}).encode(), "a.png": images.png()}
     return Files("a.json", files, {"b.ply": "/dev/null"})
 
 
@@ -89,7 +89,7 @@ def gltf_members(rng):
 
 def obj_library(rng):
     target = rng.choice((b"a.obj", b".", b"/dev/zero", b"/dev/null", b"b.mtl"))
-    files = scenes.obj("a.png", pictures.png())
+    files = scenes.obj("a.png", images.png())
     files["a.obj"] = files["a.obj"].replace(b"a.mtl", target)
     texture = rng.choice((b"a.obj", b".", b"/dev/zero", b"*0", b"../../outside.png"))
     files["a.mtl"] = files["a.mtl"].replace(b"a.png", texture)

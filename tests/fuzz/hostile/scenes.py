@@ -4,7 +4,7 @@ import base64
 import json
 import struct
 
-import pictures
+import images
 
 ARRAY, INDICES = 34962, 34963
 U8, U16, U32, F32 = 5121, 5123, 5125, 5126
@@ -104,7 +104,7 @@ def animate(file, node, camera):
 def gltf(image=None):
     """Everything that the reader knows; `image` says where the texture is, otherwise in the buffer."""
     file = Gltf()
-    file.add("images", image or {"bufferView": file.view(pictures.png()), "mimeType": "image/png"})
+    file.add("images", image or {"bufferView": file.view(images.png()), "mimeType": "image/png"})
     file.add("samplers", {"wrapS": 33071, "magFilter": 9728})
     file.add("textures", {"source": 0, "sampler": 0})
     file.add("materials", material({"index": 0, "texCoord": 0}))
@@ -293,11 +293,11 @@ def all_scenes():
     rich = gltf()
     return {
         "gltf": [{"a.gltf": rich.text()}, {"a.gltf": rich.text("a.bin"), "a.bin": rich.data},
-                 {"a.gltf": gltf({"uri": "a%20b.png"}).text(), "a b.png": pictures.png(depth=16)}, {"a.gltf": gltf({"uri": "a.jpg"}).text(), "a.jpg": pictures.jpeg()},
+                 {"a.gltf": gltf({"uri": "a%20b.png"}).text(), "a b.png": images.png(depth=16)}, {"a.gltf": gltf({"uri": "a.jpg"}).text(), "a.jpg": images.jpeg()},
                  {"a.gltf": compressed("KHR_draco_mesh_compression")}, {"a.gltf": compressed("EXT_meshopt_compression")}],
         "glb": [{"a.glb": rich.glb()}],
         "relume json": [{"a.json": relume_json("a.glb"), "a.glb": rich.glb()}, {"a.json": relume_json("builtin:cornell", "white", "lamp")}],
-        "obj": [obj("a.png", pictures.png())],
+        "obj": [obj("a.png", images.png())],
         "ply": [{"a.ply": ply(form)} for form in ("ascii", "binary_little_endian", "binary_big_endian")],
         "stl": [{"a.stl": STL}, {"a.stl": binary_stl()}],
         "off": [{"a.off": OFF}],

@@ -15,7 +15,7 @@ namespace relume::viewer::testing {
 
 inline constexpr int kPatience_ms = 60000;  // of a busy machine
 
-/// A request for a small picture of a built-in scene.
+/// A request for a small image of a built-in scene.
 struct Stage {
   explicit Stage(const char* scene = "cornell")
       : document(std::make_shared<const LoadedScene>(LoadedScene{scene, find_builtin_scene(scene)->build()})) {
@@ -29,7 +29,7 @@ struct Stage {
 
   void post() {
     RenderRequest request;
-    request.version = request.picture_version = ++version;
+    request.version = request.image_version = ++version;
     request.scene = document.loaded();
     request.edits = document.edits();
     request.settings = settings;

@@ -47,7 +47,7 @@ struct FitHistory {
   }
 };
 
-/// Accumulates fits and makes the picture of them.
+/// Accumulates fits and makes the image of them.
 struct BmfrPresentKernel {
   SurfaceLight samples;
   FitHistory fits;
@@ -56,7 +56,7 @@ struct BmfrPresentKernel {
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    shown[pixel] = samples.picture(pixel, fits.accumulate(pixel));
+    shown[pixel] = samples.image(pixel, fits.accumulate(pixel));
   }
 };
 
@@ -74,7 +74,7 @@ struct BmfrPresentPartsKernel {
     const Rgb light = specular.accumulate(pixel);
     const Rgb reflected = samples.reflects(pixel) ? samples.specular_part(pixel, light) : Rgb(0);
     shown_specular[pixel] = reflected;
-    shown[pixel] = samples.picture(pixel, diffuse.accumulate(pixel), reflected);
+    shown[pixel] = samples.image(pixel, diffuse.accumulate(pixel), reflected);
   }
 };
 

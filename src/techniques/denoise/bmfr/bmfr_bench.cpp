@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t kWidth = 1280;
 constexpr uint32_t kHeight = 720;
 
-/// The regression of one picture of 1280 × 720 pixels on one or two threads.
+/// The regression of one image of 1280 × 720 pixels on one or two threads.
 void bm_bmfr_regression(benchmark::State& state) {
   const size_t pixels = kWidth * kHeight;
   std::vector<Vec3> position(pixels);

@@ -14,7 +14,7 @@ constexpr uint32_t kWidth = 77;  // no multiple of a block
 constexpr uint32_t kHeight = 45;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// A still or moving picture of light on one plane.
+/// A still or moving image of light on one plane.
 struct History {
   History() {
     for (uint32_t i = 0; i < kPixels; ++i)
@@ -122,7 +122,7 @@ TEST(Bmfr, LightFollowsItsSurface) {
   History h;
   for (uint32_t i = 0; i < kPixels; ++i) h.radiance[i] = Rgb(static_cast<float>(i % kWidth));
   h.accumulate(kNoHistoryLimit);
-  // The picture moves three pixels to the right: what was at x − 3 is at x.
+  // The image moves three pixels to the right: what was at x − 3 is at x.
   h.motion.assign(kPixels, Vec2(3, 0));
   for (uint32_t i = 0; i < kPixels; ++i) h.came_from[i] = h.position[i] - Vec3(3, 0, 0);
   for (Rgb& radiance : h.radiance) radiance = Rgb(0);
@@ -178,13 +178,13 @@ TEST(Bmfr, EmissionAndBlackSurfacesAreNotFiltered) {
   h.accumulate(kNoHistoryLimit);
   EXPECT_NEAR(h.light[5].g, 0.5f, 1e-6f);  // (1 − 0.75) / 0.5
   const SurfaceLight samples = h.samples();
-  EXPECT_NEAR(samples.picture(5, h.light[5]).g, 1.0f, 1e-6f);
-  EXPECT_EQ(samples.picture(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: no darker than black
+  EXPECT_NEAR(samples.image(5, h.light[5]).g, 1.0f, 1e-6f);
+  EXPECT_EQ(samples.image(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: no darker than black
   h.albedo[5] = Rgb(0);
   EXPECT_FALSE(samples.at(5).valid);
-  EXPECT_EQ(samples.picture(5, Rgb(100)), Rgb(1));  // the sample itself
+  EXPECT_EQ(samples.image(5, Rgb(100)), Rgb(1));  // the sample itself
   h.allocation[5] = 0;
-  EXPECT_EQ(samples.picture(5, Rgb(100)), Rgb(0.75f));
+  EXPECT_EQ(samples.image(5, Rgb(100)), Rgb(0.75f));
 }
 
 }  // namespace

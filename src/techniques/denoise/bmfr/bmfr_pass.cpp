@@ -13,7 +13,7 @@ constexpr BufferKey<Rgb> kBmfrLight{"bmfr-light"};
 constexpr BufferKey<float> kBmfrSquare{"bmfr-square"};
 constexpr BufferKey<uint32_t> kBmfrSamples{"bmfr-samples"};
 constexpr BufferKey<Rgb> kBmfrFit{"bmfr-fit"};
-constexpr BufferKey<Rgb> kBmfrPicture{"bmfr-picture"};
+constexpr BufferKey<Rgb> kBmfrImage{"bmfr-image"};
 constexpr BufferKey<Rgb> kBmfrFitHistory{"bmfr-fit-history"};
 constexpr BufferKey<Rgb> kBmfrShown{"bmfr-shown"};
 constexpr BufferKey<uint32_t> kBmfrAge{"bmfr-age"};
@@ -22,7 +22,7 @@ constexpr BufferKey<Rgb> kBmfrSpecular{"bmfr-specular"};
 constexpr BufferKey<float> kBmfrSpecularSquare{"bmfr-specular-square"};
 constexpr BufferKey<uint32_t> kBmfrSpecularSamples{"bmfr-specular-samples"};
 constexpr BufferKey<Rgb> kBmfrSpecularFit{"bmfr-specular-fit"};
-constexpr BufferKey<Rgb> kBmfrSpecularPicture{"bmfr-specular-picture"};
+constexpr BufferKey<Rgb> kBmfrSpecularImage{"bmfr-specular-image"};
 constexpr BufferKey<Rgb> kBmfrSpecularFitHistory{"bmfr-specular-fit-history"};
 constexpr BufferKey<Rgb> kBmfrSpecularShown{"bmfr-specular-shown"};
 constexpr BufferKey<uint32_t> kBmfrSpecularAge{"bmfr-specular-age"};
@@ -71,9 +71,9 @@ void add_parts(PassDeclaration& declaration) {
         denoiser_history(kBmfrSpecularSquare, "mean square of the luminance of those samples"),
         denoiser_history(kBmfrSpecularSamples, "samples in bmfr-specular"),
         denoiser_history(kBmfrSpecularFit, "specular light as features explain it"),
-        denoiser_history(kBmfrSpecularPicture, "specular part of the filtered pictures, averaged"),
+        denoiser_history(kBmfrSpecularImage, "specular part of the filtered images, averaged"),
         scratch(kBmfrSpecularFitHistory, "bmfr-specular-fit of the frame before, where it was"),
-        scratch(kBmfrSpecularShown, "specular part of this frame's picture"),
+        scratch(kBmfrSpecularShown, "specular part of this frame's image"),
         scratch(kBmfrSpecularAge, "samples in that history")})
     declaration.owns.push_back(buffer);
   add_split_buffers(declaration.reads);
@@ -89,9 +89,9 @@ PassDeclaration BmfrPass::declaration() const {
                denoiser_history(kBmfrSquare, "mean square of the luminance of its samples"),
                denoiser_history(kBmfrSamples, "samples in it"),
                denoiser_history(kBmfrFit, "light as features explain it"),
-               denoiser_history(kBmfrPicture, "filtered pictures, averaged"), denoised_buffer(), unfiltered_buffer(),
+               denoiser_history(kBmfrImage, "filtered images, averaged"), denoised_buffer(), unfiltered_buffer(),
                filtered_share_buffer(), scratch(kBmfrFitHistory, "bmfr-fit of the frame before, where it was"),
-               scratch(kBmfrShown, "this frame's picture"), scratch(kBmfrAge, "samples in that history")},
+               scratch(kBmfrShown, "this frame's image"), scratch(kBmfrAge, "samples in that history")},
       .reads = feature_buffers(),
       .reads_if_any = {kAllocation}};
   if (split_) add_parts(declaration);
@@ -122,7 +122,7 @@ void BmfrPass::forget_specular(const FrameContext& frame) const {
   clear_buffer(frame, kBmfrSpecularFitHistory);
   clear_buffer(frame, kBmfrSpecularFit);
   clear_buffer(frame, kBmfrSpecularShown);
-  clear_buffer(frame, kBmfrSpecularPicture);
+  clear_buffer(frame, kBmfrSpecularImage);
 }
 
 // None of these is to be stopped: the frame's samples have joined the mean by now.
@@ -187,7 +187,7 @@ void BmfrPass::present(const FrameContext& frame) const {
   kernel.shown = frame.write(kBmfrShown);
   kernel.width = frame.width();
   frame.launch("bmfr-present", kernel);
-  finish_picture(frame, {"bmfr-present", kBmfrShown, kBmfrPicture, kBmfrSamples}, settings_.history.newest);
+  finish_image(frame, {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples}, settings_.history.newest);
 }
 
 void BmfrPass::present_parts(const FrameContext& frame) const {
@@ -199,9 +199,9 @@ void BmfrPass::present_parts(const FrameContext& frame) const {
   kernel.shown_specular = frame.write(kBmfrSpecularShown);
   kernel.width = frame.width();
   frame.launch("bmfr-present", kernel);
-  PictureBuffers buffers{"bmfr-present", kBmfrShown, kBmfrPicture, kBmfrSamples};
-  if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularPicture, kBmfrSpecularSamples};
-  finish_picture(frame, buffers, settings_.history.newest);
+  ImageBuffers buffers{"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples};
+  if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularImage, kBmfrSpecularSamples};
+  finish_image(frame, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

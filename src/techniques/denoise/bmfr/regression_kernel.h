@@ -1,9 +1,9 @@
-// The regression over all blocks of a picture ([Koskela19] §3.2, 3.3).
+// The regression over all blocks of an image ([Koskela19] §3.2, 3.3).
 #pragma once
 
 #include "frame/launch.h"
 #include "techniques/denoise/bmfr/block_regression.h"
-#include "techniques/denoise/shared/picture_history.h"
+#include "techniques/denoise/shared/image_history.h"
 #include "techniques/gbuffer/features/features.h"
 
 namespace relume {
@@ -105,7 +105,7 @@ struct BlockRegressionKernel {
     return true;
   }
 
-  /// `count` pixels of the picture from `pixel` on, to those of the block from `first` on.
+  /// `count` pixels of the image from `pixel` on, to those of the block from `first` on.
   RELUME_HD void gather_row(uint32_t pixel, uint32_t first, uint32_t count, BlockPixels& p) const {
     uint32_t i = 0;
     for (; i + kLanes <= count; i += kLanes) {
@@ -116,7 +116,7 @@ struct BlockRegressionKernel {
       lanes.put(first + i, p);
     }
     if (i == count) return;
-    // What is left of pictures smaller than a block.
+    // What is left of images smaller than a block.
     float values[4][3 * kLanes] = {};
     float numbers[kLanes] = {};
     float squares[kLanes] = {};

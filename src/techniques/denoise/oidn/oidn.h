@@ -1,4 +1,4 @@
-// What Open Image Denoise is given besides the picture.
+// What Open Image Denoise is given besides the image.
 #pragma once
 
 #include "core/vec.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Means of albedo and normal over the frames since the last change: as smooth at edges as the picture.
+/// Means of albedo and normal over the frames since the last change: as smooth at edges as the image.
 struct OidnAuxiliaryKernel {
   View<const Rgb> feature_albedo;
   View<const Rgb> feature_emission;
@@ -27,7 +27,7 @@ struct OidnAuxiliaryKernel {
   }
 };
 
-/// Whether the picture is filtered after `frames` frames without a change: always at first, then each time that an
+/// Whether the image is filtered after `frames` frames without a change: always at first, then each time that an
 /// eighth has been added to the largest power of two below. A filter takes longer than a frame, and changes less and
 /// less.
 constexpr bool oidn_filters_at(uint32_t frames) {

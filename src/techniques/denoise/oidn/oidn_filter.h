@@ -11,7 +11,7 @@ namespace relume {
 /// Empty if the library can be used; otherwise a sentence that says how to get it.
 std::string oidn_missing();
 
-/// Pictures of width × height pixels, row by row.
+/// Images of width × height pixels, row by row.
 struct OidnImages {
   const Rgb* color = nullptr;   ///< noisy, linear
   const Rgb* albedo = nullptr;  ///< in [0, 1]

@@ -20,7 +20,7 @@ PassDeclaration OidnPass::declaration() const {
           .stage = Stage::denoise,
           .owns = {lasting(kOidnAlbedo, "mean albedo that the filter sees", BufferDisplay::value),
                    lasting(kOidnNormal, "mean normal that the filter sees", BufferDisplay::value, "XYZ"),
-                   lasting(kDenoised, "the picture, denoised", BufferDisplay::value)},
+                   lasting(kDenoised, "the image, denoised", BufferDisplay::value)},
           .reads = {kMean, kFeatureAlbedo, kFeatureEmission, kFeature.normal}};
 }
 

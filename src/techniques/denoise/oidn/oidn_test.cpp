@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-TEST(Oidn, HandsThePictureAndItsFeaturesOver) {
+TEST(Oidn, HandsTheImageAndItsFeaturesOver) {
   ASSERT_TRUE(oidn_missing().empty());
   const std::vector<Rgb> color(6, Rgb(1, 2, 3));
   const std::vector<Rgb> albedo(6, Rgb(0.5f));
@@ -42,7 +42,7 @@ TEST(Oidn, FailuresSayWhy) {
   }
 }
 
-TEST(Oidn, AuxiliaryPicturesAreMeans) {
+TEST(Oidn, AuxiliaryImagesAreMeans) {
   const std::vector<Rgb> albedo{Rgb(0.2f)};
   const std::vector<Rgb> emission{Rgb(0)};
   const std::vector<Vec3> normal{Vec3(0, 1, 0)};

@@ -1,6 +1,6 @@
 #include "techniques/denoise/shared/denoiser_buffers.h"
 
-#include "techniques/denoise/shared/picture_history.h"
+#include "techniques/denoise/shared/image_history.h"
 #include "techniques/temporal/reprojection/backward_buffers.h"
 
 namespace relume {
@@ -36,7 +36,7 @@ BufferDescription denoiser_history(const BufferId& id, const char* help) {
           .display = BufferDisplay::value};
 }
 
-BufferDescription denoised_buffer() { return kept(kDenoised, "the picture, denoised"); }
+BufferDescription denoised_buffer() { return kept(kDenoised, "the image, denoised"); }
 
 BufferDescription unfiltered_buffer() {
   BufferDescription buffer =
@@ -105,9 +105,9 @@ bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples
   return 2 * fresh > filtered;
 }
 
-void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest) {
+void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest) {
   const bool still = frame.changes == Change::none;
-  PictureHistoryKernel average;
+  ImageHistoryKernel average;
   average.shown = frame.read(buffers.shown);
   average.before = frame.previous(buffers.history);
   average.motion = frame.read(kFeature.motion);
@@ -117,12 +117,12 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   average.unfiltered_before = frame.previous(kUnfiltered);
   average.unfiltered = frame.write(kUnfiltered);
   average.filtered_share = frame.write(kFilteredShare);
-  average.picture = frame.write(buffers.history);
+  average.image = frame.write(buffers.history);
   if (!buffers.specular.shown.name.empty()) {
     average.specular.shown = frame.read(buffers.specular.shown);
     average.specular.before = frame.previous(buffers.specular.history);
     average.specular.motion = frame.read(kReflection.motion);
-    average.specular.picture = frame.write(buffers.specular.history);
+    average.specular.image = frame.write(buffers.specular.history);
   }
   average.still = still;
   average.newest = newest;
@@ -135,7 +135,7 @@ void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, fl
   frame.launch(buffers.launch_name, average);
 
   ConvergeKernel converge;
-  converge.picture = frame.read(buffers.history);
+  converge.image = frame.read(buffers.history);
   converge.mean = frame.read(kMean);
   converge.m2 = frame.read(kMoments.m2);
   converge.samples = frame.read(kSamples);

@@ -22,10 +22,10 @@ inline constexpr Change kEndsDenoiserHistory = Change::materials | Change::setti
 /// A double-buffered history of a denoiser.
 BufferDescription denoiser_history(const BufferId& id, const char* help);
 
-/// Where every denoiser leaves its picture.
+/// Where every denoiser leaves its image.
 BufferDescription denoised_buffer();
 
-/// What finish_picture() keeps of lamps and sky, and of how often a pixel shows other things.
+/// What finish_image() keeps of lamps and sky, and of how often a pixel shows other things.
 BufferDescription unfiltered_buffer();
 BufferDescription filtered_share_buffer();
 
@@ -74,8 +74,8 @@ void clear_buffer(const FrameContext& frame, const BufferKey<T>& key) {
 }
 
 /// The last step of a denoiser, which owns these besides kDenoised and the two above: `shown`, this frame's filtered
-/// picture, and `history`, double-buffered. See picture_history.h.
-struct PictureBuffers {
+/// image, and `history`, double-buffered. See image_history.h.
+struct ImageBuffers {
   std::string_view launch_name;
   BufferKey<Rgb> shown;
   BufferKey<Rgb> history;
@@ -93,6 +93,6 @@ bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples
                    const BufferKey<uint32_t>& specular_samples = {});
 
 /// `newest`: weight of this frame where something moves.
-void finish_picture(const FrameContext& frame, const PictureBuffers& buffers, float newest);
+void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest);
 
 }  // namespace relume

@@ -15,7 +15,7 @@ PassDeclaration EdgeEmissionPass::declaration() const {
                     .persistent = true,
                     .reset = Change::any,
                     .display = BufferDisplay::value},
-                   surface_buffer(kShownEmission, "emission that the picture shows", false),
+                   surface_buffer(kShownEmission, "emission that the image shows", false),
                    {.id = kScattered, .help = "radiance of this frame's sample without the emission that it saw"}},
           .reads = {kFeatureAlbedo, kFeatureEmission},
           .writes = {kRadiance, kRays},

@@ -149,11 +149,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Way{"vlc", "cornell", [](RenderSettings& s) { s.lights = LightSelectionChoice::vlc; }}),
     [](const auto& way) { return std::string(way.param.name); });
 
-/// Mean square distance of the upper third of the picture, where the lamp is, from a reference.
-double error_of(const Image& picture, const Image& reference) {
+/// Mean square distance of the upper third of the image, where the lamp is, from a reference.
+double error_of(const Image& image, const Image& reference) {
   double sum = 0;
   for (size_t i = 0; i < 16 * kSize; ++i) {
-    const float off = luminance(picture.pixels[i]) - luminance(reference.pixels[i]);
+    const float off = luminance(image.pixels[i]) - luminance(reference.pixels[i]);
     sum += static_cast<double>(off * off);
   }
   return sum / (16 * kSize);
@@ -167,7 +167,7 @@ Image reference_of_the_box() {
   return session.image();
 }
 
-TEST(EdgeEmission, MeansOfStillPicturesConvergeNoSlower) {
+TEST(EdgeEmission, MeansOfStillImagesConvergeNoSlower) {
   const Image reference = reference_of_the_box();
   const auto error = [&](int edge_rays) {
     double sum = 0;
@@ -175,9 +175,9 @@ TEST(EdgeEmission, MeansOfStillPicturesConvergeNoSlower) {
       Session session = box(settings_with(edge_rays, seed));
       for (int frame = 0; frame < 64; ++frame) session.render_frame();
       const auto mean = buffer_table(session).view(kMean);
-      Image picture(static_cast<int>(kSize), static_cast<int>(kSize));
-      for (uint32_t i = 0; i < kPixels; ++i) picture.pixels[i] = mean[i];
-      sum += error_of(picture, reference);
+      Image image(static_cast<int>(kSize), static_cast<int>(kSize));
+      for (uint32_t i = 0; i < kPixels; ++i) image.pixels[i] = mean[i];
+      sum += error_of(image, reference);
     }
     return sum;
   };

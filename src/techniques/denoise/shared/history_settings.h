@@ -5,7 +5,7 @@
 
 namespace relume {
 
-/// How long the light at a surface and the filtered pictures are averaged.
+/// How long the light at a surface and the filtered images are averaged.
 struct DenoiserHistorySettings {
   int max_history = 32;
   int max_history_changed = 8;
@@ -24,7 +24,7 @@ inline void add_settings(SettingList& list, DenoiserHistorySettings& s) {
                   {.min = 1, .max = 1024, .biases = true}});
   list.push_back({"newest",
                   &s.newest,
-                  "Weight of a frame in the picture while something moves; below 1 edges are smooth",
+                  "Weight of a frame in the image while something moves; below 1 edges are smooth",
                   {.min = 0.01, .max = 1, .biases = true}});
 }
 

@@ -19,7 +19,7 @@ struct SurfaceLight {
   View<const Rgb> scattered;        ///< the same without the emission that the sample saw
   View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
   View<const Rgb> albedo;
-  View<const Rgb> emission;  ///< that the picture shows
+  View<const Rgb> emission;  ///< that the image shows
 
   RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
 
@@ -28,9 +28,9 @@ struct SurfaceLight {
     return {light_at_surface(scattered[pixel], albedo[pixel]), true};
   }
 
-  /// The picture from filtered light. What is not filtered shows this frame's sample or, without one, the emission
-  /// seen. Samples that miss some of the emission leave negative light behind; no picture is darker than black.
-  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light) const {
+  /// The image from filtered light. What is not filtered shows this frame's sample or, without one, the emission
+  /// seen. Samples that miss some of the emission leave negative light behind; no image is darker than black.
+  RELUME_HD Rgb image(uint32_t pixel, const Rgb& light) const {
     if (is_filtered(albedo[pixel])) return glm::max(emission[pixel] + albedo[pixel] * light, Rgb(0));
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
@@ -48,11 +48,11 @@ struct SplitLight {
     return glm::max(specular_albedo[pixel] * light, Rgb(0));
   }
 
-  /// The picture from filtered diffuse light and what specular_part() has made of the rest.
-  RELUME_HD Rgb picture(uint32_t pixel, const Rgb& light, const Rgb& specular) const {
-    if (is_filtered(diffuse.albedo[pixel])) return diffuse.picture(pixel, light) + specular;
+  /// The image from filtered diffuse light and what specular_part() has made of the rest.
+  RELUME_HD Rgb image(uint32_t pixel, const Rgb& light, const Rgb& specular) const {
+    if (is_filtered(diffuse.albedo[pixel])) return diffuse.image(pixel, light) + specular;
     if (reflects(pixel)) return diffuse.emission[pixel] + specular;
-    return diffuse.picture(pixel, light);
+    return diffuse.image(pixel, light);
   }
 };
 

@@ -9,7 +9,7 @@
 
 namespace relume {
 
-/// What a level reads, a picture each.
+/// What a level reads, an image each.
 enum class AtrousPlane : uint32_t {
   valid,  ///< 1: takes part, 0: does not
   normal_x,
@@ -30,9 +30,9 @@ RELUME_HD constexpr uint32_t place_of(AtrousPlane first, uint32_t component = 0)
 inline constexpr uint32_t kAtrousChannels = 4;
 inline constexpr uint32_t kAtrousVariance = 3;
 
-/// Pictures one after another, with a margin on either side in which nothing is valid, so that strips of pixels may be
+/// Images one after another, with a margin on either side in which nothing is valid, so that strips of pixels may be
 /// read and written beyond the border.
-struct AtrousPicture {
+struct AtrousImage {
   static constexpr uint32_t kMargin = 40;  ///< reach of the last level, 2 · 2⁴, and a strip
 
   View<float> values;
@@ -73,7 +73,7 @@ struct Pixels {
   F position[3];
   F channels[kAtrousChannels];
 
-  RELUME_HD_INLINE Pixels(const AtrousPicture& features, const AtrousPicture& light, uint32_t x, uint32_t y) {
+  RELUME_HD_INLINE Pixels(const AtrousImage& features, const AtrousImage& light, uint32_t x, uint32_t y) {
     for (uint32_t c = 0; c < 3; ++c) {
       normal[c] = load_lanes<F>(features.at(place_of(AtrousPlane::normal_x, c), x, y));
       position[c] = load_lanes<F>(features.at(place_of(AtrousPlane::position_x, c), x, y));
@@ -102,10 +102,10 @@ struct TapSums {
 }  // namespace atrous_detail
 
 struct AtrousKernel {
-  AtrousPicture features;  ///< kAtrousPlanes
-  AtrousPicture light;     ///< kAtrousChannels
-  AtrousPicture filtered;  ///< kAtrousChannels
-  uint32_t step = 1;       ///< pixels between taps
+  AtrousImage features;  ///< kAtrousPlanes
+  AtrousImage light;     ///< kAtrousChannels
+  AtrousImage filtered;  ///< kAtrousChannels
+  uint32_t step = 1;     ///< pixels between taps
   float plane_tolerance = 1;
   float light_tolerance = 2;
 
@@ -144,8 +144,8 @@ struct AtrousKernel {
   }
 
   /// `column` may be negative, as an unsigned number that wraps around.
-  RELUME_HD_INLINE static const float* at(const AtrousPicture& picture, uint32_t plane, uint32_t column, uint32_t row) {
-    return picture.at(plane, 0, row) + static_cast<int32_t>(column);
+  RELUME_HD_INLINE static const float* at(const AtrousImage& image, uint32_t plane, uint32_t column, uint32_t row) {
+    return image.at(plane, 0, row) + static_cast<int32_t>(column);
   }
 
   template <typename F>

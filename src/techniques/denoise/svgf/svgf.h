@@ -32,8 +32,8 @@ struct SvgfPrepareKernel {
   View<const Rgb> light;
   View<const Vec2> moments;
   View<const uint32_t> count;
-  AtrousPicture features;
-  AtrousPicture planes;   ///< light and variance
+  AtrousImage features;
+  AtrousImage planes;     ///< light and variance
   float cone_width = 0;   ///< of a pixel at the camera, metres
   float cone_spread = 0;  ///< growth a metre
   uint32_t width = 0;
@@ -112,28 +112,28 @@ struct SvgfPrepareKernel {
   }
 };
 
-/// The picture from filtered light.
+/// The image from filtered light.
 struct SvgfPresentKernel {
   SurfaceLight samples;
-  AtrousPicture filtered;
+  AtrousImage filtered;
   View<Rgb> shown;
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    shown[pixel] = samples.picture(pixel, light_at(filtered, x, y));
+    shown[pixel] = samples.image(pixel, light_at(filtered, x, y));
   }
 
-  RELUME_HD static Rgb light_at(const AtrousPicture& picture, uint32_t x, uint32_t y) {
-    return {*picture.at(0, x, y), *picture.at(1, x, y), *picture.at(2, x, y)};
+  RELUME_HD static Rgb light_at(const AtrousImage& image, uint32_t x, uint32_t y) {
+    return {*image.at(0, x, y), *image.at(1, x, y), *image.at(2, x, y)};
   }
 };
 
 /// The same where diffuse and specular light are kept apart.
 struct SvgfPresentPartsKernel {
   SplitLight samples;
-  AtrousPicture diffuse;
-  AtrousPicture specular;
+  AtrousImage diffuse;
+  AtrousImage specular;
   View<Rgb> shown;
   View<Rgb> shown_specular;
   uint32_t width = 0;
@@ -145,7 +145,7 @@ struct SvgfPresentPartsKernel {
       reflected = samples.specular_part(pixel, SvgfPresentKernel::light_at(specular, x, y));
     }
     shown_specular[pixel] = reflected;
-    shown[pixel] = samples.picture(pixel, SvgfPresentKernel::light_at(diffuse, x, y), reflected);
+    shown[pixel] = samples.image(pixel, SvgfPresentKernel::light_at(diffuse, x, y), reflected);
   }
 };
 

@@ -9,13 +9,13 @@ namespace {
 constexpr BufferKey<Rgb> kSvgfLight{"svgf-light"};
 constexpr BufferKey<Vec2> kSvgfMoments{"svgf-moments"};
 constexpr BufferKey<uint32_t> kSvgfSamples{"svgf-samples"};
-constexpr BufferKey<Rgb> kSvgfPicture{"svgf-picture"};
+constexpr BufferKey<Rgb> kSvgfImage{"svgf-image"};
 constexpr BufferKey<Rgb> kSvgfShown{"svgf-shown"};
 
 constexpr BufferKey<Rgb> kSvgfSpecular{"svgf-specular"};
 constexpr BufferKey<Vec2> kSvgfSpecularMoments{"svgf-specular-moments"};
 constexpr BufferKey<uint32_t> kSvgfSpecularSamples{"svgf-specular-samples"};
-constexpr BufferKey<Rgb> kSvgfSpecularPicture{"svgf-specular-picture"};
+constexpr BufferKey<Rgb> kSvgfSpecularImage{"svgf-specular-image"};
 constexpr BufferKey<Rgb> kSvgfSpecularShown{"svgf-specular-shown"};
 
 /// What one part of the light is filtered by: features, and the pass's own buffers.
@@ -44,13 +44,12 @@ void add_parts(PassDeclaration& declaration) {
   declaration.owns.push_back(
       denoiser_history(kSvgfSpecularMoments, "mean of the luminance of svgf-specular and of its square"));
   declaration.owns.push_back(denoiser_history(kSvgfSpecularSamples, "samples in svgf-specular"));
-  declaration.owns.push_back(
-      denoiser_history(kSvgfSpecularPicture, "specular part of the filtered pictures, averaged"));
-  declaration.owns.push_back({.id = kSvgfSpecularShown, .help = "specular part of this frame's picture"});
+  declaration.owns.push_back(denoiser_history(kSvgfSpecularImage, "specular part of the filtered images, averaged"));
+  declaration.owns.push_back({.id = kSvgfSpecularShown, .help = "specular part of this frame's image"});
   add_split_buffers(declaration.reads);
 }
 
-AtrousPicture picture_of(std::vector<float>& values, const FrameContext& frame) {
+AtrousImage image_of(std::vector<float>& values, const FrameContext& frame) {
   return {mutable_view_of(values), frame.width(), frame.height()};
 }
 
@@ -63,11 +62,11 @@ PassDeclaration SvgfPass::declaration() const {
       .owns = {denoiser_history(kSvgfLight, "light at the surface, as far as samples tell"),
                denoiser_history(kSvgfMoments, "mean of its luminance and of the square of that"),
                denoiser_history(kSvgfSamples, "samples in it"),
-               denoiser_history(kSvgfPicture, "filtered pictures, averaged"),
+               denoiser_history(kSvgfImage, "filtered images, averaged"),
                denoised_buffer(),
                unfiltered_buffer(),
                filtered_share_buffer(),
-               {.id = kSvgfShown, .help = "this frame's picture"}},
+               {.id = kSvgfShown, .help = "this frame's image"}},
       .reads = feature_buffers(),
       .reads_if_any = {kAllocation}};
   if (split_) add_parts(declaration);
@@ -95,7 +94,7 @@ bool SvgfPass::run(const FrameContext& frame) {
 void SvgfPass::forget_specular(const FrameContext& frame) const {
   clear_buffer(frame, kSvgfSpecularSamples);
   clear_buffer(frame, kSvgfSpecularShown);
-  clear_buffer(frame, kSvgfSpecularPicture);
+  clear_buffer(frame, kSvgfSpecularImage);
 }
 
 // None of these is to be stopped: the frame's samples have joined the mean by now.
@@ -113,8 +112,8 @@ void SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
 void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   std::vector<float>& light = light_[place_of(part)];
-  features_.resize(AtrousPicture::size(kAtrousPlanes, frame.width(), frame.height()));
-  light.resize(AtrousPicture::size(kAtrousChannels, frame.width(), frame.height()));
+  features_.resize(AtrousImage::size(kAtrousPlanes, frame.width(), frame.height()));
+  light.resize(AtrousImage::size(kAtrousChannels, frame.width(), frame.height()));
   filtered_.resize(light.size());
   SvgfPrepareKernel kernel;
   kernel.position = frame.read(buffers.position);
@@ -124,8 +123,8 @@ void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   kernel.light = frame.read(buffers.light);
   kernel.moments = frame.read(buffers.moments);
   kernel.count = frame.read(buffers.samples);
-  kernel.features = picture_of(features_, frame);
-  kernel.planes = picture_of(light, frame);
+  kernel.features = image_of(features_, frame);
+  kernel.planes = image_of(light, frame);
   kernel.cone_width = frame.scene.camera.cone_width();
   kernel.cone_spread = frame.scene.camera.cone_spread();
   kernel.width = frame.width();
@@ -137,9 +136,9 @@ void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
 void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
   for (int level = 0; level < settings_.levels; ++level) {
     AtrousKernel kernel;
-    kernel.features = picture_of(features_, frame);
-    kernel.light = picture_of(light, frame);
-    kernel.filtered = picture_of(filtered_, frame);
+    kernel.features = image_of(features_, frame);
+    kernel.light = image_of(light, frame);
+    kernel.filtered = image_of(filtered_, frame);
     kernel.step = 1u << level;
     kernel.plane_tolerance = settings_.plane_tolerance;
     kernel.light_tolerance = settings_.light_tolerance;
@@ -151,25 +150,25 @@ void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
 void SvgfPass::present(const FrameContext& frame) {
   SvgfPresentKernel kernel;
   kernel.samples = surface_light(frame);
-  kernel.filtered = picture_of(light_[0], frame);
+  kernel.filtered = image_of(light_[0], frame);
   kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
-  finish_picture(frame, {"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples}, settings_.history.newest);
+  finish_image(frame, {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples}, settings_.history.newest);
 }
 
 void SvgfPass::present_parts(const FrameContext& frame) {
   SvgfPresentPartsKernel kernel;
   kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
-  kernel.diffuse = picture_of(light_[0], frame);
-  kernel.specular = picture_of(light_[1], frame);
+  kernel.diffuse = image_of(light_[0], frame);
+  kernel.specular = image_of(light_[1], frame);
   kernel.shown = frame.write(kSvgfShown);
   kernel.shown_specular = frame.write(kSvgfSpecularShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
-  PictureBuffers buffers{"svgf-present", kSvgfShown, kSvgfPicture, kSvgfSamples};
-  if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularPicture, kSvgfSpecularSamples};
-  finish_picture(frame, buffers, settings_.history.newest);
+  ImageBuffers buffers{"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples};
+  if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularImage, kSvgfSpecularSamples};
+  finish_image(frame, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -29,8 +29,8 @@ struct Wall {
     kernel.light = view_of(light);
     kernel.moments = view_of(moments);
     kernel.count = view_of(count);
-    kernel.features = picture(features);
-    kernel.planes = picture(planes);
+    kernel.features = image(features);
+    kernel.planes = image(planes);
     kernel.cone_spread = 0.001f;
     kernel.width = kWidth;
     kernel.height = kHeight;
@@ -41,9 +41,9 @@ struct Wall {
 
   AtrousKernel level(uint32_t step) {
     AtrousKernel kernel;
-    kernel.features = picture(features);
-    kernel.light = picture(planes);
-    kernel.filtered = picture(filtered);
+    kernel.features = image(features);
+    kernel.light = image(planes);
+    kernel.filtered = image(filtered);
     kernel.step = step;
     return kernel;
   }
@@ -57,7 +57,7 @@ struct Wall {
   }
 
   /// A channel of the result.
-  float at(uint32_t channel, uint32_t x, uint32_t y) { return *picture(planes).at(channel, x, y); }
+  float at(uint32_t channel, uint32_t x, uint32_t y) { return *image(planes).at(channel, x, y); }
 
   /// Every pixel one sample of mean 1 and variance 1.
   void make_noise(uint32_t samples) {
@@ -81,7 +81,7 @@ struct Wall {
     return sum / kPixels;
   }
 
-  static AtrousPicture picture(std::vector<float>& values) { return {mutable_view_of(values), kWidth, kHeight}; }
+  static AtrousImage image(std::vector<float>& values) { return {mutable_view_of(values), kWidth, kHeight}; }
 
   std::vector<Vec3> position = std::vector<Vec3>(kPixels);
   std::vector<Vec3> normal = std::vector<Vec3>(kPixels, Vec3(0, 0, 1));
@@ -90,8 +90,8 @@ struct Wall {
   std::vector<Rgb> light = std::vector<Rgb>(kPixels, Rgb(1, 2, 3));
   std::vector<Vec2> moments = std::vector<Vec2>(kPixels, Vec2(1, 1));
   std::vector<uint32_t> count = std::vector<uint32_t>(kPixels, 16);
-  std::vector<float> features = std::vector<float>(AtrousPicture::size(kAtrousPlanes, kWidth, kHeight));
-  std::vector<float> planes = std::vector<float>(AtrousPicture::size(kAtrousChannels, kWidth, kHeight));
+  std::vector<float> features = std::vector<float>(AtrousImage::size(kAtrousPlanes, kWidth, kHeight));
+  std::vector<float> planes = std::vector<float>(AtrousImage::size(kAtrousChannels, kWidth, kHeight));
   std::vector<float> filtered = planes;
 };
 

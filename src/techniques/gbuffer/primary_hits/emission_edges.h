@@ -14,7 +14,7 @@ namespace relume {
 inline constexpr float kEmissionContrast = 4;
 inline constexpr uint32_t kNeighbours = 8;
 
-/// The k-th of the eight pixels around (x, y). False outside of the picture.
+/// The k-th of the eight pixels around (x, y). False outside of the image.
 RELUME_HD inline bool neighbour_of(uint32_t k, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t& i) {
   const uint32_t cell = k < 4 ? k : k + 1;  // of a block of nine, without its middle
   const uint32_t nx = x + cell % 3 - 1;     // wraps around beyond the left and the upper edge

@@ -80,7 +80,7 @@ RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, 
   return is_finite(film->x);
 }
 
-/// Motion, in pixels, of what the previous frame could not show: leads beyond every picture. The largest binary16.
+/// Motion, in pixels, of what the previous frame could not show: leads beyond every image. The largest binary16.
 inline constexpr float kFromNowhere = 65504;
 
 /// Pixels from where the previous frame showed `before` to where this one shows `now`; kFromNowhere where one of them
@@ -140,7 +140,7 @@ struct SurfaceKernel {
 };
 
 /// Sums of what the primary hits of several samples show; divided by their number when written. Motion is that of the
-/// first, as nothing moves while samples of a still picture add up.
+/// first, as nothing moves while samples of a still image add up.
 struct AuxiliaryKernel {
   View<const Rgb> surface_albedo;
   View<const Vec3> surface_normal;

@@ -85,7 +85,7 @@ bool AuxiliaryPass::run(const FrameContext& frame) {
   kernel.normal = frame.write(kNormalAov);
   kernel.depth = frame.write(kDepthAov);
   kernel.motion = frame.write(kMotionAov);
-  kernel.first = frame.begins_picture;
+  kernel.first = frame.begins_image;
   kernel.width = frame.width();
   frame.launch("auxiliary", kernel);
   return true;

@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Random numbers apart from those of the picture.
+/// Random numbers apart from those of the image.
 constexpr uint32_t kViewSeed = 0x7f4a7c15u;
 
 uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& frame) {
@@ -19,7 +19,7 @@ uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& 
   return place(s.view_y, frame.height()) * frame.width() + place(s.view_x, frame.width());
 }
 
-/// Writes an octahedral map into the left (0) or right (1) half of the picture, unscaled, in the middle.
+/// Writes an octahedral map into the left (0) or right (1) half of the image, unscaled, in the middle.
 template <typename Value>
 void draw_map(const FrameContext& frame, uint32_t half, uint32_t edge, const Value& value) {
   const View<float> out = frame.write(kDirections);

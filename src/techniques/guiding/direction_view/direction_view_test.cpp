@@ -1,4 +1,4 @@
-// What pictures show of regions, known lights and directions, by value.
+// What images show of regions, known lights and directions, by value.
 #include <gtest/gtest.h>
 
 #include <algorithm>

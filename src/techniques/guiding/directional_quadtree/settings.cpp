@@ -30,7 +30,7 @@ SettingList describe(DirectionalQuadtreeSettings& s) {
        {.resets_history = false}},
       {"view-x",
        &s.view_x,
-       "That point, as a share of the picture's width",
+       "That point, as a share of the image's width",
        {.min = 0, .max = 1, .resets_history = false}},
       {"view-y", &s.view_y, "The same of its height", {.min = 0, .max = 1, .resets_history = false}},
   };

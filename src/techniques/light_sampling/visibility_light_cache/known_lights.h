@@ -1,4 +1,4 @@
-// What regions know, as pictures show it.
+// What regions know, as images show it.
 #pragma once
 
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"

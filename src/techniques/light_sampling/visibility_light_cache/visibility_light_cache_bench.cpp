@@ -74,8 +74,7 @@ void bm_sample_stream_group(benchmark::State& state) {
   SampleStream stream;
   const uint32_t pixels = 1 << 20;
   stream.resize(pixels, 2);
-  for (uint32_t i = 0; i < 2 * pixels; ++i)
-    stream.samples()[i].region = (i / 64 * 7919u) % 4096;  // runs, as in pictures
+  for (uint32_t i = 0; i < 2 * pixels; ++i) stream.samples()[i].region = (i / 64 * 7919u) % 4096;  // runs, as in images
   Backend backend;
   for (auto _ : state) stream.group(backend, 4096);
   state.SetItemsProcessed(state.iterations() * 2 * pixels);

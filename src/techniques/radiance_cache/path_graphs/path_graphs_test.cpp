@@ -287,7 +287,7 @@ TEST(PathGraphWithSurvival, SurvivorsShowTheGraphAndCulledPixelsTheirCell) {
   EXPECT_GT(culled, 500u);
 }
 
-TEST(PathGraphWithSurvival, TheConstantChangesThePictureAsItDoesWithout) {
+TEST(PathGraphWithSurvival, TheConstantChangesTheImageAsItDoesWithout) {
   for (const CacheKind kind : {CacheKind::apg, CacheKind::apsf_apg}) {
     const auto variance = [&](float constant) {
       CachedFrameSettings settings = small(kind, 32);

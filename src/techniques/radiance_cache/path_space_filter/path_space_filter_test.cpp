@@ -179,11 +179,11 @@ TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
   settings.psf.grid.cell_size = 8;
   CachedFrames frames(scene, settings);
   frames.render();
-  const std::vector<Rgb>& picture = frames.render();
-  for (size_t i = 0; i < picture.size(); ++i) {
+  const std::vector<Rgb>& image = frames.render();
+  for (size_t i = 0; i < image.size(); ++i) {
     const bool white = i % 16 >= 8;
-    EXPECT_NEAR(picture[i].r, 0.9f, 1e-3f) << i;
-    EXPECT_NEAR(picture[i].g, white ? 0.9f : 0.0f, 1e-3f) << i;
+    EXPECT_NEAR(image[i].r, 0.9f, 1e-3f) << i;
+    EXPECT_NEAR(image[i].g, white ? 0.9f : 0.0f, 1e-3f) << i;
   }
 }
 

@@ -175,7 +175,7 @@ TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
 }
 
 TEST(HashGridSize, LoadsWhatItSavesHoweverManyCellsAreExpected) {
-  HashGrid grid(with_limit(4096), uint64_t{kMostSlots} * 4);  // a large picture of small cells and long paths
+  HashGrid grid(with_limit(4096), uint64_t{kMostSlots} * 4);  // a large image of small cells and long paths
   Backend backend(1);
   fill(grid, 0, 100);
   grid.end_frame(backend);
@@ -184,7 +184,7 @@ TEST(HashGridSize, LoadsWhatItSavesHoweverManyCellsAreExpected) {
   EXPECT_EQ(other.statistics().cells, 100u);
 }
 
-TEST(HashGridSize, AnOpenLimitFollowsThePictureWithinTheMemory) {
+TEST(HashGridSize, AnOpenLimitFollowsTheImageWithinTheMemory) {
   constexpr uint64_t kPixels4K = 3840 * 2160;
   constexpr uint64_t kRoomy = uint64_t{1} << 40;
   const auto slots = [](uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {

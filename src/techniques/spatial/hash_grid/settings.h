@@ -21,7 +21,7 @@ struct HashGridSettings {
   ThinCells thin_cells = ThinCells::coarser;
   float clamp = 0;
   float change_detection = 4;
-  int max_cells = 0;  ///< slots of the table at most; 0: as picture and memory ask for
+  int max_cells = 0;  ///< slots of the table at most; 0: as image and memory ask for
 };
 
 SettingList describe(HashGridSettings& settings);

@@ -1,4 +1,4 @@
-// The octree as pictures show it.
+// The octree as images show it.
 #pragma once
 
 #include "techniques/spatial/octree/sample_stream.h"

@@ -12,7 +12,7 @@ SettingList describe(OctreeSettings& s) {
        "Eight regions with fewer samples a frame than this together are joined",
        {.min = 1, .max = 1 << 24}},
       {"split", &s.split, "A region with more samples a frame than this is split in eight", {.min = 8, .max = 1 << 24}},
-      {"scale", &s.scale, "The two numbers are meant for 1920 x 1080 pixels and scaled with the size of the picture"},
+      {"scale", &s.scale, "The two numbers are meant for 1920 x 1080 pixels and scaled with the size of the image"},
       {"max-depth", &s.max_depth, "Levels of the tree", {.min = 1, .max = kMaxOctreeDepth}},
       {"vertices",
        &s.vertices,

@@ -36,7 +36,7 @@ struct LightFilmBuffers {
 };
 
 /// Root of the mean variance of the pixels' means over the image's mean luminance, from AccumulateKernel's buffers. 0
-/// for a black picture, infinite where a pixel has fewer than two samples.
+/// for a black image, infinite where a pixel has fewer than two samples.
 double relative_error(const MomentsView& moments, const LightFilmBuffers& film = {});
 
 }  // namespace relume

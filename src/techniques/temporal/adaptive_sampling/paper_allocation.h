@@ -42,7 +42,7 @@ struct PaperAllocationKernel {
     const PixelMoments known = history[pixel];
     const uint32_t n = known.samples;
     noise[pixel] = adaptive_noise(known);
-    if (scene_changed) probability[pixel] = 0.0f;  // settled for another picture
+    if (scene_changed) probability[pixel] = 0.0f;  // settled for another image
     if (iteration == max_samples) probability[pixel] = known_probability(n);
     allocation[pixel] = ready(x, y, pixel, n) ? 1u : 0u;
   }

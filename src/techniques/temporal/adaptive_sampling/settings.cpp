@@ -32,7 +32,7 @@ SettingList describe(AdaptiveSamplingSettings& s) {
        "than adaptive.min",
        {.min = 3, .max = 65536, .biases = true}},
       {"pilot", &s.pilot,
-       "Leave the samples that settled the probabilities out of the picture, which removes the bias of deciding by the "
+       "Leave the samples that settled the probabilities out of the image, which removes the bias of deciding by the "
        "values that are averaged"},
   };
 }

@@ -91,8 +91,8 @@ struct BackwardReprojection {
   uint32_t width = 0;
   uint32_t height = 0;
 
-  /// Whether one of the four pixels around where pixel (x, y) was lies in the picture.
-  RELUME_HD bool was_in_picture(uint32_t x, uint32_t y) const {
+  /// Whether one of the four pixels around where pixel (x, y) was lies in the image.
+  RELUME_HD bool was_in_image(uint32_t x, uint32_t y) const {
     const Vec2& way = motion[y * width + x];
     const float x0 = std::floor(static_cast<float>(x) - way.x);
     const float y0 = std::floor(static_cast<float>(y) - way.y);
@@ -107,7 +107,7 @@ struct BackwardReprojection {
     const float fy = static_cast<float>(y) - motion[pixel].y;
     const float x0 = std::floor(fx);
     const float y0 = std::floor(fy);
-    if (!was_in_picture(x, y)) return result;
+    if (!was_in_image(x, y)) return result;
     const float wx = fx - x0;
     const float wy = fy - y0;
     if (wx == 0.0f && wy == 0.0f) return single_tap(pixel, static_cast<int>(x0), static_cast<int>(y0));
@@ -237,7 +237,7 @@ struct BackwardHistoryKernel {
   RELUME_HD RejectReason reason(const BackwardTaps& taps, uint32_t count, uint32_t x, uint32_t y) const {
     if (count > 0) return RejectReason::none;
     if (taps.valid) return RejectReason::empty;
-    return reprojection.was_in_picture(x, y) ? RejectReason::other_surface : RejectReason::off_screen;
+    return reprojection.was_in_image(x, y) ? RejectReason::other_surface : RejectReason::off_screen;
   }
 };
 

@@ -97,7 +97,7 @@ TEST(DepthTest, LimitHoldsForTheFilmOfLightPaths) {
   EXPECT_EQ(moments.samples, (std::vector<uint32_t>{3, 3}));
 }
 
-TEST(DepthTest, PixelsOfLargePicturesHaveExactIndices) {
+TEST(DepthTest, PixelsOfLargeImagesHaveExactIndices) {
   CameraView camera;
   camera.resolution = {7680, 4320};  // twice as many pixels as floats can number
   EXPECT_EQ(pixel_at(camera, {1234.5f, 4319.5f}), 4319u * 7680u + 1234u);

@@ -63,9 +63,9 @@ TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
   EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, false))));
 }
 
-// Counts are believed as far as there is something behind them, and only if they fit the picture; the last would need
+// Counts are believed as far as there is something behind them, and only if they fit the image; the last would need
 // 384 GiB.
-TEST(ReprojectionPass, RefusesCountsThatDoNotFitThePicture) {
+TEST(ReprojectionPass, RefusesCountsThatDoNotFitTheImage) {
   const ReprojectionSettings settings;
   const std::vector<StoredSample> stored(4 * kPixels);
   ReprojectionPass pass(settings, kPixels, false);

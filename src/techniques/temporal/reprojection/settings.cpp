@@ -17,16 +17,16 @@ SettingList describe(ReprojectionSettings& s) {
        {.biases = true}},
       {"error",
        &s.error,
-       "Largest change of the picture that another viewpoint may make, in display units (forward)",
+       "Largest change of the image that another viewpoint may make, in display units (forward)",
        {.min = 0, .max = 1000, .biases = true}},
       {"light-error",
        &s.light_error,
-       "Change of the picture by moved lights and shadows, in display units, above which a history counts for "
+       "Change of the image by moved lights and shadows, in display units, above which a history counts for "
        "fewer samples the larger it is (forward)",
        {.min = 0, .max = 1000, .biases = true}},
       {"exposure",
        &s.exposure,
-       "Exposure at which the picture will be seen, for the bounds in display units: those are 2^this of radiance. It "
+       "Exposure at which the image will be seen, for the bounds in display units: those are 2^this of radiance. It "
        "is a setting of its own; --exposure and the viewer's exposure do not change it",
        {.min = -30, .max = 30, .unit = "stops"}},
       {"max-distance",

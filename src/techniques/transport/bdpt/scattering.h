@@ -1,4 +1,4 @@
-// Scattering as both directions of transport see it. The picture is what paths from the camera make of it, so wherever
+// Scattering as both directions of transport see it. The image is what paths from the camera make of it, so wherever
 // a surface's answer depends on which of the two directions is the viewer's, light subpaths take the camera's side.
 #pragma once
 

@@ -1,4 +1,4 @@
-// Scenes whose picture is known in closed form, rendered at low resolution.
+// Scenes whose image is known in closed form, rendered at low resolution.
 #include "techniques/transport/path/path.h"
 
 #include <gtest/gtest.h>
@@ -127,7 +127,7 @@ TEST(Path, BouncesCountScatteringEvents) {
   EXPECT_NEAR(render(scene, 2, settings).mean.r, 0.5f, 1e-4f);
 }
 
-/// Expects equal means of the Cornell box, as far as pictures of several seeds tell: well below one percent.
+/// Expects equal means of the Cornell box, as far as images of several seeds tell: well below one percent.
 void expect_equal_means(RenderSettings a, RenderSettings b) {
   constexpr int kSeeds = 16;
   const Scene scene = find_builtin_scene("cornell")->build();

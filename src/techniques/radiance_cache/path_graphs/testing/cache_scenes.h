@@ -1,4 +1,4 @@
-// Scenes whose picture is known in closed form, for tests of the caches.
+// Scenes whose image is known in closed form, for tests of the caches.
 #pragma once
 
 #include "builtin_scenes/shapes.h"

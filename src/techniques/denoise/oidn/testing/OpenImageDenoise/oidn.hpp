@@ -1,5 +1,5 @@
 // Stands in for the library in tests, on machines without it: the same names as far as relume uses them, and a filter
-// that halves the picture.
+// that halves the image.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "techniques/denoise/shared/picture_history.h"
+#include "techniques/denoise/shared/image_history.h"
 
 #include <gtest/gtest.h>
 
@@ -15,11 +15,11 @@ constexpr uint32_t kWidth = 45;
 constexpr uint32_t kHeight = 37;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// Pictures of a gradient with noise.
-struct Pictures {
+/// Images of a gradient with noise.
+struct Images {
   void average(bool still, float newest) {
     const std::vector<Rgb> unfiltered_before = unfiltered;
-    PictureHistoryKernel kernel;
+    ImageHistoryKernel kernel;
     kernel.shown = view_of(shown);
     kernel.before = view_of(before);
     kernel.motion = view_of(motion);
@@ -28,7 +28,7 @@ struct Pictures {
     kernel.edge_rays = view_of(edge_rays);
     kernel.unfiltered_before = view_of(unfiltered_before);
     kernel.unfiltered = mutable_view_of(unfiltered);
-    kernel.picture = mutable_view_of(picture);
+    kernel.image = mutable_view_of(image);
     kernel.specular = specular;
     kernel.newest = newest;
     kernel.filtered_share = mutable_view_of(filtered_share);
@@ -41,14 +41,14 @@ struct Pictures {
     }
   }
   ConvergeKernel converge() {
-    return {view_of(before), view_of(shown), view_of(m2), view_of(samples), mutable_view_of(picture),
+    return {view_of(before), view_of(shown), view_of(m2), view_of(samples), mutable_view_of(image),
             false,           true,           kWidth,      kHeight};
   }
 
-  SpecularPictures specular;
+  SpecularImages specular;
   std::vector<Rgb> shown = std::vector<Rgb>(kPixels, Rgb(1));
   std::vector<Rgb> before = std::vector<Rgb>(kPixels, Rgb(3));
-  std::vector<Rgb> picture = std::vector<Rgb>(kPixels);
+  std::vector<Rgb> image = std::vector<Rgb>(kPixels);
   std::vector<Rgb> albedo = std::vector<Rgb>(kPixels, Rgb(0.5f));
   std::vector<Rgb> emission = std::vector<Rgb>(kPixels, Rgb(0));
   std::vector<uint32_t> edge_rays = std::vector<uint32_t>(kPixels, 0);
@@ -61,8 +61,8 @@ struct Pictures {
 };
 
 /// A step of light on the surface at rest, and another one in its reflection, which moves by four pixels.
-TEST(PictureHistory, PartsMoveByTheirOwnMotion) {
-  Pictures p;
+TEST(ImageHistory, PartsMoveByTheirOwnMotion) {
+  Images p;
   std::vector<Rgb> reflected(kPixels);
   std::vector<Rgb> reflected_before(kPixels);
   std::vector<Rgb> result(kPixels);
@@ -78,26 +78,26 @@ TEST(PictureHistory, PartsMoveByTheirOwnMotion) {
   p.average(false, 0.2f);
   for (uint32_t y = 0; y < kHeight; ++y) {
     for (uint32_t x = 5; x < kWidth; ++x) {
-      EXPECT_EQ(p.picture[y * kWidth + x], p.shown[y * kWidth + x]) << x;
+      EXPECT_EQ(p.image[y * kWidth + x], p.shown[y * kWidth + x]) << x;
       EXPECT_EQ(result[y * kWidth + x], reflected[y * kWidth + x]) << x;
     }
   }
   p.frames = 7;
-  p.average(true, 0.2f);  // at rest the part is averaged as the picture is: a quarter
+  p.average(true, 0.2f);  // at rest the part is averaged as the image is: a quarter
   EXPECT_EQ(result[21], Rgb(0.5f));
 }
 
-TEST(PictureHistory, LaterPicturesWeighMore) {
-  Pictures p;
+TEST(ImageHistory, LaterImagesWeighMore) {
+  Images p;
   p.frames = 7;
   p.average(true, 0.2f);
-  EXPECT_EQ(p.picture[7], Rgb(2.5f));  // a quarter
+  EXPECT_EQ(p.image[7], Rgb(2.5f));  // a quarter
 }
 
-TEST(PictureHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
+TEST(ImageHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
   // In every third of twelve frames pixel 0 sees a lamp, pixel 1 the same beside an albedo, pixel 2 a sky as bright as
   // the wall; what is filtered grows by one a frame but for pixel 2.
-  Pictures p;
+  Images p;
   const double parts[] = {1, 2, 4, 5, 7, 8, 10, 11};
   double sum_of_wall = 0;
   for (int k = 0; k < 8; ++k) sum_of_wall += (k + 1) * parts[k] / 36;
@@ -113,16 +113,16 @@ TEST(PictureHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
     p.frames = static_cast<uint32_t>(i + 1);
     p.average(i > 0, i > 0 ? 0.2f : 1.0f);
     sum_of_all += (i + 1) * i / 78.0;
-    p.before = p.picture;
-    EXPECT_NEAR(p.picture[2].r, 3, 1e-4) << i;
+    p.before = p.image;
+    EXPECT_NEAR(p.image[2].r, 3, 1e-4) << i;
   }
-  EXPECT_NEAR(p.picture[0].r, 10 + sum_of_wall * 2 / 3, 1e-4);
-  EXPECT_NEAR(p.picture[1].r, 10 + sum_of_all, 1e-4);
+  EXPECT_NEAR(p.image[0].r, 10 + sum_of_wall * 2 / 3, 1e-4);
+  EXPECT_NEAR(p.image[1].r, 10 + sum_of_all, 1e-4);
 }
 
 /// What rays measured of a lamp's edge differs from frame to frame; none of that is light that the surface scatters.
-TEST(PictureHistory, WhatAMovedPictureKeepsIsWhatWasScattered) {
-  Pictures p;
+TEST(ImageHistory, WhatAMovedImageKeepsIsWhatWasScattered) {
+  Images p;
   std::fill(p.edge_rays.begin(), p.edge_rays.end(), 16u);
   for (int i = 0; i < 5; ++i) {
     const Rgb emission(i % 2 == 0 ? 8.0f : 12.0f);
@@ -132,35 +132,35 @@ TEST(PictureHistory, WhatAMovedPictureKeepsIsWhatWasScattered) {
     const bool still = i > 0 && i < 4;
     p.average(still, i > 0 ? 0.2f : 1.0f);
     if (i == 3) {
-      EXPECT_NEAR(p.picture[7].r, 12, 1e-5);  // the mean of both
+      EXPECT_NEAR(p.image[7].r, 12, 1e-5);  // the mean of both
     }
-    p.before = p.picture;
+    p.before = p.image;
   }
-  EXPECT_NEAR(p.picture[7].r, 8 + 2, 1e-5);
+  EXPECT_NEAR(p.image[7].r, 8 + 2, 1e-5);
 }
 
-TEST(PictureHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
-  Pictures p;
+TEST(ImageHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
+  Images p;
   for (int i = 0; i < 4; ++i) {
     const bool lamp = i > 0;  // at its edge in a mirror: from then on features say so, and samples find nothing
     p.emission[0] = Rgb(lamp ? 18.0f : 0.0f);
     p.shown[0] = Rgb(lamp ? 0.0f : 5.0f);
     p.frames = static_cast<uint32_t>(i + 1);
     p.average(i > 0, i > 0 ? 0.2f : 1.0f);
-    p.before = p.picture;
-    EXPECT_GE(p.picture[0].r, 0) << i;
+    p.before = p.image;
+    EXPECT_GE(p.image[0].r, 0) << i;
   }
-  EXPECT_EQ(p.picture[0], Rgb(0));
+  EXPECT_EQ(p.image[0], Rgb(0));
 }
 
-TEST(PictureHistory, MovedPicturesAreHeldToWhatIsSeenNow) {
-  Pictures p;
+TEST(ImageHistory, MovedImagesAreHeldToWhatIsSeenNow) {
+  Images p;
   p.average(false, 0.25f);
-  EXPECT_EQ(p.picture[7], Rgb(1));  // 3 is beyond anything around
+  EXPECT_EQ(p.image[7], Rgb(1));  // 3 is beyond anything around
 }
 
-TEST(PictureHistory, MotionIsFollowedWithoutBlur) {
-  Pictures p;
+TEST(ImageHistory, MotionIsFollowedWithoutBlur) {
+  Images p;
   const auto wave = [](float x) { return Rgb(2.0f + std::sin(0.5f * x)); };
   for (uint32_t i = 0; i < kPixels; ++i) {
     const auto x = static_cast<float>(i % kWidth);
@@ -170,28 +170,28 @@ TEST(PictureHistory, MotionIsFollowedWithoutBlur) {
   }
   p.average(false, 1e-6f);
   for (uint32_t x = 6; x < kWidth - 6; ++x)
-    EXPECT_NEAR(p.picture[20 * kWidth + x].r, wave(static_cast<float>(x) - 2.5f).r, 0.01f);
+    EXPECT_NEAR(p.image[20 * kWidth + x].r, wave(static_cast<float>(x) - 2.5f).r, 0.01f);
 }
 
-TEST(PictureHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
-  Pictures p;  // the picture is off by 2
+TEST(ImageHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
+  Images p;  // the image is off by 2
   const ConvergeKernel kernel = p.converge();
   kernel(20, 20);
-  EXPECT_EQ(p.picture[20 * kWidth + 20], Rgb(1));
+  EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(1));
   p.m2.assign(kPixels, 2.0f * 16 * 15);  // the mean's variance is half of the squared difference
   kernel(20, 20);
-  EXPECT_NEAR(p.picture[20 * kWidth + 20].r, 2.0f, 1e-5f);
+  EXPECT_NEAR(p.image[20 * kWidth + 20].r, 2.0f, 1e-5f);
   p.m2.assign(kPixels, 9.0f * 16 * 15);
   kernel(20, 20);
-  EXPECT_EQ(p.picture[20 * kWidth + 20], Rgb(3));
+  EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(3));
   p.m2.assign(kPixels, 0.0f);
   p.samples.assign(kPixels, 2);  // nobody knows
   kernel(20, 20);
-  EXPECT_EQ(p.picture[20 * kWidth + 20], Rgb(3));
+  EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(3));
 }
 
-TEST(PictureHistory, ALonelyBrightSampleStaysFiltered) {
-  Pictures p;  // black but for one sample of 160 in one pixel
+TEST(ImageHistory, ALonelyBrightSampleStaysFiltered) {
+  Images p;  // black but for one sample of 160 in one pixel
   constexpr uint32_t kPixel = 20 * kWidth + 20;
   p.before.assign(kPixels, Rgb(0));
   p.shown.assign(kPixels, Rgb(0));
@@ -200,11 +200,11 @@ TEST(PictureHistory, ALonelyBrightSampleStaysFiltered) {
   ConvergeKernel kernel = p.converge();
   kernel.stratified = true;
   kernel(20, 20);
-  EXPECT_NEAR(p.picture[kPixel].r, 0.0f, 1e-3f);
+  EXPECT_NEAR(p.image[kPixel].r, 0.0f, 1e-3f);
 }
 
-TEST(PictureHistory, TilesConvergeAsSinglePixelsDo) {
-  Pictures p;
+TEST(ImageHistory, TilesConvergeAsSinglePixelsDo) {
+  Images p;
   std::mt19937 generator(1);
   std::uniform_real_distribution<float> uniform(0, 2);
   for (uint32_t i = 0; i < kPixels; ++i) {
@@ -218,12 +218,12 @@ TEST(PictureHistory, TilesConvergeAsSinglePixelsDo) {
   for (uint32_t y = 0; y < kHeight; ++y) {
     for (uint32_t x = 0; x < kWidth; ++x) kernel(x, y);
   }
-  const std::vector<Rgb> single = p.picture;
+  const std::vector<Rgb> single = p.image;
   for (uint32_t y = 0; y < kHeight; y += kTileSize) {
     for (uint32_t x = 0; x < kWidth; x += kTileSize)
       kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
   }
-  EXPECT_EQ(std::memcmp(single.data(), p.picture.data(), kPixels * sizeof(Rgb)), 0);
+  EXPECT_EQ(std::memcmp(single.data(), p.image.data(), kPixels * sizeof(Rgb)), 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "report/pictures.h"
+#include "report/images.h"
 
 #include <cmath>
 #include <cstddef>
@@ -27,7 +27,7 @@ std::vector<std::byte> decode_base64(const std::string& text) {
   return bytes;
 }
 
-TEST(Pictures, HalfPrecision) {
+TEST(Images, HalfPrecision) {
   EXPECT_EQ(half_from_float(0.0f), 0x0000);
   EXPECT_EQ(half_from_float(-0.0f), 0x8000);
   EXPECT_EQ(half_from_float(1.0f), 0x3c00);
@@ -43,7 +43,7 @@ TEST(Pictures, HalfPrecision) {
   EXPECT_EQ(half_from_float(std::nanf("")) & 0x7fff, 0x7e00);
 }
 
-TEST(Pictures, Base64) {
+TEST(Images, Base64) {
   // RFC 4648 §10.
   const auto of = [](std::string_view text) { return base64({text.begin(), text.end()}); };
   EXPECT_EQ(of(""), "");
@@ -52,13 +52,13 @@ TEST(Pictures, Base64) {
   EXPECT_EQ(of("foobar"), "Zm9vYmFy");
 }
 
-TEST(Pictures, ValuesComeBack) {
+TEST(Images, ValuesComeBack) {
   Image image(3, 2);
   image.at(1, 1) = Rgb(0.25f, 100.0f, 3.0f);
-  const Picture picture = plain_picture("a", 0, image, {});
-  ASSERT_EQ(picture.values.size(), 2u);
+  const PageImage page_image = plain_image("a", 0, image, {});
+  ASSERT_EQ(page_image.values.size(), 2u);
   std::vector<uint8_t> bytes;
-  for (const std::string& plane : picture.values) {
+  for (const std::string& plane : page_image.values) {
     const Image decoded = parse_image(decode_base64(plane), "plane");
     ASSERT_EQ(decoded.width, 3);
     // Reading applies the sRGB curve, which is monotonic: compare with the code of the byte.
@@ -76,17 +76,18 @@ TEST(Pictures, ValuesComeBack) {
   EXPECT_EQ(bytes[0] << 8 | bytes[1], half_from_float(100.0f));
 }
 
-TEST(Pictures, MapsBelongToTheReference) {
+TEST(Images, MapsBelongToTheReference) {
   Image a(16, 16);
   for (Rgb& pixel : a.pixels) pixel = Rgb(0.5f);
-  const Picture picture = measured_picture("a", 0, a, a, {.values = false});
-  EXPECT_EQ(picture.layers.size(), picture_layer_kinds().size());
-  for (size_t i = 0; i < picture.layers.size(); ++i) EXPECT_EQ(picture.layers[i].label, picture_layer_kinds()[i].label);
-  EXPECT_TRUE(picture.values.empty());
-  EXPECT_THROW(measured_picture("a", 0, a, Image(3, 3), {}), Error);
+  const PageImage page_image = measured_image("a", 0, a, a, {.values = false});
+  EXPECT_EQ(page_image.layers.size(), image_layer_kinds().size());
+  for (size_t i = 0; i < page_image.layers.size(); ++i)
+    EXPECT_EQ(page_image.layers[i].label, image_layer_kinds()[i].label);
+  EXPECT_TRUE(page_image.values.empty());
+  EXPECT_THROW(measured_image("a", 0, a, Image(3, 3), {}), Error);
 }
 
-TEST(Pictures, CropsShowWhereTheErrorIs) {
+TEST(Images, CropsShowWhereTheErrorIs) {
   Image reference(140, 70);
   for (Rgb& pixel : reference.pixels) pixel = Rgb(0.5f);
   Image bad = reference;
@@ -99,15 +100,15 @@ TEST(Pictures, CropsShowWhereTheErrorIs) {
   EXPECT_EQ(crops[0].y, 30);
   EXPECT_EQ(crops[0].size, 10);
   EXPECT_TRUE(interesting_crops({&bad}, Image(4, 4), 2).empty());  // nothing fits
-  const PictureSet set = measured_set("set", reference, {{"bad", 5, &bad, "note"}}, {.values = false});
-  ASSERT_EQ(set.pictures.size(), 2u);
+  const ImageSet set = measured_set("set", reference, {{"bad", 5, &bad, "note"}}, {.values = false});
+  ASSERT_EQ(set.images.size(), 2u);
   EXPECT_EQ(set.reference, 0);
   EXPECT_EQ(set.width, 140);
   EXPECT_EQ(set.height, 70);
-  EXPECT_EQ(set.pictures[0].name, "reference");
-  EXPECT_EQ(set.pictures[1].name, "bad");
-  EXPECT_EQ(set.pictures[1].color, 5);
-  EXPECT_EQ(set.pictures[1].note, "note");
+  EXPECT_EQ(set.images[0].name, "reference");
+  EXPECT_EQ(set.images[1].name, "bad");
+  EXPECT_EQ(set.images[1].color, 5);
+  EXPECT_EQ(set.images[1].note, "note");
   EXPECT_EQ(set.crops.size(), 3u);
   EXPECT_EQ(set.crops[0].x, 100);
 }

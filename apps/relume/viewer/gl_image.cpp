@@ -1,4 +1,4 @@
-#include "viewer/gl_picture.h"
+#include "viewer/gl_image.h"
 
 #include <array>
 #include <cmath>
@@ -149,19 +149,19 @@ void DisplayShader::use_tone_map(ToneMap curve) {
   glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, kCurveSize, kCurveSize, kCurveSize, 0, GL_RGB, GL_FLOAT, table.data());
 }
 
-Picture::Picture() {
+GlImage::GlImage() {
   values_ = make_texture(GL_TEXTURE_2D, GL_NEAREST);
   developed_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
   glGenFramebuffers(1, &frame_);
 }
 
-Picture::~Picture() {
+GlImage::~GlImage() {
   glDeleteFramebuffers(1, &frame_);
   glDeleteTextures(1, &developed_);
   glDeleteTextures(1, &values_);
 }
 
-void Picture::upload(const std::vector<Rgb>& values, int width, int height) {
+void GlImage::upload(const std::vector<Rgb>& values, int width, int height) {
   glBindTexture(GL_TEXTURE_2D, values_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   if (width != width_ || height != height_) {
@@ -176,7 +176,7 @@ void Picture::upload(const std::vector<Rgb>& values, int width, int height) {
   fresh_ = true;
 }
 
-bool Picture::to_display(DisplayShader& display_shader, const DisplayTransform& wish) {
+bool GlImage::to_display(DisplayShader& display_shader, const DisplayTransform& wish) {
   if (width_ == 0 || (!fresh_ && wish == done_)) return false;
   fresh_ = false;
   done_ = wish;

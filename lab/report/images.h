@@ -1,4 +1,4 @@
-// Pictures and maps of errors for pages.
+// Images and maps of errors for pages.
 #pragma once
 
 #include <string>
@@ -10,26 +10,26 @@
 
 namespace relume {
 
-/// How pictures are shown and what is put into the page.
-struct PictureOptions {
+/// How images are shown and what is put into the page.
+struct ImageOptions {
   ToneMap tone_map = ToneMap::agx;
   float exposure = 0;  ///< stops
   bool values = true;  ///< radiance of each pixel for the inspector, 6 bytes a pixel before compression
 };
 
-/// What the layers of measured_picture() mean, in their order.
-std::vector<LayerKind> picture_layer_kinds();
+/// What the layers of measured_image() mean, in their order.
+std::vector<LayerKind> image_layer_kinds();
 
-/// The picture as it is shown.
-Picture plain_picture(std::string name, int color, const Image& image, const PictureOptions& options);
+/// The image as it is shown.
+PageImage plain_image(std::string name, int color, const Image& image, const ImageOptions& options);
 
 /// Values from 0 to 1 of each pixel in the colours of color_map().
-Picture map_picture(std::string name, int color, const std::vector<float>& values, int width, int height);
+PageImage map_image(std::string name, int color, const std::vector<float>& values, int width, int height);
 
 /// The same with maps against `reference`: the relative difference of the luminance with its sign, the relative squared
 /// error (logarithmic), and FLIP. Throws Error if the sizes differ.
-Picture measured_picture(std::string name, int color, const Image& image, const Image& reference,
-                         const PictureOptions& options);
+PageImage measured_image(std::string name, int color, const Image& image, const Image& reference,
+                         const ImageOptions& options);
 
 /// The `count` squares in which the images differ most from the reference relative to its brightness, apart from each
 /// other.
@@ -41,9 +41,9 @@ struct MeasuredImage {
   const Image* image = nullptr;
   std::string note = {};
 };
-/// The reference, then measured_picture() of each image, and three of their interesting_crops().
-PictureSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
-                        const PictureOptions& options);
+/// The reference, then measured_image() of each image, and three of their interesting_crops().
+ImageSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
+                      const ImageOptions& options);
 
 /// IEEE 754 binary16, rounded to nearest; what is too large becomes infinite.
 uint16_t half_from_float(float x);

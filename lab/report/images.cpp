@@ -1,4 +1,4 @@
-#include "report/pictures.h"
+#include "report/images.h"
 
 #include <algorithm>
 #include <bit>
@@ -51,7 +51,7 @@ Image logarithmic_map(std::vector<float> values, int width, int height) {
   return color_map(values, width, height);
 }
 
-/// High and low bytes of the values as two opaque pictures, which browsers decode exactly.
+/// High and low bytes of the values as two opaque images, which browsers decode exactly.
 std::vector<std::string> value_planes(const Image& image) {
   std::vector<uint8_t> high(image.pixels.size() * 3);
   std::vector<uint8_t> low(high.size());
@@ -98,39 +98,39 @@ std::string base64(const std::vector<uint8_t>& bytes) {
   return text;
 }
 
-std::vector<LayerKind> picture_layer_kinds() {
-  return {{"Picture"},
+std::vector<LayerKind> image_layer_kinds() {
+  return {{"Image"},
           {"Difference", "diverging", "−100 % too dark", "+100 % too bright"},
           {"relMSE", "magma", "0.0001", "10"},
           {"FLIP", "magma", "0", "1"}};
 }
 
-Picture plain_picture(std::string name, int color, const Image& image, const PictureOptions& options) {
-  Picture picture{.name = std::move(name), .color = color, .note = {}, .layers = {}, .values = {}};
-  picture.layers.push_back({"Picture", png_text(tone_map(image, options.tone_map, options.exposure))});
-  if (options.values) picture.values = value_planes(image);
-  return picture;
+PageImage plain_image(std::string name, int color, const Image& image, const ImageOptions& options) {
+  PageImage page_image{.name = std::move(name), .color = color, .note = {}, .layers = {}, .values = {}};
+  page_image.layers.push_back({"Image", png_text(tone_map(image, options.tone_map, options.exposure))});
+  if (options.values) page_image.values = value_planes(image);
+  return page_image;
 }
 
-Picture map_picture(std::string name, int color, const std::vector<float>& values, int width, int height) {
+PageImage map_image(std::string name, int color, const std::vector<float>& values, int width, int height) {
   return {.name = std::move(name),
           .color = color,
           .note = {},
-          .layers = {{"Picture", png_text(color_map(values, width, height))}},
+          .layers = {{"Image", png_text(color_map(values, width, height))}},
           .values = {}};
 }
 
-Picture measured_picture(std::string name, int color, const Image& image, const Image& reference,
-                         const PictureOptions& options) {
+PageImage measured_image(std::string name, int color, const Image& image, const Image& reference,
+                         const ImageOptions& options) {
   check_same_size(image, reference);
-  Picture picture = plain_picture(std::move(name), color, image, options);
-  picture.layers.push_back({"Difference", png_text(difference_map(image, reference))});
-  picture.layers.push_back(
+  PageImage page_image = plain_image(std::move(name), color, image, options);
+  page_image.layers.push_back({"Difference", png_text(difference_map(image, reference))});
+  page_image.layers.push_back(
       {"relMSE", png_text(logarithmic_map(relative_error_map(image, reference), image.width, image.height))});
   const std::vector<float> flip = flip_map(tone_map(image, options.tone_map, options.exposure),
                                            tone_map(reference, options.tone_map, options.exposure));
-  picture.layers.push_back({"FLIP", png_text(color_map(flip, image.width, image.height))});
-  return picture;
+  page_image.layers.push_back({"FLIP", png_text(color_map(flip, image.width, image.height))});
+  return page_image;
 }
 
 std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, const Image& reference, int count) {
@@ -169,17 +169,17 @@ std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, con
   return crops;
 }
 
-PictureSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
-                        const PictureOptions& options) {
-  PictureSet set{.label = std::move(label),
-                 .width = reference.width,
-                 .height = reference.height,
-                 .pictures = {plain_picture("reference", kNeutralColor, reference, options)},
-                 .crops = {}};
+ImageSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
+                      const ImageOptions& options) {
+  ImageSet set{.label = std::move(label),
+               .width = reference.width,
+               .height = reference.height,
+               .images = {plain_image("reference", kNeutralColor, reference, options)},
+               .crops = {}};
   std::vector<const Image*> measured;
   for (const MeasuredImage& image : images) {
-    set.pictures.push_back(measured_picture(image.name, image.color, *image.image, reference, options));
-    set.pictures.back().note = image.note;
+    set.images.push_back(measured_image(image.name, image.color, *image.image, reference, options));
+    set.images.back().note = image.note;
     measured.push_back(image.image);
   }
   set.crops = interesting_crops(measured, reference, 3);

@@ -1,5 +1,5 @@
-// A picture of the page: decoded when it is first shown.
-relume.Picture = class {
+// An image of the page: decoded when it is first shown.
+relume.PageImage = class {
   constructor(data) {
     this.name = data.name;
     this.color = data.color;
@@ -9,7 +9,7 @@ relume.Picture = class {
     this.images = new Map();
   }
 
-  /// The decoded picture of a layer, or of the first where there is none of that name; undefined until it is loaded.
+  /// The decoded image of a layer, or of the first where there is none of that name; undefined until it is loaded.
   image(label, whenLoaded) {
     const layer = this.layers.find((l) => l.label === label) || this.layers[0];
     let entry = this.images.get(layer.label);

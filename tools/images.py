@@ -1,4 +1,4 @@
-"""What the scripts that compare pictures share: reading an EXR of relume or of Blender."""
+"""What the scripts that compare images share: reading an EXR of relume or of Blender."""
 
 import sys
 
@@ -6,7 +6,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 
-def read_picture(file):
+def read_image(file):
     """Red, green and blue as a float64 array of height × width × 3; ends the program with a sentence if there are none."""
     buffer = oiio.ImageBuf(str(file))
     if buffer.has_error:

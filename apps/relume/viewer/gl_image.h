@@ -31,7 +31,7 @@ struct DisplayTransform {
 /// saturation 1). Display-encoded.
 Rgb palette_color(float t);
 
-/// Shader, tone curves and palette, shared by all pictures. Needs a current context for as long as it lives.
+/// Shader, tone curves and palette, shared by all images. Needs a current context for as long as it lives.
 class DisplayShader {
  public:
   DisplayShader();
@@ -42,7 +42,7 @@ class DisplayShader {
   GLuint nearest_sampler() const { return nearest_; }
 
  private:
-  friend class Picture;
+  friend class GlImage;
   void use_tone_map(ToneMap tone_map);
 
   GLuint program_ = 0;
@@ -53,12 +53,12 @@ class DisplayShader {
   int curve_of_ = -1;
 };
 
-class Picture {
+class GlImage {
  public:
-  Picture();
-  ~Picture();
-  Picture(const Picture&) = delete;
-  Picture& operator=(const Picture&) = delete;
+  GlImage();
+  ~GlImage();
+  GlImage(const GlImage&) = delete;
+  GlImage& operator=(const GlImage&) = delete;
 
   void upload(const std::vector<Rgb>& values, int width, int height);
   /// Makes texture() show the values. False if they and the wish are as before.

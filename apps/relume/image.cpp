@@ -1,4 +1,4 @@
-#include "picture.h"
+#include "image.h"
 
 #include <algorithm>
 #include <array>
@@ -36,10 +36,10 @@ void write_layers(const std::filesystem::path& file, const Session& session, con
 
 }  // namespace
 
-void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
+void check_image_file(const std::filesystem::path& file, const std::vector<std::string>& aovs) {
   const std::string extension = lower_extension(file);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) {
-    throw UsageError(fmt::format("{}: pictures are written as {}; choose one of these extensions", file.string(),
+    throw UsageError(fmt::format("{}: images are written as {}; choose one of these extensions", file.string(),
                                  fmt::join(kExtensions, ", ")));
   }
   check_layers(file, aovs);
@@ -63,7 +63,7 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
   return names;
 }
 
-Metadata picture_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s) {
+Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s) {
   settings.render = render_settings(session);
   return {
       {"relume.version", kVersion},
@@ -71,14 +71,14 @@ Metadata picture_metadata(const Session& session, const std::string& scene, AllS
       {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
       {"relume.settings", settings_to_json(describe(settings))},
       {"relume.seed", std::to_string(settings.render.seed)},
-      {"relume.samples_per_pixel", format_samples(session.picture_samples())},
+      {"relume.samples_per_pixel", format_samples(session.image_samples())},
       {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s,
-                                     session.statistics().build_s, session.picture_render_s())},
+                                     session.statistics().build_s, session.image_render_s())},
   };
 }
 
-void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
-                   const std::vector<std::string>& aovs, const Metadata& metadata) {
+void write_image(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+                 const std::vector<std::string>& aovs, const Metadata& metadata) {
   const std::string extension = lower_extension(file);
   if (extension == ".exr") return write_layers(file, session, aovs, metadata);
   const Image image = session.image();

@@ -1,4 +1,4 @@
-// The last step of a denoiser: pictures of several frames make smooth edges, as samples of a pixel fall on either side.
+// The last step of a denoiser: images of several frames make smooth edges, as samples of a pixel fall on either side.
 #pragma once
 
 #include "core/lanes.h"
@@ -12,19 +12,19 @@ namespace relume {
 /// Samples from which the variance of their mean counts as known.
 inline constexpr uint32_t kKnownSamples = 4;
 
-/// The specular part of pictures, which moves by its own motion.
-struct SpecularPictures {
+/// The specular part of images, which moves by its own motion.
+struct SpecularImages {
   View<const Rgb> shown;
   View<const Rgb> before;
   View<const Vec2> motion;
-  View<Rgb> picture;  ///< empty: it is not kept apart
+  View<Rgb> image;  ///< empty: it is not kept apart
 };
 
-/// Averages this frame's filtered picture with those before. Where nothing has changed they show the same, the later
+/// Averages this frame's filtered image with those before. Where nothing has changed they show the same, the later
 /// ones better; but what no filter has touched, lamps and sky, all show equally well, and so they do how much of a
-/// pixel that covers: at edges other weights than equal ones would add noise. Where something moves, the picture before
+/// pixel that covers: at edges other weights than equal ones would add noise. Where something moves, the image before
 /// is looked up along the motion and held to what is seen around the pixel now.
-struct PictureHistoryKernel {
+struct ImageHistoryKernel {
   View<const Rgb> shown;  ///< of this frame
   View<const Rgb> before;
   View<const Vec2> motion;
@@ -32,10 +32,10 @@ struct PictureHistoryKernel {
   View<const Rgb> emission;           ///< shown
   View<const uint32_t> edge_rays;     ///< camera rays that it is the mean of; 0 or empty: the sample's alone
   View<const Rgb> unfiltered_before;  ///< the frame before's `unfiltered`
-  View<Rgb> unfiltered;               ///< what of `picture` was not filtered: a mean since the last change
+  View<Rgb> unfiltered;               ///< what of `image` was not filtered: a mean since the last change
   View<float> filtered_share;         ///< of the frames since then; updated
-  View<Rgb> picture;
-  SpecularPictures specular;
+  View<Rgb> image;
+  SpecularImages specular;
   float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
   uint32_t frames = 1;  ///< since the last change, this one among them
   bool still = false;   ///< nothing has changed
@@ -55,28 +55,28 @@ struct PictureHistoryKernel {
     unfiltered[pixel] = seen;
     filtered_share[pixel] = filtered ? 1.0f : 0.0f;
     if (newest >= 1.0f) {
-      picture[pixel] = now;
-      if (apart()) specular.picture[pixel] = specular.shown[pixel];
+      image[pixel] = now;
+      if (apart()) specular.image[pixel] = specular.shown[pixel];
     } else if (apart()) {
       blend_parts(x, y);
     } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
-      // Many rays have measured the emission, which a picture that was moved along could only blur.
+      // Many rays have measured the emission, which an image that was moved along could only blur.
       const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
       const auto scattered_before = [this](uint32_t i) { return before[i] - unfiltered_before[i]; };
-      picture[pixel] = glm::max(emission[pixel] + blended(x, y, motion[pixel], scattered, scattered_before), Rgb(0));
+      image[pixel] = glm::max(emission[pixel] + blended(x, y, motion[pixel], scattered, scattered_before), Rgb(0));
     } else {
-      picture[pixel] = blended(
+      image[pixel] = blended(
           x, y, motion[pixel], [this](uint32_t i) { return shown[i]; }, [this](uint32_t i) { return before[i]; });
     }
   }
 
  private:
-  RELUME_HD bool apart() const { return !specular.picture.empty(); }
+  RELUME_HD bool apart() const { return !specular.image.empty(); }
 
   RELUME_HD void average_specular(uint32_t pixel) const {
     const Rgb history = specular.before[pixel];
     const float share = relume::min(2.0f / static_cast<float>(frames + 1), 1.0f);
-    specular.picture[pixel] = history + (specular.shown[pixel] - history) * share;
+    specular.image[pixel] = history + (specular.shown[pixel] - history) * share;
   }
 
   /// Each part is looked up along its own motion.
@@ -85,17 +85,17 @@ struct PictureHistoryKernel {
     const Rgb reflected = blended(
         x, y, specular.motion[pixel], [this](uint32_t i) { return specular.shown[i]; },
         [this](uint32_t i) { return specular.before[i]; });
-    specular.picture[pixel] = reflected;
+    specular.image[pixel] = reflected;
     const bool edge = !edge_rays.empty() && edge_rays[pixel] > 0;
     const auto rest = [&](uint32_t i) { return shown[i] - specular.shown[i] - (edge ? emission[i] : Rgb(0)); };
     const auto rest_before = [&](uint32_t i) {
       return before[i] - specular.before[i] - (edge ? unfiltered_before[i] : Rgb(0));
     };
     const Rgb blended_rest = blended(x, y, motion[pixel], rest, rest_before);
-    picture[pixel] = glm::max(reflected + blended_rest + (edge ? emission[pixel] : Rgb(0)), Rgb(0));
+    image[pixel] = glm::max(reflected + blended_rest + (edge ? emission[pixel] : Rgb(0)), Rgb(0));
   }
 
-  /// The picture is what was not filtered + share · what was, the latter with weights that grow with their number.
+  /// The image is what was not filtered + share · what was, the latter with weights that grow with their number.
   RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
     const auto n = static_cast<float>(static_cast<int>(frames));
     const Rgb seen_before = unfiltered_before[pixel];
@@ -107,7 +107,7 @@ struct PictureHistoryKernel {
     if (filtered) light += (now - seen - light) * relume::min(2.0f / (share * n + 1.0f), 1.0f);
     unfiltered[pixel] = mean;
     filtered_share[pixel] = share;
-    picture[pixel] = glm::max(mean + light * share, Rgb(0));
+    image[pixel] = glm::max(mean + light * share, Rgb(0));
   }
 
   /// Weights of four pixels in a row for a place that lies the share t behind the second of them ([Keys81], a = −1/2):
@@ -162,10 +162,10 @@ struct PictureHistoryKernel {
   }
 };
 
-/// Where the mean of all samples is by now known better than the filter's bias, the picture turns into it: as far as
+/// Where the mean of all samples is by now known better than the filter's bias, the image turns into it: as far as
 /// the two differ, around the pixel, by more than the noise of the mean explains.
 struct ConvergeKernel {
-  View<const Rgb> picture;
+  View<const Rgb> image;
   View<const Rgb> mean;
   View<const float> m2;  ///< sum of squared distances of the samples' luminance from its mean
   View<const uint32_t> samples;
@@ -189,7 +189,7 @@ struct ConvergeKernel {
   void operator()(const Tile& tile) const {
     SumsOfRow sums[kTileSize] = {};
     for (uint32_t j = 0; still && j < kEdge; ++j) {
-      const uint32_t y = tile.y0 + j - kReach;  // beyond the height if it lies above the picture
+      const uint32_t y = tile.y0 + j - kReach;  // beyond the height if it lies above the image
       if (y >= height) continue;
       const SumsOfRow row = row_around(tile.x0, y);
       for (uint32_t t = j > 2 * kReach ? j - 2 * kReach : 0; t <= j && t < kTileSize; ++t)
@@ -252,13 +252,10 @@ struct ConvergeKernel {
     float squares[kPaddedEdge] = {};
     float variances[kPaddedEdge] = {};
     float most_variances[kPaddedEdge] = {};
-    const bool inside_picture = x0 >= kReach && x0 - kReach + kPaddedEdge <= width;
-    for (uint32_t i = 0; inside_picture && i < kPaddedEdge; i += kLanes)
+    const bool inside_image = x0 >= kReach && x0 - kReach + kPaddedEdge <= width;
+    for (uint32_t i = 0; inside_image && i < kPaddedEdge; i += kLanes)
       at(y * width + x0 + i - kReach, squares + i, variances + i, most_variances + i);
-    for (uint32_t i = inside_picture ? kEdge
-                      : x0 < kReach  ? kReach - x0
-                                     : 0;
-         i < kEdge && x0 + i - kReach < width; ++i) {
+    for (uint32_t i = inside_image ? kEdge : x0 < kReach ? kReach - x0 : 0; i < kEdge && x0 + i - kReach < width; ++i) {
       const Difference d = at(y * width + x0 + i - kReach);
       squares[i] = d.squared;
       variances[i] = d.variance;
@@ -275,7 +272,7 @@ struct ConvergeKernel {
     if (samples[pixel] < kKnownSamples) return {};
     const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
     const float gain = stratified && n > kStratifiedSamples ? std::sqrt(kStratifiedSamples / n) : 1.0f;
-    const float squared = sqr(luminance(mean[pixel] - picture[pixel]));
+    const float squared = sqr(luminance(mean[pixel] - image[pixel]));
     const float variance = m2[pixel] / (n * (n - 1.0f));
     return {squared, gain * variance, squared, (1.0f - gain) * variance};
   }
@@ -291,11 +288,10 @@ struct ConvergeKernel {
     const Lanes many(kStratifiedSamples);
     const Lanes gain = stratified ? square_root(many / max(n, many)) : one;
     Lanes of_mean[3];
-    Lanes of_picture[3];
+    Lanes of_image[3];
     load_vectors(&mean[pixel].r, of_mean);
-    load_vectors(&picture[pixel].r, of_picture);
-    const Lanes difference =
-        luminance(of_mean[0] - of_picture[0], of_mean[1] - of_picture[1], of_mean[2] - of_picture[2]);
+    load_vectors(&image[pixel].r, of_image);
+    const Lanes difference = luminance(of_mean[0] - of_image[0], of_mean[1] - of_image[1], of_mean[2] - of_image[2]);
     const Lanes variance = known * (load_lanes(&m2[pixel]) / (n * (n - one)));
     store_lanes(squares, known * (difference * difference));
     store_lanes(variances, gain * variance);
@@ -307,7 +303,7 @@ struct ConvergeKernel {
     float share = around.squared > 0.0f ? 1.0f - variance / around.squared : 0.0f;
     if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
     // At edges of emission samples that find less of it than is shown leave a mean a little below black.
-    converged[pixel] = glm::max(picture[pixel] + (mean[pixel] - picture[pixel]) * share, Rgb(0));
+    converged[pixel] = glm::max(image[pixel] + (mean[pixel] - image[pixel]) * share, Rgb(0));
   }
 };
 

@@ -1,4 +1,4 @@
-// Pictures as files: which formats there are, what goes into them, and how they say how they were made.
+// Images as files: which formats there are, what goes into them, and how they say how they were made.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@ class Session;
 
 namespace relume::cli {
 
-/// check_output_file(), and throws UsageError unless the extension is one that pictures can be written to and the
+/// check_output_file(), and throws UsageError unless the extension is one that images can be written to and the
 /// format can hold `aovs` if there are any.
-void check_picture_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
+void check_image_file(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 /// Throws UsageError if layers are asked for in a file that has none.
 void check_layers(const std::filesystem::path& file, const std::vector<std::string>& aovs);
 
@@ -26,14 +26,14 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
 /// String attributes of EXR files; names begin with "relume.".
 using Metadata = std::map<std::string, std::string>;
 
-/// How a picture of the session was made: program, scene, settings, seed, samples a pixel and render
-/// seconds (those of Session::picture_samples() and picture_render_s()), and seconds of the stages before. Of
+/// How an image of the session was made: program, scene, settings, seed, samples a pixel and render
+/// seconds (those of Session::image_samples() and image_render_s()), and seconds of the stages before. Of
 /// `settings`, those of `render` are the session's own. `load_s`: what reading the scene took.
-Metadata picture_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
+Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
 /// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
 /// tone-mapped. Throws Error.
-void write_picture(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
-                   const std::vector<std::string>& aovs, const Metadata& metadata);
+void write_image(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+                 const std::vector<std::string>& aovs, const Metadata& metadata);
 
 }  // namespace relume::cli
