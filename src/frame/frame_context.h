@@ -30,7 +30,7 @@ struct FrameState {
   uint32_t since_change = 0;      ///< frames since the last change
   Change changes = Change::none;  ///< since the previous frame
   bool begins_image = false;      ///< the first frame of an image: of a sequence, or after a change
-  bool ends_pilot = false;        ///< earlier samples decided where samples go, and leave the image
+  bool ends_pilot = false;        ///< the samples of the pilot leave the image with this frame
   bool begins_epoch = true;       ///< structures that learn are replaced by what later samples have added
   bool stratified = false;     ///< a pixel's samples since the last change are one low-discrepancy sequence of its own
   std::stop_token stop = {};   ///< empty if a pass keeps state beyond its buffers

@@ -5,7 +5,7 @@
 
 namespace relume {
 
-/// For the lists of a pass's declaration. `m2_rgb` is among them, and may not exist: use them as optional.
+/// For the lists of a pass's declaration. Includes `m2_rgb`, which may not exist; declare the list as optional.
 inline std::vector<BufferId> moment_ids(const MomentBuffers& buffers) {
   return {buffers.mean, buffers.m2, buffers.m2_rgb, buffers.samples};
 }
@@ -20,7 +20,7 @@ inline MutableMomentsView write_moments(const FrameContext& frame, const MomentB
 }
 
 /// The moments of the earlier samples that this frame's pixels keep: reprojected, or as the previous frame left them.
-/// Until AccumulatePass runs.
+/// Valid until AccumulatePass runs.
 inline MomentsView read_history(const FrameContext& frame) {
   const MomentsView inherited = read_moments(frame, kInherited);
   return inherited.mean.empty() ? read_moments(frame, kMoments) : inherited;

@@ -37,7 +37,7 @@ struct AccumulateKernel {
       if (!film.empty()) pixel_moments.mean -= film_before;
       pixel_moments.add(sample(pixel));
       if (!film.empty()) pixel_moments.mean += film_after;
-      if (!specular.empty()) specular.add(pixel, radiance[pixel], pixel_moments);
+      if (!specular.empty()) specular.add(pixel, radiance[pixel], keep, pixel_moments);
     }
     moments.store(pixel, pixel_moments);
   }

@@ -5,11 +5,11 @@
 
 namespace relume {
 
-/// What is accumulated besides the mean and the variance of luminance.
+/// Moments accumulated besides the mean and the variance of luminance.
 struct AccumulatedParts {
   bool m2_rgb = false;    ///< the sum of squared distances of all channels
   bool film = false;      ///< light paths, in a film of their own
-  bool specular = false;  ///< the specular part, by itself
+  bool specular = false;  ///< a separate mean of the specular part
 };
 
 /// The only writer of kMoments.

@@ -182,6 +182,8 @@ TEST(LightFilm, StartsAgainWithTheMean) {
   EXPECT_EQ(p.light_frames[0], 1u);
   EXPECT_EQ(p.moments.mean, (std::vector<Rgb>{Rgb(9), Rgb(4)}));
   EXPECT_EQ(p.moments.samples, (std::vector<uint32_t>{1, 1}));
+  EXPECT_EQ(p.moments.m2[0], 0.0f);
+  EXPECT_EQ(p.moments.m2_rgb[0], 0.0f);
 }
 
 TEST(LightFilm, KnowsTheVarianceOfItsMean) {

@@ -25,12 +25,13 @@ struct SpecularMean {
   }
 
   /// Adds this frame's sample, whose radiance `total` has already joined `moments`. Where the counts differ, `moments`
-  /// changes by the difference that the own count of the specular part makes.
-  RELUME_HD void add(uint32_t pixel, const Rgb& total, PixelMoments& moments) const {
+  /// changes by the difference that the own count of the specular part makes. `keep_history`: false replaces all
+  /// earlier samples.
+  RELUME_HD void add(uint32_t pixel, const Rgb& total, bool keep_history, PixelMoments& moments) const {
     const bool shows_image = max_component(albedo[pixel]) > 0.0f && is_finite(total) && is_finite(radiance[pixel]);
     const Rgb value = shows_image ? radiance[pixel] : Rgb(0);
-    const uint32_t n = history_samples[pixel] + 1;
-    const Rgb before = history[pixel];
+    const uint32_t n = (keep_history ? history_samples[pixel] : 0u) + 1;
+    const Rgb before = keep_history ? history[pixel] : Rgb(0);
     const Rgb after = before + (value - before) / static_cast<float>(n);
     if (n != moments.samples) moments.mean += after - before - (value - before) / static_cast<float>(moments.samples);
     mean[pixel] = after;

@@ -22,9 +22,10 @@ struct Pixel {
     const std::vector<Rgb> speculars{specular};
     const std::vector<Rgb> albedos{albedo};
     moments.add(total);
-    part(speculars, albedos).add(0, total, moments);
+    part(speculars, albedos).add(0, total, keep, moments);
   }
 
+  bool keep = true;
   PixelMoments moments;
   std::vector<Rgb> mean{Rgb(0)};
   std::vector<uint32_t> samples{0};
@@ -56,6 +57,17 @@ TEST(SpecularMean, SurfacesWithoutAnImageHaveNone) {
   Pixel pixel;
   pixel.add(Rgb(10), Rgb(6), Rgb(0));
   EXPECT_EQ(pixel.mean[0], Rgb(0));
+  EXPECT_EQ(pixel.moments.mean, Rgb(10));
+}
+
+TEST(SpecularMean, StartsAgainWithTheMean) {
+  Pixel pixel;
+  pixel.mean = {Rgb(2)};
+  pixel.samples = {7};
+  pixel.keep = false;
+  pixel.add(Rgb(10), Rgb(6));
+  EXPECT_EQ(pixel.samples[0], 1u);
+  EXPECT_EQ(pixel.mean[0], Rgb(6));
   EXPECT_EQ(pixel.moments.mean, Rgb(10));
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -155,6 +156,30 @@ TEST(AdaptiveSampling, AnAbandonedFrameDoesNotEndThePilot) {
   EXPECT_EQ(session.kept_samples(), pilot_samples);
   EXPECT_TRUE(session.render_frame());
   EXPECT_EQ(session.kept_samples(), 1);
+}
+
+TEST(AdaptiveSampling, ThePilotLeavesReprojectedHistories) {
+  for (const ReprojectionMethod method : {ReprojectionMethod::forward, ReprojectionMethod::backward}) {
+    RenderSettings settings;
+    settings.width = 16;
+    settings.height = 12;
+    settings.allocation = AllocationChoice::adaptive;
+    settings.adaptive.pilot = true;
+    settings.adaptive.max_samples = 6;
+    settings.history = HistoryChoice::reproject;
+    settings.reproject.method = method;
+    Session session(find_builtin_scene("cornell")->build(), settings);
+    for (int i = 0; i < 7; ++i) session.render_frame();
+    EXPECT_EQ(session.kept_samples(), 1);
+    const View<const uint32_t> allocation = buffer_table(session).view(kAllocation);
+    EXPECT_EQ(std::count(allocation.begin(), allocation.end(), 1u), allocation.size);
+    CameraPose camera = session.camera();
+    camera.to_world[3].x += 0.05f;
+    session.set_camera(camera);
+    session.render_frame();
+    EXPECT_GT(session.kept_samples(), 1);
+    EXPECT_LE(session.kept_samples(), 2) << "one sample after the pilot, and this frame's";
+  }
 }
 
 TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {

@@ -19,7 +19,7 @@ TEST(DepthTest, AVoteWinsOverEveryRejection) {
   EXPECT_EQ(reason_of(vote[0]), RejectReason::none);
 }
 
-TEST(DepthTest, NearestClaimWinsThenTheLowestSample) {
+TEST(DepthTest, NearestVoteWinsThenTheLowestSample) {
   EXPECT_LT(vote_of(1.0f, 9), vote_of(2.0f, 3));
   EXPECT_LT(vote_of(1.0f, 3), vote_of(1.0f, 9));
   std::vector<uint64_t> vote{kNoVote};
@@ -28,7 +28,7 @@ TEST(DepthTest, NearestClaimWinsThenTheLowestSample) {
   EXPECT_EQ(vote[0], vote_of(2.0f, 5));
 }
 
-TEST(DepthTest, OneRelitSampleEndsTheHistoryThatOthersClaim) {
+TEST(DepthTest, OneRelitSampleEndsTheHistoryThatOthersVoteFor) {
   const std::vector<uint64_t> votes{vote_of(1, 3), vote_of(1, 0)};  // of two samples a pixel
   const std::vector<uint32_t> limits_before{16, 0};
   std::vector<StoredSample> stored(4);

@@ -97,7 +97,7 @@ TEST(LookBack, FillsPixelsOfWhichNothingIsKnown) {
   }
 }
 
-TEST(LookBack, AClaimComesFirst) {
+TEST(LookBack, AVoteComesFirst) {
   const MovedPlane plane;
   Sources s(plane);
   s.votes[7] = vote_of(1, 11);
@@ -106,7 +106,7 @@ TEST(LookBack, AClaimComesFirst) {
   EXPECT_EQ(s.reasons[7], number(none));
 }
 
-TEST(LookBack, AClaimOfAnotherSurfaceGivesWay) {
+TEST(LookBack, AVoteOfAnotherSurfaceGivesWay) {
   const MovedPlane plane;
   Sources s(plane);
   s.votes[7] = vote_of(1, 11);

@@ -68,10 +68,10 @@ PassDeclaration ReprojectionPass::declaration() const {
                 : "why, of this frame's pixel: 1 kept, 0 nothing was known, 2 it was off screen, 9 "
                   "another surface was seen where it was")};
   if (forward) {
-    owns.push_back(
-        shown(kHistoryRejectReason,
-              "what became of the pixel of the frame before, where it was: 1 kept, 2 off screen, 3 occluded, "
-              "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
+    owns.push_back(shown(
+        kHistoryRejectReason,
+        "why the pixel of the previous frame lost its history, at its old place: 1 kept, 2 off screen, 3 occluded, "
+        "4 view dependent, 5 near specular, 6 several surfaces, 7 relit, 8 covered"));
   }
   if (forward) reads.push_back(kPrimaryHits);
   const auto inherited = [](const BufferId& id, const char* help) { return BufferDescription{.id = id, .help = help}; };
@@ -311,6 +311,7 @@ bool StoreSamplesPass::run(const FrameContext& frame) {
   kernel.edge_rays = frame.read(kEdgeRays);
   kernel.radiance = frame.read(kRadiance);
   kernel.history = write_moments(frame, kInherited);
+  kernel.restarts = frame.ends_pilot;
   kernel.scene = frame.scene;
   kernel.stored = mutable_view_of(history_.stored());
   kernel.pixels = mutable_view_of(history_.pixels());

@@ -122,7 +122,7 @@ Scene cornell_of(float roughness, float metallic) {
   return scene;
 }
 
-TEST(Reprojection, AStillCameraClaimsItsOwnPixels) {
+TEST(Reprojection, AStillCameraVotesForItsOwnPixels) {
   Stage stage(cornell());
   stage.render();
   stage.vote(1e-4f, false);

@@ -75,6 +75,7 @@ struct StoreKernel {
   View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
   View<const Rgb> radiance;         ///< of this frame
   MutableMomentsView history;       ///< of the earlier samples that the pixel keeps
+  bool restarts = false;            ///< earlier samples leave the image with this frame
   SceneView scene;
   View<StoredSample> stored;  ///< capacity a pixel
   View<StoredPixel> pixels;
@@ -89,7 +90,7 @@ struct StoreKernel {
     const FirstVertex& vertex = first_vertices[i];
     StoredPixel& pixel = pixels[i];
     StoredSample* const samples_of_pixel = &stored[i * capacity];
-    const uint32_t samples = history.samples[i] + 1;
+    const uint32_t samples = (restarts ? 0u : history.samples[i]) + 1;
     // A pixel that looked back may have a history without a stored sample.
     const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
@@ -97,7 +98,7 @@ struct StoreKernel {
     if (elsewhere && pixel.inherited) shorten(i);
     if (pixel.inherited) add_fresh(pixel, is_finite(radiance[i]) ? radiance[i] : Rgb(0));
     if (elsewhere || (!edge_rays.empty() && edge_rays[i] > 0)) pixel.mixed = 1;
-    const float share = 1.0f / static_cast<float>(history.samples[i] + 1);
+    const float share = 1.0f / static_cast<float>(restarts ? 1u : history.samples[i] + 1);
     if (is_finite(vertex.indirect)) pixel.indirect += (vertex.indirect - pixel.indirect) * share;
     if (is_finite(vertex.direct)) pixel.direct += (vertex.direct - pixel.direct) * share;
     for (uint32_t k = 0; k < capacity; ++k) {
