@@ -70,8 +70,8 @@ TEST_P(BdptZoo, AgreesWithPathTracing) {
   bdpt.estimator = EstimatorChoice::bdpt;
   // A panorama sees the lamp itself, in few pixels that a sample hits or misses.
   const bool lamp_in_view = GetParam().camera == ZooCamera::panoramic && GetParam().light == ZooLight::two_sided;
-  expect_same_image("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 48, kSeeds, 1),
-                    measure(scene, bdpt, 24, kSeeds, 1001),
+  expect_same_image("bdpt-" + zoo_name({GetParam(), 0}), measure(scene, path, 96, kSeeds, 1),
+                    measure(scene, bdpt, 48, kSeeds, 1001),
                     {.block_size = GetParam().size * 2 / 3,
                      .detectable = lamp_in_view ? 0.3 : 0.1,
                      .detectable_mean = lamp_in_view ? 0.25 : 0.05});

@@ -51,6 +51,7 @@ class Small(Tutorial):
     def test_every_command(self):
         script = commands()
         self.assertGreater(script.count("relume render"), 3)
+        self.assertNotEqual(re.findall(r"--budget \S+", script), re.findall(r"--budget \S+", smaller(script)), "no time is shorter")
         self.follow(smaller(script), (80, 60))
 
 

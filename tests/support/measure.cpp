@@ -70,9 +70,9 @@ Moments measure(const Scene& scene, const RenderSettings& settings, int spp, int
   for (int i = 0; i < count; ++i) {
     session.restart(first_seed + i);
     for (int frame = 0; frame < spp; ++frame) session.render_frame();
+    EXPECT_EQ(session.statistics().nonfinite_samples, 0u) << "seed " << first_seed + i;
     images.push_back(session.image());
   }
-  EXPECT_EQ(session.statistics().nonfinite_samples, 0u);
   return moments_of(std::move(images));
 }
 
