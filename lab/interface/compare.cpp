@@ -43,27 +43,32 @@ ContenderScore score_of(const ContenderResult& result) {
 
 }  // namespace
 
-ComparisonReport::ComparisonReport(Comparison comparison)
-    : comparison_(std::make_unique<const Comparison>(std::move(comparison))) {
-  for (const ContenderResult& result : comparison_->contenders) contenders_.push_back(score_of(result));
+struct ComparisonReport::State {
+  Comparison comparison;
+};
+
+ComparisonReport::ComparisonReport(std::unique_ptr<const State> state) : state_(std::move(state)) {
+  for (const ContenderResult& result : state_->comparison.contenders) contenders_.push_back(score_of(result));
 }
 ComparisonReport::~ComparisonReport() = default;
 ComparisonReport::ComparisonReport(ComparisonReport&&) noexcept = default;
 ComparisonReport& ComparisonReport::operator=(ComparisonReport&&) noexcept = default;
 
-const Image& ComparisonReport::reference() const { return comparison_->reference.image; }
-double ComparisonReport::reference_mse() const { return comparison_->reference.mse; }
-const std::vector<std::string>& ComparisonReport::notes() const { return comparison_->notes; }
-std::string ComparisonReport::to_json() const { return relume::to_json(*comparison_, {}); }
-std::string ComparisonReport::to_csv() const { return relume::to_csv(*comparison_); }
-std::string ComparisonReport::to_html() const { return relume::to_html(comparison_page(*comparison_, {})); }
+const Image& ComparisonReport::reference() const { return state_->comparison.reference.image; }
+double ComparisonReport::reference_mse() const { return state_->comparison.reference.mse; }
+const std::vector<std::string>& ComparisonReport::notes() const { return state_->comparison.notes; }
+std::string ComparisonReport::to_json() const { return relume::to_json(state_->comparison, {}); }
+std::string ComparisonReport::to_csv() const { return relume::to_csv(state_->comparison); }
+std::string ComparisonReport::to_html() const { return relume::to_html(comparison_page(state_->comparison, {})); }
 
 std::optional<ComparisonReport> compare(const Scene& scene, const ComparisonRequest& request, std::stop_token stop,
                                         const StageProgress& progress) {
   const StageProgress report = progress ? progress : [](const std::string&, double) {};
   std::optional<Comparison> comparison = relume::compare(scene, options_of(scene, request), stop, report);
   if (!comparison) return std::nullopt;
-  return ComparisonReport(std::move(*comparison));
+  auto state = std::make_unique<ComparisonReport::State>();
+  state->comparison = std::move(*comparison);
+  return ComparisonReport(std::move(state));
 }
 
 }  // namespace relume::lab

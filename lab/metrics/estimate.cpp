@@ -5,9 +5,9 @@
 
 #include <glm/vec3.hpp>
 
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
 #include "relume/error.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "experiments/setup/learning_scenes.h"
 #include "experiments/setup/references.h"
-#include "relume/lab/metrics.h"
 #include "metrics/statistics.h"
+#include "relume/lab/metrics.h"
 
 namespace relume {
 namespace {

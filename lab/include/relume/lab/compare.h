@@ -13,10 +13,6 @@
 #include "relume/image.h"
 #include "relume/scene.h"
 
-namespace relume {
-struct Comparison;
-}
-
 namespace relume::lab {
 
 struct ComparisonRequest {
@@ -26,15 +22,16 @@ struct ComparisonRequest {
   std::vector<std::pair<std::string, std::string>> settings = {};  ///< name and value, for all contenders
   std::string scene_name = "scene";                                ///< in reports
   int spp = 64;                                                    ///< samples a pixel; of each frame of an animation
-  double budget_s = 0;              ///< instead of `spp`: time of each contender, in each frame of an animation
+  double budget_s = 0;              ///< seconds for each contender, in each frame of an animation; 0: `spp` decides
   int repetitions = 5;              ///< with different seeds
-  std::vector<float> times_s = {};  ///< frames of an animation; empty: the still scene
+  std::vector<float> times_s = {};  ///< scene times to compare, seconds; empty: the scene without animation
   std::filesystem::path reference_file = {};  ///< EXR; empty: the reference is rendered
-  int reference_spp = 1024;                   ///< of the rendered reference
-  std::filesystem::path cache_folder = {};    ///< keeps rendered references; required for them
+  int reference_spp = 1024;                   ///< samples a pixel of a rendered reference
+  std::filesystem::path cache_folder =
+      {};  ///< where rendered references are kept; required unless `reference_file` is given
 };
 
-/// Medians over the repetitions. Errors are against the reference, with its pixels that are not finite left out.
+/// Medians over the repetitions. Errors leave out pixels that are not finite in the image or in the reference.
 struct ContenderScore {
   std::string name;
   double mse = 0;
@@ -48,9 +45,11 @@ struct ContenderScore {
   Image image;               ///< of the first repetition, last frame
 };
 
+/// Called with "reference", "timing" or "contenders", and the share of that stage that is done.
+using StageProgress = std::function<void(const std::string& stage, double fraction)>;
+
 class ComparisonReport {
  public:
-  explicit ComparisonReport(Comparison comparison);
   ~ComparisonReport();
   ComparisonReport(ComparisonReport&&) noexcept;
   ComparisonReport& operator=(ComparisonReport&&) noexcept;
@@ -59,7 +58,7 @@ class ComparisonReport {
   const Image& reference() const;
   /// Expected MSE of the reference against the truth; 0 if it is not known.
   double reference_mse() const;
-  /// What limits the comparison, one sentence each.
+  /// Limits of the comparison, one sentence each.
   const std::vector<std::string>& notes() const;
 
   std::string to_json() const;
@@ -69,15 +68,17 @@ class ComparisonReport {
   std::string to_html() const;
 
  private:
-  std::unique_ptr<const Comparison> comparison_;
+  friend std::optional<ComparisonReport> compare(const Scene& scene, const ComparisonRequest& request,
+                                                 std::stop_token stop, const StageProgress& progress);
+  struct State;
+  explicit ComparisonReport(std::unique_ptr<const State> state);
+
+  std::unique_ptr<const State> state_;
   std::vector<ContenderScore> contenders_;
 };
 
-/// Called with "reference", "timing" or "contenders", and the share of that stage that is done.
-using StageProgress = std::function<void(const std::string& stage, double fraction)>;
-
-/// Renders the reference, unless the cache has it, and the contenders. std::nullopt if `stop` was requested first; a
-/// reference that was begun is continued next time. Throws Error for settings that do not exist or do not combine.
+/// Renders the contenders and, unless the cache has it, the reference. Returns std::nullopt if `stop` was requested;
+/// the next call continues the reference. Throws Error for settings that do not exist or do not combine.
 std::optional<ComparisonReport> compare(const Scene& scene, const ComparisonRequest& request, std::stop_token stop = {},
                                         const StageProgress& progress = {});
 

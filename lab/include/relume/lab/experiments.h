@@ -20,7 +20,7 @@ struct ExperimentInfo {
 struct ExperimentRequest {
   bool quick = false;                       ///< small images and few settings
   std::filesystem::path cache_folder;       ///< keeps references
-  std::filesystem::path scene_folder = {};  ///< holds sponza/sponza.gltf; empty: what needs it is left out
+  std::filesystem::path scene_folder = {};  ///< holds sponza/sponza.gltf; empty: experiments leave Sponza out
   std::filesystem::path parts_folder = {};  ///< keeps measurements until the experiment is complete; empty: none
 };
 

@@ -33,3 +33,8 @@ std::vector<float> hdr_flip_map(const Image& test, const Image& reference, const
                                 float pixels_per_degree = kDefaultPixelsPerDegree);
 
 }  // namespace relume
+
+namespace relume::lab {
+using relume::flip_map;
+using relume::hdr_flip_map;
+}  // namespace relume::lab

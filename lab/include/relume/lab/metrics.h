@@ -57,3 +57,9 @@ Image color_map(std::span<const float> values, int width, int height);
 std::vector<float> relative_error_map(const Image& a, const Image& b);
 
 }  // namespace relume
+
+namespace relume::lab {
+using relume::compute_metrics;
+using relume::MetricOptions;
+using relume::Metrics;
+}  // namespace relume::lab
