@@ -152,7 +152,7 @@ class Places(Repository):
         self.write("src/scene/testing/a.h", "spot\n")
         self.assertEqual(self.places(1), [])
         self.write("src/scene/b.cpp", 'f("spot");\n')
-        self.assertIn("is named in 2 places, 1 at most", self.places(1)[0])
+        self.assertIn("is named in 2 places, not in the 1 of", self.places(1)[0])
 
     def test_counts_a_folder_once(self):
         self.write("src/io/spot/a.h", "int spot;\n")

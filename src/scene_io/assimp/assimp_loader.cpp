@@ -52,7 +52,10 @@ Scene load_assimp_from_memory(std::span<const std::byte> file, const std::string
 }
 
 Scene load_assimp(const std::filesystem::path& file) {
-  const uintmax_t size = std::filesystem::file_size(file);
+  std::error_code unreadable;
+  const uintmax_t size = std::filesystem::file_size(file, unreadable);
+  if (unreadable)
+    throw Error(ErrorCode::not_found, fmt::format("{}: the file cannot be read; check its path", file.string()));
   if (size > kMaxFileSize)
     throw Error(fmt::format("{}: the file is larger than 2 GiB; convert it to glTF", file.string()));
   const std::string extension = lower_extension(file);
