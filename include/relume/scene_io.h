@@ -10,8 +10,8 @@
 
 namespace relume {
 
-/// Loads a scene file, whose first bytes or extension tell its format. What is ignored or repaired becomes one of
-/// Scene::warnings. Throws Error; never crashes or hangs on malformed files.
+/// Loads a scene file; its first bytes or its extension select the format. Scene::warnings lists ignored and repaired
+/// parts. Throws Error; never crashes or hangs on malformed files.
 RELUME_API Scene load_scene(const std::filesystem::path& file);
 
 /// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives

@@ -17,7 +17,7 @@ struct OpacityFunction {
   const void* context = nullptr;
 };
 
-/// One appearance of a triangle mesh.
+/// One instance of a triangle mesh.
 struct AccelInstance {
   uint32_t mesh = 0;
   Mat4 to_world{1};

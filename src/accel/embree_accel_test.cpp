@@ -14,23 +14,23 @@ constexpr float kSpacing = 3;
 /// Triangles in a row along x, of two meshes: the first is stored where it stands for every instance in world space,
 /// the second is placed by instance nodes.
 struct Row {
-  struct Appearance {
+  struct Placement {
     bool in_world_space = true;
     bool moves = false;
   };
 
-  explicit Row(const std::vector<Appearance>& appearances) {
+  explicit Row(const std::vector<Placement>& placements) {
     constexpr std::array<Vec3, 3> kTriangle{Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)};
     vertices.assign(kTriangle.begin(), kTriangle.end());
     indices = {0, 1, 2};
     meshes.emplace_back();
-    for (const Appearance& appearance : appearances) {
+    for (const Placement& placement : placements) {
       const Vec3 place(kSpacing * static_cast<float>(instances.size()), 0, 0);
       instances.push_back({.mesh = 0,
                            .to_world = glm::translate(Mat4(1), place),
-                           .in_world_space = appearance.in_world_space,
-                           .moves = appearance.moves});
-      if (!appearance.in_world_space) continue;
+                           .in_world_space = placement.in_world_space,
+                           .moves = placement.moves});
+      if (!placement.in_world_space) continue;
       instances.back().mesh = static_cast<uint32_t>(meshes.size());
       for (const Vec3& corner : kTriangle) {
         indices.push_back(static_cast<uint32_t>(vertices.size()));
@@ -77,24 +77,24 @@ std::vector<int> hits_along(const EmbreeAccel& accel, size_t count) {
   return found;
 }
 
-constexpr Row::Appearance kWorld{};
-constexpr Row::Appearance kNode{.in_world_space = false};
-constexpr Row::Appearance kMoving{.in_world_space = false, .moves = true};
+constexpr Row::Placement kWorld{};
+constexpr Row::Placement kNode{.in_world_space = false};
+constexpr Row::Placement kMoving{.in_world_space = false, .moves = true};
 
 TEST(EmbreeAccel, FindsEveryMixtureOfInstances) {
-  for (const std::vector<Row::Appearance>& row : {std::vector{kWorld, kWorld, kWorld},
-                                                  {kNode, kNode, kNode},
-                                                  {kNode, kWorld, kNode},
-                                                  {kWorld, kNode, kWorld},
-                                                  {kMoving, kWorld, kNode},
-                                                  {kNode, kWorld, kMoving}}) {
+  for (const std::vector<Row::Placement>& row : {std::vector{kWorld, kWorld, kWorld},
+                                                 {kNode, kNode, kNode},
+                                                 {kNode, kWorld, kNode},
+                                                 {kWorld, kNode, kWorld},
+                                                 {kMoving, kWorld, kNode},
+                                                 {kNode, kWorld, kMoving}}) {
     Row scene(row);
     EXPECT_EQ(hits_along(scene.build(), 3), (std::vector{0, 1, 2}));
   }
 }
 
 TEST(EmbreeAccel, AsksForTheOpacityOfTheRightInstance) {
-  for (const std::vector<Row::Appearance>& row :
+  for (const std::vector<Row::Placement>& row :
        {std::vector{kWorld, kWorld, kWorld}, {kNode, kWorld, kNode}, {kMoving, kWorld, kNode}}) {
     for (uint32_t hole = 0; hole < 3; ++hole) {
       Row scene(row);

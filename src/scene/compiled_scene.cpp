@@ -39,7 +39,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   check_placement(source_, world_, source_.name);
   textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
-  list_appearances();
+  list_mesh_instances();
   moves_ = moving_nodes(source_, options.movable);
   decide_instancing();
   build_materials();
@@ -59,7 +59,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   refresh_view();
 }
 
-void CompiledScene::list_appearances() {
+void CompiledScene::list_mesh_instances() {
   for (uint32_t n = 0; n < source_.nodes.size(); ++n) {
     for_each_place(source_.nodes[n], [&](Index mesh, const Mat4& to_node) {
       mesh_instances_.push_back({n, static_cast<uint32_t>(mesh), to_node});
@@ -134,7 +134,7 @@ void CompiledScene::build_meshes() {
     const MeshInstance& a = mesh_instances_[i];
     if (world_space_[i]) {
       const Mat4 transform = world_[a.node] * a.local;
-      mesh_of_appearance_.push_back(static_cast<uint32_t>(meshes_.size()));
+      mesh_of_instance_.push_back(static_cast<uint32_t>(meshes_.size()));
       append_mesh(a.mesh, &transform);
       continue;
     }
@@ -142,7 +142,7 @@ void CompiledScene::build_meshes() {
       shared_meshes_[a.mesh] = static_cast<uint32_t>(meshes_.size());
       append_mesh(a.mesh, nullptr);
     }
-    mesh_of_appearance_.push_back(shared_meshes_[a.mesh]);
+    mesh_of_instance_.push_back(shared_meshes_[a.mesh]);
   }
   for (Mesh& m : source_.meshes) {  // the compiled copy replaces the arrays
     m = Mesh{.name = std::move(m.name),

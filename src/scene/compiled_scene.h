@@ -89,7 +89,7 @@ class CompiledScene {
     Mat4 local;  ///< below the node
   };
 
-  void list_appearances();
+  void list_mesh_instances();
   void decide_instancing();
   void build_materials();
   void build_meshes();
@@ -121,7 +121,7 @@ class CompiledScene {
   std::vector<bool> moves_;                   ///< one a node
   bool was_moved_ = false;                    ///< some previous position differs from the present one
   std::vector<MeshInstance> mesh_instances_;  ///< one an instance
-  std::vector<bool> world_space_;             ///< one an appearance
+  std::vector<bool> world_space_;             ///< one for each mesh instance
   std::vector<uint32_t> shared_meshes_;       ///< by mesh of the source: its copy in its own space; kNoHit: none
   bool edited_ = false;                       ///< since commit_edits()
   std::vector<Vertex> vertices_;
@@ -131,7 +131,7 @@ class CompiledScene {
   std::vector<MeshView> meshes_;
   std::vector<Box> boxes_;  ///< one a mesh
   Box extent_;              ///< of everything, wherever animation takes it
-  std::vector<uint32_t> mesh_of_appearance_;
+  std::vector<uint32_t> mesh_of_instance_;
   std::vector<Instance> instances_;
   std::vector<MaterialData> materials_;
   TextureStore textures_;
@@ -139,7 +139,7 @@ class CompiledScene {
   Index camera_node_ = kNone;
   Camera camera_;
   Mat4 default_camera_{1};
-  std::optional<CameraPose> placed_camera_;
+  std::optional<CameraPose> camera_pose_;
   CameraView camera_view_;
   CameraView previous_camera_view_;
   IVec2 resolution_;

@@ -42,7 +42,7 @@ Box CompiledScene::placed_box(const std::vector<Mat4>& world, bool moving_only) 
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     const MeshInstance& a = mesh_instances_[i];
     if (!world_space_[i] && (moves_[a.node] || !moving_only))
-      box.add(transformed(boxes_[mesh_of_appearance_[i]], world[a.node] * a.local));
+      box.add(transformed(boxes_[mesh_of_instance_[i]], world[a.node] * a.local));
   }
   return box;
 }
@@ -68,7 +68,7 @@ void CompiledScene::compute_bounds() {
   boxes_.assign(meshes_.size(), {});
   parallel_for(meshes_.size(), [&](size_t m) { boxes_[m] = box_of(meshes_[m]); });
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
-    if (world_space_[i]) extent_.add(boxes_[mesh_of_appearance_[i]]);
+    if (world_space_[i]) extent_.add(boxes_[mesh_of_instance_[i]]);
   }
   // The time that is shown first must make no difference, so that frames do not depend on which came before.
   extent_.add(placed_box(world_matrices(source_, 0)));

@@ -98,7 +98,7 @@ Index CompiledScene::add_node(const Node& node) {
   for_each_place(node, [&](Index mesh, const Mat4& to_node) {
     mesh_instances_.push_back({static_cast<uint32_t>(index), static_cast<uint32_t>(mesh), to_node});
     world_space_.push_back(false);
-    mesh_of_appearance_.push_back(shared_meshes_[static_cast<size_t>(mesh)]);
+    mesh_of_instance_.push_back(shared_meshes_[static_cast<size_t>(mesh)]);
   });
   edited_ = true;
   return index;
@@ -120,11 +120,11 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
     if (gone[mesh_instances_[i].node]) continue;
     mesh_instances_[kept] = mesh_instances_[i];
     world_space_[kept] = world_space_[i];
-    mesh_of_appearance_[kept++] = mesh_of_appearance_[i];
+    mesh_of_instance_[kept++] = mesh_of_instance_[i];
   }
   mesh_instances_.resize(kept);
   world_space_.resize(kept);
-  mesh_of_appearance_.resize(kept);
+  mesh_of_instance_.resize(kept);
   std::vector<Index> removed;
   for (size_t i = 0; i < gone.size(); ++i) {
     if (!gone[i]) continue;

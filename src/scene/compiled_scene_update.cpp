@@ -51,7 +51,7 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   }
   const CameraView now = view_through(camera ? *camera : scene_camera(world_));
   const CameraView before = std::exchange(camera_view_, now);
-  placed_camera_ = camera;
+  camera_pose_ = camera;
   refresh_view();
   if (same(before, camera_view_)) return Change::none;
   was_moved_ = true;
@@ -165,7 +165,7 @@ CameraPose CompiledScene::scene_camera(const std::vector<Mat4>& world) const {
   return {camera_node_ == kNone ? default_camera_ : world[static_cast<size_t>(camera_node_)], camera_};
 }
 
-CameraPose CompiledScene::camera() const { return placed_camera_ ? *placed_camera_ : scene_camera(world_); }
+CameraPose CompiledScene::camera() const { return camera_pose_ ? *camera_pose_ : scene_camera(world_); }
 
 bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
@@ -173,7 +173,7 @@ bool CompiledScene::place_instances() {
   bool moved = false;
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     Instance& instance = instances_[i];
-    instance.mesh = mesh_of_appearance_[i];
+    instance.mesh = mesh_of_instance_[i];
     instance.in_world_space = world_space_[i];
     if (instance.in_world_space) continue;
     const Mat4 m = world_[mesh_instances_[i].node] * mesh_instances_[i].local;

@@ -16,7 +16,7 @@ struct LightParameter {
   const char* name;  ///< in messages
   float PunctualLight::*member;
   PunctualType type;              ///< the one that uses it
-  float most_rad;                 ///< it is 0 at least
+  float most_rad;                 ///< largest valid value; the smallest is 0
   float PunctualLight::*at_most;  ///< another angle that it must not exceed; nullptr: none
   float low_deg;                  ///< range in relume JSON
   float high_deg;

@@ -25,7 +25,7 @@ constexpr const char* kClearcoat = "KHR_materials_clearcoat";
 using M = Material;
 using D = MaterialData;
 
-// clang-format off: a line says where a parameter is, the next what it may be, the last how it is shown
+// clang-format off: one field a line
 const std::array kParameters = {
     MaterialParameter{.key = "base_color",
                       .name = "base colour",

@@ -69,7 +69,7 @@ struct MeshView {
   bool has_colors = false;
 };
 
-/// One appearance of a mesh.
+/// One instance of a mesh.
 struct Instance {
   Affine to_world;
   Mat3 normal_to_world{1};  ///< cofactors of to_world.linear up to a factor: takes normals along

@@ -158,7 +158,7 @@ void validate(const PunctualLight& l, const std::string& place) {
     fail(place, "light '{}' has an intensity that is negative or above {:g}; give it another", l.name, kMaxRadiance);
   for (const LightParameter& p : light_parameters()) {
     if (!in_range(l.*p.member, 0, upper_limit(p, l)))
-      fail(place, "light '{}' has an {} of {} radians; give it one between 0 and {}", l.name, p.name, l.*p.member,
+      fail(place, "light '{}': {} is {} radians; give it one between 0 and {}", l.name, p.name, l.*p.member,
            upper_limit(p, l));
   }
 }

@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// What all formats need of a file.
+/// Throws Error unless the file exists and is not empty.
 void check_file(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))

@@ -1,5 +1,5 @@
-// Every header that kernels include, and every pass kernel, compiled for the device. Each technique lists its kernels in
-// its kernels.inc; the build collects these lists in all_kernels.inc.
+// Every header that kernels include, and every pass kernel, compiled for the device. Each technique lists its kernels
+// in its kernels.inc; the build collects these lists in all_kernels.inc.
 #include "core/fixed_point.h"
 #include "core/frame.h"
 #include "core/hash.h"

@@ -17,16 +17,16 @@ enum class LobeKind : uint8_t {
   dielectric,           ///< rough interface: reflection and refraction
   smooth_dielectric,    ///< delta reflection and refraction
   thin_transmission,    ///< through a rough thin wall, not refracted
-  null,                 ///< delta, straight on
+  null,                 ///< delta transmission without refraction
 };
 inline constexpr int kLobeKindCount = 9;
 
-/// What the renderer asks of a kind of lobe.
+/// Properties of a kind of lobe.
 struct LobeTraits {
   bool delta;      ///< scatters into single directions, and has no value elsewhere
   bool glossy;     ///< as wide as its microfacets are rough
   bool transmits;  ///< takes light from the other side
-  bool refracts;   ///< and bends it
+  bool refracts;   ///< transmits along a refracted direction
 };
 
 /// In the order of LobeKind.

@@ -1,5 +1,4 @@
 #include "scene_io/gltf/gltf_write_nodes.h"
-#include "scene/light_parameters.h"
 
 #include <cmath>
 #include <optional>
@@ -7,6 +6,8 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/trigonometric.hpp>
+
+#include "scene/light_parameters.h"
 
 namespace relume::gltf {
 namespace {

@@ -1,4 +1,4 @@
-// What caches, histories and learning do along a path, beside the estimate itself.
+// Policies: operations of caches, histories and learning along a path, beside the estimate.
 #pragma once
 
 #include <concepts>
@@ -18,7 +18,7 @@ struct NoPolicy {
   /// The path has reached a surface whose own emission is already added. False ends the path. A policy that steers may
   /// change the surface's lobes and region, and take radiance and throughput out of the path, here and in scattered().
   RELUME_HD bool arrived(const SurfacePoint&, const PathState&) { return true; }
-  /// Next event estimation at the surface; `visible`: nothing was in between.
+  /// Next event estimation at the surface; `visible`: the shadow ray was not blocked.
   RELUME_HD void connected(const SurfacePoint&, const PathState&, const Connection&, bool /*visible*/) {}
   /// A direction was sampled; `after`: the path with its new ray.
   RELUME_HD void scattered(const SurfacePoint&, const BsdfSample&, const PathState& /*after*/) {}
