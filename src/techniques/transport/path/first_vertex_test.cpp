@@ -24,23 +24,11 @@ std::vector<FirstVertex> trace(const std::vector<uint32_t>& allocation, bool til
   FirstVertex of_before;
   of_before.light_scale = 7;
   std::vector<FirstVertex> vertices(kPixels, of_before);
-  std::vector<Hit> hits(kPixels);
   std::vector<Rgb> radiance(kPixels);
-  std::vector<uint32_t> rays(kPixels);
-  const SampleIndex index{.seed = 7, .sample = 3};
-  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
-  PathKernel<RadianceOutput, FirstVertexOutput> kernel;
-  kernel.context.scene = scene.view();
-  kernel.context.selector.kind = LightSelectorKind::uniform;
-  kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
-  kernel.index = index;
-  kernel.hits = view_of(hits);
-  kernel.allocation = view_of(allocation);
-  kernel.rays = mutable_view_of(rays);
-  kernel.width = kWidth;
-  kernel.outputs =
-      path_outputs(RadianceOutput{mutable_view_of(radiance)}, FirstVertexOutput{mutable_view_of(vertices)});
-  testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
+  testing::trace_pixels(
+      scene,
+      {.width = kWidth, .height = kHeight, .tile_size = tiles ? kTileSize : 0, .allocation = view_of(allocation)},
+      RadianceOutput{mutable_view_of(radiance)}, FirstVertexOutput{mutable_view_of(vertices)});
   return vertices;
 }
 

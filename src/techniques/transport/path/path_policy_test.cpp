@@ -63,22 +63,8 @@ class PathPolicies : public ::testing::TestWithParam<uint32_t> {
  protected:
   template <typename... Outputs>
   void trace(const Outputs&... outputs) const {
-    std::vector<Hit> hits(kPixels);
-    std::vector<uint32_t> rays(kPixels);
-    const SampleIndex index{.seed = 7, .sample = 3};
-    const SceneView scene = scene_.view();
-    const PrimaryHitsKernel primary{scene.accel, scene.camera, index, mutable_view_of(hits), {}, kWidth};
-    relume::PathKernel<Outputs...> kernel;
-    kernel.context.scene = scene;
-    kernel.context.selector.kind = LightSelectorKind::uniform;
-    kernel.context.selector.uniform = make_uniform_lights(scene.lights);
-    kernel.context.max_bounces = 4;
-    kernel.index = index;
-    kernel.hits = view_of(hits);
-    kernel.rays = mutable_view_of(rays);
-    kernel.width = kWidth;
-    kernel.outputs = path_outputs(outputs...);
-    testing::run_kernel(primary, kernel, kWidth, kHeight, GetParam());
+    testing::trace_pixels(scene_, {.width = kWidth, .height = kHeight, .tile_size = GetParam(), .max_bounces = 4},
+                          outputs...);
   }
 
   const CompiledScene scene_{find_builtin_scene("cornell-spheres")->build(),

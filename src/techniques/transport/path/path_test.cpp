@@ -268,20 +268,9 @@ struct Traced {
 };
 
 Traced trace(const CompiledScene& scene, uint32_t width, uint32_t height, uint32_t tile_size) {
-  Traced traced{std::vector<Rgb>(width * height, Rgb(-1)), std::vector<uint32_t>(width * height)};
-  std::vector<Hit> hits(width * height);
-  const SampleIndex index{.seed = 7, .sample = 3};
-  const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, width};
-  PathKernel<RadianceOutput> kernel;
-  kernel.context.scene = scene.view();
-  kernel.context.selector.kind = LightSelectorKind::uniform;
-  kernel.context.selector.uniform = make_uniform_lights(scene.view().lights);
-  kernel.index = index;
-  kernel.hits = view_of(hits);
-  kernel.outputs = path_outputs(RadianceOutput{mutable_view_of(traced.radiance)});
-  kernel.rays = mutable_view_of(traced.rays);
-  kernel.width = width;
-  testing::run_kernel(primary, kernel, width, height, tile_size);
+  Traced traced{std::vector<Rgb>(width * height, Rgb(-1)), {}};
+  traced.rays = testing::trace_pixels(scene, {.width = width, .height = height, .tile_size = tile_size},
+                                      RadianceOutput{mutable_view_of(traced.radiance)});
   return traced;
 }
 

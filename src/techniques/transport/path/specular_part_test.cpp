@@ -22,22 +22,6 @@ struct Parts {
   std::vector<Rgb> specular = std::vector<Rgb>(kPixels, Rgb(7));
 };
 
-template <typename... Outputs>
-PathKernel<Outputs...> kernel_of(const SceneView& scene, const SampleIndex& index, const std::vector<Hit>& hits,
-                                 std::vector<uint32_t>& rays, const Outputs&... outputs) {
-  PathKernel<Outputs...> kernel;
-  kernel.context.scene = scene;
-  kernel.context.selector.kind = LightSelectorKind::uniform;
-  kernel.context.selector.uniform = make_uniform_lights(scene.lights);
-  kernel.context.max_bounces = 3;
-  kernel.index = index;
-  kernel.hits = view_of(hits);
-  kernel.rays = mutable_view_of(rays);
-  kernel.width = kWidth;
-  kernel.outputs = path_outputs(outputs...);
-  return kernel;
-}
-
 /// One sample of every pixel of a compiled scene.
 struct Tracer {
   const CompiledScene& scene;
@@ -45,13 +29,13 @@ struct Tracer {
 
   template <typename... Outputs>
   void trace(uint32_t sample, bool tiles, const Outputs&... outputs) const {
-    std::vector<Hit> hits(kPixels);
-    std::vector<uint32_t> rays(kPixels);
-    const SampleIndex index{.seed = 7, .sample = sample};
-    const PrimaryHitsKernel primary{scene.view().accel, scene.view().camera, index, mutable_view_of(hits), {}, kWidth};
-    auto kernel = kernel_of(scene.view(), index, hits, rays, outputs...);
-    kernel.context.max_bounces = max_bounces;
-    testing::run_kernel(primary, kernel, kWidth, kHeight, tiles ? kTileSize : 0);
+    testing::trace_pixels(scene,
+                          {.width = kWidth,
+                           .height = kHeight,
+                           .tile_size = tiles ? kTileSize : 0,
+                           .max_bounces = max_bounces,
+                           .sample = sample},
+                          outputs...);
   }
 
   Parts parts(uint32_t sample, bool tiles) const {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <vector>
 
+#include "scene/compiled_scene.h"
 #include "techniques/transport/path/path_kernel.h"
 
 namespace relume::testing {
@@ -21,6 +23,39 @@ void run_kernel(const PrimaryHitsKernel& primary, const Kernel& kernel, uint32_t
     for (uint32_t x = 0; x < width; x += tile_size)
       kernel(Tile{x, y, std::min(x + tile_size, width), std::min(y + tile_size, height)});
   }
+}
+
+struct TraceSettings {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  uint32_t tile_size = 0;  ///< as for run_kernel()
+  uint32_t max_bounces = PathContext{}.max_bounces;
+  uint32_t sample = 3;
+  View<const uint32_t> allocation = {};  ///< as for PathKernel
+};
+
+/// Traces one sample of each pixel, with uniform light selection. Returns the rays of each.
+template <typename... Outputs>
+std::vector<uint32_t> trace_pixels(const CompiledScene& scene, const TraceSettings& settings,
+                                   const Outputs&... outputs) {
+  const SceneView view = scene.view();
+  const SampleIndex index{.seed = 7, .sample = settings.sample};
+  std::vector<Hit> hits(size_t{settings.width} * settings.height);
+  std::vector<uint32_t> rays(hits.size());
+  const PrimaryHitsKernel primary{view.accel, view.camera, index, mutable_view_of(hits), {}, settings.width};
+  PathKernel<Outputs...> kernel;
+  kernel.context.scene = view;
+  kernel.context.selector.kind = LightSelectorKind::uniform;
+  kernel.context.selector.uniform = make_uniform_lights(view.lights);
+  kernel.context.max_bounces = settings.max_bounces;
+  kernel.index = index;
+  kernel.hits = view_of(hits);
+  kernel.allocation = settings.allocation;
+  kernel.rays = mutable_view_of(rays);
+  kernel.width = settings.width;
+  kernel.outputs = path_outputs(outputs...);
+  run_kernel(primary, kernel, settings.width, settings.height, settings.tile_size);
+  return rays;
 }
 
 }  // namespace relume::testing
