@@ -62,7 +62,7 @@ void claim_box(const SceneResult& scene, std::vector<Claim>& claims) {
   const Ratio anew = early_ratio(scene.traces, 2, 0, 8);
   claims.push_back(judged_within(
       "box-beats-path", kPaper, "On the box the combination is better than path tracing in the first frames.",
-      share_text(anew) + " of the MSE of starting anew (first 8 frames)", "ratio at most 1", {anew}, 0, 1));
+      share_text(anew) + " of the MSE of restarted accumulation (first 8 frames)", "ratio at most 1", {anew}, 0, 1));
 }
 
 void claim_sponza(const SceneResult* scene, std::vector<Claim>& claims) {
@@ -95,11 +95,11 @@ ExperimentResult run_combination(const ExperimentContext& context) {
   claim_sponza(hall ? &results[1] : nullptr, result.claims);
   std::vector<ImageSet> images;
   for (SceneResult& scene : results) images.push_back(std::move(scene.images));
-  result.blocks.emplace_back(
-      trace_viewer("Images",
-                   "After the last step, and as much time as eight frames of starting anew take. Maps: the probability "
-                   "of a sample, at the end.",
-                   std::move(images)));
+  result.blocks.emplace_back(trace_viewer(
+      "Images",
+      "After the last step, and as much time as eight frames of restarted accumulation take. Maps: the probability "
+      "of a sample, at the end.",
+      std::move(images)));
   for (const SceneResult& scene : results) {
     result.blocks.emplace_back(trace_charts(scene.name, "Error after the last step of a turn of 100°.", scene.traces,
                                             &TracePoint::mse, "MSE"));

@@ -42,7 +42,7 @@ struct Overhead {
   double four_ms = 0;  ///< four
   Ratio one;           ///< frames with one over frames that start anew
   Ratio four;
-  double one_bytes = 0;   ///< a pixel, beyond what starting anew needs
+  double one_bytes = 0;   ///< a pixel, beyond what restarted accumulation needs
   double four_bytes = 0;  ///< the same with four
 };
 
@@ -102,8 +102,8 @@ SceneResult measure_scene(const ExperimentContext& context, const ExperimentScen
   return result;
 }
 
-/// MSE against starting anew, or another, at equal time, over the first frames: from the end of the first to the
-/// eighth.
+/// MSE against restarted accumulation, or another, at equal time, over the first frames: from the end of the first to
+/// the eighth.
 Ratio early_ratio(const Case& c, size_t i, size_t baseline = 0) { return early_ratio(c.traces, i, baseline, 8); }
 
 /// Where the eye is if it moves: to and fro, so that it stays in the room.
@@ -206,7 +206,8 @@ void claim_overhead(const std::vector<Overhead>& list, bool moving, std::vector<
 
 std::string turns_text(const std::string& scene) {
   return scene +
-         ": in the first frames after turns of 5° to 50° the MSE is lower than after starting anew, at equal time.";
+         ": in the first frames after turns of 5° to 50° the MSE is lower than after restarting accumulation, at equal "
+         "time.";
 }
 
 void claim_turns(const SceneResult& scene, std::vector<Claim>& claims) {
@@ -221,17 +222,18 @@ void claim_turns(const SceneResult& scene, std::vector<Claim>& claims) {
                                  : scene.name == "Sponza"   ? "turns-sponza"
                                                             : "turns-city",
                                  of_paper ? kPaper : kOurs, turns_text(scene.name),
-                                 measured + " of the MSE of starting anew (1 stored)", kBelowOne, ratios, 0, 1));
+                                 measured + " of the MSE of restarted accumulation (1 stored)", kBelowOne, ratios, 0,
+                                 1));
 }
 
 void claim_stored(const SceneResult& scene, std::vector<Claim>& claims) {
   const Case& c = scene.cases.front();
   const Ratio ratio = early_ratio(c, 2, 1);
-  claims.push_back(
-      judged_within("four-stored", kPaper, "Four stored samples are at least as good as one.",
-                    fmt::format("{:.0f}° steps: {} with four, {} with one, of starting anew: {} of it", c.step_deg,
-                                share_text(early_ratio(c, 2)), share_text(early_ratio(c, 1)), share_text(ratio)),
-                    "four at most 5 % worse", {ratio}, 0, 1.05));
+  claims.push_back(judged_within(
+      "four-stored", kPaper, "Four stored samples are at least as good as one.",
+      fmt::format("{:.0f}° steps: {} with four, {} with one, of restarted accumulation: {} of it", c.step_deg,
+                  share_text(early_ratio(c, 2)), share_text(early_ratio(c, 1)), share_text(ratio)),
+      "four at most 5 % worse", {ratio}, 0, 1.05));
 }
 
 void claim_more_samples(const SceneResult& scene, std::vector<Claim>& claims) {
@@ -297,7 +299,7 @@ Claim claim_materials(const ExperimentContext& context, const std::vector<SceneR
     measured += fmt::format(", {}: {}", name, share_text(ratio));
   }
   return judged_within("materials", kPaper, "Highly reflective and refractive materials make it help less.",
-                       measured + " of starting anew", "ratios above the box's", ratios, 1);
+                       measured + " of restarted accumulation", "ratios above the box's", ratios, 1);
 }
 
 /// Overheads, images and curves, in the page's order.
@@ -305,9 +307,9 @@ std::vector<Block> shown(std::vector<SceneResult>& results, const std::vector<Ov
   std::vector<Block> blocks{overhead_table(overheads)};
   std::vector<ImageSet> images;
   for (SceneResult& scene : results) images.push_back(std::move(scene.cases.front().images));
-  blocks.emplace_back(
-      trace_viewer("Images", "After the last step of a turn, and as much time as four frames of starting anew take.",
-                   std::move(images)));
+  blocks.emplace_back(trace_viewer(
+      "Images", "After the last step of a turn, and as much time as four frames of restarted accumulation take.",
+      std::move(images)));
   for (const SceneResult& scene : results) {
     for (const Case& c : scene.cases) {
       blocks.emplace_back(trace_charts(fmt::format("{}, steps of {:.0f}°", scene.name, c.step_deg),
@@ -360,7 +362,7 @@ ExperimentResult run_reprojection(const ExperimentContext& context) {
   result.setup = common_setup(context);
   result.setup.insert(result.setup.end(),
                       {{"Turn", "100° in steps; the last view is the same whatever the step"},
-                       {"First frames", "from the end of the first to the eighth frame of starting anew"},
+                       {"First frames", "from the end of the first to the eighth frame of restarted accumulation"},
                        {"Repetitions", "three sequences (one in a quick run); contenders take turns frame by frame"}});
   return result;
 }

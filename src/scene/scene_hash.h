@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Hash of everything in the scene that the image depends on (FNV-1a, 64 bits). Names do not count, but for cameras.
+/// Hash of all parts of the scene that affect the image (FNV-1a, 64 bits). Of names, only those of cameras count.
 uint64_t scene_hash(const Scene& scene);
 
 }  // namespace relume

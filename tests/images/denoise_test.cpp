@@ -1,5 +1,5 @@
-// Denoisers against the image that they stand in for: how much nearer they come than what they were given, and
-// whether what features do not tell survives.
+// Denoised images against converged ones: how much closer they are than the noisy input, and whether details that no
+// feature shows survive.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Histories and allocations against the image that they stand in for: those without bias agree with it, the others
+// Histories and allocations against the converged image: unbiased ones agree with it, the others
 // keep to the bound that their pages state.
 #include <gtest/gtest.h>
 

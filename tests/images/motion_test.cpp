@@ -58,8 +58,8 @@ constexpr const char* kSponza = R"({
 struct MovingScene {
   Scene scene;
   const char* object;  ///< node that moves
-  double mse;          ///< bounds: of starting anew
-  double temporal;     ///< of starting anew
+  double mse;          ///< bounds: of restarted accumulation
+  double temporal;     ///< of restarted accumulation
   double trail;        ///< mean error behind the object
 };
 
@@ -78,7 +78,7 @@ std::optional<MovingScene> sponza() {
   if (!std::filesystem::exists(file)) return std::nullopt;
   std::string json = kSponza;
   json.replace(json.find("SPONZA"), 6, file.generic_string());
-  // Few pixels show the vases, and starting anew is as far off behind them: 7 %.
+  // Few pixels show the vases, and restarted accumulation is as far off behind them: 7 %.
   return MovingScene{load(json), "vase_hanging", 0.85, 0.75, 0.1};
 }
 

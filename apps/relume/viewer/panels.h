@@ -1,4 +1,4 @@
-// The panels beside and below the image, but for the settings.
+// The panels beside and below the image, except the settings.
 #pragma once
 
 #include "viewer/state.h"

@@ -11,9 +11,9 @@ namespace relume::viewer {
 
 class SessionSlot {
  public:
-  /// Makes the session what `request` asks of this side, at `size` pixels: takes on settings and edits, and compiles
-  /// the scene anew only where the session cannot. With a change an image of its own begins. Throws Error; the session
-  /// then is as it was, if there was one.
+  /// Applies the settings and edits that `request` has for this side, at `size` pixels. Compiles the scene again only
+  /// where the session cannot apply an edit. A change starts a new image. Throws Error; an existing session then stays
+  /// as it was.
   void update(const RenderRequest& request, int side, const IVec2& size);
 
   void close() { session_.reset(); }

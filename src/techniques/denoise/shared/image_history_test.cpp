@@ -191,7 +191,7 @@ TEST(ImageHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
 }
 
 TEST(ImageHistory, ALonelyBrightSampleStaysFiltered) {
-  Images p;  // black but for one sample of 160 in one pixel
+  Images p;  // black except one sample of 160 in one pixel
   constexpr uint32_t kPixel = 20 * kWidth + 20;
   p.before.assign(kPixels, Rgb(0));
   p.shown.assign(kPixels, Rgb(0));

@@ -177,7 +177,7 @@ struct BackwardReprojection {
 struct InterpolatedHistory {
   MomentsView before;
   MutableMomentsView now;
-  View<const Rgb> specular_before = {};  ///< part of the means that moves by itself; may be empty
+  View<const Rgb> specular_before = {};  ///< part of the means that moves separately; may be empty
   View<const Rgb> specular = {};         ///< the same at this frame's pixels
 
   /// Stores the history of the pixel, from `taps`. Returns the number of its samples.

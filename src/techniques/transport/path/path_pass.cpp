@@ -43,7 +43,7 @@ PassDeclaration PathPass::declaration() const {
 
 namespace {
 
-// Each combination of outputs is a kernel of its own, so that paths pay for no output that nobody reads.
+// Each combination of outputs has its own kernel, so outputs that no pass reads cost nothing.
 
 template <typename... Outputs>
 bool trace_with_specular(const PathSource& source, const FrameContext& frame, bool wanted, const Outputs&... outputs) {
