@@ -25,7 +25,8 @@ def run(*command, **options):
 
 
 def pack(folder, **environment):
-    run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder, cwd=folder, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH, **environment})
+    """Package name -> file. gzip in place of xz: it takes a tenth of the time."""
+    run("cpack", "--config", BUILD / "CPackConfig.cmake", "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", "-B", folder, cwd=folder, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH, **environment})
     return {file.name.split("_")[0]: file for file in sorted(folder.glob("*.deb"))}
 
 
@@ -96,9 +97,19 @@ class Packages(unittest.TestCase):
                 done = subprocess.run(["sh", "-c", script.replace("/proc/cpuinfo", processor.name)], capture_output=True, text=True, check=False)
             self.assertEqual((done.returncode, "AVX2" in done.stderr), (status, status == 1), flags)
 
-    def test_lintian_finds_no_fault(self):
-        done = subprocess.run(["lintian", "--no-cfg", "--allow-root", "--fail-on", "error,warning", *self.packages.values()], capture_output=True, text=True, check=False)
+    def test_lintian_finds_no_fault_in_the_program(self):
+        self.lint(self.program)
+
+    def lint(self, *packages):
+        done = subprocess.run(["lintian", "--no-cfg", "--allow-root", "--fail-on", "error,warning", *packages], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stdout), (0, ""), done.stderr)
+
+
+class Library(Packages):
+    """Slow: lintian looks at every object file of the static library."""
+
+    def test_lintian_finds_no_fault_in_the_library(self):
+        self.lint(self.library)
 
 
 class Configuration(unittest.TestCase):
@@ -183,4 +194,4 @@ if __name__ == "__main__":
     if MISSING:
         print(f"{', '.join(MISSING)} not installed; scripts/install_packages installs them")
         sys.exit(SKIPPED)
-    unittest.main()
+    unittest.main(defaultTest=sys.argv[1:] or ["Packages", "Configuration", "DesktopData"], argv=sys.argv[:1])
