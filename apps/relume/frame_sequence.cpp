@@ -80,11 +80,11 @@ FrameRange parse_frame_range(std::string_view text, std::string_view place) {
 
 float frame_time_s(int frame, float fps, float scene_time_s) {
   const float time_s = scene_time_s + static_cast<float>(frame) / fps;
-  if (time_s <= kLatestTime_s) return time_s;
+  if (time_s <= kLatestTime) return time_s;
   throw UsageError(
       fmt::format("--frames: frame {} would be at {:g} s, and animations go to {:g} s; ask for earlier frames "
                   "or more of them a second (--fps)",
-                  frame, time_s, kLatestTime_s));
+                  frame, time_s, kLatestTime));
 }
 
 FrameNames::FrameNames(const std::filesystem::path& pattern)

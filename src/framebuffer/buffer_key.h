@@ -38,7 +38,9 @@ struct BufferKey {
   static_assert(std::is_trivially_copyable_v<T>);
   std::string_view name = {};  ///< empty: no buffer
 
-  constexpr operator BufferId() const { return {name, buffer_type<T>(), sizeof(T)}; }
+  constexpr operator BufferId() const {  // NOLINT(google-explicit-constructor): the same key
+    return {name, buffer_type<T>(), sizeof(T)};
+  }
 };
 
 }  // namespace relume

@@ -73,7 +73,7 @@ struct MutableMomentsView {
     if (!m2_rgb.empty()) m2_rgb[pixel] = moments.m2_rgb;
     samples[pixel] = moments.samples;
   }
-  RELUME_HD operator MomentsView() const {
+  RELUME_HD operator MomentsView() const {  // NOLINT(google-explicit-constructor): the same arrays
     return {{mean.data, mean.size}, {m2.data, m2.size}, {m2_rgb.data, m2_rgb.size}, {samples.data, samples.size}};
   }
 };

@@ -25,7 +25,7 @@
 
 namespace relume {
 
-inline constexpr float kLatestTime_s = 1e6f;  ///< of an animation
+inline constexpr float kLatestTime = 1e6f;  ///< of an animation, in seconds
 /// Larger seeds are for repetitions, which count up from the one that was set, and above 10^9 for references.
 inline constexpr int kMostSeed = 900'000'000;
 
@@ -76,7 +76,7 @@ struct RenderSettings {
   SvgfSettings svgf;
 
   /// As the public interface takes them; whatever is not part of these has its default.
-  operator Settings() const;
+  operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
 /// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
