@@ -38,7 +38,7 @@ function(relume_not_hot)
 endfunction()
 
 # What most sources include, compiled once for a target. The preset `ci` does without
-# (CMAKE_DISABLE_PRECOMPILE_HEADERS), so that each file still has to include what it uses.
+# (CMAKE_DISABLE_PRECOMPILE_HEADERS) except in tests, so that each file still has to include what it uses.
 set(RELUME_PRECOMPILED
   <algorithm> <chrono> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <stop_token> <string>
   <string_view> <vector> <relume/error.h> <core/vec.h>)

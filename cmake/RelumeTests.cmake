@@ -12,6 +12,12 @@ if(RELUME_SANITIZE)
   set(RELUME_SLOW_TEST_TIMEOUT 20000)
 endif()
 
+# relume_use_test_headers(TARGET): the precompiled headers of tests, in every preset: a third of a test's compilation.
+function(relume_use_test_headers target)
+  set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS OFF)
+  target_precompile_headers(${target} REUSE_FROM relume_test_headers)
+endfunction()
+
 # relume_add_tests(NAME source...): one GoogleTest program from the *_test.cpp files of a folder; every test in it
 # is a ctest of its own. Suites whose name begins with "Slow" carry the label "slow".
 function(relume_add_tests name)
@@ -20,7 +26,7 @@ function(relume_add_tests name)
   endif()
   add_executable(${name}_tests ${ARGN})
   target_link_libraries(${name}_tests PRIVATE relume_lab relume relume_testing relume_flags GTest::gtest_main)
-  target_precompile_headers(${name}_tests REUSE_FROM relume_test_headers)
+  relume_use_test_headers(${name}_tests)
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER -Slow* PROPERTIES TIMEOUT ${RELUME_TEST_TIMEOUT})
   gtest_discover_tests(${name}_tests DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_PREFIX ${name}. TEST_FILTER Slow* TEST_LIST ${name}_slow
     PROPERTIES TIMEOUT ${RELUME_SLOW_TEST_TIMEOUT} LABELS slow)

@@ -41,7 +41,7 @@ std::string next_character(std::string_view text, size_t& at) {
 }
 
 /// A line that begins with a dot would be a request. Apostrophes are escaped already.
-std::string guarded(std::string line) { return line.starts_with('.') ? "\\&" + line : line; }
+std::string guarded(const std::string& line) { return line.starts_with('.') ? "\\&" + line : line; }
 
 /// Flags, paths and numbers, whose hyphens are minus signs.
 bool is_literal(std::string_view word) {

@@ -29,6 +29,7 @@ struct Handle {
   uint64_t session = 0;  ///< number of the session; 0: named by index
 
   constexpr Handle() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): an index names its part, too
   constexpr Handle(Index i, uint64_t owner = 0) : index(i), session(owner) {}
   friend bool operator==(const Handle&, const Handle&) = default;
 };

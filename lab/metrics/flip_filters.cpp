@@ -45,8 +45,8 @@ std::vector<Out> convolve_rows(const std::vector<In>& in, int width, int height,
     const In* row = &in[index_of(0, y, width)];
     std::vector<In> padded(static_cast<size_t>(width + 2 * radius));
     for (int x = -radius; x < width + radius; ++x)
-      padded[static_cast<size_t>(x + radius)] = row[std::clamp(x, 0, width - 1)];
-    const auto taps = static_cast<size_t>(2 * radius + 1);
+      padded[static_cast<size_t>(int64_t{x} + radius)] = row[std::clamp(x, 0, width - 1)];
+    const auto taps = 2 * static_cast<size_t>(radius) + 1;
     for (size_t x = 0; x < static_cast<size_t>(width); ++x) {
       Out sum(0);
       for (size_t k = 0; k < taps; ++k) tap(sum, k, padded[x + k]);
@@ -65,7 +65,8 @@ std::vector<Out> convolve_columns(const std::vector<In>& in, int width, int heig
     std::vector<Sum> sums(static_cast<size_t>(width), Sum(0));
     for (int k = -radius; k <= radius; ++k) {
       const In* row = &in[index_of(0, std::clamp(y + k, 0, height - 1), width)];
-      for (int x = 0; x < width; ++x) tap(sums[static_cast<size_t>(x)], static_cast<size_t>(k + radius), row[x]);
+      for (int x = 0; x < width; ++x)
+        tap(sums[static_cast<size_t>(x)], static_cast<size_t>(int64_t{k} + radius), row[x]);
     }
     for (int x = 0; x < width; ++x) out[index_of(x, y, width)] = finish(sums[static_cast<size_t>(x)]);
   });
@@ -82,7 +83,7 @@ ContrastKernel contrast_kernel(float pixels_per_degree) {
   // Three standard deviations of the widest Gaussian.
   kernel.radius = static_cast<int>(std::ceil(3.0 * std::sqrt(kYellowFirst.b / (2.0 * kPiSquared)) * ppd));
   const Gaussian gaussians[4] = {kAchromatic, kRedGreen, kYellowFirst, kYellowSecond};
-  kernel.taps.assign(static_cast<size_t>(2 * kernel.radius + 1), Vec4(0));
+  kernel.taps.assign(2 * static_cast<size_t>(kernel.radius) + 1, Vec4(0));
   double mass[4];  // of the two-dimensional kernels: the square of the one-dimensional sums
   for (int c = 0; c < 4; ++c) {
     const double a = gaussians[c].a;
@@ -91,7 +92,7 @@ ContrastKernel contrast_kernel(float pixels_per_degree) {
     double sum = 0;
     for (int i = -kernel.radius; i <= kernel.radius; ++i) sum += value(i);
     for (int i = -kernel.radius; i <= kernel.radius; ++i)
-      kernel.taps[static_cast<size_t>(i + kernel.radius)][c] = static_cast<float>(value(i) / sum);
+      kernel.taps[static_cast<size_t>(int64_t{i} + kernel.radius)][c] = static_cast<float>(value(i) / sum);
     mass[c] = a * std::sqrt(static_cast<double>(kPi) / b) * sum * sum;
   }
   kernel.yellow_first = static_cast<float>(mass[2] / (mass[2] + mass[3]));

@@ -74,17 +74,17 @@ float wave_height(float x, float z) {
 /// The water's whole boundary. It reaches 5 mm into walls and floor, where nothing sees it, so that no film of air
 /// stays between; its front is a plane just behind the opening.
 Mesh water_body() {
-  constexpr int cells = 256;
+  constexpr int kCells = 256;
   const float side = kHalf + 0.005f;
   const float front = kHalf - 0.01f;
   const float bottom = -0.005f;
   const auto skirt = [&](const Vec3& from, const Vec3& to) {
-    return flat_shaded(parametric_surface(cells, 1, [&](float u, float v) {
+    return flat_shaded(parametric_surface(kCells, 1, [&](float u, float v) {
       const Vec3 p = from + u * (to - from);
       return Vec3(p.x, lerp(bottom, wave_height(p.x, p.z), v), p.z);
     }));
   };
-  Mesh top = height_field({-side, -side}, {side, front}, cells, cells, wave_height);
+  Mesh top = height_field({-side, -side}, {side, front}, kCells, kCells, wave_height);
   const Vec3 corners[4] = {{-side, 0, front}, {side, 0, front}, {side, 0, -side}, {-side, 0, -side}};
   for (int i = 0; i < 4; ++i) {
     Mesh wall = skirt(corners[i], corners[(i + 1) % 4]);

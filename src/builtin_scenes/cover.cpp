@@ -24,16 +24,16 @@ Mesh hood() {
 }
 
 Mesh grille() {
-  constexpr float pitch = 0.2f;
-  constexpr float half_bar = 0.035f;
+  constexpr float kPitch = 0.2f;
+  constexpr float kHalfBar = 0.035f;
   Mesh mesh;
   for (int i = -11; i <= 11; ++i) {
-    const float x = pitch * static_cast<float>(i);
-    append(mesh, box({x - half_bar, kGrille, -kHalfZ}, {x + half_bar, kGrille + 0.05f, kHalfZ}));
+    const float x = kPitch * static_cast<float>(i);
+    append(mesh, box({x - kHalfBar, kGrille, -kHalfZ}, {x + kHalfBar, kGrille + 0.05f, kHalfZ}));
   }
   for (int i = -6; i <= 6; ++i) {
-    const float z = pitch * static_cast<float>(i);
-    append(mesh, box({-kHalfX, kGrille + 0.06f, z - half_bar}, {kHalfX, kGrille + 0.11f, z + half_bar}));
+    const float z = kPitch * static_cast<float>(i);
+    append(mesh, box({-kHalfX, kGrille + 0.06f, z - kHalfBar}, {kHalfX, kGrille + 0.11f, z + kHalfBar}));
   }
   return mesh;
 }

@@ -22,7 +22,7 @@ Mesh for_open_cells(const FloorPlan& plan, Build build) {
 }  // namespace
 
 Mesh wall(const Vec2& a, const Vec2& b, float thickness, float height, const std::vector<Opening>& openings) {
-  constexpr float sunk = -0.01f;
+  constexpr float kSunk = -0.01f;
   const float length = glm::distance(a, b);
   Mesh mesh;
   const auto piece = [&](float from, float to, float bottom, float top) {
@@ -30,12 +30,12 @@ Mesh wall(const Vec2& a, const Vec2& b, float thickness, float height, const std
   };
   float done = 0;
   for (const Opening& opening : openings) {
-    piece(done, opening.along.x, sunk, height);
-    piece(opening.along.x, opening.along.y, sunk, opening.height.x);
+    piece(done, opening.along.x, kSunk, height);
+    piece(opening.along.x, opening.along.y, kSunk, opening.height.x);
     piece(opening.along.x, opening.along.y, opening.height.y, height);
     done = opening.along.y;
   }
-  piece(done, length, sunk, height);
+  piece(done, length, kSunk, height);
   const float turn_deg = glm::degrees(std::atan2(a.y - b.y, b.x - a.x));
   return transformed(std::move(mesh), translation({a.x, 0, a.y}) * rotation_y(turn_deg));
 }
@@ -67,14 +67,14 @@ Mesh plan_ceiling(const FloorPlan& plan) {
 }
 
 Mesh plan_walls(const FloorPlan& plan, char mark) {
-  constexpr int step_row[4] = {-1, 0, 1, 0};
-  constexpr int step_column[4] = {0, 1, 0, -1};
+  constexpr int kStepRow[4] = {-1, 0, 1, 0};
+  constexpr int kStepColumn[4] = {0, 1, 0, -1};
   return for_open_cells(plan, [&](int row, int column) {
     Mesh sides;
     if (plan.rows[static_cast<size_t>(row)][static_cast<size_t>(column)] != mark) return sides;
     for (int i = 0; i < 4; ++i) {
-      if (plan.open(row + step_row[i], column + step_column[i])) continue;
-      const Vec3 outward(step_column[i], 0, step_row[i]);
+      if (plan.open(row + kStepRow[i], column + kStepColumn[i])) continue;
+      const Vec3 outward(kStepColumn[i], 0, kStepRow[i]);
       const Vec3 along = glm::cross(outward, Vec3(0, 1, 0)) * plan.cell;  // along × up looks back into the cell
       const Vec3 corner = plan.middle(row, column, 0) + outward * (plan.cell / 2) - along * 0.5f;
       append(sides, quad(corner, along, {0, plan.height, 0}));

@@ -32,8 +32,8 @@ void add_grid_triangles(Mesh& mesh, uint32_t first, int across, int rows) {
   for (uint32_t r = 0; r < static_cast<uint32_t>(rows); ++r) {
     for (uint32_t c = 0; c < static_cast<uint32_t>(across); ++c) {
       const uint32_t a = first + r * stride + c;
-      mesh.triangles.push_back({a, a + 1, a + stride + 1});
-      mesh.triangles.push_back({a, a + stride + 1, a + stride});
+      mesh.triangles.emplace_back(a, a + 1, a + stride + 1);
+      mesh.triangles.emplace_back(a, a + stride + 1, a + stride);
     }
   }
 }

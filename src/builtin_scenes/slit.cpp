@@ -34,10 +34,10 @@ Scene build_slit() {
   const Index plaster = builder.add_material(matte("plaster", {0.75f, 0.74f, 0.71f}));
   const Index floor = builder.add_material(matte("floor", {0.55f, 0.5f, 0.44f}));
   const Index dark = builder.add_material(matte("screen", {0.3f, 0.31f, 0.33f}));
-  constexpr float height = 3.2f;
-  builder.add("walls", room({-4, 0, -6}, {4, height, 4}), plaster);
+  constexpr float kHeight = 3.2f;
+  builder.add("walls", room({-4, 0, -6}, {4, kHeight, 4}), plaster);
   builder.add("floor", quad({-4, 0.002f, 4}, {8, 0, 0}, {0, 0, -10}), floor);
-  builder.add("screen", wall({-4, -2}, {4, -2}, 0.1f, height, {{{3.86f, 4.14f}, {0.2f, 2.9f}}}), dark);
+  builder.add("screen", wall({-4, -2}, {4, -2}, 0.1f, kHeight, {{{3.86f, 4.14f}, {0.2f, 2.9f}}}), dark);
 
   const Index blue = builder.add_material(glossy("column", {0.25f, 0.35f, 0.5f}, 0.3f));
   const Index ochre = builder.add_material(matte("ball", {0.65f, 0.45f, 0.15f}));

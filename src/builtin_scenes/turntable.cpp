@@ -11,16 +11,16 @@ namespace relume {
 
 Scene build_turntable() {
   SceneBuilder builder("turntable");
-  constexpr float floor_radius = 2;
-  constexpr float wall_radius = 4;
-  constexpr float bottom = -1.6f;
+  constexpr float kFloorRadius = 2;
+  constexpr float kWallRadius = 4;
+  constexpr float kBottom = -1.6f;
   const Index floor = builder.add_material(matte("floor", Rgb(0.7f)));
   const Index white = builder.add_material(matte("wall", {0.82f, 0.8f, 0.76f}));
   const Index dark = builder.add_material(matte("bottom", Rgb(0.15f)));
-  builder.add("floor", transformed(cylinder(floor_radius, 0.08f, 128, true), translation({0, -0.08f, 0})), floor);
-  builder.add("wall", flipped(transformed(cylinder(wall_radius, 5.6f, 128, false), translation({0, bottom, 0}))),
+  builder.add("floor", transformed(cylinder(kFloorRadius, 0.08f, 128, true), translation({0, -0.08f, 0})), floor);
+  builder.add("wall", flipped(transformed(cylinder(kWallRadius, 5.6f, 128, false), translation({0, kBottom, 0}))),
               white);
-  builder.add("bottom", transformed(disc(wall_radius, 128), translation({0, bottom, 0})), dark);
+  builder.add("bottom", transformed(disc(kWallRadius, 128), translation({0, kBottom, 0})), dark);
 
   const Index red = builder.add_material(matte("peg", {0.7f, 0.2f, 0.12f}));
   Mesh pegs;

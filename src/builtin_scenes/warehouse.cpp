@@ -100,8 +100,8 @@ void shelf_load(Mesh (&parts)[3]) {
 /// Shelves stand two high along the walls that have no opening.
 std::vector<Mat4> shelf_places() {
   std::vector<Mat4> places;
-  constexpr float scale = 0.7f;
-  const float back = kBay / 2 - kWall / 2 - 0.5f * scale;
+  constexpr float kScale = 0.7f;
+  const float back = kBay / 2 - kWall / 2 - 0.5f * kScale;
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       const bool closed[4] = {!has_door(i, j, north), !has_door(i, j, west), !has_door(i, j + 1, north),
@@ -110,9 +110,9 @@ std::vector<Mat4> shelf_places() {
         // Where two meet in a corner only the first stands; the camera begins at the south of its bay.
         if (!closed[side] || (side > 0 && closed[side - 1]) || (side == 3 && closed[0])) continue;
         if (side == 2 && i == kPath[0][0] && j == kPath[0][1]) continue;
-        for (const float y : {0.0f, 2.5f * scale}) {
+        for (const float y : {0.0f, 2.5f * kScale}) {
           places.push_back(translation(bay_middle(i, j, y)) * rotation_y(90.0f * static_cast<float>(side)) *
-                           translation({0, 0, -back}) * scaling(Vec3(scale)));
+                           translation({0, 0, -back}) * scaling(Vec3(kScale)));
         }
       }
     }
@@ -162,14 +162,14 @@ Scene build_warehouse() {
   const Index concrete = builder.add_material(matte("concrete", {0.2f, 0.19f, 0.18f}));
   const Index plaster = builder.add_material(matte("plaster", {0.2f, 0.2f, 0.19f}));
   const Index floor = builder.add_material(glossy("floor", {0.2f, 0.2f, 0.21f}, 0.45f));
-  constexpr float width = kWidth + kHall;
-  builder.add("floor", quad({0, 0, kDepth}, {width, 0, 0}, {0, 0, -kDepth}), floor);
-  builder.add("ceiling", quad({0, kHeight, 0}, {width, 0, 0}, {0, 0, kDepth}), concrete);
+  constexpr float kWholeWidth = kWidth + kHall;
+  builder.add("floor", quad({0, 0, kDepth}, {kWholeWidth, 0, 0}, {0, 0, -kDepth}), floor);
+  builder.add("ceiling", quad({0, kHeight, 0}, {kWholeWidth, 0, 0}, {0, 0, kDepth}), concrete);
   Mesh outer;
-  append(outer, quad({0, 0, 0}, {width, 0, 0}, {0, kHeight, 0}));
-  append(outer, quad({width, 0, kDepth}, {-width, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({0, 0, 0}, {kWholeWidth, 0, 0}, {0, kHeight, 0}));
+  append(outer, quad({kWholeWidth, 0, kDepth}, {-kWholeWidth, 0, 0}, {0, kHeight, 0}));
   append(outer, quad({0, 0, kDepth}, {0, 0, -kDepth}, {0, kHeight, 0}));
-  append(outer, quad({width, 0, 0}, {0, 0, kDepth}, {0, kHeight, 0}));
+  append(outer, quad({kWholeWidth, 0, 0}, {0, 0, kDepth}, {0, kHeight, 0}));
   builder.add("outer walls", std::move(outer), plaster);
   builder.add("inner walls", inner_walls(), plaster);
   add_shelves(builder);

@@ -49,7 +49,7 @@ std::optional<Bytes> decode_base64(std::string_view text) {
   uint32_t bits = 0;
   int bit_count = 0;
   for (const char c : text) {
-    const int value = kValues[static_cast<unsigned char>(c)];
+    const auto value = static_cast<int>(kValues[static_cast<unsigned char>(c)]);
     if (value < 0) return std::nullopt;
     bits = (bits << 6) | static_cast<uint32_t>(value);
     bit_count += 6;

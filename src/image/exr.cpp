@@ -120,7 +120,7 @@ std::vector<Plane> read_planes(Imf::InputFile& file, const Imath::Box2i& data) {
 /// Samples of the display window: replicated where subsampled, 0 outside the data window.
 std::vector<float> over_display_window(Plane&& plane, const Imath::Box2i& data, const Imath::Box2i& display) {
   if (data == display && plane.x_sampling == 1 && plane.y_sampling == 1) return std::move(plane.samples);
-  const auto width = static_cast<size_t>(display.max.x - display.min.x + 1);
+  const auto width = static_cast<size_t>(int64_t{display.max.x} - display.min.x + 1);
   std::vector<float> values(static_cast<size_t>(pixel_count(display)), 0.0f);
   const int x_begin = std::max(data.min.x, display.min.x);
   const int x_end = std::min(data.max.x, display.max.x);

@@ -67,13 +67,13 @@ TEST(Exr, SameContentsGiveTheSameBytes) {
 }
 
 /// Channel with values 1, 2, 3 … over a data window, as another program might store it.
-void write_foreign(const std::filesystem::path& file, Imath::Box2i display, Imath::Box2i data, Imf::PixelType type,
-                   const char* name, Imf::Compression compression, bool tiled) {
+void write_foreign(const std::filesystem::path& file, const Imath::Box2i& display, const Imath::Box2i& data,
+                   Imf::PixelType type, const char* name, Imf::Compression compression, bool tiled) {
   Imf::Header header(display, data);
   header.compression() = compression;
   header.channels().insert(name, Imf::Channel(type));
-  const auto width = static_cast<size_t>(data.max.x - data.min.x + 1);
-  const auto height = static_cast<size_t>(data.max.y - data.min.y + 1);
+  const auto width = static_cast<size_t>(int64_t{data.max.x} - data.min.x + 1);
+  const auto height = static_cast<size_t>(int64_t{data.max.y} - data.min.y + 1);
   std::vector<uint32_t> uints(width * height);
   std::vector<half> halves(width * height);
   for (size_t i = 0; i < uints.size(); ++i) {

@@ -179,7 +179,7 @@ class FakeViewer {
     const std::vector<float> values = message.rest();
     for (size_t c = 0; c < count; ++c) {
       for (int i = 0; i < width * height; ++i) {
-        const size_t target = static_cast<size_t>((y + i / width) * image.width + x + i % width);
+        const size_t target = static_cast<size_t>(int64_t{y + i / width} * image.width + x + i % width);
         image.planes[c].at(target) = values.at(static_cast<size_t>(offsets[c] + i * strides[c]));
       }
     }

@@ -50,7 +50,7 @@ testing::Chi2Result chi2_of(const BsdfCase& c, const Vec3& wo, bool front_face) 
     const Vec2 p = charts[side].coordinates(s.wi);
     const int x = std::min(static_cast<int>(p.x * kBins), kBins - 1);
     const int y = std::min(static_cast<int>(p.y * kBins), kBins - 1);
-    ++counts[static_cast<size_t>((side * kBins + y) * kBins + x)];
+    ++counts[static_cast<size_t>((int64_t{side} * kBins + y) * kBins + x)];
   }
   std::vector<double> expected;
   double inside = 0;

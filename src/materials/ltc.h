@@ -111,7 +111,7 @@ RELUME_HD inline T form_factor(const Triple<T>& v0, const Triple<T>& v1, const T
   T sum = zero;
   Triple<T> leaves{zero, zero, zero};   // where the outline goes below the horizon
   Triple<T> returns{zero, zero, zero};  // and comes back
-  Mask cut = zero > zero;
+  Mask cut = zero > zero;               // NOLINT(misc-redundant-expression): false in every lane
   for (int i = 0; i < 3; ++i) {
     const Triple<T>& a = v[i];
     const Triple<T>& b = v[i + 1];

@@ -31,6 +31,12 @@ struct CameraView {
   }
 };
 
+/// Whether both see the same; their resolutions do not count.
+RELUME_HD inline bool same_view(const CameraView& a, const CameraView& b) {
+  return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
+         a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
+}
+
 namespace camera_detail {
 
 /// Film position to [-1, 1]², +y up.

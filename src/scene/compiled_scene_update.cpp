@@ -13,11 +13,6 @@
 namespace relume {
 namespace {
 
-bool same(const CameraView& a, const CameraView& b) {
-  return a.projection == b.projection && a.position == b.position && a.axes.n == b.axes.n && a.axes.t == b.axes.t &&
-         a.half_extent == b.half_extent && a.lens_radius == b.lens_radius && a.focus_distance == b.focus_distance;
-}
-
 /// Throws Error unless `index` is one of `count` parts of this kind ("node").
 void check_index(Index index, size_t count, const char* kind, const std::string& place) {
   if (index >= 0 && static_cast<size_t>(index) < count) return;
@@ -53,7 +48,7 @@ Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
   const CameraView before = std::exchange(camera_view_, now);
   camera_pose_ = camera;
   refresh_view();
-  if (same(before, camera_view_)) return Change::none;
+  if (same_view(before, camera_view_)) return Change::none;
   was_moved_ = true;
   return Change::camera;
 }
@@ -142,7 +137,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
   world_ = std::move(world);
   Change change = Change::none;
   const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
-  if (!same(camera_before, camera_view_)) change |= Change::camera;
+  if (!same_view(camera_before, camera_view_)) change |= Change::camera;
   if (place_instances()) {
     change |= Change::geometry;
     accel_->update(accel_instances());

@@ -74,7 +74,7 @@ TEST(SunSky, GroundReflectsWhatFallsOnIt) {
   for (int y = 0; y < model.height / 2; ++y) {
     const double theta = (y + 0.5) / model.height * M_PI;
     for (int x = 0; x < model.width; ++x) {
-      e += glm::dvec3(model.sky[static_cast<size_t>(y * model.width + x)]) *
+      e += glm::dvec3(model.sky[static_cast<size_t>(int64_t{y} * model.width + x)]) *
            (std::cos(theta) * std::sin(theta) * 2 * M_PI * M_PI / (model.width * model.height));
     }
   }
@@ -135,15 +135,15 @@ glm::dvec3 rgb_of(double x, double y, double luminance) {
 }
 
 glm::dvec3 expected_sky(double turbidity, double theta_sun, double theta, double gamma) {
-  constexpr double zenith_x[3][4] = {
+  constexpr double kZenithX[3][4] = {
       {0.00166, -0.00375, 0.00209, 0}, {-0.02903, 0.06377, -0.03202, 0.00394}, {0.11693, -0.21196, 0.06052, 0.25886}};
-  constexpr double zenith_y[3][4] = {
+  constexpr double kZenithY[3][4] = {
       {0.00275, -0.00610, 0.00317, 0}, {-0.04214, 0.08970, -0.04153, 0.00516}, {0.15346, -0.26756, 0.06670, 0.26688}};
   const double chi = (4.0 / 9 - turbidity / 120) * (M_PI - 2 * theta_sun);
   const double luminance = (4.0453 * turbidity - 4.9710) * std::tan(chi) - 0.2155 * turbidity + 2.4192;
   const auto towards = [&](const Table& table) { return relative(table, turbidity, theta, gamma, theta_sun); };
-  return rgb_of(zenith(zenith_x, turbidity, theta_sun) * towards(kX),
-                zenith(zenith_y, turbidity, theta_sun) * towards(kY), luminance * towards(kLuminance));
+  return rgb_of(zenith(kZenithX, turbidity, theta_sun) * towards(kX),
+                zenith(kZenithY, turbidity, theta_sun) * towards(kY), luminance * towards(kLuminance));
 }
 
 TEST(SunSky, SkyIsThatOfThePaper) {

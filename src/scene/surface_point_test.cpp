@@ -15,11 +15,11 @@ using testing::Random;
 
 /// A bumpy patch with every attribute.
 Mesh patch(Random& random) {
-  constexpr uint32_t n = 6;
+  constexpr uint32_t kSide = 6;
   Mesh m;
-  for (uint32_t j = 0; j < n; ++j) {
-    for (uint32_t i = 0; i < n; ++i) {
-      const Vec2 uv(static_cast<float>(i) / (n - 1), static_cast<float>(j) / (n - 1));
+  for (uint32_t j = 0; j < kSide; ++j) {
+    for (uint32_t i = 0; i < kSide; ++i) {
+      const Vec2 uv(static_cast<float>(i) / (kSide - 1), static_cast<float>(j) / (kSide - 1));
       m.positions.emplace_back(uv.x - 0.5f, 0.2f * random.next(), uv.y - 0.5f);
       m.normals.push_back(glm::normalize(Vec3(0.3f * random.next(), 1, 0.3f * random.next())));
       m.tangents.emplace_back(1, 0, 0, 1);
@@ -27,11 +27,11 @@ Mesh patch(Random& random) {
       m.colors.emplace_back(random.next(), random.next(), random.next(), 1);
     }
   }
-  for (uint32_t j = 0; j + 1 < n; ++j) {
-    for (uint32_t i = 0; i + 1 < n; ++i) {
-      const uint32_t a = j * n + i;
-      m.triangles.emplace_back(a, a + n, a + 1);
-      m.triangles.emplace_back(a + 1, a + n, a + n + 1);
+  for (uint32_t j = 0; j + 1 < kSide; ++j) {
+    for (uint32_t i = 0; i + 1 < kSide; ++i) {
+      const uint32_t a = j * kSide + i;
+      m.triangles.emplace_back(a, a + kSide, a + 1);
+      m.triangles.emplace_back(a + 1, a + kSide, a + kSide + 1);
     }
   }
   m.material = 0;

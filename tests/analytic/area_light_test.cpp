@@ -12,6 +12,7 @@ namespace {
 
 class AreaLight : public IrradianceTest {};
 INSTANTIATE_TEST_SUITE_P(Lights, AreaLight, kWays, way_name);
+INSTANTIATE_TEST_SUITE_P(SlowLights, AreaLight, kOtherWays, way_name);
 
 /// Parallel rectangle [0, x] × [0, y] at distance 1 above one end of its corner: configuration factor (Howell's
 /// catalogue, B-4).

@@ -32,11 +32,14 @@ inline const auto kWays = ::testing::Values(
     Way{"light_tree", EstimatorChoice::path, LightSelectionChoice::light_tree},
     Way{"lists", EstimatorChoice::path, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2},
     Way{"vlc", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::bsdf, 8},
-    Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8},
-    Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8}, kVlcCdq,
+    Way{"cdq", EstimatorChoice::path, LightSelectionChoice::power, GuideChoice::cdq, 8}, kVlcCdq,
     Way{"departures", EstimatorChoice::path, LightSelectionChoice::vlc, GuideChoice::cdq, 10, true}, kBdpt,
-    Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree},
     Way{"bdpt_lists", EstimatorChoice::bdpt, LightSelectionChoice::static_lists, GuideChoice::bsdf, 2});
+
+/// Pairs of techniques that each take part in another way.
+inline const auto kOtherWays = ::testing::Values(
+    Way{"light_tree_cdq", EstimatorChoice::path, LightSelectionChoice::light_tree, GuideChoice::cdq, 8},
+    Way{"bdpt_light_tree", EstimatorChoice::bdpt, LightSelectionChoice::light_tree});
 
 /// Where no light is there to be selected.
 inline const auto kWaysWithoutLights = ::testing::Values(kPower, kVlcCdq, kBdpt);

@@ -10,6 +10,7 @@ namespace {
 
 class OtherLight : public IrradianceTest {};
 INSTANTIATE_TEST_SUITE_P(Lights, OtherLight, kWays, way_name);
+INSTANTIATE_TEST_SUITE_P(SlowLights, OtherLight, kOtherWays, way_name);
 
 /// A node whose -Z points along `direction`.
 Transform shining(const Vec3& from, const Vec3& direction) { return look_at(from, from + direction); }
@@ -115,7 +116,7 @@ Rgb map_irradiance(const Environment& e, const Vec3& n) {
   glm::dvec3 sum(0);
   const auto texel = [&](int x, int y) {
     return glm::dvec3(
-        e.map[static_cast<size_t>(std::min(std::max(y, 0), e.height - 1) * e.width + (x + e.width) % e.width)]);
+        e.map[static_cast<size_t>(int64_t{std::clamp(y, 0, e.height - 1)} * e.width + (x + e.width) % e.width)]);
   };
   for (int i = 0; i < kColumns * kRows; ++i) {
     const double u = (i % kColumns + 0.5) / kColumns;

@@ -20,6 +20,7 @@ class Transport : public WayTest {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Lights, Transport, kWays, way_name);
+INSTANTIATE_TEST_SUITE_P(SlowLights, Transport, kOtherWays, way_name);
 
 /// What no light is sampled for.
 class Scattering : public Transport {};
@@ -241,8 +242,8 @@ TEST_P(Scattering, AlphaMaskCutsOut) {
   grid.alpha_cutoff = 0.5f;
   Scene scene;
   grid.base_color_texture.texture = add_texture(scene, make_texture(4, 1, PixelFormat::rgba8_srgb, [](int x, int) {
-                                                  constexpr int alpha[] = {255, 100, 140, 0};
-                                                  return std::array<int, 4>{255, 255, 255, alpha[x]};
+                                                  constexpr int kAlpha[] = {255, 100, 140, 0};
+                                                  return std::array<int, 4>{255, 255, 255, kAlpha[x]};
                                                 }));
   add(scene, quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), grid);
   set_constant_environment(scene, Rgb(1));

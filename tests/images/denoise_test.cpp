@@ -38,7 +38,7 @@ double shown_mse(const Image& a, const Image& b, const Region& r = {}) {
   double sum = 0;
   for (int y = r.y0; y < r.y1; ++y) {
     for (int x = r.x0; x < r.x1; ++x) {
-      const auto i = static_cast<size_t>(y * a.width + x);
+      const auto i = static_cast<size_t>(int64_t{y} * a.width + x);
       sum += static_cast<double>(length_squared(glm::min(a.pixels[i], Rgb(1)) - glm::min(b.pixels[i], Rgb(1)))) / 3.0;
     }
   }

@@ -163,7 +163,7 @@ void around(float x, float y, int reach, F f) {
   const int cy = static_cast<int>(std::floor(y));
   for (int ny = std::max(cy - reach, 0); ny <= std::min(cy + reach, kHeight - 1); ++ny) {
     for (int nx = std::max(cx - reach, 0); nx <= std::min(cx + reach, kWidth - 1); ++nx)
-      f(static_cast<size_t>(ny * kWidth + nx));
+      f(static_cast<size_t>(int64_t{ny} * kWidth + nx));
   }
 }
 
@@ -182,7 +182,7 @@ Unexplained unexplained(const Frame& before, const Frame& now) {
   Unexplained result;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      const auto i = static_cast<size_t>(y * kWidth + x);
+      const auto i = static_cast<size_t>(int64_t{y} * kWidth + x);
       const bool history = now.samples[i] > 1;
       result.keep_too_many += now.samples[i] > most || (history && !now.kept[i]);
       const Vec2 was = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - now.surface.motion[i];

@@ -176,7 +176,7 @@ double share_of_way(const Image& image, const Image& from, const Image& to, cons
 }
 
 /// Mean luminance of `count` frames of a closed furnace.
-double furnace_mean(RenderSettings settings, int count) {
+double furnace_mean(const RenderSettings& settings, int count) {
   Session session(testing::closed_furnace(0.5f), settings);
   return mean_luminance(mean_frame(session, count));
 }

@@ -14,11 +14,13 @@ PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& s
   PixelMask region = mask_of({"surfaces"}, seen.width, seen.height);
   for (int y = 0; y < seen.height; ++y) {
     for (int x = 0; x < seen.width; ++x) {
-      if (!(luminance(seen.pixels[static_cast<size_t>(y * seen.width + x)]) > 0)) continue;
+      if (!(luminance(seen.pixels[static_cast<size_t>(y) * static_cast<size_t>(seen.width) + static_cast<size_t>(x)]) >
+            0))
+        continue;
       // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
-          region.mask[static_cast<size_t>(v * seen.width + u)] = 0;
+          region.mask[static_cast<size_t>(v) * static_cast<size_t>(seen.width) + static_cast<size_t>(u)] = 0;
       }
     }
   }

@@ -22,7 +22,8 @@ PixelMask mask_of(const Rectangle& rectangle, int width, int height) {
   PixelMask result{rectangle.name, std::vector<uint8_t>(static_cast<size_t>(width) * static_cast<size_t>(height), 0)};
   const PixelRange r = pixels_of(rectangle, width, height);
   for (int y = r.y0; y < r.y1; ++y) {
-    for (int x = r.x0; x < r.x1; ++x) result.mask[static_cast<size_t>(y * width + x)] = 1;
+    for (int x = r.x0; x < r.x1; ++x)
+      result.mask[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = 1;
   }
   return result;
 }

@@ -82,7 +82,7 @@ TEST(Ratio, TurnsThatWereSlowForBothAreEqual) {
 }
 
 TEST(Ratio, VerdictsFollowIntervals) {
-  const auto verdict = [](std::vector<Ratio> ratios) {
+  const auto verdict = [](const std::vector<Ratio>& ratios) {
     return judged_ratios("a", "[X §1]", "c", "m", ratios, 5).verdict;
   };
   const Ratio above{7, {5.1, 9, 0.95}};

@@ -30,7 +30,7 @@ JsonObject::JsonObject(const json& value, std::string path, std::string place,
     : value_(&value), path_(std::move(path)), place_(std::move(place)) {
   if (!value.is_object())
     fail(fmt::format("{} must be an object, not {}", path_.empty() ? "the file" : path_, value.type_name()));
-  if (valid_keys.size() == 0) return;
+  if (valid_keys.empty()) return;
   for (const auto& [key, ignored] : value.items()) {
     if (std::find(valid_keys.begin(), valid_keys.end(), key) == valid_keys.end())
       fail(fmt::format("unknown key '{}'; valid here are {}", path_of(key), fmt::join(valid_keys, ", ")));

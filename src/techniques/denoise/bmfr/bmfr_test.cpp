@@ -72,7 +72,7 @@ TEST(BlockRegression, AgreesWithADenseSolver) {
     }
     const BlockFit fit = block.fit();
     for (int channel = 0; channel < 3; ++channel) {
-      const auto& light = block.columns[static_cast<size_t>(kBlockFeatures + channel)];
+      const auto& light = block.columns[static_cast<size_t>(int64_t{kBlockFeatures} + channel)];
       const std::vector<double> expected = solve_dense(rows, {light.begin(), light.end()});
       for (size_t f = 0; f < kBlockFeatures; ++f)
         EXPECT_NEAR(static_cast<double>(fit.coefficients[channel][f]), expected[f], 1e-5) << seed << " " << f;

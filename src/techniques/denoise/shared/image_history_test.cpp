@@ -223,6 +223,7 @@ TEST(ImageHistory, TilesConvergeAsSinglePixelsDo) {
     for (uint32_t x = 0; x < kWidth; x += kTileSize)
       kernel(Tile{x, y, std::min(x + kTileSize, kWidth), std::min(y + kTileSize, kHeight)});
   }
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits
   EXPECT_EQ(std::memcmp(single.data(), p.image.data(), kPixels * sizeof(Rgb)), 0);
 }
 

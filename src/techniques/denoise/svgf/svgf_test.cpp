@@ -118,6 +118,7 @@ TEST(Svgf, LanesComputeWhatSinglePixelsDo) {
       for (uint32_t y = 0; y < kHeight; ++y) {
         const float* lanes = wall.level(step).filtered.at(c, 0, y);
         const float* alone = single.data() + (lanes - wall.filtered.data());
+        // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits
         ASSERT_EQ(std::memcmp(lanes, alone, kWidth * sizeof(float)), 0) << step << " " << c << " " << y;
       }
     }

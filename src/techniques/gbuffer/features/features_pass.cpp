@@ -1,7 +1,6 @@
 #include "techniques/gbuffer/features/features_pass.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "techniques/gbuffer/features/features.h"
 #include "techniques/gbuffer/primary_hits/primary_hits_pass.h"
@@ -71,7 +70,7 @@ bool FeaturesPass::run(const FrameContext& frame) {
   kernel.surface = frame.write(kFeature.surface);
   if (split_) kernel.reflections = reflection_views(frame);
   kernel.max_steps = followed_steps(max_bounces_, mirrors_);
-  kernel.camera_moved = std::memcmp(&frame.scene.camera, &frame.scene.previous_camera, sizeof(CameraView)) != 0;
+  kernel.camera_moved = !same_view(frame.scene.camera, frame.scene.previous_camera);
   kernel.width = frame.width();
   return frame.launch_or_stop("features", kernel);
 }

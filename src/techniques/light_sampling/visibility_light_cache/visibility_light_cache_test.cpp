@@ -285,7 +285,7 @@ TEST_F(Caches, RefuseBucketsBeyondTheirEntries) {
 }
 
 TEST_F(Caches, KnowWhetherBucketsAreConsistent) {
-  const auto consistent = [](std::vector<uint32_t> entries, std::vector<float> weights) {
+  const auto consistent = [](const std::vector<uint32_t>& entries, const std::vector<float>& weights) {
     std::stringstream file;
     write_vector(file, std::vector<LightBuckets>{{0, 2}});
     write_vector(file, std::vector<LightList>(1));

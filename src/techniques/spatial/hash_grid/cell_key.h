@@ -125,7 +125,8 @@ struct CellKeys {
   /// Hashes of the key. The level is in both ([Binder19] leaves it out). Normal and direction are in the fingerprint
   /// alone, so that cells of one voxel are neighbours in the table.
   RELUME_HD CellAddress address_of(const glm::i64vec3& v, const CellPoint& p, int level, int coarser) const {
-    const auto cell_kind = static_cast<uint64_t>((level - kMinCellLevel) * (1 << 18) + coarser * (1 << 16) + p.layer);
+    const auto cell_kind =
+        static_cast<uint64_t>(int64_t{level - kMinCellLevel} * (1 << 18) + coarser * (1 << 16) + p.layer);
     const uint64_t place = place_of(v, cell_kind);
     // Cells that are coarser than their place asks for are others than those whose place asks for as much.
     const uint64_t coarsened = p.coarsening > 0 ? uint64_t{1} << 63 : 0;
