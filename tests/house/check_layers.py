@@ -71,6 +71,7 @@ LIBRARY_USERS = {
     "stb_": "image scene_io",
     "OpenEXR/": "image",
     "Imf": "image",
+    "zstd": "image",
     "CLI/": "apps",
 }
 
