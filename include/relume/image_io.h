@@ -1,4 +1,4 @@
-// Reading and writing images: EXR, HDR, PNG, JPEG, TGA, BMP.
+// Reading and writing images: EXR, HDR, PNG, JPEG, TGA, BMP, KTX2.
 #pragma once
 
 #include <cstddef>
@@ -40,8 +40,8 @@ inline constexpr int64_t kMaxDecodedBytes = int64_t{1} << 33;
 // All functions below throw Error (file, problem, remedy). Writers use a temporary name that is renamed only when the
 // file is complete.
 
-/// The format is recognised by content. EXR, HDR: linear values (EXPOSURE of HDR divided out). PNG, JPEG, TGA, BMP: 8
-/// or 16 bit, decoded from sRGB. Alpha is dropped.
+/// The format is recognised by content. EXR, HDR: linear values (EXPOSURE of HDR divided out). PNG, JPEG, TGA, BMP,
+/// KTX2: 8 or 16 bit, decoded from sRGB, except KTX2 files that are linear. Alpha is dropped.
 RELUME_API Image read_image(const std::filesystem::path& file);
 
 /// The same over a file's bytes; `name` is for messages.

@@ -121,7 +121,10 @@ Image parse_image(std::span<const std::byte> bytes, const std::string& name) {
     fill(image, pixels.rgba16, [](uint16_t x) { return linear_from_srgb(static_cast<float>(x) / 65535.0f); });
   } else {
     float linear[256];
-    for (int i = 0; i < 256; ++i) linear[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
+    for (int i = 0; i < 256; ++i) {
+      const float x = static_cast<float>(i) / 255.0f;
+      linear[i] = pixels.linear ? x : linear_from_srgb(x);
+    }
     fill(image, pixels.rgba8, [&](uint8_t x) { return linear[x]; });
   }
   return image;

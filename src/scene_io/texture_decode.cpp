@@ -66,7 +66,7 @@ Texture texture_from_stb(std::span<const std::byte> bytes, detail::ImageFormat f
   const bool is_16_bit = !pixels.rgba16.empty();
   const bool is_float = wanted == PixelFormat::rgba32_float || (wanted == PixelFormat::rgba8_linear && is_16_bit);
   if (is_float) {
-    const bool decode = wanted == PixelFormat::rgba32_float;
+    const bool decode = wanted == PixelFormat::rgba32_float && !pixels.linear;
     set_texels(texture, is_16_bit ? to_float(pixels.rgba16, decode) : to_float(pixels.rgba8, decode));
   } else {
     set_texels(texture, is_16_bit ? round_to_8_bit(pixels.rgba16) : pixels.rgba8);

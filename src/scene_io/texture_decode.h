@@ -9,12 +9,13 @@
 
 namespace relume {
 
-/// Decodes PNG, JPEG, TGA, BMP, HDR or EXR, recognised by content; `name` becomes the texture's name and is used in
-/// messages. The result's format is `wanted` where the file allows it:
+/// Decodes PNG, JPEG, TGA, BMP, KTX2, HDR or EXR, recognised by content; `name` becomes the texture's name and is used
+/// in messages. The result's format is `wanted` where the file allows it:
 ///
 ///   rgba8_srgb    8 bits as stored; 16-bit PNGs are rounded to 8 (invisible in sRGB-encoded colour)
 ///   rgba8_linear  8 bits as stored; 16-bit PNGs become rgba32_float in [0, 1], since normals band at 8 bits
-///   rgba32_float  linear; RGB of 8- and 16-bit files is decoded from sRGB, alpha is not
+///   rgba32_float  linear; RGB of 8- and 16-bit files is decoded from sRGB, except of KTX2 files that are linear;
+///                 alpha is not
 ///
 /// HDR and EXR always become rgba32_float; EXR alpha is the channel "A", else 1. Grey is replicated. Throws Error.
 Texture decode_texture(std::span<const std::byte> bytes, const std::string& name, PixelFormat wanted);

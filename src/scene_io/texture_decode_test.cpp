@@ -7,6 +7,7 @@
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "files/testing/temp_folder.h"
+#include "image/ktx2/testing/ktx2_file.h"
 #include "image/testing/png.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
@@ -36,6 +37,20 @@ TEST(TextureDecode, EightBitIsKeptAsStored) {
     ASSERT_EQ(texture.texels.size(), samples.size());
     EXPECT_EQ(std::memcmp(texture.texels.data(), samples.data(), samples.size()), 0);
   }
+}
+
+TEST(TextureDecode, Ktx2IsKeptAsStored) {
+  testing::Ktx2File file = testing::plain_ktx2();
+  for (const PixelFormat wanted : {PixelFormat::rgba8_srgb, PixelFormat::rgba8_linear}) {
+    const Texture texture = decode_texture(file.bytes(), "t", wanted);
+    EXPECT_EQ(texture.format, wanted);
+    EXPECT_EQ(texture.texels, file.levels[0]);
+  }
+  EXPECT_FLOAT_EQ(floats(decode_texture(file.bytes(), "t", PixelFormat::rgba32_float))[0],
+                  linear_from_srgb(10 / 255.0f));
+  file.format = 37;
+  file.transfer = 1;
+  EXPECT_FLOAT_EQ(floats(decode_texture(file.bytes(), "t", PixelFormat::rgba32_float))[0], 10 / 255.0f);
 }
 
 TEST(TextureDecode, GreyIsReplicatedAndOpaque) {

@@ -18,10 +18,15 @@ namespace {
 using nlohmann::json;
 
 /// Beside those of single material parameters.
-constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strength", "KHR_materials_unlit",
-                                                 "KHR_texture_transform",           "KHR_lights_punctual",
-                                                 "KHR_mesh_quantization",           "KHR_draco_mesh_compression",
-                                                 "EXT_mesh_gpu_instancing",         "EXT_meshopt_compression"};
+constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strength",
+                                                 "KHR_materials_unlit",
+                                                 "KHR_texture_transform",
+                                                 "KHR_texture_basisu",
+                                                 "KHR_lights_punctual",
+                                                 "KHR_mesh_quantization",
+                                                 "KHR_draco_mesh_compression",
+                                                 "EXT_mesh_gpu_instancing",
+                                                 "EXT_meshopt_compression"};
 
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "image/ktx2/testing/ktx2_file.h"
+#include "relume/scene_io.h"
 #include "scene_io/testing/scene_files.h"
 
 namespace relume {
@@ -9,6 +11,7 @@ using testing::data_uri;
 using testing::GltfBuilder;
 using testing::json;
 using testing::mentions;
+using testing::SceneFolder;
 using testing::solid_png;
 
 /// Adds a texture with a 2x2 image of this colour.
@@ -212,6 +215,37 @@ TEST(GltfMaterial, ReadsImagesFromBufferViews) {
   const Scene scene = file.load();
   EXPECT_EQ(scene.textures[0].width, 3);
   EXPECT_TRUE(scene.warnings.empty());
+}
+
+/// In a buffer view, a data URI and a file; with an image for loaders without the extension, and without one.
+TEST(GltfMaterial, ReadsBasisUniversalImages) {
+  const Bytes ktx2 = testing::uastc_ktx2().bytes();
+  const SceneFolder folder;
+  folder.write("a.ktx2", ktx2);
+  for (const bool is_required : {false, true}) {
+    GltfBuilder file;
+    file.doc["extensionsUsed"] = json::array({"KHR_texture_basisu"});
+    if (is_required) file.doc["extensionsRequired"] = file.doc["extensionsUsed"];
+    file.add("images", {{"bufferView", file.add_view(ktx2)}, {"mimeType", "image/ktx2"}});
+    file.add("images", {{"uri", data_uri(ktx2)}});
+    file.add("images", {{"uri", "a.ktx2"}});
+    file.add("images", {{"uri", data_uri(solid_png(2, 2, 1, 2, 3, 4))}});
+    for (int image = 0; image < 3; ++image) {
+      json texture = {{"extensions", {{"KHR_texture_basisu", {{"source", image}}}}}};
+      if (!is_required) texture["source"] = 3;
+      file.add("textures", texture);
+    }
+    file.add_triangle_with_material(
+        {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 1}}}}},
+         {"emissiveTexture", {{"index", 2}}}});
+    const Scene scene = load_scene(folder.write("a.gltf", file.text()));
+    EXPECT_TRUE(scene.warnings.empty());
+    ASSERT_EQ(scene.textures.size(), 3u);
+    for (const Texture& texture : scene.textures) {
+      EXPECT_EQ(texture.width, 8);
+      EXPECT_EQ(texture.texels[0], std::byte{60});
+    }
+  }
 }
 
 TEST(GltfMaterial, ReplacesMissingAndBrokenTextures) {

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "scene_io/gltf/gltf_extras.h"
+#include "scene_io/gltf/gltf_value.h"
 #include "scene_io/texture_decode.h"
 
 namespace relume::gltf {
@@ -23,6 +24,13 @@ void apply_sampler(const tinygltf::Sampler& sampler, Texture& texture) {
   texture.wrap_u = wrap_mode(sampler.wrapS);
   texture.wrap_v = wrap_mode(sampler.wrapT);
   texture.filter = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST ? FilterMode::nearest : FilterMode::linear;
+}
+
+/// Image of the texture: that of KHR_texture_basisu, or else its source. -1: it has none.
+int image_of(const tinygltf::Texture& texture) {
+  const auto basisu = texture.extensions.find("KHR_texture_basisu");
+  if (basisu == texture.extensions.end()) return texture.source;
+  return integer_member(basisu->second, "source", texture.source);
 }
 
 void make_stand_in(TextureUse use, Texture& texture) {
@@ -43,7 +51,7 @@ Index TextureImporter::request(int texture, TextureUse use) {
     return kNone;
   }
   const int sampler = textures[static_cast<size_t>(texture)].sampler;
-  const int image = textures[static_cast<size_t>(texture)].source;
+  const int image = image_of(textures[static_cast<size_t>(texture)]);
   const auto [entry, is_new] = known_.try_emplace({image, sampler, use}, static_cast<Index>(scene_.textures.size()));
   if (is_new) {
     Texture result;
