@@ -11,6 +11,7 @@
 #include "checkpoint_case.h"
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
+#include "image/ktx2/testing/ktx2_file.h"
 #include "record_case.h"
 #include "relume/image_io.h"
 #include "render/settings.h"
@@ -52,6 +53,16 @@ void write_images(const fs::path& folder) {
   write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
   for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
     relume::write_image(folder / "texture" / name, relume::Image(3, 2));
+}
+
+void write_ktx2(const fs::path& folder) {
+  const relume::testing::Ktx2File plain = relume::testing::plain_ktx2();
+  const relume::testing::Ktx2File uastc = relume::testing::uastc_ktx2();
+  write(folder / "ktx2" / "plain.ktx2", plain.bytes());
+  write(folder / "ktx2" / "uastc.ktx2", uastc.bytes());
+  write(folder / "ktx2" / "zstandard.ktx2", relume::testing::with_zstandard(uastc).bytes());
+  for (const bool alpha : {false, true})
+    write(folder / "ktx2" / (alpha ? "rgba.ktx2" : "rgb.ktx2"), relume::testing::small_etc1s_ktx2(alpha).bytes());
 }
 
 void write_settings(const fs::path& folder) {
@@ -134,6 +145,7 @@ int main(int argc, char** argv) {
   }
   write_scenes(argv[1]);
   write_images(argv[1]);
+  write_ktx2(argv[1]);
   write_settings(argv[1]);
   write_checkpoints(argv[1]);
   write_records(argv[1]);
