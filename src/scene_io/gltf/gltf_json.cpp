@@ -28,6 +28,11 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "EXT_mesh_gpu_instancing",
                                                  "EXT_meshopt_compression"};
 
+/// Without these a scene looks plainer but keeps its shape: files that require them are read, with a warning.
+constexpr std::string_view kDecorativeExtensions[] = {
+    "KHR_materials_anisotropy", "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
+    "KHR_materials_iridescence", "KHR_materials_sheen", "KHR_materials_variants", "KHR_xmp", "KHR_xmp_json_ld"};
+
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",
     "meshes",    "nodes",      "samplers", "scenes",      "skins",   "textures"};
@@ -77,7 +82,10 @@ void check_required_extensions(const json& root, const std::string& place) {
   const auto required = root.find("extensionsRequired");
   if (required == root.end() || !required->is_array()) return;
   for (const json& name : *required) {
-    if (name.is_string() && !is_supported_extension(name.get<std::string>()))
+    if (!name.is_string()) continue;
+    const std::string_view* end = std::end(kDecorativeExtensions);
+    const bool is_decorative = std::find(std::begin(kDecorativeExtensions), end, name.get<std::string>()) != end;
+    if (!is_decorative && !is_supported_extension(name.get<std::string>()))
       throw Error(fmt::format("{}: the file requires the extension {}, which is not supported; export it without",
                               place, name.get<std::string>()));
   }

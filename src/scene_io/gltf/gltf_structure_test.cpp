@@ -280,6 +280,14 @@ TEST(Gltf, NamesWhatItDoesNotSupport) {
   EXPECT_NE(error_of([&] { file.load(); }).find("requires the extension KHR_audio"), std::string::npos);
 }
 
+TEST(Gltf, ReadsFilesThatRequireWhatOnlyDecorates) {
+  GltfBuilder file = triangle_file();
+  file.doc["extensionsUsed"] = file.doc["extensionsRequired"] = {"KHR_materials_iridescence", "KHR_xmp_json_ld"};
+  const Scene scene = file.load();
+  EXPECT_TRUE(mentions(scene.warnings, "KHR_materials_iridescence"));
+  EXPECT_TRUE(mentions(scene.warnings, "KHR_xmp_json_ld"));
+}
+
 TEST(Gltf, WarnsOfSkinsAndMorphTargets) {
   GltfBuilder file;
   const int mesh = file.add_triangle({{"targets", json::array({{{"POSITION", 0}}})}});

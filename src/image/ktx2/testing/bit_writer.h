@@ -11,9 +11,9 @@ namespace relume::testing {
 class BitWriter {
  public:
   void put(uint64_t value, size_t count) {
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count; ++i, value >>= 1) {
       if (used_ % 8 == 0) bytes_.push_back(std::byte{0});
-      if ((value >> i & 1u) != 0) bytes_.back() |= static_cast<std::byte>(1u << (used_ % 8));
+      if ((value & 1u) != 0) bytes_.back() |= static_cast<std::byte>(1u << (used_ % 8));
       ++used_;
     }
   }

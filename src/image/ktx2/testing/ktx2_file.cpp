@@ -12,7 +12,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 
 void put(uint64_t value, size_t size, Bytes& bytes) {
-  for (size_t i = 0; i < size; ++i) bytes.push_back(static_cast<std::byte>(value >> (8 * i)));
+  for (size_t i = 0; i < size; ++i, value >>= 8) bytes.push_back(static_cast<std::byte>(value));
 }
 
 void append(const Bytes& more, Bytes& bytes) { bytes.insert(bytes.end(), more.begin(), more.end()); }
