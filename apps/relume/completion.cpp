@@ -35,6 +35,8 @@ std::optional<Offer> value_offer(const Option& option, const CompletionNames& na
   if (const auto* choices = std::get_if<ChoiceRef>(&option.setting.value)) {
     return Offer{{choices->names.begin(), choices->names.end()}};
   }
+  if (const auto* number = std::get_if<OptionalNumberRef>(&option.setting.value))
+    return Offer{{std::string(number->word)}};
   return offer_of(option.completion, names);
 }
 

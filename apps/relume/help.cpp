@@ -78,6 +78,7 @@ std::string value_name(const Setting& setting, std::string_view given) {
   if (std::holds_alternative<bool*>(setting.value)) return {};
   if (std::holds_alternative<int*>(setting.value)) return "N";
   if (std::holds_alternative<float*>(setting.value)) return setting.traits.unit == "s" ? "DURATION" : "X";
+  if (const auto* number = std::get_if<OptionalNumberRef>(&setting.value)) return fmt::format("{}|X", number->word);
   if (const auto* choices = std::get_if<ChoiceRef>(&setting.value)) {
     return fmt::format("{}", fmt::join(choices->names, "|"));
   }

@@ -59,7 +59,8 @@ std::string usage(const Command& command) {
 std::string explanation(const Setting& setting) {
   std::string text(setting.help);
   if (!text.ends_with('.')) text += '.';
-  const bool is_number = std::holds_alternative<int*>(setting.value) || std::holds_alternative<float*>(setting.value);
+  const bool is_number = std::holds_alternative<int*>(setting.value) || std::holds_alternative<float*>(setting.value) ||
+                         std::holds_alternative<OptionalNumberRef>(setting.value);
   const std::string type = is_number ? describe_type(setting) : "";
   const std::string value = to_string(setting);
   const std::string fallback = value.empty() || value == "false" ? "" : "default " + value;

@@ -90,7 +90,8 @@ float parse_float(const Setting& setting, std::string_view text, std::string_vie
     value = static_cast<float>(
         parse_duration_s(text, place.empty() ? setting.name : fmt::format("{}: {}", place, setting.name)));
   } else if (!complete || failure == std::errc::invalid_argument) {
-    fail(setting, text, place, "must be a number");
+    const auto* optional = std::get_if<OptionalNumberRef>(&setting.value);
+    fail(setting, text, place, optional ? fmt::format("must be {} or a number", optional->word) : "must be a number");
   } else if (failure == std::errc::result_out_of_range) {
     fail(setting, text, place, "that is not a number of single precision");
   }
@@ -147,6 +148,10 @@ SettingConstant parse_value(const Setting& setting, std::string_view text, std::
           [&](float*) -> SettingConstant { return parse_float(setting, text, place); },
           [&](std::string*) -> SettingConstant { return std::string(text); },
           [&](const ChoiceRef& choice) -> SettingConstant { return parse_choice(setting, choice, text, place); },
+          [&](const OptionalNumberRef& number) -> SettingConstant {
+            if (text == number.word) return std::string(text);
+            return parse_float(setting, text, place);
+          },
       },
       setting.value);
 }
@@ -163,6 +168,10 @@ void store(const Setting& setting, const SettingConstant& value) {
                      if (choice.names[i] == name) *choice.value = static_cast<int>(i);
                    }
                  },
+                 [&](const OptionalNumberRef& number) {
+                   const auto* given = std::get_if<float>(&value);
+                   *number.value = given ? std::optional(*given) : std::nullopt;
+                 },
                  [&](auto* target) { *target = std::get<std::remove_pointer_t<decltype(target)>>(value); },
              },
              setting.value);
@@ -172,6 +181,10 @@ SettingConstant load(const Setting& setting) {
   return std::visit(Overloaded{
                         [](const ChoiceRef& choice) -> SettingConstant {
                           return std::string(choice.names.at(static_cast<size_t>(*choice.value)));
+                        },
+                        [](const OptionalNumberRef& number) -> SettingConstant {
+                          if (*number.value) return **number.value;
+                          return std::string(number.word);
                         },
                         [](const auto* source) -> SettingConstant { return *source; },
                     },
@@ -201,6 +214,9 @@ std::string describe_type(const Setting& setting) {
                         [&](int*) -> std::string { return number("integer"); },
                         [&](float*) -> std::string { return number("number"); },
                         [](std::string*) -> std::string { return "text"; },
+                        [&](const OptionalNumberRef& optional) -> std::string {
+                          return std::string(optional.word) + " or " + number("number");
+                        },
                         [](const ChoiceRef& choice) -> std::string {
                           std::string text;
                           for (const std::string_view name : choice.names) {

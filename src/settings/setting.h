@@ -11,6 +11,7 @@
 //   }
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -31,7 +32,13 @@ ChoiceRef choice(Enum& value, std::vector<std::string_view> names) {
   return {reinterpret_cast<int*>(&value), std::move(names)};
 }
 
-using SettingValue = std::variant<bool*, int*, float*, std::string*, ChoiceRef>;
+/// A number, or a word such as "auto" that stands for std::nullopt.
+struct OptionalNumberRef {
+  std::optional<float>* value = nullptr;
+  std::string_view word;
+};
+
+using SettingValue = std::variant<bool*, int*, float*, std::string*, ChoiceRef, OptionalNumberRef>;
 
 struct SettingTraits {
   double min = -1e30;
@@ -50,7 +57,7 @@ struct Setting {
 
 using SettingList = std::vector<Setting>;
 
-/// A value apart from its setting; a choice is its name.
+/// A value apart from its setting; a choice is its name, and so is the word in place of a number.
 using SettingConstant = std::variant<bool, int, float, std::string>;
 
 /// `list` with "prefix." before each name.

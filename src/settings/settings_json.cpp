@@ -79,8 +79,9 @@ Json parse_object(std::string_view text, const std::string& place) {
 /// The text that stands for a JSON value of a type that can be meant for the setting.
 std::string value_text(const Setting& setting, const Json& json, const std::string& place) {
   const bool wants_bool = std::holds_alternative<bool*>(setting.value);
-  const bool wants_number =
-      std::holds_alternative<int*>(setting.value) || std::holds_alternative<float*>(setting.value);
+  const bool wants_number = std::holds_alternative<int*>(setting.value) ||
+                            std::holds_alternative<float*>(setting.value) ||
+                            std::holds_alternative<OptionalNumberRef>(setting.value);
   if (json.is_string() && !wants_bool) return json.get<std::string>();
   if (json.is_boolean() && wants_bool) return json.get<bool>() ? "true" : "false";
   if (json.is_number() && wants_number) {

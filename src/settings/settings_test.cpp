@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "relume/error.h"
 #include "settings/duration.h"
@@ -71,6 +72,23 @@ TEST(Setting, AssignsEveryType) {
   EXPECT_EQ(sample.pause_s, 90);
   EXPECT_EQ(sample.name, "");
   EXPECT_EQ(sample.shape, Shape::square);
+}
+
+TEST(Setting, AWordMayReplaceANumber) {
+  std::optional<float> value;
+  const SettingList list{{"gain", OptionalNumberRef{&value, "auto"}, "A gain", {.min = -4, .max = 4, .unit = "stops"}}};
+  const Setting& gain = list[0];
+  EXPECT_EQ(to_string(gain), "auto");
+  EXPECT_EQ(describe_type(gain), "auto or number in stops, from -4 to 4");
+  assign(gain, "1.5", "");
+  EXPECT_EQ(value, 1.5f);
+  EXPECT_EQ(to_string(gain), "1.5");
+  settings_from_json(list, R"({"gain": -2})", "here");
+  EXPECT_EQ(value, -2.0f);
+  settings_from_json(list, R"({"gain": "auto"})", "here");
+  EXPECT_FALSE(value);
+  EXPECT_EQ(message_of([&] { assign(gain, "much", "here"); }), "here: gain is 'much', but must be auto or a number");
+  EXPECT_EQ(message_of([&] { assign(gain, "5", "here"); }), "here: gain is '5', but must be from -4 to 4");
 }
 
 TEST(Setting, RefusesWhatDoesNotFit) {

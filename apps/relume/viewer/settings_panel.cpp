@@ -78,12 +78,25 @@ bool text_widget(std::string* value) {
   return true;
 }
 
+/// A box for the word, and the number beside it.
+bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits& traits) {
+  bool automatic = !number.value->has_value();
+  bool changed = ImGui::Checkbox(std::string(number.word).c_str(), &automatic);
+  if (changed) *number.value = automatic ? std::nullopt : std::optional(0.0f);
+  if (automatic) return changed;
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  return float_widget(&**number.value, traits) || changed;
+}
+
 /// The widget for the setting's type. Returns whether the value changed.
 bool value_widget(const AllSettings& settings, const Setting& setting) {
   if (const auto* flag = std::get_if<bool*>(&setting.value)) return ImGui::Checkbox("##v", *flag);
   if (const auto* number = std::get_if<int*>(&setting.value)) return int_widget(*number, setting.traits);
   if (const auto* number = std::get_if<float*>(&setting.value)) return float_widget(*number, setting.traits);
   if (const auto* text = std::get_if<std::string*>(&setting.value)) return text_widget(*text);
+  if (const auto* number = std::get_if<OptionalNumberRef>(&setting.value))
+    return optional_number_widget(*number, setting.traits);
   return choice_widget(settings, setting, std::get<ChoiceRef>(setting.value));
 }
 
