@@ -81,7 +81,7 @@ TEST(CommandLine, CollectsSettings) {
   EXPECT_FALSE(settings.render.path.russian_roulette);
   EXPECT_EQ(settings.scene.env, "1,1,1");
   EXPECT_EQ(settings.render.seed, 2);
-  EXPECT_EQ(f.defaults.output.exposure, 0) << "parsing must not assign settings";
+  EXPECT_FALSE(f.defaults.output.exposure) << "parsing must not assign settings";
 }
 
 TEST(CommandLine, SwitchesBooleansEitherWay) {

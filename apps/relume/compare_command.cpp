@@ -182,6 +182,10 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   options.common.scene_place = o.scene;
   const AllSettings common = resolve(options.common);
   apply(common.scene, scene);
+  AllSettings fitted = common;
+  fit_to_camera(fitted, options.common, scene);
+  options.common.flags.emplace_back("width", std::to_string(fitted.render.width));
+  options.common.flags.emplace_back("height", std::to_string(fitted.render.height));
   options.times_s = frame_times(o, common.render.time_s);
   // What the scene's own settings leave possible, before a reference is rendered, which may take long.
   for (const Contender& contender : options.contenders)

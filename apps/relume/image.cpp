@@ -77,12 +77,12 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
   };
 }
 
-void write_image(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+void write_image(const std::filesystem::path& file, const Session& session, const Display& display,
                  const std::vector<std::string>& aovs, const Metadata& metadata) {
   const std::string extension = lower_extension(file);
   if (extension == ".exr") return write_layers(file, session, aovs, metadata);
   const Image image = session.image();
-  write_image(file, extension == ".hdr" ? image : tone_map(image, output.tone_map, output.exposure));
+  write_image(file, extension == ".hdr" ? image : tone_map(image, display.tone_map, display.exposure));
 }
 
 }  // namespace relume::cli

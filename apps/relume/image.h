@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/display.h"
 #include "render/settings.h"
 
 namespace relume {
@@ -33,7 +34,7 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
 
 /// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
 /// tone-mapped. Throws Error.
-void write_image(const std::filesystem::path& file, const Session& session, const OutputSettings& output,
+void write_image(const std::filesystem::path& file, const Session& session, const Display& display,
                  const std::vector<std::string>& aovs, const Metadata& metadata);
 
 }  // namespace relume::cli

@@ -9,6 +9,7 @@
 #include "image.h"
 #include "relume/image_io.h"
 #include "relume/lab/metrics.h"
+#include "render/display.h"
 #include "reports.h"
 
 namespace relume::cli {
@@ -20,7 +21,7 @@ struct MetricsOptions {
   bool json = false;
   bool hdr_flip = false;
   std::string flip_map;
-  OutputSettings display{.exposure = 0, .tone_map = ToneMap::none};  ///< as which FLIP sees the images
+  OutputSettings display{.exposure = 0, .tone_map = ToneMapChoice::none};  ///< as which FLIP sees the images
 };
 
 std::string to_text(const Metrics& m, bool with_hdr_flip) {
@@ -34,17 +35,18 @@ std::string to_text(const Metrics& m, bool with_hdr_flip) {
 
 Metrics measure(const MetricsOptions& options, const Image& a, const Image& b) {
   try {
-    return compute_metrics(
-        a, b,
-        {.tone_map = options.display.tone_map, .exposure = options.display.exposure, .hdr_flip = options.hdr_flip});
+    const Display display = fixed_display(options.display);
+    return compute_metrics(a, b,
+                           {.tone_map = display.tone_map, .exposure = display.exposure, .hdr_flip = options.hdr_flip});
   } catch (const Error& error) {
     throw Error(fmt::format("{} and {}: {}", options.a, options.b, error.what()));
   }
 }
 
 void write_flip_map(const MetricsOptions& options, const Image& a, const Image& b) {
-  const std::vector<float> map = flip_map(tone_map(a, options.display.tone_map, options.display.exposure),
-                                          tone_map(b, options.display.tone_map, options.display.exposure));
+  const Display display = fixed_display(options.display);
+  const std::vector<float> map =
+      flip_map(tone_map(a, display.tone_map, display.exposure), tone_map(b, display.tone_map, display.exposure));
   write_image(options.flip_map, color_map(map, a.width, a.height));
 }
 

@@ -11,12 +11,14 @@
 #include "console.h"
 #include "core/clock.h"
 #include "files/atomic_file.h"
+#include "files/extension.h"
 #include "frame/launch.h"
 #include "image.h"
 #include "image/tev_client.h"
 #include "platform.h"
 #include "progress.h"
 #include "render/build_pipeline.h"
+#include "render/display.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"
 #include "render_plan.h"
@@ -31,9 +33,9 @@ namespace {
 constexpr double kDisplayInterval_s = 0.5;
 
 /// The image in a tev viewer, if one was asked for.
-class Display {
+class TevDisplay {
  public:
-  Display(const std::string& address, std::string name) : name_(std::move(name)) {
+  TevDisplay(const std::string& address, std::string name) : name_(std::move(name)) {
     if (!address.empty()) client_ = std::make_unique<TevClient>(parse_tev_address(address));
   }
 
@@ -93,6 +95,7 @@ class RenderJob {
   void save_checkpoint();
   void try_checkpoint();
   void write(size_t index, StopReason reason);
+  Display display_of_image();
   void report(StopReason reason) const;
 
   float time_of(size_t index) const {
@@ -103,7 +106,7 @@ class RenderJob {
   const RenderOptions& options_;
   const Verbosity& verbosity_;
   RenderPlan plan_;
-  Display display_;
+  TevDisplay display_;
   AllSettings settings_;
   float scene_time_s_ = 0;  ///< of frame 0
   std::optional<Session> session_;
@@ -111,6 +114,7 @@ class RenderJob {
   std::optional<VideoWriter> video_;
   uint64_t resumed_rays_ = 0;  ///< that a checkpoint brought: times are of this run alone
   std::vector<std::string> written_;
+  std::optional<float> last_exposure_;  ///< of the image before, if exposures are automatic
   double load_s_ = 0;
   double write_s_ = 0;
   double last_checkpoint_s_ = 0;
@@ -133,6 +137,7 @@ void RenderJob::load() {
   plan_.roles.reads("--env", settings_.scene.env);
   plan_.roles.reads("SCENE", scene.source_files);
   apply(settings_.scene, scene);
+  fit_to_camera(settings_, plan_.sources, scene);
   warn_all(verbosity_, scene.warnings);
   load_s_ = now_s() - start_s;
   tell_more(verbosity_, fmt::format("loaded {} in {:.2f} s", options_.scene, load_s_));
@@ -242,17 +247,28 @@ void RenderJob::try_checkpoint() {
   }
 }
 
+/// In a sequence, an automatic exposure adapts from image to image.
+Display RenderJob::display_of_image() {
+  Display display = display_for(settings_.output, session_->image().pixels, session_->in_studio());
+  if (settings_.output.exposure) return display;
+  if (last_exposure_) display.exposure = adapted_exposure(*last_exposure_, display.exposure, 1.0f / options_.fps);
+  last_exposure_ = display.exposure;
+  return display;
+}
+
 void RenderJob::write(size_t index, StopReason reason) {
   const double start_s = now_s();
   const std::filesystem::path& file = plan_.files[index];
   if (is_video_file(file)) {
-    const Image image = tone_map(session_->image(), settings_.output.tone_map, settings_.output.exposure);
+    const Display display = display_of_image();
+    const Image image = tone_map(session_->image(), display.tone_map, display.exposure);
     if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
     video_->add(image);
     if (index == first_image_) written_.push_back(file.string());
   } else {
     const Metadata metadata = image_metadata(*session_, options_.scene, settings_, load_s_);
-    write_image(file, *session_, settings_.output, plan_.aovs, metadata);
+    const bool is_displayed = lower_extension(file) != ".exr" && lower_extension(file) != ".hdr";
+    write_image(file, *session_, is_displayed ? display_of_image() : Display{}, plan_.aovs, metadata);
     written_.push_back(file.string());
   }
   write_s_ += now_s() - start_s;

@@ -43,6 +43,8 @@ std::string environment_text(const Environment& environment) {
       return fmt::format("constant {:g}, {:g}, {:g}", environment.color.r, environment.color.g, environment.color.b);
     case EnvironmentKind::map: return fmt::format("map {} x {}", environment.width, environment.height);
     case EnvironmentKind::sun_sky: return "sun and sky";
+    case EnvironmentKind::studio: return "studio";
+    case EnvironmentKind::automatic: return "studio if nothing lights what is visible";
   }
   return "none";
 }

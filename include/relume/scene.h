@@ -128,13 +128,20 @@ struct SunSky {
   Rgb ground_albedo{0.3f};
 };
 
-enum class EnvironmentKind : uint8_t { none, constant, map, sun_sky };
+enum class EnvironmentKind : uint8_t {
+  none,
+  constant,
+  map,
+  sun_sky,
+  studio,     ///< neutral photo studio: three soft boxes before a dim backdrop, turned towards the scene's camera
+  automatic,  ///< the studio if nothing in the scene lights what its camera sees; otherwise none
+};
 
 /// Light from infinity. Map: equirectangular, row 0 is +Y, the centre column looks along -Z for rotation 0,
 /// and +X lies to its right.
 struct Environment {
   EnvironmentKind kind = EnvironmentKind::none;
-  Rgb color{1};            ///< constant: radiance; map, sun_sky: multiplies
+  Rgb color{1};            ///< constant: radiance; others: multiplies
   int width = 0;           ///< map
   int height = 0;          ///< map
   std::vector<Rgb> map;    ///< radiance, row by row from the top
@@ -152,6 +159,7 @@ struct Camera {
   Projection projection = Projection::perspective;
   float fov_y_rad = 0.8f;    ///< perspective, full vertical angle
   float half_height = 1;     ///< orthographic, metres
+  float aspect_ratio = 0;    ///< width over height that images get if no other is asked for; 0: any
   float lens_radius = 0;     ///< perspective, metres; 0: pinhole
   float focus_distance = 1;  ///< metres along -Z
 };

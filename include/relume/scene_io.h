@@ -11,7 +11,8 @@
 namespace relume {
 
 /// Loads a scene file; its first bytes or its extension select the format. Scene::warnings lists ignored and repaired
-/// parts. Throws Error; never crashes or hangs on malformed files.
+/// parts. A file without an environment gets EnvironmentKind::automatic. Throws Error; never crashes or hangs on
+/// malformed files.
 RELUME_API Scene load_scene(const std::filesystem::path& file);
 
 /// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives

@@ -135,6 +135,9 @@ class RELUME_API Session {
   std::vector<ExrChannel> aov(const std::string& name) const;
 
   const Statistics& statistics() const;
+  /// Whether the scene is lit by the studio environment, as its Environment::kind asks or because nothing else lights
+  /// it.
+  bool in_studio() const;
   /// Defaults that the session chose because the scene lacks something, one sentence each.
   const std::vector<std::string>& notes() const;
   /// Problems that affect the results so far, one sentence each.

@@ -16,10 +16,11 @@ enum class ToneMap : int {
   reinhard,  ///< [Reinhard02 eq. 3]: L/(1+L) on the luminance
   aces,      ///< [Hill15]: fit of the ACES reference rendering transform and the sRGB output transform
   agx,       ///< [Sobotka22], default look, with the polynomial of [Wrensch23]
+  neutral,   ///< [Khronos24]: base colours below 0.8 stay as they are, highlights are compressed
 };
 
 /// Names of the enum's values for settings, in order.
-inline constexpr std::array<std::string_view, 4> kToneMapNames{"none", "reinhard", "aces", "agx"};
+inline constexpr std::array<std::string_view, 5> kToneMapNames{"none", "reinhard", "aces", "agx", "neutral"};
 
 /// Every pixel tone-mapped; write_image() then stores it as PNG, JPEG or TGA.
 RELUME_API Image tone_map(const Image& image, ToneMap curve, float exposure);

@@ -9,6 +9,7 @@
 #include "metrics/temporal.h"
 #include "relume/error.h"
 #include "relume/lab/metrics.h"
+#include "render/display.h"
 #include "scene/scene_hash.h"
 #include "settings/settings_json.h"
 
@@ -173,7 +174,7 @@ bool Comparing::measure_contenders() {
 }
 
 void Comparing::measure_images() {
-  const OutputSettings display = resolve(options().common).output;
+  const Display display = fixed_display(resolve(options().common).output);
   const Image& reference = references_.back().image;
   for (size_t i = 0; i < images_.size(); ++i) {
     const ImageContender& image = options().images[i];

@@ -7,6 +7,7 @@
 
 #include "compare/ranking.h"
 #include "metrics/statistics.h"
+#include "render/display.h"
 #include "report/images.h"
 #include "settings/nearest_name.h"
 #include "settings/settings_json.h"
@@ -211,7 +212,7 @@ BarBlock comparison_frame_times(const Comparison& c) {
 
 ViewerBlock comparison_images(const Comparison& c) {
   const Image& reference = c.reference.image;
-  const OutputSettings display = resolve(c.options.common).output;
+  const Display display = fixed_display(resolve(c.options.common).output);
   const size_t value_bytes = reference.pixels.size() * 6 * (c.contenders.size() + 1);
   const ImageOptions options{display.tone_map, display.exposure, value_bytes <= kMostValueBytes};
   const bool moves = is_animation(c.options);

@@ -5,6 +5,7 @@
 
 #include "metrics/statistics.h"
 #include "relume/lab/metrics.h"
+#include "render/display.h"
 
 namespace relume {
 namespace {
@@ -92,7 +93,7 @@ class Recorder {
     }
   }
 
-  void finish(const OutputSettings& display) {
+  void finish(const Display& display) {
     const double count = static_cast<double>(references_.size());
     for (size_t i = 0; i < sessions_.size(); ++i) {
       const TimedSession& session = *sessions_[i];
@@ -220,7 +221,7 @@ bool run_repetition(const Sessions& sessions, const ComparisonOptions& options, 
     recorder.image_done(image);
     progress(static_cast<double>(image + 1) / static_cast<double>(references.size()));
   }
-  recorder.finish(resolve(options.common).output);
+  recorder.finish(fixed_display(resolve(options.common).output));
   images = recorder.take_images();
   return true;
 }

@@ -53,7 +53,11 @@ class SceneBuilder {
   void add_turning(Index node, float seconds, int turns);
 
   void set_environment(Environment environment) { scene_.environment = std::move(environment); }
-  Scene take() { return std::move(scene_); }
+  /// The scene, with a fixed exposure and tone map, so that its images can be compared.
+  Scene take() {
+    scene_.settings_json = R"({"exposure": 0, "tone-map": "agx"})";
+    return std::move(scene_);
+  }
 
  private:
   Scene scene_;

@@ -64,6 +64,22 @@ RELUME_HD inline Rgb tone_map_agx(const Rgb& c) {
   return v;
 }
 
+/// Subtracts what Fresnel reflection at normal incidence adds, compresses peaks above 0.76 towards 1, and desaturates
+/// what was compressed.
+RELUME_HD inline Rgb tone_map_neutral(const Rgb& c) {
+  constexpr float kFresnel = 0.04f;
+  constexpr float kCompressionStart = 0.8f - kFresnel;
+  constexpr float kDesaturation = 0.15f;
+  const float low = c.r < c.g ? (c.r < c.b ? c.r : c.b) : (c.g < c.b ? c.g : c.b);
+  const Rgb shifted = c - Rgb(low < 2.0f * kFresnel ? low - low * low / (4.0f * kFresnel) : kFresnel);
+  const float peak = max_component(shifted);
+  if (peak < kCompressionStart) return shifted;
+  constexpr float kRoom = 1.0f - kCompressionStart;
+  const float compressed = 1.0f - kRoom * kRoom / (peak + kRoom - kCompressionStart);
+  const float white = 1.0f - 1.0f / (kDesaturation * (peak - compressed) + 1.0f);
+  return detail::saturate(shifted * (compressed / peak) * (1.0f - white) + Rgb(compressed * white));
+}
+
 /// `exposure` scales radiance by 2^exposure (stops) first. NaN and negative channels count as 0, infinity as
 /// kToneMapMax. Result in [0, 1], display-linear.
 RELUME_HD inline Rgb tone_map(ToneMap curve, float exposure, const Rgb& radiance) {
@@ -74,6 +90,7 @@ RELUME_HD inline Rgb tone_map(ToneMap curve, float exposure, const Rgb& radiance
     case ToneMap::reinhard: return tone_map_reinhard(c);
     case ToneMap::aces: return tone_map_aces(c);
     case ToneMap::agx: return tone_map_agx(c);
+    case ToneMap::neutral: return tone_map_neutral(c);
     case ToneMap::none: break;
   }
   return detail::saturate(c);

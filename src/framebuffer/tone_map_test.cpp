@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-constexpr ToneMap kAll[] = {ToneMap::none, ToneMap::reinhard, ToneMap::aces, ToneMap::agx};
+constexpr ToneMap kAll[] = {ToneMap::none, ToneMap::reinhard, ToneMap::aces, ToneMap::agx, ToneMap::neutral};
 
 TEST(ToneMap, BlackStaysBlack) {
   // AgX's lowest encoded value is 2^-12.5 of white, its curve is clamped at 0 there.
@@ -80,6 +80,20 @@ TEST(ToneMap, MatchesThePublishedFormulas) {
   EXPECT_NEAR(red.r, 1.60475 * r - 0.53108 * g - 0.07367 * b, 1e-5);
   EXPECT_NEAR(red.g, std::max(0.0, -0.10208 * r + 1.10813 * g - 0.00605 * b), 1e-5);
   EXPECT_NEAR(red.b, std::max(0.0, -0.00327 * r - 0.07276 * g + 1.07602 * b), 1e-5);
+}
+
+TEST(ToneMap, NeutralKeepsBaseColors) {
+  // A surface in white light reflects 4 % more than its base colour; [Khronos24] takes that away again.
+  for (const Rgb& base : {Rgb(0.1f, 0.5f, 0.3f), Rgb(0.75f), Rgb(0.6f, 0.08f, 0.2f)}) {
+    const Rgb shown = tone_map(ToneMap::neutral, 0.0f, base + Rgb(0.04f));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown[c], base[c], 1e-6f);
+  }
+  // By hand: peak 3 - 0.04 = 2.96, compressed to 1 - 0.24² / (2.96 + 0.24 - 0.76).
+  const double compressed = 1 - 0.24 * 0.24 / (2.96 + 0.24 - 0.76);
+  const double white = 1 - 1 / (0.15 * (2.96 - compressed) + 1);
+  const Rgb red = tone_map(ToneMap::neutral, 0.0f, Rgb(3, 0.54f, 0.04f + 0.04f));
+  EXPECT_NEAR(red.r, compressed, 1e-5);
+  EXPECT_NEAR(red.g, 0.5 * compressed / 2.96 * (1 - white) + compressed * white, 1e-5);
 }
 
 TEST(ToneMap, AgxPutsMiddleGreyOnItsPivot) {

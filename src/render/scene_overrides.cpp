@@ -25,28 +25,40 @@ bool parse_rgb(std::string_view text, Rgb& rgb) {
   return position == end;
 }
 
-}  // namespace
-
-void apply(const SceneOverrides& overrides, Scene& scene) {
-  const std::string& env = overrides.env;
-  if (env.empty()) return;
+/// The environment that `env` names. Throws Error.
+Environment named_environment(const std::string& env) {
   Environment environment;
-  if (Rgb rgb(0); parse_rgb(env, rgb)) {
+  if (env == "studio") {
+    environment.kind = EnvironmentKind::studio;
+  } else if (env == "none") {
+    environment.kind = EnvironmentKind::none;
+  } else if (env == "sky" || env == "sun_sky") {
+    environment.kind = EnvironmentKind::sun_sky;
+    if (env == "sky") environment.sun_sky.sun_scale = 0;
+  } else if (Rgb rgb(0); parse_rgb(env, rgb)) {
     for (int channel = 0; channel < 3; ++channel) {
-      if (!(rgb[channel] >= 0 && rgb[channel] <= kMaxRadiance)) {
+      if (!(rgb[channel] >= 0 && rgb[channel] <= kMaxRadiance))
         throw Error("env: radiance " + env + " must be three numbers between 0 and 1e15");
-      }
     }
     environment.kind = EnvironmentKind::constant;
     environment.color = rgb;
-  } else if (env != "none") {
+  } else {
     if (std::error_code unknown; !std::filesystem::exists(env, unknown)) {
-      throw Error("env: '" + env + "' is neither a radiance such as 1,1,1 nor none nor a file that exists");
+      throw Error("env: cannot find file '" + env +
+                  "'; give an existing one, a radiance such as 1,1,1, or studio, sky, sun_sky or none");
     }
     load_environment_map(env, environment);
-    environment.kind = EnvironmentKind::map;
   }
-  scene.environment = std::move(environment);
+  return environment;
+}
+
+}  // namespace
+
+void apply(const SceneOverrides& overrides, Scene& scene) {
+  Environment& environment = scene.environment;
+  if (!overrides.env.empty()) environment = named_environment(overrides.env);
+  environment.rotation_rad += glm::radians(overrides.env_rotation_deg);
+  environment.color = glm::min(environment.color * std::exp2(overrides.env_exposure), Rgb(kMaxRadiance));
 }
 
 }  // namespace relume

@@ -138,6 +138,8 @@ const Statistics& Session::statistics() const {
   return s.statistics;
 }
 
+bool Session::in_studio() const { return state_->scene->in_studio(); }
+
 const std::vector<std::string>& Session::notes() const { return state_->scene->notes(); }
 std::vector<std::string> Session::warnings() const { return state_->passes.pipeline.warnings(); }
 uint64_t Session::scene_hash() const { return state_->hash; }

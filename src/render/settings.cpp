@@ -1,5 +1,7 @@
 #include "render/settings.h"
 
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "relume/image_io.h"
 #include "render/aov_reference.h"
 #include "render/presets.h"
+#include "scene/compiled_scene.h"
 #include "settings/nearest_name.h"
 #include "settings/settings_json.h"
 
@@ -32,13 +35,26 @@ void apply_image_settings(const SettingList& list, const std::string& file) {
   settings_from_json(list, attribute->second, file);
 }
 
+std::vector<std::string_view> tone_map_choices() {
+  std::vector<std::string_view> names(kToneMapNames.begin(), kToneMapNames.end());
+  names.emplace_back("auto");
+  return names;
+}
+
 }  // namespace
 
 SettingList describe(SceneOverrides& s) {
-  return {
-      {"env", &s.env,
-       "Environment in place of the scene's: radiance R,G,B, or none, or an EXR or HDR file (equirectangular); empty: "
-       "the scene's"}};
+  return {{"env", &s.env,
+           "Environment in place of the scene's: studio, sky, sun_sky, none, radiance R,G,B, or an EXR or HDR file "
+           "(equirectangular); empty: the scene's, or the studio if nothing lights what the camera sees"},
+          {"env-rotation",
+           &s.env_rotation_deg,
+           "Turns the environment about the vertical axis",
+           {.min = -360, .max = 360, .unit = "degrees"}},
+          {"env-exposure",
+           &s.env_exposure,
+           "Brightness of the environment: radiance times 2 to this power",
+           {.min = -64, .max = 64, .unit = "stops"}}};
 }
 
 SettingList describe(StopSettings& s) {
@@ -61,12 +77,13 @@ SettingList describe(StopSettings& s) {
 SettingList describe(OutputSettings& s) {
   return {
       {"exposure",
-       &s.exposure,
-       "Brightness of PNG and JPEG files and displays: radiance times 2 to this power",
+       OptionalNumberRef{&s.exposure, "auto"},
+       "Brightness of PNG and JPEG files and displays: radiance times 2 to this power; auto: metered from the image",
        {.min = -64, .max = 64, .unit = "stops", .resets_history = false}},
       {"tone-map",
-       choice(s.tone_map, {kToneMapNames.begin(), kToneMapNames.end()}),
-       "How PNG and JPEG files and displays map radiance to [0, 1]; none: clip",
+       choice(s.tone_map, tone_map_choices()),
+       "How PNG and JPEG files and displays map radiance to [0, 1]; none: clip; auto: neutral under the studio, agx "
+       "elsewhere",
        {.resets_history = false}},
   };
 }
@@ -134,8 +151,7 @@ std::string settings_reference() {
   return text + aov_reference();
 }
 
-AllSettings resolve(const SettingSources& sources) {
-  AllSettings settings;
+AllSettings resolve(const SettingSources& sources, AllSettings settings) {
   const SettingList list = describe(settings);
   if (!sources.scene_json.empty()) settings_from_json(list, sources.scene_json, sources.scene_place);
   if (!sources.preset.empty())
@@ -150,6 +166,26 @@ AllSettings resolve(const SettingSources& sources) {
     assign(flag, text, "");
   }
   return settings;
+}
+
+void fit_to_camera(AllSettings& settings, const SettingSources& sources, const Scene& scene) {
+  const Index node = find_camera(scene, settings.render.camera);
+  if (node == kNone) return;
+  const float ratio = scene.cameras[static_cast<size_t>(scene.nodes[static_cast<size_t>(node)].camera)].aspect_ratio;
+  AllSettings nothing;
+  nothing.render.width = nothing.render.height = 0;
+  const RenderSettings given = resolve(sources, nothing).render;
+  if (ratio == 0 || (given.width > 0 && given.height > 0)) return;
+  int& width = settings.render.width;
+  int& height = settings.render.height;
+  const auto pixels = [](float n) { return std::clamp(static_cast<int>(std::lround(n)), 1, 32768); };
+  const bool keeps_width = given.width > 0 || (given.height == 0 && ratio >= 1.0f);
+  if (keeps_width) {
+    height = pixels(static_cast<float>(width) / ratio);
+  } else {
+    if (given.height == 0) height = width;
+    width = pixels(static_cast<float>(height) * ratio);
+  }
 }
 
 }  // namespace relume

@@ -2,6 +2,7 @@
 // done with the image. Flags, JSON files, presets, image metadata and docs/settings.md cover exactly these.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,7 +18,12 @@ struct Scene;
 
 /// What replaces parts of the scene.
 struct SceneOverrides {
-  std::string env;  ///< environment: "R,G,B", "none", or an EXR or HDR file; empty: the scene's own
+  /// Environment: "studio", "sky", "sun_sky", "none", "R,G,B", or an EXR or HDR file; empty: the scene's own.
+  std::string env;
+  float env_rotation_deg = 0;  ///< about +Y, added
+  float env_exposure = 0;      ///< stops
+
+  friend bool operator==(const SceneOverrides&, const SceneOverrides&) = default;
 };
 
 /// When an image is done: whichever comes first.
@@ -28,10 +34,19 @@ struct StopSettings {
 };
 inline constexpr int kDefaultSpp = 64;
 
+/// A tone map, with its own number, or one that depends on the light.
+enum class ToneMapChoice : int { none = 0, automatic = static_cast<int>(kToneMapNames.size()) };
+
 /// How linear radiance becomes a display-ready image. EXR and HDR files hold radiance and ignore it.
 struct OutputSettings {
-  float exposure = 0;  ///< stops
-  ToneMap tone_map = ToneMap::agx;
+  std::optional<float> exposure = std::nullopt;  ///< stops; std::nullopt: metered (display_for())
+  ToneMapChoice tone_map = ToneMapChoice::automatic;
+
+  /// std::nullopt if it is automatic.
+  std::optional<ToneMap> fixed_tone_map() const {
+    if (tone_map == ToneMapChoice::automatic) return std::nullopt;
+    return static_cast<ToneMap>(tone_map);
+  }
 };
 
 struct AllSettings {
@@ -64,8 +79,12 @@ struct SettingSources {
   std::vector<std::pair<std::string, std::string>> flags = {};  ///< name (without dashes) and text
 };
 
-/// Throws Error for whatever does not fit.
-AllSettings resolve(const SettingSources& sources);
+/// Throws Error for whatever does not fit. `settings` hold the defaults.
+AllSettings resolve(const SettingSources& sources, AllSettings settings = {});
+
+/// Gives the image the aspect ratio of the camera, if that has one. Keeps the dimension that a source gives; if none
+/// gives one, keeps the larger.
+void fit_to_camera(AllSettings& settings, const SettingSources& sources, const Scene& scene);
 
 /// Applies `overrides` to the scene. Throws Error (unreadable file, numbers that are not a radiance).
 void apply(const SceneOverrides& overrides, Scene& scene);

@@ -73,6 +73,7 @@ TEST(Settings, SurviveJson) {
     if (auto* const* flag = std::get_if<bool*>(&setting.value)) **flag = !**flag;
     if (auto* const* number = std::get_if<int*>(&setting.value)) **number += **number < setting.traits.max ? 1 : -1;
     if (auto* const* number = std::get_if<float*>(&setting.value)) **number += 0.1f;
+    if (const auto* number = std::get_if<OptionalNumberRef>(&setting.value)) *number->value = 0.5f;
     if (auto* const* text = std::get_if<std::string*>(&setting.value)) **text = "1,2,3";
     if (const auto* slot = std::get_if<ChoiceRef>(&setting.value))
       *slot->value = static_cast<int>(slot->names.size()) - 1;
@@ -139,6 +140,47 @@ TEST(SceneOverrides, ReplaceTheEnvironment) {
   EXPECT_EQ(scene.environment.color, Rgb(0.5f, 1, 20));
   apply({.env = "none"}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::none);
+  apply({.env = "studio"}, scene);
+  EXPECT_EQ(scene.environment.kind, EnvironmentKind::studio);
+  apply({.env = "sun_sky"}, scene);
+  EXPECT_EQ(scene.environment.kind, EnvironmentKind::sun_sky);
+  EXPECT_GT(scene.environment.sun_sky.sun_scale, 0.0f);
+  apply({.env = "sky"}, scene);
+  EXPECT_EQ(scene.environment.sun_sky.sun_scale, 0.0f);
+}
+
+TEST(SceneOverrides, TurnAndScaleTheEnvironment) {
+  Scene scene;
+  scene.environment.kind = EnvironmentKind::constant;
+  scene.environment.color = {1, 2, 3};
+  scene.environment.rotation_rad = 0.5f;
+  apply({.env = "", .env_rotation_deg = 90, .env_exposure = 1}, scene);
+  EXPECT_EQ(scene.environment.color, Rgb(2, 4, 6));
+  EXPECT_FLOAT_EQ(scene.environment.rotation_rad, 0.5f + kPi / 2);
+}
+
+TEST(FitToCamera, ComputesWhatIsNotGiven) {
+  Scene scene;
+  scene.cameras.push_back({.name = "wide", .aspect_ratio = 2});
+  scene.cameras.push_back({.name = "tall", .aspect_ratio = 0.5f});
+  for (Index i = 0; i < 2; ++i) {
+    Node node;
+    node.camera = i;
+    scene.add_node(node);
+  }
+  const auto size = [&](const char* camera, std::vector<std::pair<std::string, std::string>> flags) {
+    flags.emplace_back("camera", camera);
+    const SettingSources sources{.flags = flags};
+    AllSettings settings = resolve(sources);
+    fit_to_camera(settings, sources, scene);
+    return IVec2(settings.render.width, settings.render.height);
+  };
+  const int standard = RenderSettings{}.width;
+  EXPECT_EQ(size("wide", {}), IVec2(standard, standard / 2));
+  EXPECT_EQ(size("tall", {}), IVec2(standard / 2, standard));
+  EXPECT_EQ(size("wide", {{"width", "100"}}), IVec2(100, 50));
+  EXPECT_EQ(size("wide", {{"height", "100"}}), IVec2(200, 100));
+  EXPECT_EQ(size("wide", {{"width", "100"}, {"height", "100"}}), IVec2(100, 100));
 }
 
 TEST(SceneOverrides, RefuseWhatIsNoRadiance) {
@@ -146,8 +188,10 @@ TEST(SceneOverrides, RefuseWhatIsNoRadiance) {
   for (const char* env : {"1,2", "1,2,3,4", "1,-2,3", "1,nan,3", "1,2,inf", "1;2;3", ",,", "nowhere.exr"}) {
     EXPECT_THROW(apply({.env = env}, scene), Error) << env;
   }
-  EXPECT_EQ(message_of([&] { apply({.env = "sky.hdr"}, scene); }),
-            "env: 'sky.hdr' is neither a radiance such as 1,1,1 nor none nor a file that exists");
+  EXPECT_EQ(
+      message_of([&] { apply({.env = "sky.hdr"}, scene); }),
+      "env: cannot find file 'sky.hdr'; give an existing one, a radiance such as 1,1,1, or studio, sky, sun_sky or "
+      "none");
 }
 
 }  // namespace

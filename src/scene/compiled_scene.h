@@ -76,7 +76,8 @@ class CompiledScene {
 
   const SceneView& view() const { return view_; }
   const Scene& source() const { return source_; }
-  /// What stands in for things the file lacks, one sentence each.
+  bool in_studio() const { return in_studio_; }
+  /// Replacements for things that the file lacks, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
   /// Bytes of geometry, lights, textures, environment and acceleration structure.
   size_t memory_bytes() const;
@@ -98,9 +99,16 @@ class CompiledScene {
   bool place_instances();
   void build_accel();
   void note_collapsed_lights();
-  /// Whether anything gives light, or everything glows by itself.
-  bool is_lit() const;
-  void add_missing_light();
+  /// Whether a light of the scene itself shines, now or at another time. Emissive surfaces count if asked for.
+  bool shines(bool emissive_surfaces) const;
+  void note_lighting();
+  bool all_unlit() const;
+  /// Uses the environment of the source; decides what an automatic one is, once.
+  void use_environment();
+  /// The studio, turned towards the camera that the scene had at first.
+  void use_studio();
+  /// Whether too little light reaches what the camera sees. Uses the studio to compare.
+  bool needs_studio();
   void choose_camera(const std::string& name);
   CameraView view_through(const CameraPose& camera) const;
   CameraPose scene_camera(const std::vector<Mat4>& world) const;
@@ -123,7 +131,10 @@ class CompiledScene {
   std::vector<MeshInstance> mesh_instances_;  ///< one an instance
   std::vector<bool> world_space_;             ///< one for each mesh instance
   std::vector<uint32_t> shared_meshes_;       ///< by mesh of the source: its copy in its own space; kNoHit: none
-  bool edited_ = false;                       ///< since commit_edits()
+  bool in_studio_ = false;
+  float studio_rotation_rad_ = 0;
+  std::optional<bool> automatic_is_studio_;  ///< once it is decided
+  bool edited_ = false;                      ///< since commit_edits()
   std::vector<Vertex> vertices_;
   std::vector<UVec3> triangles_;
   std::vector<Vec2> uv1_;

@@ -161,7 +161,7 @@ TEST(CompiledScene, LightsWithoutDirectionAreDark) {
     EXPECT_EQ(is_black(power(lights, 0)), !shines);
     EXPECT_TRUE(is_finite(sample_li(lights, 0, Vec3(1), Vec2(0.5f)).wi));
     EXPECT_EQ(notes_of(scene).find("light 'lamp' is dark") == std::string::npos, shines);
-    EXPECT_EQ(notes_of(scene).find("no light of the scene shines") == std::string::npos, shines);
+    EXPECT_EQ(notes_of(scene).find("the image is black") == std::string::npos, shines);
   }
 }
 
@@ -208,34 +208,62 @@ TEST(CompiledScene, RaysThatAreNotFiniteMeetNothing) {
   }
 }
 
-TEST(CompiledScene, SomeLightStandsInIfNoneShines) {
-  constexpr const char* kStandsIn = "using a constant environment of radiance 1";
-  const auto needs_light = [&](const Scene& scene) { return notes_of(scene).find(kStandsIn) != std::string::npos; };
-  EXPECT_TRUE(needs_light(plate()));
+/// Whether an automatic environment is the studio.
+bool gets_studio(Scene scene) {
+  scene.environment.kind = EnvironmentKind::automatic;
+  return CompiledScene(std::move(scene), {.width = kSize, .height = kSize}).in_studio();
+}
+
+/// The plate beside a lamp of this radiance.
+Scene plate_under_lamp(float radiance) {
+  Scene scene = plate();
+  Material lamp;
+  lamp.emission = Rgb(radiance);
+  lamp.double_sided = true;
+  lamp.base_color = Rgb(0);
+  scene.materials.push_back(lamp);
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes[1].material = static_cast<Index>(scene.materials.size()) - 1;
+  Node node;
+  node.meshes = {1};
+  node.transform.translation = {1.5f, 0, 1};
+  node.transform.scale = Vec3(0.3f);
+  scene.add_node(node);
+  return scene;
+}
+
+TEST(CompiledScene, UsesTheStudioIfNothingLightsWhatIsVisible) {
+  EXPECT_TRUE(gets_studio(plate()));
+  EXPECT_FALSE(gets_studio(plate_under_lamp(30)));
+  EXPECT_TRUE(gets_studio(plate_under_lamp(0.001f))) << "emission that only decorates";
+  Scene unlit_scene = plate();
+  unlit_scene.environment.kind = EnvironmentKind::automatic;
+  EXPECT_NE(notes_of(unlit_scene).find("the scene has no light: using the studio environment"), std::string::npos);
   Material lamp;
   lamp.emission = Rgb(1);
-  Scene scene = plate(lamp);
-  EXPECT_FALSE(needs_light(scene));
-  scene.nodes[0].transform.scale = Vec3(1, 0, 1);
-  EXPECT_TRUE(needs_light(scene)) << "no area";
-  animate_scale(scene, 0, Vec3(0), Vec3(1));
-  EXPECT_FALSE(needs_light(scene)) << "grows";
-  scene = plate(lamp);
-  scene.textures.push_back({"black", 1, 1, PixelFormat::rgba8_srgb, WrapMode::repeat, WrapMode::repeat,
-                            FilterMode::linear, std::vector<std::byte>(4)});
-  scene.materials[0].emission_texture.texture = 0;
-  EXPECT_TRUE(needs_light(scene)) << "black texture";
-
+  EXPECT_TRUE(gets_studio(plate(lamp))) << "a lamp that lights nothing but itself";
   Material unlit;
   unlit.unlit = true;
-  scene = plate(unlit);
-  EXPECT_FALSE(needs_light(scene)) << "all glows";
-  scene.materials.emplace_back();
-  EXPECT_FALSE(needs_light(scene)) << "used by nothing";
-  scene.meshes.push_back(scene.meshes[0]);
-  scene.meshes[1].material = 1;
-  scene.nodes[0].meshes.push_back(1);
-  EXPECT_TRUE(needs_light(scene)) << "one glows, one is dark";
+  EXPECT_FALSE(gets_studio(plate(unlit))) << "unlit surfaces need no light";
+}
+
+TEST(CompiledScene, PunctualLightsReplaceTheStudio) {
+  Scene scene = plate();
+  scene.lights.push_back({.name = "lamp", .type = PunctualType::point});
+  Node node;
+  node.light = 0;
+  node.transform.translation = {0, 0, 1};
+  scene.add_node(node);
+  EXPECT_FALSE(gets_studio(scene));
+  scene.lights[0].intensity = Rgb(0);
+  EXPECT_TRUE(gets_studio(scene));
+}
+
+TEST(CompiledScene, ScenesWithoutAnyLightSaySo) {
+  EXPECT_NE(notes_of(plate()).find("the image is black"), std::string::npos);
+  Scene scene = plate();
+  scene.environment.kind = EnvironmentKind::constant;
+  EXPECT_EQ(notes_of(scene), "");
 }
 
 TEST(CompiledScene, BoundsHoldWhereverAnimationLeads) {
@@ -274,20 +302,6 @@ TEST(CompiledScene, BoundsHoldOneKeyAmongThousands) {
   }
   scene.animation.push_back(away);
   EXPECT_GE(CompiledScene(scene, {}).bounds().radius, 50.0f);
-}
-
-TEST(CompiledScene, TheStandInCameraSeesAllOfItInImagesOfAnyShape) {
-  Scene scene = plate();
-  scene.nodes[1].camera = kNone;
-  const auto width_seen = [&](int width, int height) {  // at the middle, where the plate's sphere has its radius
-    const CompiledScene compiled(scene, {.width = width, .height = height});
-    const CameraView& camera = compiled.view().camera;
-    return glm::distance(camera.position, compiled.bounds().center) *
-           std::sin(std::atan(min(camera.half_extent.x, camera.half_extent.y)));
-  };
-  const float radius = CompiledScene(scene, {}).bounds().radius;
-  EXPECT_NEAR(width_seen(90, 160), radius, 1e-4f);
-  EXPECT_NEAR(width_seen(160, 90), radius, 1e-4f);
 }
 
 TEST(CompiledScene, NormalsOutliveTheLargestScales) {

@@ -93,8 +93,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
 Change CompiledScene::set_environment(const Environment& environment) {
   validate(environment, source_.name);
   source_.environment = environment;
-  lights_.set_environment(environment);
-  collect_lights();
+  use_environment();
   was_moved_ = true;
   return Change::lights;
 }

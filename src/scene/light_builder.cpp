@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/parallel.h"
+#include "scene/emission_mask.h"
 #include "scene/light_parameters.h"
 #include "scene/placement.h"
+#include "scene/studio.h"
 #include "scene/sun_sky.h"
 #include "scene/surface_point.h"
 
@@ -123,6 +126,53 @@ void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& 
   }
 }
 
+bool has_textured_emission(const MaterialData& material) {
+  return material.emissive() && (material.emission_texture.used() || material.has_alpha());
+}
+
+/// A triangle and its sampling table; no entries: it emits nothing.
+struct TexturedTable {
+  TexturedTriangle triangle{};
+  std::vector<AliasEntry> entries;
+};
+
+TexturedTable textured_table(const SceneView& geometry, const MeshView& mesh, uint32_t primitive,
+                             const std::map<int32_t, EmissionMask>& masks) {
+  const MaterialData& material = geometry.materials[mesh.material];
+  const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
+  TexturedTable result;
+  TexturedTriangle& t = result.triangle;
+  t.emission_texture = material.emission_texture.texture;
+  transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
+  if (t.emission_texture >= 0 && !masks.at(t.emission_texture).may_emit(t.emission_uv)) return result;
+  t.opacity_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
+  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.opacity_uv);
+  for (int k = 0; k < 3; ++k) {
+    const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
+    t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
+  }
+  t.alpha_cutoff = material.alpha_cutoff;
+  t.mask = material.mask;
+  const TexturedEmission context{{}, {}, geometry.textures};
+  const TexelExtent extent = texel_extent(context, t);
+  t.grid = grid_size(extent);
+  const Probing probing(extent, t.grid);
+
+  const uint32_t count = t.grid * t.grid;
+  std::vector<Rgb> means(count);
+  parallel_for(count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
+  std::vector<float> weights(count);
+  Rgb sum(0);
+  for (uint32_t i = 0; i < count; ++i) {
+    weights[i] = luminance(material.emission * means[i]);
+    sum += means[i];
+  }
+  t.mean_emission = sum / static_cast<float>(count);
+  if (!probing.sees_all) leave_none_out(weights, t.mean_emission);
+  result.entries = build_alias_table(weights);
+  return result;
+}
+
 }  // namespace
 
 void LightBuilder::set_environment(const Environment& source) {
@@ -138,8 +188,14 @@ void LightBuilder::set_environment(const Environment& source) {
     sun_.irradiance *= source.color;
     has_sun_ = !is_black(sun_.irradiance);
   }
+  if (source.kind == EnvironmentKind::studio) {
+    EnvironmentMap studio = make_studio();
+    baked.map = std::move(studio.texels);
+    baked.width = studio.width;
+    baked.height = studio.height;
+  }
   environment_ = {};
-  if (source.kind == EnvironmentKind::none) return;
+  if (source.kind == EnvironmentKind::none || source.kind == EnvironmentKind::automatic) return;
   environment_.scale = baked.color;
   environment_.mean = baked.color;
   environment_.cos_rotation = std::cos(source.rotation_rad);
@@ -193,6 +249,7 @@ void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& ins
   lights_.clear();
   bounds_ = bounds;
   textures_ = geometry.textures;
+  add_textured(geometry, instances);
   for (uint32_t i = 0; i < instances.size(); ++i) add_triangles(geometry, i, instances[i]);
   add_punctual_lights(scene, world, false);
   first_infinite_ = static_cast<uint32_t>(lights_.size());
@@ -228,56 +285,45 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     light.textured = -1;
     light.two_sided = material.double_sided;
     light.error = triangle_error(geometry, index, instance);
-    if (light.area > 0.0f && (material.emission_texture.used() || material.has_alpha())) {
-      light.textured = textured_index(geometry, mesh, k);
+    if (light.area > 0.0f && has_textured_emission(material)) {
+      light.textured = textured_indices_.at(mesh.first_triangle + k);
       if (light.textured == kBlackTexture) light.radiance = Rgb(0);
     }
     lights_.push_back(Light::of(light));
   }
 }
 
-int32_t LightBuilder::textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive) {
-  const auto [entry, is_new] = textured_indices_.try_emplace(mesh.first_triangle + primitive, kBlackTexture);
-  if (is_new) entry->second = add_textured(geometry, mesh, primitive);
-  return entry->second;
-}
-
-int32_t LightBuilder::add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive) {
-  const MaterialData& material = geometry.materials[mesh.material];
-  const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
-  TexturedTriangle t{};
-  t.emission_texture = material.emission_texture.texture;
-  transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
-  t.opacity_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
-  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.opacity_uv);
-  for (int k = 0; k < 3; ++k) {
-    const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
-    t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
+void LightBuilder::add_textured(const SceneView& geometry, const std::vector<Instance>& instances) {
+  struct Missing {
+    const MeshView* mesh;
+    uint32_t primitive;
+  };
+  std::vector<Missing> missing;
+  std::map<int32_t, EmissionMask> masks;
+  for (const Instance& instance : instances) {
+    const MeshView& mesh = geometry.meshes[instance.mesh];
+    const MaterialData& material = geometry.materials[mesh.material];
+    if (!has_textured_emission(material)) continue;
+    const size_t known = missing.size();
+    for (uint32_t k = 0; k < mesh.triangle_count; ++k) {
+      const bool is_new = textured_indices_.try_emplace(mesh.first_triangle + k, kBlackTexture).second;
+      if (is_new) missing.push_back({&mesh, k});
+    }
+    const int32_t texture = material.emission_texture.texture;
+    if (missing.size() > known && texture >= 0 && !masks.contains(texture))
+      masks.try_emplace(texture, textures_[static_cast<uint32_t>(texture)]);
   }
-  t.alpha_cutoff = material.alpha_cutoff;
-  t.mask = material.mask;
-  const TexturedEmission context{view_of(textured_), view_of(entries_), textures_};
-  const TexelExtent extent = texel_extent(context, t);
-  t.grid = grid_size(extent);
-  const Probing probing(extent, t.grid);
-  t.first_entry = static_cast<uint32_t>(entries_.size());
-
-  const uint32_t count = t.grid * t.grid;
-  std::vector<Rgb> means(count);
-  parallel_for(count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
-  std::vector<float> weights(count);
-  Rgb sum(0);
-  for (uint32_t i = 0; i < count; ++i) {
-    weights[i] = luminance(material.emission * means[i]);
-    sum += means[i];
+  std::vector<TexturedTable> tables(missing.size());
+  parallel_for(missing.size(),
+               [&](size_t i) { tables[i] = textured_table(geometry, *missing[i].mesh, missing[i].primitive, masks); });
+  for (size_t i = 0; i < missing.size(); ++i) {
+    TexturedTable& made = tables[i];
+    if (made.entries.empty()) continue;
+    textured_indices_[missing[i].mesh->first_triangle + missing[i].primitive] = static_cast<int32_t>(textured_.size());
+    made.triangle.first_entry = static_cast<uint32_t>(entries_.size());
+    entries_.insert(entries_.end(), made.entries.begin(), made.entries.end());
+    textured_.push_back(made.triangle);
   }
-  t.mean_emission = sum / static_cast<float>(count);
-  if (!probing.sees_all) leave_none_out(weights, t.mean_emission);
-  const std::vector<AliasEntry> table = build_alias_table(weights);
-  if (table.empty()) return kBlackTexture;
-  entries_.insert(entries_.end(), table.begin(), table.end());
-  textured_.push_back(t);
-  return static_cast<int32_t>(textured_.size()) - 1;
 }
 
 void LightBuilder::add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity) {

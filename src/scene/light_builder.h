@@ -12,7 +12,8 @@ namespace relume {
 
 class LightBuilder {
  public:
-  /// Environment arrays (map, sampling table).
+  /// Environment arrays (map, sampling table). CompiledScene decides what `automatic` is; here it
+  /// is none.
   void set_environment(const Environment& environment);
 
   /// Forgets the sampling tables of textured emitters, whose materials have changed.
@@ -34,9 +35,8 @@ class LightBuilder {
   /// The sampling table of the environment's map, and the map's mean.
   void build_environment_distribution();
   void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
-  /// Of the triangle's sampling table, which is made once, however often it appears or moves; or kBlackTexture.
-  int32_t textured_index(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
-  int32_t add_textured(const SceneView& geometry, const MeshView& mesh, uint32_t primitive);
+  /// Makes the sampling tables of all triangles with textured emission, each once, however often it appears or moves.
+  void add_textured(const SceneView& geometry, const std::vector<Instance>& instances);
   void add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity);
   void mark_changes();
   bool same(const Light& a, const Light& b) const;
@@ -47,7 +47,7 @@ class LightBuilder {
   uint32_t first_infinite_ = 0;
   /// The triangle's texture is black everywhere; it emits nothing.
   static constexpr int32_t kBlackTexture = -1;
-  std::unordered_map<uint32_t, int32_t> textured_indices_;  ///< by index of the triangle
+  std::unordered_map<uint32_t, int32_t> textured_indices_;  ///< by index of the triangle; its number, or kBlackTexture
   std::vector<TexturedTriangle> textured_;
   std::vector<AliasEntry> entries_;
   View<const TextureView> textures_;

@@ -73,7 +73,7 @@ class Hasher {
     return *this;
   }
   Hasher& operator<<(const Camera& c) {
-    return *this << c.projection << c.fov_y_rad << c.half_height << c.lens_radius << c.focus_distance;
+    return *this << c.projection << c.fov_y_rad << c.half_height << c.aspect_ratio << c.lens_radius << c.focus_distance;
   }
   Hasher& operator<<(const Node& n) {
     *this << n.parent << n.transform.translation << n.transform.rotation << n.transform.scale << n.matrix.has_value();

@@ -170,6 +170,9 @@ void validate(const Camera& c, const std::string& place) {
   if (!in_range(c.half_height, kSmallest, kMaxCoordinate))
     fail(place, "camera '{}' has a half height of {} m; give it one between {:g} and {:g}", c.name, c.half_height,
          kSmallest, kMaxCoordinate);
+  if (c.aspect_ratio != 0 && !in_range(c.aspect_ratio, 0.01f, 100))
+    fail(place, "camera '{}' has an aspect ratio of {}; give it one between 0.01 and 100, or 0", c.name,
+         c.aspect_ratio);
   if (!in_range(c.lens_radius, 0, kMaxCoordinate) || !in_range(c.focus_distance, kSmallest, kMaxCoordinate))
     fail(place, "camera '{}' has a lens radius of {} m and focuses at {} m; give it positive ones up to {:g}", c.name,
          c.lens_radius, c.focus_distance, kMaxCoordinate);

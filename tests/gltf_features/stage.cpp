@@ -118,6 +118,7 @@ std::string Stage::text() {
 
 Scene Stage::load(float environment) {
   Scene scene = testing::load_text(text());
+  if (scene.environment.kind == EnvironmentKind::automatic) scene.environment.kind = EnvironmentKind::none;
   if (environment > 0) set_constant_environment(scene, Rgb(environment));
   return scene;
 }

@@ -1,4 +1,4 @@
-// Files without a light or a camera: what stands in, and that the session says so.
+// Scenes without a light or a camera: what replaces them, and that the session says so.
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kSize = 24;
 
-Scene ball(bool light, bool camera) {
+Scene ball(EnvironmentKind light, bool camera) {
   Scene scene;
   add(scene, icosphere(2, 3), matte("ball", Rgb(0.4f)));
-  if (light) set_constant_environment(scene, Rgb(1));
+  scene.environment.kind = light;
   if (camera) add_camera(scene, {.name = "front", .fov_y_rad = 0.8f}, {0, 0, 8}, {0, 0, -1});
   return scene;
 }
@@ -32,32 +32,48 @@ Shown show(Scene scene) {
   return {session.image(), session.notes()};
 }
 
-TEST(StandIn, NothingIsSaidWhereNothingIsMissing) { EXPECT_TRUE(show(ball(true, true)).notes.empty()); }
-
-TEST(StandIn, LightIsAnEnvironmentOfRadianceOne) {
-  const Shown without = show(ball(false, true));
-  ASSERT_EQ(without.notes.size(), 1u);
-  EXPECT_NE(without.notes[0].find("no light"), std::string::npos) << without.notes[0];
-  EXPECT_EQ(without.image.pixels, show(ball(true, true)).image.pixels);
+TEST(StandIn, NothingIsSaidWhereNothingIsMissing) {
+  EXPECT_TRUE(show(ball(EnvironmentKind::constant, true)).notes.empty());
 }
 
-TEST(StandIn, CameraSeesTheWholeScene) {
-  const Shown without = show(ball(true, false));
+TEST(StandIn, LightIsTheStudio) {
+  const Shown automatic = show(ball(EnvironmentKind::automatic, true));
+  ASSERT_EQ(automatic.notes.size(), 1u);
+  EXPECT_NE(automatic.notes[0].find("no light"), std::string::npos) << automatic.notes[0];
+  EXPECT_EQ(automatic.image.pixels, show(ball(EnvironmentKind::studio, true)).image.pixels);
+  const Rgb middle = automatic.image.at(kSize / 2, kSize / 2);
+  const Rgb corner = automatic.image.at(0, 0);
+  EXPECT_GT(luminance(middle), 1.2f * luminance(corner)) << "the ball is brighter than the backdrop";
+  EXPECT_GT(luminance(corner), 0.05f);
+}
+
+TEST(StandIn, TheStudioTurnsWithTheCamera) {
+  Scene turned = ball(EnvironmentKind::studio, false);
+  add_camera(turned, {.name = "side", .fov_y_rad = 0.8f}, {8, 0, 0}, {-1, 0, 0});
+  const Estimate side = estimate_of(show(std::move(turned)).image);
+  const Estimate front = estimate_of(show(ball(EnvironmentKind::studio, true)).image);
+  EXPECT_NEAR(luminance(side.mean), luminance(front.mean), 0.03f * luminance(front.mean));
+}
+
+TEST(StandIn, CameraFramesTheScene) {
+  const Shown without = show(ball(EnvironmentKind::constant, false));
   ASSERT_EQ(without.notes.size(), 1u);
   EXPECT_NE(without.notes[0].find("no camera"), std::string::npos) << without.notes[0];
-  int covered = 0;
+  IVec2 low(kSize);
+  IVec2 high(0);
   for (int y = 0; y < kSize; ++y) {
     for (int x = 0; x < kSize; ++x) {
-      const bool on_ball = without.image.at(x, y).r < 0.9f;
-      covered += on_ball ? 1 : 0;
-      const bool at_border = x % (kSize - 1) == 0 || y % (kSize - 1) == 0;
-      EXPECT_FALSE(at_border && on_ball) << "cut off at " << x << ", " << y;
+      if (without.image.at(x, y).r > 0.9f) continue;
+      low = glm::min(low, IVec2(x, y));
+      high = glm::max(high, IVec2(x, y));
     }
   }
-  EXPECT_GT(covered, kSize * kSize / 5);
+  const IVec2 size = high - low + 1;
+  EXPECT_NEAR(size.x, 0.88f * kSize, 1.5f);
+  EXPECT_NEAR(size.y, 0.88f * kSize, 1.5f);
 }
 
-TEST(StandIn, BothAreSaid) { EXPECT_EQ(show(ball(false, false)).notes.size(), 2u); }
+TEST(StandIn, BothAreSaid) { EXPECT_EQ(show(ball(EnvironmentKind::automatic, false)).notes.size(), 2u); }
 
 TEST(StandIn, UnlitSurfacesNeedNoLight) {
   Scene scene;

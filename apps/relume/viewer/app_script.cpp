@@ -160,7 +160,7 @@ std::string App::report() const {
                  {"path_s", state_.path.path.duration_s()},
                  {"focus_m", current_camera(state_).camera.focus_distance},
                  {"under_mouse", viewport_.values_under_mouse()},
-                 {"exposure", state_.settings[0].output.exposure}};
+                 {"exposure", state_.settings[0].output.exposure.value_or(state_.automatic_exposure[0])}};
   if (const Index node = selected_node(state_); node != kNone) {
     const Mat4& world = state_.document->world()[static_cast<size_t>(node)];
     result["selected_at"] = {world[3].x, world[3].y, world[3].z};

@@ -152,7 +152,8 @@ TEST(SaveView, CameraAndSettingsComeBack) {
   const Mat4 loaded = world_matrices(saved.scene, 0).back();
   for (int c = 0; c < 4; ++c) expect_near(Vec3(loaded[c]), Vec3(camera.to_world[c]));
   EXPECT_NEAR(saved.scene.cameras.front().fov_y_rad, 0.5f, 1e-5f);
-  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json), (nlohmann::json{{"max-bounces", 3}}));
+  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json),
+            (nlohmann::json{{"exposure", 0}, {"max-bounces", 3}, {"tone-map", "agx"}}));
 }
 
 TEST(SaveView, ARecordedPathMovesTheCamera) {
@@ -183,7 +184,7 @@ TEST(SaveView, EnvironmentAndTimeComeBack) {
   EXPECT_TRUE(saved.omissions.empty());
   EXPECT_EQ(saved.scene.environment.map, sky.environment.map);
   EXPECT_NEAR(saved.scene.environment.rotation_rad, 0.5f, 1e-5f);
-  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json), (nlohmann::json{{"scene-time", 1.5f}}));
+  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json)["scene-time"], 1.5f);
 }
 
 TEST(SaveView, MovedThingsNoLongerMoveByThemselves) {

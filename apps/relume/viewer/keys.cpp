@@ -29,8 +29,10 @@ void fly(State& state, float seconds, float image_height_px) {
 }
 
 void expose(State& state, float stops) {
-  for (AllSettings& settings : state.settings)
-    settings.output.exposure = clamp(settings.output.exposure + stops, -64, 64);
+  for (size_t side = 0; side < state.settings.size(); ++side) {
+    std::optional<float>& exposure = state.settings[side].output.exposure;
+    exposure = clamp(exposure.value_or(state.automatic_exposure[side]) + stops, -64, 64);
+  }
 }
 
 void handle_control_keys(State& state) {

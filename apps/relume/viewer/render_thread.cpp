@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/clock.h"
+#include "framebuffer/auto_exposure.h"
 #include "platform.h"
 #include "relume/error.h"
 #include "render/stop_criteria.h"
@@ -242,6 +243,8 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->width = image.width;
   frame->height = image.height;
   frame->full_width = request_.settings[0].render.width;
+  frame->metered_exposure = auto_exposure(image.pixels);
+  frame->in_studio = session.in_studio();
   frame->radiance = std::move(image.pixels);
   frame->statistics = session.statistics();
   frame->samples = session.kept_samples();

@@ -76,14 +76,16 @@ struct ViewerFrame {
   int height = 0;
   int full_width = 0;  ///< without scaling
   std::vector<Rgb> radiance;
-  std::string buffer;         ///< name of the inspected one; empty: the image
-  std::string channels;       ///< its channels, one letter each, at most three
-  std::vector<Rgb> values;    ///< its values; missing channels are 0
-  Vec2 value_range{0, 1};     ///< 1st and 99th percentile of its finite values
-  double samples = 0;         ///< Session::kept_samples()
-  double seconds = 0;         ///< that the frame took
-  double rays_per_s = 0;      ///< of this frame
-  bool reached_goal = false;  ///< --spp, --time or --error asks for no more
+  std::string buffer;          ///< name of the inspected one; empty: the image
+  std::string channels;        ///< its channels, one letter each, at most three
+  std::vector<Rgb> values;     ///< its values; missing channels are 0
+  Vec2 value_range{0, 1};      ///< 1st and 99th percentile of its finite values
+  float metered_exposure = 0;  ///< auto_exposure() of the radiance
+  bool in_studio = false;      ///< Session::in_studio()
+  double samples = 0;          ///< Session::kept_samples()
+  double seconds = 0;          ///< that the frame took
+  double rays_per_s = 0;       ///< of this frame
+  bool reached_goal = false;   ///< --spp, --time or --error asks for no more
   std::vector<PassTime> passes;
   CameraPose camera;
   float time_s = 0;

@@ -96,8 +96,8 @@ void put_settings(const AllSettings& settings, float time_s, json& root) {
   json chosen = json::object();
   const SettingList list = describe(now);  // the result points into it
   for (const Setting* setting : differing_settings(list, describe(defaults))) {
-    // The view says these itself.
-    if (setting->name == "camera" || setting->name == "env") continue;
+    // The view itself holds the camera and, turned and scaled, the environment.
+    if (setting->name == "camera" || setting->name.starts_with("env")) continue;
     chosen[setting->name] = all.at(setting->name);
   }
   root.erase("settings");

@@ -97,11 +97,13 @@ void draw_sun(State& state, SunSky& sky, bool& changed) {
 void draw_environment(State& state) {
   heading("Environment");
   Environment e = state.document->outline().environment;
-  constexpr const char* kKinds[] = {"none", "constant", "map", "sun and sky"};
+  constexpr const char* kKinds[] = {"none", "constant", "map", "sun and sky", "studio", "automatic"};
+  constexpr const char* kHelp =
+      "automatic: the studio if nothing in the scene lights what its camera sees; otherwise none";
   bool changed = false;
   ImGui::SetNextItemWidth(-1);
   if (ImGui::BeginCombo("##kind", kKinds[static_cast<int>(e.kind)])) {
-    for (int kind = 0; kind < 4; ++kind) {
+    for (int kind = 0; kind < static_cast<int>(std::size(kKinds)); ++kind) {
       const bool possible = kind != static_cast<int>(EnvironmentKind::map) || state.document->has_environment_map();
       ImGui::BeginDisabled(!possible);
       if (ImGui::Selectable(kKinds[kind])) {
@@ -111,14 +113,16 @@ void draw_environment(State& state) {
         changed = true;
       }
       ImGui::EndDisabled();
+      if (kind == static_cast<int>(EnvironmentKind::automatic)) tooltip(kHelp);
       if (!possible) tooltip("The scene has no map; give one with --env FILE or the setting 'env'.");
     }
     ImGui::EndCombo();
   }
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
-  if (e.kind == EnvironmentKind::constant || e.kind == EnvironmentKind::map)
-    changed |= radiant_widget(e.kind == EnvironmentKind::map ? "factor" : "radiance", e.color, "");
-  if (e.kind == EnvironmentKind::map) changed |= angle_widget("rotation", e.rotation_rad, -180, 180);
+  const bool is_constant = e.kind == EnvironmentKind::constant;
+  const bool is_image = e.kind == EnvironmentKind::map || e.kind == EnvironmentKind::studio;
+  if (is_constant || is_image) changed |= radiant_widget(is_image ? "factor" : "radiance", e.color, "");
+  if (is_image) changed |= angle_widget("rotation", e.rotation_rad, -180, 180);
   if (e.kind == EnvironmentKind::sun_sky) draw_sun(state, e.sun_sky, changed);
   ImGui::PopItemWidth();
   if (!changed) return;

@@ -115,7 +115,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
     for (AllSettings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
   }
   Document document(loaded);
-  if (!settings[0].scene.env.empty()) document.replace_environment(environment_in(*loaded, settings[0].scene));
+  if (settings[0].scene != SceneOverrides{}) document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
 
   // One that has never been shown is nothing to go back to.
@@ -151,8 +151,8 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
   AllSettings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
   if (state.document) find_camera(state.document->outline(), wanted.render.camera);
-  if (wanted.scene.env != current.scene.env && state.document) {
-    if (wanted.scene.env.empty()) {
+  if (wanted.scene != current.scene && state.document) {
+    if (wanted.scene == SceneOverrides{}) {
       state.document->restore_environment();
     } else {
       state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));

@@ -113,6 +113,7 @@ struct State {
   std::deque<Toast> toasts;
 
   std::array<std::shared_ptr<const ViewerFrame>, kSides> frames;
+  std::array<float, kSides> automatic_exposure{};  ///< stops; follows what frames meter
   std::array<FrameTimes, kSides> times;
   double frames_per_s = 0;  ///< rendered, both sides together counting as one
   double interface_hz = 0;

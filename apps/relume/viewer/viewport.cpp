@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/display.h"
 #include "scene/light_parameters.h"
 #include "viewer/actions.h"
 #include "viewer/theme.h"
@@ -54,9 +55,23 @@ DisplayTransform Viewport::display_transform(const State& state, int side) const
   const AllSettings& settings = state.settings[static_cast<size_t>(side)];
   DisplayTransform d =
       shows_buffer_[static_cast<size_t>(side)] ? state.inspector.display_transform : DisplayTransform{};
-  d.tone_map = settings.output.tone_map;
-  d.exposure = settings.output.exposure;
+  const ViewerFrame* frame = state.frames[static_cast<size_t>(side)].get();
+  const bool in_studio = frame != nullptr && frame->in_studio;
+  const Display display = display_for(settings.output, state.automatic_exposure[static_cast<size_t>(side)], in_studio);
+  d.tone_map = display.tone_map;
+  d.exposure = display.exposure;
   return d;
+}
+
+/// A scene that is new is exposed at once; after that the exposure follows the frames.
+void Viewport::adapt_exposure(State& state, size_t side) {
+  const ViewerFrame& frame = *state.frames[side];
+  float& exposure = state.automatic_exposure[side];
+  const bool is_new = exposed_scene_[side] != frame.scene.get();
+  const auto seconds = static_cast<float>(state.now_s - exposed_s_[side]);
+  exposure = is_new ? frame.metered_exposure : adapted_exposure(exposure, frame.metered_exposure, seconds);
+  exposed_scene_[side] = frame.scene.get();
+  exposed_s_[side] = state.now_s;
 }
 
 void Viewport::update(State& state) {
@@ -64,6 +79,7 @@ void Viewport::update(State& state) {
     const auto s = static_cast<size_t>(side);
     const ViewerFrame* frame = state.frames[s].get();
     if (!frame) continue;
+    adapt_exposure(state, s);
     if (frame->serial != uploaded_[s]) {
       uploaded_[s] = frame->serial;
       shows_buffer_[s] = !frame->values.empty();

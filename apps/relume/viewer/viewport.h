@@ -54,6 +54,7 @@ class Viewport {
 
  private:
   DisplayTransform display_transform(const State& state, int side) const;
+  void adapt_exposure(State& state, size_t side);
   void draw_image(State& state);
   void draw_split(State& state);
   void draw_selection_box(const State& state) const;
@@ -71,6 +72,8 @@ class Viewport {
   std::array<GlImage, kSides> images_;
   std::array<uint64_t, kSides> uploaded_{};
   std::array<bool, kSides> shows_buffer_{};
+  std::array<const LoadedScene*, kSides> exposed_scene_{};  ///< that the automatic exposure belongs to
+  std::array<double, kSides> exposed_s_{};
   uint64_t version_ = 0;
   Rect image_;
   Drag drag_ = Drag::none;

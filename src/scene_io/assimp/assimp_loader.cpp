@@ -40,6 +40,7 @@ Scene load(const AssimpSource& source, uintmax_t file_size) {
   textures.darken_missing_lamps();
   textures.mask_transparent_textures();
   Scene scene = std::move(imported.scene);
+  scene.environment.kind = EnvironmentKind::automatic;
   for (std::string& warning : warnings.take()) scene.warnings.push_back(std::move(warning));
   validate(scene, source.place);
   return scene;

@@ -135,7 +135,8 @@ void import_cameras(const aiScene& source, const NodesByName& nodes, Scene& scen
     const aiCamera& in = *source.mCameras[i];
     Camera camera;
     camera.name = in.mName.C_Str();
-    const float aspect = in.mAspect > 0.01f && in.mAspect < 100 ? in.mAspect : kDefaultAspect;
+    if (in.mAspect > 0.01f && in.mAspect < 100) camera.aspect_ratio = in.mAspect;
+    const float aspect = camera.aspect_ratio > 0 ? camera.aspect_ratio : kDefaultAspect;
     if (in.mOrthographicWidth > 0 && is_finite(in.mOrthographicWidth)) {
       camera.projection = Projection::orthographic;
       camera.half_height = in.mOrthographicWidth / aspect;

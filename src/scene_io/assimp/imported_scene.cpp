@@ -43,7 +43,7 @@ void fields(Archive& archive, Is<PunctualLight> auto& l) {
 
 template <typename Archive>
 void fields(Archive& archive, Is<Camera> auto& c) {
-  archive(c.name, c.projection, c.fov_y_rad, c.half_height, c.lens_radius, c.focus_distance);
+  archive(c.name, c.projection, c.fov_y_rad, c.half_height, c.aspect_ratio, c.lens_radius, c.focus_distance);
 }
 
 template <typename Archive>

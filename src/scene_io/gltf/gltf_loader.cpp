@@ -10,6 +10,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   gltf::Document document(place);
   gltf::read_document(file, base_dir, document);
   Scene scene;
+  scene.environment.kind = EnvironmentKind::automatic;
   scene.name = std::filesystem::path(place).stem().string();
   gltf::MaterialImporter materials(document, scene);
   gltf::MeshImporter meshes(document, scene, materials);

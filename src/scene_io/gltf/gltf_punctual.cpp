@@ -11,14 +11,8 @@
 namespace relume::gltf {
 namespace {
 
-/// Images have the shape that --width and --height give them: 16:9 unless they say something else.
-void warn_of_aspect_ratio(Document& document, const Camera& camera, const char* what, float ratio) {
-  constexpr float kDefault = 16.0f / 9.0f;
-  if (!(ratio > 0) || !is_finite(ratio) || std::fabs(ratio / kDefault - 1) <= 0.01f) return;
-  document.warnings.add(
-      fmt::format("camera '{}': its {} {:.3g} is not used; give the image that shape with --width and --height",
-                  camera.name, what, ratio));
-}
+/// 0 if no image could have it.
+float usable_aspect_ratio(float ratio) { return ratio >= 0.01f && ratio <= 100.0f ? ratio : 0.0f; }
 
 Camera convert_camera(Document& document, const tinygltf::Camera& source, int index) {
   Camera camera;
@@ -29,12 +23,12 @@ Camera convert_camera(Document& document, const tinygltf::Camera& source, int in
     const float ymag = std::fabs(to_float(source.orthographic.ymag));
     if (ymag > 0) camera.half_height = ymag;
     if (ymag > 0)
-      warn_of_aspect_ratio(document, camera, "xmag / ymag", std::fabs(to_float(source.orthographic.xmag)) / ymag);
+      camera.aspect_ratio = usable_aspect_ratio(std::fabs(to_float(source.orthographic.xmag)) / ymag);
     else
       document.warnings.add(fmt::format("camera '{}': ymag is 0; {} takes its place", camera.name, camera.half_height));
     return camera;
   }
-  warn_of_aspect_ratio(document, camera, "aspectRatio", to_float(source.perspective.aspectRatio));
+  camera.aspect_ratio = usable_aspect_ratio(to_float(source.perspective.aspectRatio));
   const float yfov = to_float(source.perspective.yfov);
   if (yfov > 0 && yfov < kPi) {
     camera.fov_y_rad = yfov;

@@ -86,12 +86,14 @@ void NodeWriter::write_cameras() {
     OutputJson json = OutputJson::object();
     if (!camera.name.empty()) json["name"] = camera.name;
     if (camera.projection == Projection::orthographic) {
-      const OutputJson width = number(camera.half_height * 16 / 9);  // of an image that is given no other shape
+      const float aspect_ratio = camera.aspect_ratio > 0 ? camera.aspect_ratio : 16.0f / 9.0f;
+      const OutputJson width = number(camera.half_height * aspect_ratio);
       json["type"] = "orthographic";
       json["orthographic"] = {{"xmag", width}, {"ymag", number(camera.half_height)}, {"znear", 0}, {"zfar", 1e6}};
     } else {
       json["type"] = "perspective";
       json["perspective"] = {{"yfov", number(camera.fov_y_rad)}, {"znear", 0.01}};
+      if (camera.aspect_ratio > 0) json["perspective"]["aspectRatio"] = number(camera.aspect_ratio);
     }
     OutputJson extras;
     if (camera.projection == Projection::panoramic) extras["projection"] = "panoramic";

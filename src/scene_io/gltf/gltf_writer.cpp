@@ -29,13 +29,19 @@ OutputJson sun_sky_json(const SunSky& s) {
           {"ground_albedo", numbers(s.ground_albedo)}};
 }
 
-/// Null for none. A map is written beside the scene as an EXR file.
+/// Null for an unchanged `automatic`, as files without an environment have it. A map is written beside the scene as an
+/// EXR file.
 OutputJson environment_json(const Environment& environment, Output& output) {
   OutputJson json;
   switch (environment.kind) {
-    case EnvironmentKind::none: return json;
+    case EnvironmentKind::automatic:
+      if (environment.rotation_rad == 0 && environment.color == Rgb(1)) return json;
+      json["kind"] = "automatic";
+      break;
+    case EnvironmentKind::none: json["kind"] = "none"; return json;
     case EnvironmentKind::constant: json["constant"] = numbers(environment.color); return json;
     case EnvironmentKind::sun_sky: json["sun_sky"] = sun_sky_json(environment.sun_sky); break;
+    case EnvironmentKind::studio: json["kind"] = "studio"; break;
     case EnvironmentKind::map: {
       Image image(environment.width, environment.height);
       image.pixels = environment.map;

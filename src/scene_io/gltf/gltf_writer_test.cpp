@@ -202,6 +202,24 @@ TEST(GltfWriter, ShearedInstancesBecomeNodes) {
   EXPECT_EQ(gltf["scenes"][0]["nodes"], Json::parse("[0, 1]"));
 }
 
+TEST(GltfWriter, KeepsKindsOfEnvironmentsAndAspectRatios) {
+  const TempFolder folder;
+  for (const EnvironmentKind kind : {EnvironmentKind::none, EnvironmentKind::studio, EnvironmentKind::automatic}) {
+    for (const float rotation : {0.0f, 0.5f}) {
+      Scene scene = small_scene(Material());
+      scene.environment.kind = kind;
+      scene.environment.rotation_rad = rotation;
+      scene.cameras[0].aspect_ratio = 1.5f;
+      EXPECT_TRUE(write_gltf(folder / "a.glb", scene).empty());
+      const Scene loaded = load_gltf(folder / "a.glb");
+      EXPECT_EQ(loaded.environment.kind, kind);
+      const float kept = kind == EnvironmentKind::none ? 0.0f : rotation;
+      EXPECT_NEAR(loaded.environment.rotation_rad, kept, 1e-6f);
+      EXPECT_EQ(loaded.cameras[0].aspect_ratio, 1.5f);
+    }
+  }
+}
+
 TEST(GltfWriter, KeepsWhatGltfHasNoFormForInExtras) {
   Scene scene = small_scene(Material());
   scene.settings_json = R"({"max-bounces": 3})";

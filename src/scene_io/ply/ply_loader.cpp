@@ -169,6 +169,7 @@ void read_faces(NumberReader& reader, const ply::Element& element, Mesh& mesh) {
 
 Scene scene_of(Mesh mesh, Warnings warnings, const std::string& place) {
   Scene scene;
+  scene.environment.kind = EnvironmentKind::automatic;
   scene.name = std::filesystem::path(place).stem().string();
   mesh.name = scene.name;
   mesh.material = 0;

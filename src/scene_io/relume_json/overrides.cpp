@@ -53,6 +53,7 @@ Camera read_camera(const JsonObject& object) {
   camera.projection = static_cast<Projection>(object.choice("projection", 0, kProjections));
   camera.fov_y_rad = degrees(object, "fov_y_deg", camera.fov_y_rad, 0.01f, 179.0f);
   camera.half_height = object.number("half_height", camera.half_height, 1e-6f, kLargest);
+  if (object.has("aspect_ratio")) camera.aspect_ratio = object.number("aspect_ratio", 0, 0.01f, 100);
   camera.lens_radius = object.number("lens_radius", camera.lens_radius, 0, kLargest);
   camera.focus_distance = object.number("focus_distance", camera.focus_distance, 1e-6f, kLargest);
   return camera;
@@ -230,7 +231,7 @@ void apply_camera(const JsonObject& root, Scene& scene) {
   Node node;
   if (root.has("camera")) {
     const JsonObject object = root.object("camera", {"name", "eye", "target", "up", "fov_y_deg", "half_height",
-                                                     "lens_radius", "focus_distance", "projection"});
+                                                     "aspect_ratio", "lens_radius", "focus_distance", "projection"});
     camera = read_camera(object);
     if (keys.empty() || object.has("eye")) {
       node.transform.rotation = look_rotation(look_direction(object), object.vec3("up", Vec3(0, 1, 0)));
@@ -267,9 +268,9 @@ void apply_lights(const JsonObject& root, Scene& scene) {
 
 void apply_environment(const JsonObject& root, const std::filesystem::path& base_dir, Scene& scene) {
   if (!root.has("environment")) return;
-  const JsonObject object = root.object("environment", {"constant", "map", "sun_sky", "rotation_deg", "scale"});
-  const int kinds = object.has("constant") + object.has("map") + object.has("sun_sky");
-  if (kinds != 1) object.fail("environment must have exactly one of constant, map, sun_sky");
+  const JsonObject object = root.object("environment", {"constant", "map", "sun_sky", "kind", "rotation_deg", "scale"});
+  const int kinds = object.has("constant") + object.has("map") + object.has("sun_sky") + object.has("kind");
+  if (kinds != 1) object.fail("environment must have exactly one of constant, map, sun_sky, kind");
   Environment environment;
   if (object.has("map")) {
     const std::string name = object.string("map", "");
@@ -279,6 +280,10 @@ void apply_environment(const JsonObject& root, const std::filesystem::path& base
     environment.sun_sky =
         read_sun_sky(object.object("sun_sky", {"elevation_deg", "azimuth_deg", "turbidity", "sky_scale", "sun_scale",
                                                "sun_angular_diameter_deg", "ground_albedo"}));
+  } else if (object.has("kind")) {
+    constexpr EnvironmentKind kKinds[] = {EnvironmentKind::automatic, EnvironmentKind::none, EnvironmentKind::studio};
+    constexpr std::string_view kNames[] = {"automatic", "none", "studio"};
+    environment.kind = kKinds[object.choice("kind", 0, kNames)];
   } else {
     environment.kind = EnvironmentKind::constant;
     environment.color = object.rgb("constant", Rgb(1));

@@ -41,7 +41,9 @@ Scene load_relume_json_from_memory(std::span<const std::byte> file, const std::f
   apply_camera(root, scene);
   if (root.has("settings")) {
     const JsonObject settings = root.object("settings", {});
-    scene.settings_json = root.at("settings").dump();
+    nlohmann::json merged = nlohmann::json::parse(scene.settings_json.empty() ? "{}" : scene.settings_json);
+    merged.update(root.at("settings"));
+    scene.settings_json = merged.dump();
   }
   scene.name = std::filesystem::path(place).stem().string();
   validate(scene, place);

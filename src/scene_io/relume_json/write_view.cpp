@@ -36,15 +36,17 @@ Vec3 point_ahead(const Vec3& eye, const Vec3& direction) {
 json camera_to_json(const Camera& camera, const Mat4& to_world) {
   constexpr const char* kProjections[] = {"perspective", "orthographic", "panoramic"};
   const Vec3 eye(to_world[3]);
-  return {{"name", camera.name},
-          {"projection", kProjections[static_cast<int>(camera.projection)]},
-          {"eye", list_of(eye)},
-          {"target", list_of(point_ahead(eye, -glm::normalize(Vec3(to_world[2]))))},
-          {"up", list_of(glm::normalize(Vec3(to_world[1])))},
-          {"fov_y_deg", glm::degrees(camera.fov_y_rad)},
-          {"half_height", camera.half_height},
-          {"lens_radius", camera.lens_radius},
-          {"focus_distance", camera.focus_distance}};
+  json result{{"name", camera.name},
+              {"projection", kProjections[static_cast<int>(camera.projection)]},
+              {"eye", list_of(eye)},
+              {"target", list_of(point_ahead(eye, -glm::normalize(Vec3(to_world[2]))))},
+              {"up", list_of(glm::normalize(Vec3(to_world[1])))},
+              {"fov_y_deg", glm::degrees(camera.fov_y_rad)},
+              {"half_height", camera.half_height},
+              {"lens_radius", camera.lens_radius},
+              {"focus_distance", camera.focus_distance}};
+  if (camera.aspect_ratio > 0) result["aspect_ratio"] = camera.aspect_ratio;
+  return result;
 }
 
 json camera_key_to_json(float time_s, const Vec3& eye, const glm::quat& rotation) {
@@ -72,15 +74,19 @@ json transform_to_json(const Transform& transform) {
 json environment_to_json(const Environment& environment) {
   const json rotation_deg = glm::degrees(environment.rotation_rad);
   switch (environment.kind) {
-    case EnvironmentKind::none: break;
+    case EnvironmentKind::automatic:
+      return {{"kind", "automatic"}, {"rotation_deg", rotation_deg}, {"scale", list_of(environment.color)}};
+    case EnvironmentKind::none: return {{"kind", "none"}};
     case EnvironmentKind::constant: return {{"constant", list_of(environment.color)}};
     case EnvironmentKind::map: return {{"rotation_deg", rotation_deg}, {"scale", list_of(environment.color)}};
     case EnvironmentKind::sun_sky:
       return {{"sun_sky", sun_sky_to_json(environment.sun_sky)},
               {"rotation_deg", rotation_deg},
               {"scale", list_of(environment.color)}};
+    case EnvironmentKind::studio:
+      return {{"kind", "studio"}, {"rotation_deg", rotation_deg}, {"scale", list_of(environment.color)}};
   }
-  return {{"constant", 0}};
+  return {};
 }
 
 }  // namespace relume

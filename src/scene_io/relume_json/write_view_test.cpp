@@ -43,6 +43,7 @@ TEST(WriteView, CamerasComeBack) {
     camera.projection = projection;
     camera.fov_y_rad = 0.5f;
     camera.half_height = 3;
+    camera.aspect_ratio = 1.25f;
     camera.lens_radius = 0.125f;
     camera.focus_distance = 7;
     json file;
@@ -53,6 +54,7 @@ TEST(WriteView, CamerasComeBack) {
     EXPECT_EQ(loaded.projection, projection);
     EXPECT_FLOAT_EQ(loaded.fov_y_rad, 0.5f);
     EXPECT_EQ(loaded.half_height, 3);
+    EXPECT_EQ(loaded.aspect_ratio, 1.25f);
     EXPECT_EQ(loaded.lens_radius, 0.125f);
     EXPECT_EQ(loaded.focus_distance, 7);
     expect_near(world_matrices(scene, 0).back(), to_world);
@@ -127,11 +129,12 @@ TEST(WriteView, EnvironmentsComeBack) {
     file["environment"] = environment_to_json(environment);
     return read_back(file).environment;
   };
-  const Environment none = loaded({});
-  EXPECT_EQ(none.kind, EnvironmentKind::constant);
-  EXPECT_EQ(none.color, Rgb(0));
-
   Environment e;
+  for (const EnvironmentKind kind : {EnvironmentKind::none, EnvironmentKind::studio, EnvironmentKind::automatic}) {
+    e.kind = kind;
+    EXPECT_EQ(loaded(e).kind, kind);
+  }
+
   e.kind = EnvironmentKind::constant;
   e.color = {0.5f, 0.25f, 2};
   EXPECT_EQ(loaded(e).kind, EnvironmentKind::constant);

@@ -1,0 +1,48 @@
+#include "framebuffer/auto_exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace relume {
+namespace {
+
+constexpr float kBin = 0.125f;  // stops that the histogram tells apart
+
+TEST(AutoExposure, PutsAnEvenImageOnMiddleGrey) {
+  for (const float radiance : {1e-4f, 0.18f, 3.0f, 4000.0f}) {
+    const std::vector<Rgb> image(1000, Rgb(radiance));
+    EXPECT_NEAR(auto_exposure(image), std::log2(0.18f / radiance), kBin) << radiance;
+  }
+}
+
+TEST(AutoExposure, AFewBrightOrDarkPixelsChangeLittle) {
+  std::vector<Rgb> image(1000, Rgb(0.18f));
+  for (size_t i = 0; i < 8; ++i) image[i] = Rgb(1e6f);
+  for (size_t i = 10; i < 60; ++i) image[i] = Rgb(1e-6f);
+  EXPECT_NEAR(auto_exposure(image), 0.0f, kBin);
+}
+
+TEST(AutoExposure, KeepsHighlightsWithinTheCurve) {
+  std::vector<Rgb> image(1000, Rgb(1e-3f));
+  for (size_t i = 0; i < 30; ++i) image[i] = Rgb(1000);
+  EXPECT_NEAR(auto_exposure(image), std::log2(0.18f * 16 / 1000), kBin);
+}
+
+TEST(AutoExposure, IgnoresPixelsWithoutAValue) {
+  std::vector<Rgb> image(1000, Rgb(0.18f));
+  for (size_t i = 0; i < 400; ++i) image[i] = Rgb(i % 2 == 0 ? 0.0f : std::nanf(""));
+  EXPECT_NEAR(auto_exposure(image), 0.0f, kBin);
+  EXPECT_EQ(auto_exposure(std::vector<Rgb>(10, Rgb(0))), 0.0f);
+  EXPECT_EQ(auto_exposure({}), 0.0f);
+}
+
+TEST(AutoExposure, SubsamplesLargeImages) {
+  std::vector<Rgb> image(1 << 20);
+  for (size_t i = 0; i < image.size(); ++i) image[i] = Rgb(i % 2 == 0 ? 0.09f : 0.36f);  // columns
+  EXPECT_NEAR(auto_exposure(image), 0.0f, 2 * kBin);
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,35 @@
+// Where a texture is black: triangles that lie there emit nothing, and most of many emissive textures is black.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "materials/texture.h"
+
+namespace relume {
+
+/// Counts texels that are not black in any rectangle, in constant time.
+class EmissionMask {
+ public:
+  explicit EmissionMask(const TextureView& texture);
+
+  /// False only if every look-up inside the triangle with these texture coordinates is black.
+  bool may_emit(const Vec2 (&uv)[3]) const;
+
+ private:
+  struct Range {
+    int first = 0;
+    int end = 0;
+  };
+  /// Texels that look-ups between two coordinates read: one range, or two across the border of a repeated texture.
+  static int texel_ranges(float low, float high, int size, WrapMode wrap, Range (&ranges)[2]);
+  uint32_t count(const Range& x, const Range& y) const;
+
+  int width_;
+  int height_;
+  WrapMode wrap_u_;
+  WrapMode wrap_v_;
+  std::vector<uint32_t> sums_;  ///< (width + 1) · (height + 1): texels above and to the left that are not black
+};
+
+}  // namespace relume
