@@ -220,7 +220,11 @@ void CompiledScene::use_environment() {
     if (!automatic_is_studio_) automatic_is_studio_ = needs_studio();
     in_studio_ = *automatic_is_studio_;
   }
-  in_studio_ ? use_studio() : lights_.set_environment(source_.environment);
+  if (in_studio_) {
+    use_studio();
+  } else {
+    lights_.set_environment(source_.environment);
+  }
   collect_lights();
 }
 
@@ -232,6 +236,8 @@ void CompiledScene::use_studio() {
 }
 
 bool CompiledScene::needs_studio() {
+  lights_.set_environment({});  // the one before says nothing about the scene's own lights
+  collect_lights();
   if (shines(false) || all_unlit()) return false;
   if (!shines(true)) return true;
   use_studio();

@@ -247,6 +247,19 @@ TEST(CompiledScene, UsesTheStudioIfNothingLightsWhatIsVisible) {
   EXPECT_FALSE(gets_studio(plate(unlit))) << "unlit surfaces need no light";
 }
 
+TEST(CompiledScene, ChoosesTheStudioWhateverTheEnvironmentWas) {
+  Scene scene = plate();
+  scene.environment.kind = EnvironmentKind::sun_sky;
+  CompiledScene compiled(scene, {.width = kSize, .height = kSize});
+  EXPECT_FALSE(compiled.in_studio());
+  Environment automatic;
+  automatic.kind = EnvironmentKind::automatic;
+  compiled.set_environment(automatic);
+  EXPECT_TRUE(compiled.in_studio());
+  compiled.set_environment({});
+  EXPECT_FALSE(compiled.in_studio());
+}
+
 TEST(CompiledScene, PunctualLightsReplaceTheStudio) {
   Scene scene = plate();
   scene.lights.push_back({.name = "lamp", .type = PunctualType::point});
