@@ -91,6 +91,21 @@ struct Material {
 
 // --- Geometry -----------------------------------------------------------------------------------------
 
+/// Displacements of a mesh's vertices, which a node adds with a weight of its own. Arrays are empty, which displaces
+/// nothing, or have one entry a vertex.
+struct MorphTarget {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<Vec3> normals;
+  std::vector<Vec3> tangents;
+};
+
+/// Weight with which a joint moves a vertex.
+struct JointInfluence {
+  uint32_t joint = 0;  ///< index in Skin::joints
+  float weight = 0;    ///< not negative; those of a vertex sum to 1
+};
+
 /// Triangles with one material. Either every optional attribute array is empty or it has one entry a vertex.
 struct Mesh {
   std::string name;
@@ -102,6 +117,9 @@ struct Mesh {
   std::vector<Vec4> colors;  ///< linear RGBA, multiplies base colour and alpha
   std::vector<UVec3> triangles;
   Index material = kNone;  ///< kNone: glTF's default material
+  std::vector<MorphTarget> morph_targets = {};
+  int influences_per_vertex = 0;                ///< 0: no skin bends the mesh
+  std::vector<JointInfluence> influences = {};  ///< as many for each vertex, in the order of the vertices
 };
 
 // --- Lights and environment ---------------------------------------------------------------------------
@@ -178,6 +196,14 @@ struct Transform {
   Vec3 scale{1};
 };
 
+/// Joints that bend the meshes of a node (linear blend skinning). A vertex p of the mesh is at
+/// Σ weight · world(joint) · inverse_bind · p in the world. The node's own transform is ignored.
+struct Skin {
+  std::string name;
+  std::vector<Index> joints;       ///< nodes
+  std::vector<Mat4> inverse_bind;  ///< one a joint: from the space of the mesh to that of the joint, affine
+};
+
 struct Node {
   std::string name;
   Index parent = kNone;
@@ -187,9 +213,13 @@ struct Node {
   std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: meshes appear once per matrix; empty: once
   Index light = kNone;
   Index camera = kNone;
+  Index skin = kNone;  ///< deforms the node's meshes that have influences
+  /// Of the meshes' morph targets, in their order; weights that are missing are 0.
+  std::vector<float> morph_weights = {};
+  bool visible = true;  ///< KHR_node_visibility: false hides the meshes and lights of this node and of those below
 };
 
-enum class AnimatedProperty : uint8_t { translation, rotation, scale };
+enum class AnimatedProperty : uint8_t { translation, rotation, scale, morph_weight, visible };
 enum class Interpolation : uint8_t { step, linear, cubic_spline };
 
 /// Key frames of one property of one node.
@@ -198,8 +228,11 @@ struct AnimationChannel {
   AnimatedProperty property = AnimatedProperty::translation;
   Interpolation interpolation = Interpolation::linear;
   std::vector<float> times;  ///< seconds, strictly increasing
-  /// One value a key (xyz, or quaternion xyzw); cubic_spline: in-tangent, value, out-tangent a key.
+  /// One value a key (xyz, quaternion xyzw, or x alone); cubic_spline: in-tangent, value, out-tangent a key. A node is
+  /// visible where x is not 0.
   std::vector<Vec4> values;
+  Index morph_target = 0;  ///< index of the morph target, for morph_weight
+  Index clip = kNone;      ///< of Scene::clips; kNone: plays with each of them
 };
 
 struct Scene {
@@ -210,6 +243,8 @@ struct Scene {
   std::vector<PunctualLight> lights;
   std::vector<Camera> cameras;
   std::vector<Node> nodes;  ///< any order; parents may follow children; no cycles
+  std::vector<Skin> skins;
+  std::vector<std::string> clips;  ///< names of the animations, of which one plays or several together
   std::vector<AnimationChannel> animation;
   Environment environment;
   std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
@@ -226,12 +261,17 @@ struct Scene {
 /// Error with `place` (a file name) in its sentence. Loaders repair what they can before they call it.
 RELUME_API void validate(const Scene& scene, const std::string& place);
 
-/// World matrix of every node at `time_s`, animation applied (values are held before the first and after
-/// the last key).
+/// World matrix of every node at `time_s`, with the animation of all clips. Values are held before the first key and
+/// after the last. Of channels that drive the same property, the first one counts.
 RELUME_API std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
 /// As many as the nodes of a valid scene place, every instance counted.
 RELUME_API size_t placed_triangles(const Scene& scene);
+
+/// Leaves the channels of one clip, by name or index (from 0), of several, separated by commas, or of "all"; empty: the
+/// first. Channels without a clip stay. Of channels that drive the same property, the first one stays. Throws an Error
+/// that lists the clips if there is no such clip.
+RELUME_API void select_animation(Scene& scene, const std::string& choice);
 
 /// Time of the last key in seconds; 0 without animation.
 RELUME_API float animation_end(const Scene& scene);

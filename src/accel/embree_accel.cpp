@@ -6,11 +6,12 @@
 #include <cstddef>
 #include <cstring>
 #include <utility>
-#include <vector>
 
 #include "accel/embree/embree.h"
+#include "accel/refit_cost.h"
 #include "accel/triangle.h"
 #include "core/hash.h"
+#include "core/parallel.h"
 #include "relume/error.h"
 
 namespace relume {
@@ -41,12 +42,7 @@ struct Corners {
 /// Corners of a triangle in the space of its mesh.
 Corners corners_of(const AccelMesh& mesh, uint32_t primitive) {
   const uint32_t* index = mesh.indices + size_t{3} * primitive;
-  const auto position = [&](uint32_t i) {
-    Vec3 p;
-    std::memcpy(&p, reinterpret_cast<const std::byte*>(mesh.positions) + i * mesh.position_stride, sizeof p);
-    return p;
-  };
-  return {position(index[0]), position(index[1]), position(index[2])};
+  return {vertex_position(mesh, index[0]), vertex_position(mesh, index[1]), vertex_position(mesh, index[2])};
 }
 
 /// The hit on a triangle that the traversal has found.
@@ -101,9 +97,14 @@ bool has_inverse(const Mat4& to_world) {
   return true;
 }
 
+/// Whether the instance is part of what is built once.
+bool stands_still(const AccelInstance& instance, const AccelMesh& mesh) {
+  return instance.in_world_space && !mesh.deforms;
+}
+
 /// Moves an instance's node; the scene must be committed afterwards.
-void place(RTCGeometry node, const Mat4& to_world) {
-  if (has_inverse(to_world)) {
+void place(RTCGeometry node, const Mat4& to_world, bool visible = true) {
+  if (visible && has_inverse(to_world)) {
     rtcSetGeometryTransform(node, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world);
     rtcEnableGeometry(node);
   } else {
@@ -184,6 +185,7 @@ struct EmbreeAccel::State {
   std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
   std::vector<GeometryContext> contexts;                         ///< one an instance
   std::vector<AccelMesh> meshes;
+  std::vector<RefitCost> refit_costs;  ///< by mesh
   std::vector<AccelInstance> instances;
   OpacityFunction opacity;
 
@@ -216,11 +218,31 @@ struct EmbreeAccel::State {
   RTCScene new_mesh_scene(const AccelMesh& mesh, GeometryContext* context) const {
     RTCScene result = rtcNewScene(device);
     RTCGeometry geometry = new_triangles(mesh, context);
+    // Embree refits only in dynamic scenes of low quality. It then builds the BVH of the geometry with medium quality.
+    if (mesh.deforms) {
+      rtcSetSceneFlags(result, RTC_SCENE_FLAG_DYNAMIC);
+      rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+      rtcCommitGeometry(geometry);
+    }
     rtcAttachGeometry(result, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneBuildQuality(result, RTC_BUILD_QUALITY_HIGH);
+    rtcSetSceneBuildQuality(result, mesh.deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH);
     rtcCommitScene(result);
     return result;
+  }
+
+  /// Refits the BVH of a deforming mesh to its vertices, or rebuilds it.
+  void refit(uint32_t mesh) {
+    const RTCScene owner = mesh_scenes[mesh];
+    if (!owner) return;  // it has no triangles
+    const RTCGeometry geometry = rtcGetGeometry(owner, 0);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    if (refit_costs[mesh].has_grown(meshes[mesh])) {
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);  // Embree rebuilds where indices have changed
+      refit_costs[mesh].reset(meshes[mesh]);
+    }
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(owner);
   }
 
   void add_still() {
@@ -236,7 +258,7 @@ struct EmbreeAccel::State {
   void add_instance(uint32_t index, const AccelInstance& instance) {
     RTCGeometry node = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(node, mesh_scenes[instance.mesh]);
-    place(node, instance.to_world);
+    place(node, instance.to_world, instance.visible);
     rtcAttachGeometryByID(scene, node, id_of(index));
     rtcReleaseGeometry(node);
     instance_nodes.emplace_back(index, node);
@@ -249,6 +271,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   State& s = *state_;
   s.opacity = opacity;
   s.meshes.assign(meshes.begin(), meshes.end());
+  for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
   s.instances.assign(instances.begin(), instances.end());
   s.device = new_device();
   rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
@@ -260,7 +283,8 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
       },
       &s.bytes);
   s.scene = rtcNewScene(s.device);
-  const bool anything_moves = std::any_of(instances.begin(), instances.end(), [](const auto& i) { return i.moves; });
+  const bool anything_moves =
+      std::any_of(instances.begin(), instances.end(), [&](const auto& i) { return i.moves || meshes[i.mesh].deforms; });
   s.still = anything_moves ? rtcNewScene(s.device) : s.scene;
   // Instances of one mesh share its scene; the context of instance i is contexts[i].
   s.contexts.resize(instances.size());
@@ -268,9 +292,9 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   for (uint32_t i = 0; i < instances.size(); ++i) {
     const AccelInstance& instance = instances[i];
     const AccelMesh& mesh = meshes[instance.mesh];
-    if (mesh.triangle_count == 0) continue;
+    if (mesh.triangle_count == 0 || (stands_still(instance, mesh) && !instance.visible)) continue;
     s.contexts[i] = {&s.opacity, &s.meshes[instance.mesh], id_of(i)};
-    if (instance.in_world_space) {
+    if (stands_still(instance, mesh)) {
       RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
       rtcAttachGeometryByID(s.still, geometry, id_of(i));
       rtcReleaseGeometry(geometry);
@@ -288,9 +312,11 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
 
 EmbreeAccel::~EmbreeAccel() = default;
 
-void EmbreeAccel::update(std::span<const AccelInstance> instances) {
+void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
   state_->instances.assign(instances.begin(), instances.end());
-  for (const auto& [index, node] : state_->instance_nodes) place(node, instances[index].to_world);
+  parallel_tasks(deformed.size(), [&](size_t i) { state_->refit(deformed[i]); });
+  for (const auto& [index, node] : state_->instance_nodes)
+    place(node, instances[index].to_world, instances[index].visible);
   rtcCommitScene(state_->scene);
   state_->check();
 }
@@ -299,13 +325,13 @@ void EmbreeAccel::set_needs_opacity(uint32_t mesh, std::span<const AccelInstance
   State& s = *state_;
   for (uint32_t i = 0; i < instances.size(); ++i) {
     if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // without triangles there is no geometry
-    const bool in_world_space = instances[i].in_world_space;
-    const RTCScene owner = in_world_space ? s.still : s.mesh_scenes[mesh];
-    const RTCGeometry geometry = rtcGetGeometry(owner, in_world_space ? id_of(i) : 0);
+    const bool still = stands_still(instances[i], s.meshes[mesh]);
+    const RTCScene owner = still ? s.still : s.mesh_scenes[mesh];
+    const RTCGeometry geometry = rtcGetGeometry(owner, still ? id_of(i) : 0);
     set_filter(geometry, &s.contexts[i], needs_opacity);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
-    if (!in_world_space) break;  // the others share that geometry
+    if (!still) break;  // the others share that geometry
   }
   update(instances);
 }

@@ -1,6 +1,8 @@
 // Builds Embree's acceleration structure over a compiled scene.
 #pragma once
 
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,8 +23,9 @@ struct OpacityFunction {
 struct AccelInstance {
   uint32_t mesh = 0;
   Mat4 to_world{1};
-  bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made
-  bool moves = false;          ///< update() may place it elsewhere
+  bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made, unless the mesh deforms
+  bool moves = false;          ///< update() may place it elsewhere, or hide it
+  bool visible = true;         ///< false: rays pass
 };
 
 struct AccelMesh {
@@ -32,7 +35,16 @@ struct AccelMesh {
   const uint32_t* indices = nullptr;  ///< three a triangle, into the whole array
   size_t triangle_count = 0;
   bool needs_opacity = false;
+  bool deforms = false;  ///< update() may find its vertices moved
 };
+
+/// Vertex of that number, in the space of its mesh.
+inline Vec3 vertex_position(const AccelMesh& mesh, uint32_t vertex) {
+  Vec3 position;
+  std::memcpy(&position, reinterpret_cast<const std::byte*>(mesh.positions) + vertex * mesh.position_stride,
+              sizeof position);
+  return position;
+}
 
 /// Owns the structure. The vertex, index and opacity arrays must outlive it.
 class EmbreeAccel {
@@ -42,9 +54,9 @@ class EmbreeAccel {
   EmbreeAccel(const EmbreeAccel&) = delete;
   EmbreeAccel& operator=(const EmbreeAccel&) = delete;
 
-  /// Places the instances that are not in world space anew. Takes the longer the more of these there are; what stands
-  /// in world space costs nothing if some instance was said to move.
-  void update(std::span<const AccelInstance> instances);
+  /// Moves the instances that are not in world space, and refits the `deformed` meshes to their vertices. Takes longer
+  /// the more of these there are; what stands in world space costs nothing if some instance was said to move.
+  void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed = {});
 
   /// Whether hits on a mesh ask for its opacity from now on. `instances` as constructed.
   void set_needs_opacity(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity);

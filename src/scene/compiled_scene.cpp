@@ -41,12 +41,16 @@ std::vector<uint32_t> triangle_counts(const Scene& scene) {
 CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
     : source_(std::move(scene)), resolution_(options.width, options.height) {
   validate(source_, source_.name);
+  note_clips(options.animation);
+  select_animation(source_, options.animation);
   world_ = world_matrices(source_, time_s_);  // at time 0, so that the environment does not depend on where one starts
+  visible_ = visible_nodes(source_, time_s_);
   check_placement(source_, world_, source_.name);
   textures_ = TextureStore(source_.textures, options.texture_filter);
   for (Texture& t : source_.textures) t.texels = {};
   list_mesh_instances();
   moves_ = moving_nodes(source_, options.movable);
+  bake_static_deformations();
   decide_instancing();
   build_materials();
   build_meshes();
@@ -67,10 +71,24 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   end_frame();
 }
 
+void CompiledScene::note_clips(const std::string& choice) {
+  constexpr size_t kMostNames = 8;
+  const size_t count = source_.clips.size();
+  if (!choice.empty() || count < 2) return;
+  std::string others;
+  for (size_t i = 1; i < std::min(count, kMostNames + 1); ++i) others += (i > 1 ? ", '" : "'") + source_.clips[i] + "'";
+  if (count > kMostNames + 1) others += fmt::format(" and {} more", count - kMostNames - 1);
+  notes_.push_back(
+      fmt::format("using the animation '{}'; --animation takes another ({}), or all", source_.clips.front(), others));
+}
+
 void CompiledScene::list_mesh_instances() {
   for (uint32_t n = 0; n < source_.nodes.size(); ++n) {
     for_each_place(source_.nodes[n], [&](Index mesh, const Mat4& to_node) {
-      mesh_instances_.push_back({n, static_cast<uint32_t>(mesh), to_node});
+      MeshInstance& placed = mesh_instances_.emplace_back();
+      placed.node = n;
+      placed.mesh = static_cast<uint32_t>(mesh);
+      placed.local = to_node;
     });
   }
 }
@@ -85,7 +103,7 @@ void CompiledScene::decide_instancing() {
   }
   const bool copy_repeated = copied <= kFlattenedTriangleBudget;
   for (const MeshInstance& a : mesh_instances_)
-    world_space_.push_back(!moves_[a.node] && (uses[a.mesh] == 1 || copy_repeated));
+    world_space_.push_back(a.skinned || (!a.deforms && !moves_[a.node] && (uses[a.mesh] == 1 || copy_repeated)));
 }
 
 void CompiledScene::build_materials() {
@@ -139,9 +157,13 @@ void CompiledScene::append_mesh(uint32_t mesh_index, const Mat4* transform) {
 void CompiledScene::build_meshes() {
   shared_meshes_.assign(source_.meshes.size(), kNoHit);
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
-    const MeshInstance& a = mesh_instances_[i];
+    MeshInstance& a = mesh_instances_[i];
+    if (a.deforms) {
+      append_deforming_mesh(a);
+      continue;
+    }
     if (world_space_[i]) {
-      const Mat4 transform = world_[a.node] * a.local;
+      const Mat4 transform = a.skinned ? Mat4(1) : world_[a.node] * a.local;
       mesh_of_instance_.push_back(static_cast<uint32_t>(meshes_.size()));
       append_mesh(a.mesh, &transform);
       continue;
@@ -152,6 +174,7 @@ void CompiledScene::build_meshes() {
     }
     mesh_of_instance_.push_back(shared_meshes_[a.mesh]);
   }
+  deform_meshes();
   for (Mesh& m : source_.meshes) {  // the compiled copy replaces the arrays
     m = Mesh{.name = std::move(m.name),
              .positions = {},
@@ -161,7 +184,10 @@ void CompiledScene::build_meshes() {
              .uv1 = {},
              .colors = {},
              .triangles = {},
-             .material = m.material};
+             .material = m.material,
+             .morph_targets = {},
+             .influences_per_vertex = 0,
+             .influences = {}};
   }
   // Embree reads 16 bytes at the last vertex, and colours and second coordinates are addressed like vertices.
   vertices_.shrink_to_fit();
@@ -189,9 +215,12 @@ bool CompiledScene::shines(bool emissive_surfaces) const {
     if (!is_black(power(lights, id))) return true;
   }
   // What moves may shine at another time.
+  const std::vector<bool> ever_visible = ever_visible_nodes(source_);
   for (size_t i = 0; i < source_.nodes.size(); ++i) {
     const Index light = source_.nodes[i].light;
-    if (light != kNone && moves_[i] && !is_black(source_.lights[static_cast<size_t>(light)].intensity)) return true;
+    if (light != kNone && moves_[i] && ever_visible[i] &&
+        !is_black(source_.lights[static_cast<size_t>(light)].intensity))
+      return true;
   }
   return false;
 }
@@ -200,8 +229,7 @@ void CompiledScene::note_lighting() {
   if (in_studio_ && source_.environment.kind == EnvironmentKind::automatic) {
     notes_.push_back(fmt::format(
         "{}: using the studio environment; --env FILE, sky or R,G,B gives another, --env none leaves it out",
-        view_.lights.first_infinite == 0 ? "the scene has no light"
-                                         : "emissive surfaces hardly light the surfaces that the camera sees"));
+        !shines(true) ? "the scene has no light" : "emissive surfaces hardly light the surfaces that the camera sees"));
   }
   if (source_.environment.kind == EnvironmentKind::none && !shines(true) && !all_unlit())
     notes_.emplace_back("the scene has no light: the image is black; give it an environment, such as --env studio");
@@ -209,7 +237,7 @@ void CompiledScene::note_lighting() {
 
 bool CompiledScene::all_unlit() const {
   return !instances_.empty() && std::all_of(instances_.begin(), instances_.end(), [&](const Instance& i) {
-    return materials_[meshes_[i.mesh].material].unlit;
+    return !i.visible || materials_[meshes_[i.mesh].material].unlit;
   });
 }
 
@@ -295,6 +323,7 @@ void CompiledScene::build_accel() {
     a.indices = m.triangle_count ? &triangles_[m.first_triangle].x : nullptr;
     a.triangle_count = m.triangle_count;
     a.needs_opacity = materials_[m.material].has_alpha();
+    a.deforms = m.deforms;
     meshes.push_back(a);
   }
   accel_ = std::make_unique<EmbreeAccel>(meshes, accel_instances(), OpacityFunction{accel_opacity, &view_});
@@ -303,7 +332,8 @@ void CompiledScene::build_accel() {
 size_t CompiledScene::memory_bytes() const {
   return vertices_.size() * sizeof(Vertex) + triangles_.size() * sizeof(UVec3) + uv1_.size() * sizeof(Vec2) +
          colors_.size() * sizeof(Vec4) + instances_.size() * sizeof(Instance) + textures_.memory_bytes() +
-         lights_.memory_bytes() + accel_->memory_bytes();
+         previous_positions_.size() * sizeof(Vec3) + deforming_.memory_bytes() + lights_.memory_bytes() +
+         accel_->memory_bytes();
 }
 
 }  // namespace relume

@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "accel/embree_accel.h"
 #include "core/box.h"
 #include "core/change.h"
+#include "scene/deforming_meshes.h"
 #include "scene/light_builder.h"
 #include "scene/scene_view.h"
 #include "scene/texture_store.h"
@@ -17,7 +19,8 @@ namespace relume {
 
 /// How a scene is compiled.
 struct CompileOptions {
-  std::string camera = {};  ///< name or index of a camera node; empty: the first
+  std::string camera = {};     ///< name or index of a camera node; empty: the first
+  std::string animation = {};  ///< as select_animation() takes it
   float time_s = 0;
   int width = 1;  ///< of the image, pixels
   int height = 1;
@@ -87,14 +90,32 @@ class CompiledScene {
   struct MeshInstance {
     uint32_t node;
     uint32_t mesh;
-    Mat4 local;  ///< below the node
+    Mat4 local;                   ///< below the node
+    bool skinned = false;         ///< stands in the world, as its joints have it
+    bool deforms = false;         ///< its shape changes while the scene is shown
+    uint32_t deforming = kNoHit;  ///< number in deforming_ if it does
   };
 
+  /// Says which clip plays if the scene has several and `choice` names none.
+  void note_clips(const std::string& choice);
   void list_mesh_instances();
   void decide_instancing();
   void build_materials();
   void build_meshes();
   void append_mesh(uint32_t mesh, const Mat4* transform);
+  /// Whether the shape of a node's mesh changes while the scene is shown.
+  bool is_animated(const Node& node, Index node_index, const Mesh& mesh) const;
+  /// Replaces deformable meshes whose shape does not change by the shape that they have.
+  void bake_static_deformations();
+  /// A copy for one node, which joins deforming_.
+  void append_deforming_mesh(MeshInstance& placed);
+  /// Updates vertices to the joints and weights of now; returns the meshes of the view that have changed.
+  std::vector<uint32_t> deform_meshes();
+  void keep_previous_positions();
+  /// Throws Error if a joint of the node is among those that are removed.
+  void check_joints_stay(const Node& node, const std::vector<bool>& gone) const;
+  /// Stops updating meshes whose nodes were removed.
+  void forget_removed_deformations();
   Box box_of(const MeshView& mesh) const;
   bool place_instances();
   void build_accel();
@@ -129,8 +150,12 @@ class CompiledScene {
   std::vector<bool> moves_;                   ///< one a node
   bool was_moved_ = false;                    ///< some previous position differs from the present one
   std::vector<MeshInstance> mesh_instances_;  ///< one an instance
-  std::vector<bool> world_space_;             ///< one for each mesh instance
-  std::vector<uint32_t> shared_meshes_;       ///< by mesh of the source: its copy in its own space; kNoHit: none
+  DeformingMeshes deforming_;
+  std::set<uint32_t> deformed_;           ///< numbers in deforming_: since the last frame ended
+  std::vector<Vec3> previous_positions_;  ///< of the meshes that deform
+  std::vector<bool> visible_;             ///< one a node
+  std::vector<bool> world_space_;         ///< one for each mesh instance
+  std::vector<uint32_t> shared_meshes_;   ///< by mesh of the source: its copy in its own space; kNoHit: none
   bool in_studio_ = false;
   float studio_rotation_rad_ = 0;
   std::optional<bool> automatic_is_studio_;  ///< once it is decided

@@ -39,8 +39,14 @@ std::vector<float> times_of_animation(const Scene& scene) {
 
 Box CompiledScene::placed_box(const std::vector<Mat4>& world, bool moving_only) const {
   Box box;
+  const JointMatrices joints = deforming_.size() > 0 ? joint_matrices(source_, world) : JointMatrices();
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     const MeshInstance& a = mesh_instances_[i];
+    if (a.deforming != kNoHit) {
+      const Box reach = deforming_.box(a.deforming, joints);
+      box.add(a.skinned ? reach : transformed(reach, world[a.node] * a.local));
+      continue;
+    }
     if (!world_space_[i] && (moves_[a.node] || !moving_only))
       box.add(transformed(boxes_[mesh_of_instance_[i]], world[a.node] * a.local));
   }
@@ -72,8 +78,9 @@ void CompiledScene::compute_bounds() {
   }
   // The time that is shown first must make no difference, so that frames do not depend on which came before.
   extent_.add(placed_box(world_matrices(source_, 0)));
-  const bool anything_moves = std::any_of(mesh_instances_.begin(), mesh_instances_.end(),
-                                          [&](const MeshInstance& a) { return moves_[a.node]; });
+  const bool anything_moves = std::any_of(mesh_instances_.begin(), mesh_instances_.end(), [&](const MeshInstance& a) {
+    return moves_[a.node] || a.deforming != kNoHit;
+  });
   if (anything_moves) {
     for (const float time_s : times_of_animation(source_))
       extent_.add(placed_box(world_matrices(source_, time_s), true));

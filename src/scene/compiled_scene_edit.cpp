@@ -47,6 +47,12 @@ Index CompiledScene::add_material(const Material& material) {
 
 Index CompiledScene::add_mesh(const Mesh& mesh) {
   validate(mesh, source_.name);
+  if (!mesh.morph_targets.empty() || mesh.influences_per_vertex > 0) {
+    throw Error(ErrorCode::not_supported,
+                fmt::format("{}: mesh '{}' has morph targets or joints, which meshes that are added later cannot have; "
+                            "leave them out, or build a session of a scene that has the mesh",
+                            source_.name, mesh.name));
+  }
   check_reference(mesh.material, source_.materials.size(), "material", source_.name);
   const Index index = append(source_.meshes, mesh);
   shared_meshes_.resize(source_.meshes.size(), kNoHit);
@@ -71,6 +77,12 @@ Index CompiledScene::add_node(const Node& node) {
   check_reference(node.parent, source_.nodes.size(), "node", source_.name);
   check_reference(node.light, source_.lights.size(), "light", source_.name);
   check_reference(node.camera, source_.cameras.size(), "camera", source_.name);
+  if (node.skin != kNone || !node.morph_weights.empty()) {
+    throw Error(ErrorCode::not_supported,
+                fmt::format("{}: node '{}' has a skin or morph weights, which nodes that are added later cannot have; "
+                            "leave them out, or build a session of a scene that has the node",
+                            source_.name, node.name));
+  }
   for (const Index mesh : node.meshes) {
     check_reference(mesh, source_.meshes.size(), "mesh", source_.name);
     if (mesh == kNone || shared_meshes_[static_cast<size_t>(mesh)] == kNoHit) {
@@ -90,18 +102,30 @@ Index CompiledScene::add_node(const Node& node) {
     });
     check_extent(box);
     world_ = std::move(world);
+    visible_ = visible_nodes(source_, time_s_);
   } catch (const Error&) {
     source_.nodes.pop_back();
     throw;
   }
   moves_.push_back(true);
   for_each_place(node, [&](Index mesh, const Mat4& to_node) {
-    mesh_instances_.push_back({static_cast<uint32_t>(index), static_cast<uint32_t>(mesh), to_node});
+    MeshInstance& placed = mesh_instances_.emplace_back();
+    placed.node = static_cast<uint32_t>(index);
+    placed.mesh = static_cast<uint32_t>(mesh);
+    placed.local = to_node;
     world_space_.push_back(false);
     mesh_of_instance_.push_back(shared_meshes_[static_cast<size_t>(mesh)]);
   });
   edited_ = true;
   return index;
+}
+
+void CompiledScene::check_joints_stay(const Node& node, const std::vector<bool>& gone) const {
+  for (const Index joint : source_.skins[static_cast<size_t>(node.skin)].joints) {
+    if (!gone[static_cast<size_t>(joint)]) continue;
+    throw Error(fmt::format("{}: node '{}' is a joint of node '{}'; remove that first", source_.name,
+                            source_.nodes[static_cast<size_t>(joint)].name, node.name));
+  }
 }
 
 std::vector<Index> CompiledScene::remove_node(Index node) {
@@ -115,6 +139,9 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
       gone[i] = more = true;
     }
   }
+  for (size_t i = 0; i < gone.size(); ++i) {
+    if (!gone[i] && source_.nodes[i].skin != kNone) check_joints_stay(source_.nodes[i], gone);
+  }
   size_t kept = 0;
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     if (gone[mesh_instances_[i].node]) continue;
@@ -125,6 +152,7 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
   mesh_instances_.resize(kept);
   world_space_.resize(kept);
   mesh_of_instance_.resize(kept);
+  forget_removed_deformations();
   std::vector<Index> removed;
   for (size_t i = 0; i < gone.size(); ++i) {
     if (!gone[i]) continue;
@@ -137,6 +165,7 @@ std::vector<Index> CompiledScene::remove_node(Index node) {
     std::erase_if(source_.animation, [&](const AnimationChannel& c) { return c.node == static_cast<Index>(i); });
   }
   world_ = world_matrices(source_, time_s_);
+  visible_ = visible_nodes(source_, time_s_);
   edited_ = true;
   return removed;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/animation.h"
 #include "scene/compiled_scene.h"
 #include "scene/medium.h"
 #include "scene/placement.h"
@@ -27,6 +28,7 @@ void CompiledScene::end_frame() {
   if (!was_moved_) return;
   was_moved_ = false;
   for (Instance& i : instances_) i.previous_to_world = i.to_world;
+  keep_previous_positions();
   previous_camera_view_ = camera_view_;
   lights_.mark_unchanged();
   refresh_view();
@@ -68,7 +70,9 @@ Change CompiledScene::set_transform(Index node, const Transform& transform) {
   const std::vector<AnimationChannel> animation_before = source_.animation;
   target.transform = transform;
   target.matrix.reset();
-  std::erase_if(source_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
+  std::erase_if(source_.animation, [&](const AnimationChannel& channel) {
+    return channel.node == node && is_transform(channel.property);
+  });
   try {
     std::vector<Mat4> world = checked_world(time_s_);
     extent_.add(placed_box(world));
@@ -127,6 +131,7 @@ Change CompiledScene::set_material(Index material, const Material& value) {
 std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
   std::vector<Mat4> world = world_matrices(source_, time_s);
   check_placement(source_, world, source_.name);
+  check_joints(source_, joint_matrices(source_, world));
   check_extent(placed_box(world));
   view_through(scene_camera(world));
   return world;
@@ -134,12 +139,14 @@ std::vector<Mat4> CompiledScene::checked_world(float time_s) const {
 
 Change CompiledScene::place_everything(std::vector<Mat4> world) {
   world_ = std::move(world);
+  visible_ = visible_nodes(source_, time_s_);
   Change change = Change::none;
   const CameraView camera_before = std::exchange(camera_view_, view_through(camera()));
   if (!same_view(camera_before, camera_view_)) change |= Change::camera;
-  if (place_instances()) {
+  const std::vector<uint32_t> deformed = deform_meshes();
+  if (place_instances() || !deformed.empty()) {
     change |= Change::geometry;
-    accel_->update(accel_instances());
+    accel_->update(accel_instances(), deformed);
   }
   collect_lights();
   for (const Light& light : view_.lights.lights) {
@@ -151,7 +158,7 @@ Change CompiledScene::place_everything(std::vector<Mat4> world) {
 
 void CompiledScene::collect_lights() {
   refresh_view();
-  lights_.collect(view_, instances_, source_, world_, bounds_);
+  lights_.collect(view_, instances_, source_, {world_, visible_}, bounds_);
   refresh_view();
 }
 
@@ -165,10 +172,18 @@ bool CompiledScene::place_instances() {
   const bool first = instances_.empty();
   instances_.resize(mesh_instances_.size());
   bool moved = false;
+  const JointMatrices joints = joint_matrices(source_, world_);
   for (size_t i = 0; i < mesh_instances_.size(); ++i) {
     Instance& instance = instances_[i];
     instance.mesh = mesh_of_instance_[i];
     instance.in_world_space = world_space_[i];
+    const bool visible = visible_[mesh_instances_[i].node];
+    moved = moved || visible != instance.visible;
+    instance.visible = visible;
+    if (mesh_instances_[i].skinned && mesh_instances_[i].deforms) {
+      const Index skin = source_.nodes[mesh_instances_[i].node].skin;
+      instance.orientation = mirrors(joints[static_cast<size_t>(skin)]) ? -1.0f : 1.0f;
+    }
     if (instance.in_world_space) continue;
     const Mat4 m = world_[mesh_instances_[i].node] * mesh_instances_[i].local;
     const Affine now{Mat3(m), Vec3(m[3])};
@@ -208,6 +223,7 @@ void CompiledScene::refresh_view() {
   view_.triangles = view_of(triangles_);
   view_.uv1 = view_of(uv1_);
   view_.colors = view_of(colors_);
+  view_.previous_positions = view_of(previous_positions_);
   view_.meshes = view_of(meshes_);
   view_.instances = view_of(instances_);
   view_.materials = view_of(materials_);
@@ -230,7 +246,7 @@ std::vector<AccelInstance> CompiledScene::accel_instances() const {
     const Instance& i = instances_[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node]});
+    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible});
   }
   return result;
 }

@@ -245,15 +245,15 @@ void LightBuilder::build_environment_distribution() {
 }
 
 void LightBuilder::collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
-                           const std::vector<Mat4>& world, const SceneBounds& bounds) {
+                           const PlacedNodes& nodes, const SceneBounds& bounds) {
   lights_.clear();
   bounds_ = bounds;
   textures_ = geometry.textures;
   add_textured(geometry, instances);
   for (uint32_t i = 0; i < instances.size(); ++i) add_triangles(geometry, i, instances[i]);
-  add_punctual_lights(scene, world, false);
+  add_punctual_lights(scene, nodes, false);
   first_infinite_ = static_cast<uint32_t>(lights_.size());
-  add_punctual_lights(scene, world, true);
+  add_punctual_lights(scene, nodes, true);
   if (has_sun_) lights_.push_back(Light::of(sun_));
   if (!environment_.black()) lights_.emplace_back();
   mark_changes();
@@ -279,7 +279,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     const float twice_area = glm::length(cross);
     light.normal = twice_area > 0.0f ? cross / twice_area : Vec3(0);
     light.area = 0.5f * twice_area;
-    light.radiance = light.area > 0.0f ? material.emission : Rgb(0);
+    light.radiance = light.area > 0.0f && instance.visible ? material.emission : Rgb(0);
     light.instance = instance_index;
     light.primitive = k;
     light.textured = -1;
@@ -326,12 +326,13 @@ void LightBuilder::add_textured(const SceneView& geometry, const std::vector<Ins
   }
 }
 
-void LightBuilder::add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity) {
+void LightBuilder::add_punctual_lights(const Scene& scene, const PlacedNodes& nodes, bool at_infinity) {
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
     const Index light = scene.nodes[i].light;
     if (light == kNone) continue;
-    const PunctualLight& source = scene.lights[static_cast<size_t>(light)];
-    if (type_of(source).at_infinity == at_infinity) lights_.push_back(punctual_light(source, world[i]));
+    PunctualLight source = scene.lights[static_cast<size_t>(light)];
+    if (!nodes.visible[i]) source.intensity = Rgb(0);  // it keeps its place in the list, dark
+    if (type_of(source).at_infinity == at_infinity) lights_.push_back(punctual_light(source, nodes.world[i]));
   }
 }
 

@@ -10,6 +10,12 @@
 
 namespace relume {
 
+/// Where the nodes of a scene are at one time, and whether they are shown; one entry a node.
+struct PlacedNodes {
+  const std::vector<Mat4>& world;
+  const std::vector<bool>& visible;
+};
+
 class LightBuilder {
  public:
   /// Environment arrays (map, sampling table). CompiledScene decides what `automatic` is; here it
@@ -22,7 +28,7 @@ class LightBuilder {
   /// Rebuilds the list of lights: triangles of emissive instances, then punctual lights, then those at infinity. Writes
   /// Instance::first_light. `geometry` needs vertices, triangles, meshes, instances, materials, textures.
   void collect(const SceneView& geometry, std::vector<Instance>& instances, const Scene& scene,
-               const std::vector<Mat4>& world, const SceneBounds& bounds);
+               const PlacedNodes& nodes, const SceneBounds& bounds);
 
   /// Forgets which lights differ from the frame before.
   void mark_unchanged();
@@ -37,7 +43,7 @@ class LightBuilder {
   void add_triangles(const SceneView& geometry, uint32_t instance_index, Instance& instance);
   /// Makes the sampling tables of all triangles with textured emission, each once, however often it appears or moves.
   void add_textured(const SceneView& geometry, const std::vector<Instance>& instances);
-  void add_punctual_lights(const Scene& scene, const std::vector<Mat4>& world, bool at_infinity);
+  void add_punctual_lights(const Scene& scene, const PlacedNodes& nodes, bool at_infinity);
   void mark_changes();
   bool same(const Light& a, const Light& b) const;
 

@@ -7,19 +7,9 @@
 namespace relume {
 namespace {
 
-/// False for what is not a number, too.
-bool within_reach(const Mat4& m) {
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      if (!(std::fabs(m[column][row]) <= kMaxCoordinate)) return false;
-    }
-  }
-  return true;
-}
-
 bool holds_something(const Node& node) { return !node.meshes.empty() || node.light != kNone || node.camera != kNone; }
 
-bool within_reach(const Node& node, const Mat4& world) {
+bool node_within_reach(const Node& node, const Mat4& world) {
   if (!within_reach(world)) return false;
   for (const Mat4& local : node.instances) {
     if (!within_reach(local) || !within_reach(world * local)) return false;
@@ -28,6 +18,15 @@ bool within_reach(const Node& node, const Mat4& world) {
 }
 
 }  // namespace
+
+bool within_reach(const Mat4& m) {
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      if (!(std::fabs(m[column][row]) <= kMaxCoordinate)) return false;
+    }
+  }
+  return true;
+}
 
 Vec3 direction_of(const Vec3& v) {
   const float largest = max_component(abs(v));
@@ -46,7 +45,7 @@ std::optional<Mat3> orientation(const Mat4& to_world) {
 void check_placement(const Scene& scene, std::span<const Mat4> world, const std::string& place) {
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
-    if (!holds_something(node) || within_reach(node, world[i])) continue;
+    if (!holds_something(node) || node_within_reach(node, world[i])) continue;
     throw Error(
         fmt::format("{}: node {} '{}' is moved or scaled beyond {:g} m, or by what is not a number; scale the scene "
                     "down, or correct the transforms of the node and of those above it",

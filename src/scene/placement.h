@@ -13,6 +13,9 @@ namespace relume {
 /// in single precision.
 inline constexpr float kMaxCoordinate = 1e9f;
 
+/// Whether an affine matrix moves and scales by no more than kMaxCoordinate; false for what is not a number, too.
+bool within_reach(const Mat4& matrix);
+
 /// Unit vector along `v`, however short; zero if it has no direction.
 Vec3 direction_of(const Vec3& v);
 

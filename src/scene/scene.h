@@ -34,4 +34,13 @@ std::vector<Box> mesh_boxes(const Scene& scene);
 /// Whether each node may move: it or an ancestor has an animation channel or is one of `movable`.
 std::vector<bool> moving_nodes(const Scene& scene, const std::vector<Index>& movable = {});
 
+/// Whether each node is shown at `time_s`: neither it nor an ancestor is hidden.
+std::vector<bool> visible_nodes(const Scene& scene, float time_s);
+
+/// Whether each node is shown at some time.
+std::vector<bool> ever_visible_nodes(const Scene& scene);
+
+/// Weights of a node's morph targets at `time_s`; those that are missing are 0.
+std::vector<float> morph_weights(const Scene& scene, Index node, float time_s);
+
 }  // namespace relume

@@ -54,6 +54,11 @@ class Hasher {
     return *this;
   }
 
+  Hasher& operator<<(const std::string& text) {
+    *this << text.size();
+    bytes(text.data(), text.size());
+    return *this;
+  }
   Hasher& operator<<(const TextureRef& r) {
     return *this << r.texture << r.uv_set << r.offset << r.scale << r.rotation_rad;
   }
@@ -65,8 +70,12 @@ class Hasher {
     return *this;
   }
   Hasher& operator<<(const Mesh& m) {
-    return *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;
+    *this << m.positions << m.normals << m.tangents << m.uv0 << m.uv1 << m.colors << m.triangles << m.material;
+    return *this << m.morph_targets << m.influences_per_vertex << m.influences;
   }
+  Hasher& operator<<(const MorphTarget& t) { return *this << t.positions << t.normals << t.tangents; }
+  Hasher& operator<<(const JointInfluence& i) { return *this << i.joint << i.weight; }
+  Hasher& operator<<(const Skin& s) { return *this << s.joints << s.inverse_bind; }
   Hasher& operator<<(const PunctualLight& l) {
     *this << l.type << l.intensity;
     for (const LightParameter& p : light_parameters()) *this << l.*p.member;
@@ -78,10 +87,10 @@ class Hasher {
   Hasher& operator<<(const Node& n) {
     *this << n.parent << n.transform.translation << n.transform.rotation << n.transform.scale << n.matrix.has_value();
     if (n.matrix) *this << *n.matrix;
-    return *this << n.meshes << n.instances << n.light << n.camera;
+    return *this << n.meshes << n.instances << n.light << n.camera << n.skin << n.morph_weights << n.visible;
   }
   Hasher& operator<<(const AnimationChannel& c) {
-    return *this << c.node << c.property << c.interpolation << c.times << c.values;
+    return *this << c.node << c.property << c.interpolation << c.times << c.values << c.morph_target << c.clip;
   }
   Hasher& operator<<(const Environment& e) {
     const SunSky& s = e.sun_sky;
@@ -104,8 +113,8 @@ class Hasher {
 
 uint64_t scene_hash(const Scene& scene) {
   Hasher h;
-  h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes
-    << scene.animation << scene.environment;
+  h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes << scene.skins
+    << scene.clips << scene.animation << scene.environment;
   return h.value();
 }
 

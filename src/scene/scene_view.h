@@ -27,7 +27,7 @@ RELUME_HD inline Mat3 cofactors(const Mat3& m) {
 }
 
 /// Takes normals along, up to a positive factor, without overflow for any scale: only directions count.
-inline Mat3 normal_matrix(const Mat3& m) {
+RELUME_HD inline Mat3 normal_matrix(const Mat3& m) {
   const float largest = max(max_component(abs(m[0])), max(max_component(abs(m[1])), max_component(abs(m[2]))));
   return cofactors(largest > 0 ? m / largest : m);
 }
@@ -42,7 +42,7 @@ struct PackedNormal {
   RELUME_HD float handedness() const { return sign < 0 ? -1.0f : 1.0f; }
 };
 
-inline PackedNormal pack_normal(const Vec3& n, float handedness) {
+RELUME_HD inline PackedNormal pack_normal(const Vec3& n, float handedness) {
   const auto quantise = [](float c) { return static_cast<int16_t>(std::lround(clamp(c, -1.0f, 1.0f) * 32767.0f)); };
   return {quantise(n.x), quantise(n.y), quantise(n.z), static_cast<int16_t>(handedness < 0.0f ? -1 : 1)};
 }
@@ -62,11 +62,13 @@ struct MeshView {
   uint32_t material = 0;
   uint32_t first_uv1 = 0;  ///< added to the vertex index
   uint32_t first_color = 0;
+  uint32_t first_previous = 0;
   bool has_normals = false;
   bool has_uv = false;
   bool has_tangents = false;
   bool has_uv1 = false;
   bool has_colors = false;
+  bool deforms = false;  ///< its vertices move from frame to frame: they have previous positions
 };
 
 /// One instance of a mesh.
@@ -76,8 +78,9 @@ struct Instance {
   Affine previous_to_world;
   uint32_t mesh = 0;
   LightId first_light = kNoLight;  ///< of its triangles, if they emit
-  bool in_world_space = true;      ///< static and stored transformed: the matrices are the identity
-  float orientation = 1;           ///< −1: to_world mirrors
+  bool in_world_space = true;      ///< stored transformed, because static or skinned: the matrices are the identity
+  float orientation = 1;           ///< −1: to_world, or the skin, mirrors
+  bool visible = true;             ///< false: rays do not meet it, and it emits nothing
 };
 
 struct SceneView {
@@ -85,6 +88,7 @@ struct SceneView {
   View<const UVec3> triangles;  ///< vertex indices into `vertices`
   View<const Vec2> uv1;
   View<const Vec4> colors;
+  View<const Vec3> previous_positions;  ///< one frame ago, of the vertices of meshes that deform
   View<const MeshView> meshes;
   View<const Instance> instances;
   View<const MaterialData> materials;

@@ -75,6 +75,10 @@ struct SurfacePosition {
 };
 RELUME_HD SurfacePosition surface_position(const SceneView& scene, const Hit& hit);
 
+/// Maps vectors at the surface of a hit from one frame ago to now. It rotates, stretches and shears with the triangle,
+/// whose normal keeps its length.
+RELUME_HD Mat3 previous_to_current(const SceneView& scene, const Hit& hit);
+
 /// Opacity of a triangle at barycentrics (u, v): base colour alpha as alpha mode asks, 0 or 1 for masks.
 RELUME_HD float opacity(const SceneView& scene, uint32_t instance, uint32_t primitive, float u, float v);
 

@@ -96,7 +96,15 @@ RELUME_HD_INLINE float world_error(const Affine& to_world, const Vec3& position,
                               (1.0f + gamma_bound(3)) * (magnitude * Vec3(error)));
 }
 
-RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt& t) {
+/// Where the hit's point of a mesh that deforms was one frame ago, in the space of the mesh.
+RELUME_HD inline Vec3 position_before(const SceneView& scene, const MeshView& mesh, const TriangleAt& t) {
+  const uint32_t first = mesh.first_previous;
+  return interpolate(scene.previous_positions[first + t.index.x], scene.previous_positions[first + t.index.y],
+                     scene.previous_positions[first + t.index.z], t.weights);
+}
+
+RELUME_HD_INLINE Geometry geometry_at(const SceneView& scene, const MeshView& mesh, const Instance& instance,
+                                      const TriangleAt& t) {
   const Vec3& p0 = t.v[0]->position;
   const Vec3& p1 = t.v[1]->position;
   const Vec3& p2 = t.v[2]->position;
@@ -104,19 +112,28 @@ RELUME_HD_INLINE Geometry geometry_at(const Instance& instance, const TriangleAt
   g.position = interpolate(p0, p1, p2, t.weights);
   // One bound for all components: Embree's own rounding follows the largest.
   g.error = gamma_bound(7) * max_component(abs(p0 * t.weights.x) + abs(p1 * t.weights.y) + abs(p2 * t.weights.z));
-  g.previous_position = copy_of(g.position);
+  g.previous_position = mesh.deforms ? position_before(scene, mesh, t) : copy_of(g.position);
   g.e1 = p1 - p0;
   g.e2 = p2 - p0;
   if (!instance.in_world_space) {
     const Affine& m = instance.to_world;
     g.error = world_error(m, g.position, g.error);
-    g.previous_position = instance.previous_to_world.point(g.position);
+    g.previous_position = instance.previous_to_world.point(g.previous_position);
     g.position = m.point(g.position);
     g.e1 = m.vector(g.e1);
     g.e2 = m.vector(g.e2);
   }
   g.front = glm::cross(g.e1, g.e2) * instance.orientation;
   return g;
+}
+
+/// The edges of a triangle from its first corner, and its normal.
+RELUME_HD inline Mat3 triangle_axes(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+  const Vec3 e1 = p1 - p0;
+  const Vec3 e2 = p2 - p0;
+  const Vec3 n = glm::cross(e1, e2);
+  const float length = glm::length(n);
+  return {e1, e2, length > 0.0f ? n / length : Vec3(0)};
 }
 
 /// Normal from the normal map, in world space.
@@ -186,7 +203,7 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   const MeshView& mesh = scene.meshes[instance.mesh];
   const MaterialData& material = scene.materials[mesh.material];
   const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
-  const Geometry g = geometry_at(instance, t);
+  const Geometry g = geometry_at(scene, mesh, instance, t);
 
   sp.position = copy_of(g.position);
   sp.position_error = g.error;
@@ -243,9 +260,27 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
 RELUME_HD inline SurfacePosition surface_position(const SceneView& scene, const Hit& hit) {
   using namespace surface_detail;
   const Instance& instance = scene.instances[hit.instance];
-  const TriangleAt t = triangle_at(scene, scene.meshes[instance.mesh], hit.primitive, hit.u, hit.v);
-  const Geometry g = geometry_at(instance, t);
+  const MeshView& mesh = scene.meshes[instance.mesh];
+  const TriangleAt t = triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
+  const Geometry g = geometry_at(scene, mesh, instance, t);
   return {g.position, g.previous_position};
+}
+
+RELUME_HD inline Mat3 previous_to_current(const SceneView& scene, const Hit& hit) {
+  const Instance& instance = scene.instances[hit.instance];
+  const MeshView& mesh = scene.meshes[instance.mesh];
+  Mat3 turn(1);
+  if (mesh.deforms) {
+    const surface_detail::TriangleAt t = surface_detail::triangle_at(scene, mesh, hit.primitive, hit.u, hit.v);
+    const uint32_t first = mesh.first_previous;
+    const Mat3 now = surface_detail::triangle_axes(t.v[0]->position, t.v[1]->position, t.v[2]->position);
+    const Mat3 before = surface_detail::triangle_axes(scene.previous_positions[first + t.index.x],
+                                                      scene.previous_positions[first + t.index.y],
+                                                      scene.previous_positions[first + t.index.z]);
+    if (now != before && glm::determinant(before) != 0.0f) turn = now * glm::inverse(before);
+  }
+  if (instance.to_world.linear == instance.previous_to_world.linear) return turn;
+  return instance.to_world.linear * turn * glm::inverse(instance.previous_to_world.linear);
 }
 
 RELUME_HD inline float opacity(const SceneView& scene, uint32_t instance_index, uint32_t primitive, float u, float v) {

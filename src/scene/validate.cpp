@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/animation.h"
 #include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
 #include "scene/placement.h"
@@ -39,6 +41,7 @@ class Validator {
     for (const PunctualLight& light : scene_.lights) validate(light, place_);
     for (const Camera& camera : scene_.cameras) validate(camera, place_);
     validate(scene_.environment, place_);
+    for (size_t i = 0; i < scene_.skins.size(); ++i) check_skin(i);
     for (size_t i = 0; i < scene_.nodes.size(); ++i) check_node(i);
     for (size_t i = 0; i < scene_.animation.size(); ++i) check_channel(i);
     check_cycles();
@@ -93,6 +96,66 @@ class Validator {
       if (!(max_component(abs(p)) <= kMaxCoordinate))
         fail("mesh {} '{}' has a vertex that is not finite or beyond {:g} m", i, m.name, kMaxCoordinate);
     }
+    for (const MorphTarget& target : m.morph_targets) check_morph_target(i, target);
+    check_influences(i);
+  }
+
+  void check_morph_target(size_t mesh, const MorphTarget& t) const {
+    const Mesh& m = scene_.meshes[mesh];
+    for (const std::vector<Vec3>* array : {&t.positions, &t.normals, &t.tangents}) {
+      if (!array->empty() && array->size() != m.positions.size())
+        fail("mesh {} '{}' has a morph target '{}' of another number of vertices", mesh, m.name, t.name);
+      for (const Vec3& displacement : *array) {
+        if (!(max_component(abs(displacement)) <= kMaxCoordinate))
+          fail("mesh {} '{}' has a morph target '{}' that is not finite or beyond {:g} m", mesh, m.name, t.name,
+               kMaxCoordinate);
+      }
+    }
+  }
+
+  void check_influences(size_t mesh) const {
+    const Mesh& m = scene_.meshes[mesh];
+    if (m.influences_per_vertex < 0 ||
+        m.influences.size() != m.positions.size() * static_cast<size_t>(m.influences_per_vertex))
+      fail("mesh {} '{}' has {} influences of joints for {} vertices", mesh, m.name, m.influences.size(),
+           m.positions.size());
+    for (const JointInfluence& influence : m.influences) {
+      if (!(influence.weight >= 0 && is_finite(influence.weight)))
+        fail("mesh {} '{}' has a joint's weight that is negative or not finite", mesh, m.name);
+    }
+    const auto per_vertex = static_cast<size_t>(m.influences_per_vertex);
+    for (size_t first = 0; per_vertex > 0 && first < m.influences.size(); first += per_vertex) {
+      float sum = 0;
+      for (size_t k = first; k < first + per_vertex; ++k) sum += m.influences[k].weight;
+      if (!(std::fabs(sum - 1) <= 1e-3f))
+        fail("mesh {} '{}' has a vertex whose joints' weights sum to {}, not 1", mesh, m.name, sum);
+    }
+  }
+
+  void check_skin(size_t i) const {
+    const Skin& s = scene_.skins[i];
+    if (s.joints.empty()) fail("skin {} '{}' has no joints", i, s.name);
+    if (s.inverse_bind.size() != s.joints.size())
+      fail("skin {} '{}' has {} joints but {} inverse bind matrices", i, s.name, s.joints.size(),
+           s.inverse_bind.size());
+    for (const Index joint : s.joints) {
+      if (!in_range(joint, scene_.nodes.size())) fail("skin {} '{}' has the missing joint {}", i, s.name, joint);
+    }
+    for (const Mat4& m : s.inverse_bind) {
+      if (!within_reach(m))
+        fail("skin {} '{}' has an inverse bind matrix that is not finite or beyond {:g} m", i, s.name, kMaxCoordinate);
+    }
+  }
+
+  void check_skinned_node(const Node& n) const {
+    if (!n.instances.empty()) fail("node '{}' has a skin and instances, which would all stand in one place", n.name);
+    const size_t joints = scene_.skins[static_cast<size_t>(n.skin)].joints.size();
+    for (const Index mesh : n.meshes) {
+      const Mesh& m = scene_.meshes[static_cast<size_t>(mesh)];
+      const bool outside = std::any_of(m.influences.begin(), m.influences.end(),
+                                       [&](const JointInfluence& influence) { return influence.joint >= joints; });
+      if (outside) fail("mesh {} '{}' follows a joint that the skin of node '{}' lacks", mesh, m.name, n.name);
+    }
   }
 
   void check_node(size_t i) const {
@@ -106,11 +169,25 @@ class Validator {
       fail("node {} '{}' refers to missing light {}", i, n.name, n.light);
     if (!in_range_or_none(n.camera, scene_.cameras.size()))
       fail("node {} '{}' refers to missing camera {}", i, n.name, n.camera);
+    if (!in_range_or_none(n.skin, scene_.skins.size()))
+      fail("node {} '{}' refers to missing skin {}", i, n.name, n.skin);
+    if (n.skin != kNone) check_skinned_node(n);
+    for (const float weight : n.morph_weights) {
+      if (!(std::fabs(weight) <= kMaxCoordinate))
+        fail("node {} '{}' has a weight of a morph target that is not finite or beyond {:g}", i, n.name,
+             kMaxCoordinate);
+    }
   }
 
   void check_channel(size_t i) const {
     const AnimationChannel& c = scene_.animation[i];
     if (!in_range(c.node, scene_.nodes.size())) fail("animation channel {} moves missing node {}", i, c.node);
+    if (!in_range_or_none(c.clip, scene_.clips.size()))
+      fail("animation channel {} belongs to missing clip {}", i, c.clip);
+    if (c.property == AnimatedProperty::morph_weight && !has_morph_target(c))
+      fail("animation channel {} moves the missing morph target {} of node {}", i, c.morph_target, c.node);
+    if (c.property == AnimatedProperty::visible && c.interpolation != Interpolation::step)
+      fail("animation channel {} hides and shows a node between keys; it must be a step", i);
     const size_t per_key = c.interpolation == Interpolation::cubic_spline ? 3 : 1;
     if (c.times.empty() || c.values.size() != per_key * c.times.size())
       fail("animation channel {} has {} times but {} values", i, c.times.size(), c.values.size());
@@ -122,6 +199,17 @@ class Validator {
       if (!is_finite(c.times[k]) || (k > 0 && c.times[k] <= c.times[k - 1]))
         fail("animation channel {} has times that do not increase", i);
     }
+    if (c.property != AnimatedProperty::morph_weight) return;
+    const ValueRange range = value_range(c);
+    if (!(std::max(std::fabs(range.low), std::fabs(range.high)) <= kMaxCoordinate))
+      fail("animation channel {} takes the weight of a morph target beyond {:g}", i, kMaxCoordinate);
+  }
+
+  bool has_morph_target(const AnimationChannel& c) const {
+    const std::vector<Index>& meshes = scene_.nodes[static_cast<size_t>(c.node)].meshes;
+    return std::any_of(meshes.begin(), meshes.end(), [&](Index mesh) {
+      return in_range(c.morph_target, scene_.meshes[static_cast<size_t>(mesh)].morph_targets.size());
+    });
   }
 
   /// Walks up from every node; a walk longer than the number of nodes has met a cycle.

@@ -6,10 +6,11 @@
 
 namespace relume {
 
-/// Calls f(corner, corner, corner) for every triangle of every instance.
+/// Calls f(corner, corner, corner) for every triangle of every instance that is visible.
 template <typename F>
 void for_each_world_triangle(const SceneView& scene, const F& f) {
   for (const Instance& instance : scene.instances) {
+    if (!instance.visible) continue;
     const MeshView& mesh = scene.meshes[instance.mesh];
     for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
       const UVec3 index = scene.triangles[mesh.first_triangle + t];

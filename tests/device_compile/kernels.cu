@@ -11,6 +11,7 @@
 #include "core/view.h"
 #include "framebuffer/tone_map.h"
 #include "relume/error.h"
+#include "scene/deformation.h"
 
 namespace relume::device {
 
@@ -49,5 +50,6 @@ struct CoreKernel {
 #define RELUME_KERNEL(...) template __global__ void relume::device::run(__VA_ARGS__, uint32_t, uint32_t)
 
 RELUME_KERNEL(relume::device::CoreKernel);
+RELUME_KERNEL(relume::DeformVertices);
 
 #include "all_kernels.inc"

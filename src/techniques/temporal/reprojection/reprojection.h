@@ -151,19 +151,13 @@ struct DepthVoteKernel {
     const CameraView& c = scene.previous_camera;
     const bool parallel = c.projection == Projection::orthographic;
     const Vec3 wo_before = parallel ? c.axes.n : glm::normalize(c.position - p.before);
-    const Mat3 turn = turn_of(scene.instances[sample.hit.instance]);
+    const Mat3 turn = previous_to_current(scene, sample.hit);
     float error = 0.0f;
     if (sample.scatter)
       error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.scatter), pixel.indirect));
     if (sample.to_light)
       error = relume::max(error, eq15(sp, turn, wo_before, unpack_direction(sample.to_light), pixel.direct));
     return error * exposure;
-  }
-
-  /// Takes directions about the surface where it was to those about it where it is now.
-  RELUME_HD static Mat3 turn_of(const Instance& instance) {
-    if (instance.to_world.linear == instance.previous_to_world.linear) return Mat3(1);
-    return instance.to_world.linear * glm::inverse(instance.previous_to_world.linear);
   }
 
   /// What was reflected before is evaluated in the surface's frame of now: viewer and light have turned about it.

@@ -1,0 +1,95 @@
+// Meshes that skins and morph targets deform.
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "core/parallel.h"
+#include "scene/compiled_scene.h"
+
+namespace relume {
+
+bool CompiledScene::is_animated(const Node& node, Index node_index, const Mesh& mesh) const {
+  const bool morphs = std::any_of(source_.animation.begin(), source_.animation.end(), [&](const AnimationChannel& c) {
+    return c.property == AnimatedProperty::morph_weight && c.node == node_index;
+  });
+  if (morphs && !mesh.morph_targets.empty()) return true;
+  if (!is_skinned(node, mesh)) return false;
+  // A skinned mesh stands in the world, where only its own acceleration structure can be hidden.
+  if (moves_[static_cast<size_t>(node_index)]) return true;
+  const std::vector<Index>& joints = source_.skins[static_cast<size_t>(node.skin)].joints;
+  return std::any_of(joints.begin(), joints.end(), [&](Index joint) { return moves_[static_cast<size_t>(joint)]; });
+}
+
+void CompiledScene::bake_static_deformations() {
+  const JointMatrices joints = joint_matrices(source_, world_);
+  check_joints(source_, joints);
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> baked;  // node and mesh: the mesh that takes its place
+  for (MeshInstance& placed : mesh_instances_) {
+    const auto node_index = static_cast<Index>(placed.node);
+    const Node& node = source_.nodes[placed.node];
+    const Mesh& mesh = source_.meshes[placed.mesh];
+    placed.skinned = is_skinned(node, mesh);
+    placed.deforms = is_deformable(node, mesh) && is_animated(node, node_index, mesh);
+    if (placed.deforms || !is_deformable(node, mesh)) continue;
+    const auto [entry, is_new] =
+        baked.try_emplace({placed.node, placed.mesh}, static_cast<uint32_t>(source_.meshes.size()));
+    if (is_new) {
+      Mesh result = deformed_mesh(source_, node_index, mesh, joints, time_s_);
+      source_.meshes.push_back(std::move(result));
+    }
+    placed.mesh = entry->second;
+  }
+}
+
+void CompiledScene::append_deforming_mesh(MeshInstance& placed) {
+  const Index node = static_cast<Index>(placed.node);
+  const Index mesh_index = static_cast<Index>(placed.mesh);
+  for (uint32_t k = 0; k < deforming_.size(); ++k) {  // the instances of a node have the same weights
+    const DeformingMeshes::Source& known = deforming_.source(k);
+    if (known.node != node || known.mesh != mesh_index) continue;
+    placed.deforming = k;
+    mesh_of_instance_.push_back(known.compiled_mesh);
+    return;
+  }
+  const auto first_vertex = static_cast<uint32_t>(vertices_.size());
+  const auto compiled_mesh = static_cast<uint32_t>(meshes_.size());
+  append_mesh(placed.mesh, nullptr);
+  const auto count = static_cast<uint32_t>(vertices_.size()) - first_vertex;
+  placed.deforming = deforming_.add(source_, {node, mesh_index, compiled_mesh, first_vertex, count});
+  meshes_.back().deforms = true;
+  meshes_.back().first_previous = static_cast<uint32_t>(previous_positions_.size()) - first_vertex;
+  previous_positions_.resize(previous_positions_.size() + count);
+  mesh_of_instance_.push_back(compiled_mesh);
+}
+
+std::vector<uint32_t> CompiledScene::deform_meshes() {
+  std::vector<uint32_t> deformed;
+  if (deforming_.size() == 0) return deformed;
+  for (const uint32_t number : deforming_.update(source_, joint_matrices(source_, world_), time_s_, vertices_)) {
+    deformed_.insert(number);
+    deformed.push_back(deforming_.source(number).compiled_mesh);
+  }
+  return deformed;
+}
+
+void CompiledScene::keep_previous_positions() {
+  for (const uint32_t number : deformed_) {
+    const DeformingMeshes::Source& source = deforming_.source(number);
+    const uint32_t first_previous = meshes_[source.compiled_mesh].first_previous;
+    parallel_for(source.vertex_count, [&](uint32_t i) {
+      const uint32_t vertex = source.first_vertex + i;
+      previous_positions_[first_previous + vertex] = vertices_[vertex].position;
+    });
+  }
+  deformed_.clear();
+}
+
+void CompiledScene::forget_removed_deformations() {
+  std::vector<bool> used(deforming_.size(), false);
+  for (const MeshInstance& placed : mesh_instances_) {
+    if (placed.deforming != kNoHit) used[placed.deforming] = true;
+  }
+  deforming_.keep(used);
+}
+
+}  // namespace relume
