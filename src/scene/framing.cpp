@@ -34,6 +34,7 @@ Reach reach_of(const SceneView& scene, const Instance& instance, const Mat3& to_
                const Vec2& slope) {
   const MeshView& mesh = scene.meshes[instance.mesh];
   Reach reach;
+  if (!instance.visible) return reach;
   for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
     const UVec3 index = scene.triangles[mesh.first_triangle + t];
     for (int k = 0; k < 3; ++k) {
@@ -41,6 +42,16 @@ Reach reach_of(const SceneView& scene, const Instance& instance, const Mat3& to_
       reach.add(to_axes * ((instance.in_world_space ? p : instance.to_world.point(p)) - center), slope);
     }
   }
+  return reach;
+}
+
+Reach reach_of(const SceneView& scene, const Mat3& to_axes, const Vec3& center, const Vec2& slope) {
+  std::vector<Reach> reaches(scene.instances.size);
+  parallel_for(reaches.size(), [&](size_t i) {
+    reaches[i] = reach_of(scene, scene.instances[static_cast<uint32_t>(i)], to_axes, center, slope);
+  });
+  Reach reach;
+  for (const Reach& one : reaches) reach.add(one);
   return reach;
 }
 
@@ -52,21 +63,23 @@ Mat4 framing_camera(const SceneView& scene, const Vec3& forward, const Vec2& tan
   const Mat3 axes(right, up, -forward);
   const Mat3 to_axes = glm::transpose(axes);
   const Vec2 slope = kFramedShare * tan_half;
-  std::vector<Reach> reaches(scene.instances.size);
-  parallel_for(reaches.size(), [&](size_t i) {
-    reaches[i] = reach_of(scene, scene.instances[static_cast<uint32_t>(i)], to_axes, center, slope);
-  });
-  Reach reach;
-  for (const Reach& one : reaches) reach.add(one);
+  Reach reach = reach_of(scene, to_axes, center, slope);
 
   Mat4 to_world(axes);
   Vec3 eye = center;
   if (is_finite(reach.nearest)) {
-    const Vec2 distance = (reach.right + reach.left) / (2.0f * slope);
-    const Vec2 middle = 0.5f * (reach.right - reach.left);
+    const Vec2 needed = (reach.right + reach.left) / (2.0f * slope);
     // An object that is long and thin along the view still needs room before the camera.
     const float least = reach.nearest + 1e-3f * (reach.nearest - reach.farthest);
-    eye = center + axes * Vec3(middle, std::max({distance.x, distance.y, least}));
+    const float distance = std::max({needed.x, needed.y, least});
+    // From there the object fills less of the other dimension. Its middle is where it fills both halves alike: what a
+    // smaller view, which it would fill, has in its middle.
+    constexpr int kSteps = 4;
+    for (int i = 0; i < kSteps; ++i) {
+      const Vec2 filled = (reach.right + reach.left) / (2.0f * distance);
+      reach = reach_of(scene, to_axes, center, filled);
+    }
+    eye = center + axes * Vec3(0.5f * (reach.right - reach.left), distance);
   }
   to_world[3] = Vec4(eye, 1.0f);
   return to_world;

@@ -25,6 +25,8 @@ Vec2 filled(const Scene& scene, int width, int height) {
   }
   EXPECT_LE(std::max(-low.x, high.x), kFramedShare + 1e-4f);
   EXPECT_LE(std::max(-low.y, high.y), kFramedShare + 1e-4f);
+  EXPECT_NEAR(-low.x, high.x, 5e-3f) << "not in the middle";
+  EXPECT_NEAR(-low.y, high.y, 5e-3f) << "not in the middle";
   return 0.5f * (high - low);
 }
 
