@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -47,7 +48,11 @@ void expect_image(Scene scene, const std::string& what) {
   RenderSettings settings;
   settings.width = settings.height = 4;
   settings.threads = 1;
+  settings.animation = "all";
+  const bool moves = !scene.animation.empty();
   Session session(std::move(scene), settings);
+  session.render_frame();
+  if (moves) session.set_time(0.5f);
   session.render_frame();
   EXPECT_EQ(session.statistics().nonfinite_samples, 0u) << what;
 }
@@ -106,15 +111,31 @@ TEST(Malformed, FilesWithFlippedBits) {
   }
 }
 
-/// The document of rich.gltf with the value at `pointer` replaced.
-Bytes with(const std::string& pointer, const json& value) {
-  static const json kRich = [] {
-    const Bytes text = example_files().front().bytes;
-    return json::parse(std::string_view(reinterpret_cast<const char*>(text.data()), text.size()));
-  }();
-  json doc = kRich;
-  doc[json::json_pointer(pointer)] = value;
-  return to_bytes(doc.dump());
+/// The document of the example of that name.
+json document_of(const std::string& name) {
+  for (const ExampleFile& file : example_files()) {
+    if (file.name != name) continue;
+    return json::parse(std::string_view(reinterpret_cast<const char*>(file.bytes.data()), file.bytes.size()));
+  }
+  return {};
+}
+
+/// Loads the example with every value in every place; returns how many inputs that were.
+int replace_values(const std::string& name, std::span<const char* const> places) {
+  const json kValues[] = {-1,  1000000, 4294967295u, 9223372036854775807ll, 18446744073709551615ull, 1e300,
+                          0.5, "text",  nullptr,     json::array(),         json::object()};
+  const json document = document_of(name);
+  EXPECT_TRUE(document.is_object()) << name;
+  int inputs = 0;
+  for (const char* place : places) {
+    for (const json& value : kValues) {
+      json damaged = document;
+      damaged[json::json_pointer(place)] = value;
+      is_refused(name, to_bytes(damaged.dump()), std::string(place) + " = " + value.dump());
+      ++inputs;
+    }
+  }
+  return inputs;
 }
 
 TEST(Malformed, WrongIndicesAndSizesInGltf) {
@@ -155,16 +176,39 @@ TEST(Malformed, WrongIndicesAndSizesInGltf) {
                                  "/materials/0/extensions",
                                  "/cameras/0/perspective",
                                  "/asset/version"};
-  const json kValues[] = {-1,  1000000, 4294967295u, 9223372036854775807ll, 18446744073709551615ull, 1e300,
-                          0.5, "text",  nullptr,     json::array(),         json::object()};
-  int inputs = 0;
-  for (const char* place : kPlaces) {
-    for (const json& value : kValues) {
-      is_refused("rich.gltf", with(place, value), std::string(place) + " = " + value.dump());
-      ++inputs;
-    }
-  }
-  EXPECT_GE(inputs, 300);
+  EXPECT_GE(replace_values("rich.gltf", kPlaces), 300);
+}
+
+TEST(Malformed, WrongSkinsAndMorphTargetsInGltf) {
+  const char* const kPlaces[] = {"/skins/0",
+                                 "/skins/0/joints",
+                                 "/skins/0/joints/0",
+                                 "/skins/0/joints/1",
+                                 "/skins/0/inverseBindMatrices",
+                                 "/skins/0/skeleton",
+                                 "/nodes/2/skin",
+                                 "/nodes/2/weights",
+                                 "/nodes/2/mesh",
+                                 "/meshes/0/weights",
+                                 "/meshes/0/weights/0",
+                                 "/meshes/0/extras/targetNames",
+                                 "/meshes/0/primitives/0/targets",
+                                 "/meshes/0/primitives/0/targets/0",
+                                 "/meshes/0/primitives/0/targets/0/POSITION",
+                                 "/meshes/0/primitives/0/attributes/JOINTS_0",
+                                 "/meshes/0/primitives/0/attributes/WEIGHTS_0",
+                                 "/meshes/0/primitives/0/attributes/JOINTS_1",
+                                 "/animations/1/channels/0/target",
+                                 "/animations/1/channels/0/target/path",
+                                 "/animations/1/samplers/0/output",
+                                 "/animations/1/samplers/0/interpolation",
+                                 "/animations/1/samplers/0/input",
+                                 "/nodes/0/scale",
+                                 "/nodes/1/matrix",
+                                 "/nodes/0/extensions/KHR_node_visibility/visible",
+                                 "/meshes/0/primitives/0/targets/1/NORMAL",
+                                 "/meshes/0/primitives/0/targets/1/TANGENT"};
+  EXPECT_GE(replace_values("figure.gltf", kPlaces), 300);
 }
 
 TEST(Malformed, NotFiniteVerticesAndZeroAreas) {

@@ -67,6 +67,7 @@ void repair_tangents(Mesh& mesh, Warnings& warnings) {
       warnings.add(fmt::format(
           "mesh '{}': tangents without direction are ignored; they are derived from texture coordinates", mesh.name));
       mesh.tangents.clear();
+      for (MorphTarget& target : mesh.morph_targets) target.tangents.clear();
       return;
     }
     tangent = Vec4(Vec3(tangent) / length, tangent.w < 0 ? -1.0f : 1.0f);
@@ -96,11 +97,12 @@ void clamp_colors(Mesh& mesh, Warnings& warnings) {
     warnings.add(fmt::format("mesh '{}': {} vertex colours outside [0, 1] are clamped", mesh.name, outside));
 }
 
+/// `per_vertex` values belong to each vertex.
 template <typename V>
-void keep(std::vector<V>& values, const std::vector<bool>& kept) {
+void keep(std::vector<V>& values, const std::vector<bool>& kept, size_t per_vertex = 1) {
   size_t out = 0;
   for (size_t i = 0; i < values.size(); ++i) {
-    if (kept[i]) values[out++] = values[i];
+    if (kept[i / per_vertex]) values[out++] = values[i];
   }
   values.resize(out);
   values.shrink_to_fit();
@@ -123,6 +125,12 @@ void remove_unused_vertices(Mesh& mesh) {
   keep(mesh.uv0, used);
   keep(mesh.uv1, used);
   keep(mesh.colors, used);
+  for (MorphTarget& target : mesh.morph_targets) {
+    keep(target.positions, used);
+    keep(target.normals, used);
+    keep(target.tangents, used);
+  }
+  if (mesh.influences_per_vertex > 0) keep(mesh.influences, used, static_cast<size_t>(mesh.influences_per_vertex));
 }
 
 }  // namespace
@@ -151,6 +159,10 @@ void repair_mesh(Mesh& mesh, Warnings& warnings) {
   replace_broken(mesh.uv1, Vec2(0), "texture coordinates", mesh.name, warnings);
   replace_broken(mesh.colors, Vec4(1), "vertex colours", mesh.name, warnings);
   clamp_colors(mesh, warnings);
+  for (MorphTarget& target : mesh.morph_targets) {
+    for (std::vector<Vec3>* displacements : {&target.positions, &target.normals, &target.tangents})
+      replace_broken(*displacements, Vec3(0), "displacements of a morph target", mesh.name, warnings);
+  }
 }
 
 }  // namespace relume

@@ -19,11 +19,8 @@ namespace {
 
 std::string gltf_contents() {
   return fmt::format(
-      "nodes, instances, meshes, materials, textures, cameras, lights, animation of nodes. Extensions: {}. Ignored "
-      "with "
-      "a warning: skins and morph targets, whose meshes keep their rest pose, and other extensions. A `minVersion` "
-      "above "
-      "2.0 gives a warning",
+      "nodes, instances, meshes, skins, morph targets, materials, textures, cameras, lights, animations. Extensions: "
+      "{}. Ignored with a warning: other extensions. A `minVersion` above 2.0 gives a warning",
       fmt::join(gltf::supported_extensions(), ", "));
 }
 

@@ -25,6 +25,7 @@ int components_of(int type) {
     case TINYGLTF_TYPE_VEC2: return 2;
     case TINYGLTF_TYPE_VEC3: return 3;
     case TINYGLTF_TYPE_VEC4: return 4;
+    case TINYGLTF_TYPE_MAT4: return 16;
     default: return 0;
   }
 }
@@ -186,7 +187,8 @@ size_t accessor_count(const Document& document, int accessor) {
 
 int accessor_components(const Document& document, int accessor) {
   if (accessor < 0 || static_cast<size_t>(accessor) >= document.model.accessors.size()) return 0;
-  return components_of(document.model.accessors[static_cast<size_t>(accessor)].type);
+  const int components = components_of(document.model.accessors[static_cast<size_t>(accessor)].type);
+  return components <= 4 ? components : 0;
 }
 
 void convert_to_floats(const ElementSource& source, float* destination) {
@@ -218,6 +220,10 @@ std::vector<Vec3> read_vec3(const Document& document, int accessor) {
 }
 std::vector<Vec4> read_vec4(const Document& document, int accessor) {
   return read_elements<Vec4>(document, accessor, 4);
+}
+
+std::vector<Mat4> read_mat4(const Document& document, int accessor) {
+  return read_elements<Mat4>(document, accessor, 16);
 }
 
 std::vector<uint32_t> read_indices(const Document& document, int accessor) {

@@ -35,6 +35,9 @@ std::vector<Vec2> read_vec2(const Document& document, int accessor);
 std::vector<Vec3> read_vec3(const Document& document, int accessor);
 std::vector<Vec4> read_vec4(const Document& document, int accessor);
 
+/// The same for matrices of 4 × 4, which are floats without padding.
+std::vector<Mat4> read_mat4(const Document& document, int accessor);
+
 /// Unsigned integers (vertex indices). Throws Error as above, and for signed or floating-point components.
 std::vector<uint32_t> read_indices(const Document& document, int accessor);
 

@@ -25,6 +25,8 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "KHR_lights_punctual",
                                                  "KHR_mesh_quantization",
                                                  "KHR_draco_mesh_compression",
+                                                 "KHR_node_visibility",
+                                                 "KHR_animation_pointer",
                                                  "EXT_mesh_gpu_instancing",
                                                  "EXT_meshopt_compression"};
 
@@ -165,6 +167,21 @@ int add_placeholder_view(json& root) {
   return placeholder;
 }
 
+/// tinygltf drops channels without a node, which those of KHR_animation_pointer have not: they get one that does not
+/// exist.
+void add_missing_nodes(json& root) {
+  const auto animations = root.find("animations");
+  if (animations == root.end()) return;
+  for (json& animation : *animations) {
+    const auto channels = animation.find("channels");
+    if (channels == animation.end() || !channels->is_array()) continue;
+    for (json& channel : *channels) {
+      if (!channel.is_object() || !channel.contains("target") || !channel["target"].is_object()) continue;
+      if (!channel["target"].contains("node")) channel["target"]["node"] = -1;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::string_view> supported_extensions() {
@@ -193,6 +210,7 @@ PreparedJson prepare_json(std::string_view json_text, const std::string& place) 
   prepared.images = take_images(root);
   prepared.scene_extras = scene_extras(root);
   prepared.no_buffer_view = add_placeholder_view(root);
+  add_missing_nodes(root);
   root.erase("extras");
   prepared.text = root.dump();
   return prepared;

@@ -2,6 +2,7 @@
 
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_nodes.h"
+#include "scene_io/gltf/gltf_skins.h"
 
 namespace relume {
 
@@ -15,8 +16,12 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   gltf::MaterialImporter materials(document, scene);
   gltf::MeshImporter meshes(document, scene, materials);
   const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);
+  gltf::import_skins(document, node_of, scene);
   gltf::import_animation(document, node_of, scene);
   meshes.finish();
+  gltf::drop_unusable_skins(document, scene);
+  gltf::drop_missing_targets(document, scene);
+  gltf::drop_empty_clips(scene);
   materials.finish();
   gltf::apply_scene_extras(document, scene);
   scene.warnings = document.warnings.take();

@@ -1,11 +1,12 @@
 #include "scene_io/gltf/gltf_meshes.h"
 
+#include <algorithm>
 #include <exception>
 
 #include <fmt/format.h>
 
 #include "core/parallel.h"
-#include "scene_io/gltf/gltf_primitive.h"
+#include "scene_io/gltf/gltf_skins.h"
 #include "scene_io/mesh_repair.h"
 
 namespace relume::gltf {
@@ -14,6 +15,9 @@ namespace {
 /// Bound on the vertices that all primitives of a file read together, so that a small file in which many primitives
 /// share a large accessor ends in an error rather than in hours of reading.
 constexpr size_t kMaxVerticesRead = size_t{1} << 32;
+
+/// Bound on the bytes of all morph targets and joints, which a small file may repeat, too.
+constexpr size_t kMaxDeformationBytes = size_t{8} << 30;
 
 /// Whether attribute `name` is there and fits the other attributes.
 bool usable(const PrimitiveReader& reader, const std::string& name, size_t vertex_count, int low, int high,
@@ -32,6 +36,12 @@ std::vector<Vec4> read_colors(const PrimitiveReader& reader) {
   std::vector<Vec4> colors;
   for (const Vec3& rgb : reader.vec3("COLOR_0")) colors.emplace_back(rgb, 1.0f);
   return colors;
+}
+
+size_t displacement_arrays(const tinygltf::Primitive& primitive) {
+  size_t count = 0;
+  for (const auto& target : primitive.targets) count += target.size();
+  return count;
 }
 
 bool is_surface(const tinygltf::Primitive& primitive) {
@@ -67,13 +77,19 @@ void MeshImporter::count_vertices(size_t count) {
     document_.fail(fmt::format("its primitives read more than {} vertices", kMaxVerticesRead));
 }
 
+void MeshImporter::count_deformation(size_t bytes) {
+  if (deformation_bytes_ += bytes; deformation_bytes_ > kMaxDeformationBytes)
+    document_.fail(fmt::format("its morph targets and joints take more than {} GiB", kMaxDeformationBytes >> 30));
+}
+
 /// Fills `mesh`, whose name and material are known; it keeps no triangles if the primitive has none.
 void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings) {
   const PrimitiveReader reader(document_, primitive);
   const size_t count = reader.count("POSITION");
   if (count == 0) return warnings.add(fmt::format("mesh '{}': a primitive without positions is skipped", mesh.name));
   count_vertices(count);
-  if (!primitive.targets.empty()) warnings.add("morph targets are not supported; meshes keep their rest shape");
+  count_deformation(count * (sizeof(Vec3) * displacement_arrays(primitive) +
+                             joint_sets(reader) * (2 * sizeof(Vec4) + 4 * sizeof(JointInfluence))));
   const auto has = [&](const char* attribute, int low, int high) {
     return usable(reader, attribute, count, low, high, mesh.name, warnings);
   };
@@ -83,6 +99,8 @@ void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, War
   if (has("TEXCOORD_0", 2, 2)) mesh.uv0 = reader.vec2("TEXCOORD_0");
   if (has("TEXCOORD_1", 2, 2)) mesh.uv1 = reader.vec2("TEXCOORD_1");
   if (has("COLOR_0", 3, 4)) mesh.colors = read_colors(reader);
+  read_influences(reader, mesh, warnings);
+  read_morph_targets(document_, primitive, mesh, warnings);
   // Draco yields separate triangles whatever the mode says.
   mesh.triangles = assemble_triangles(reader.indices(count),
                                       is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
@@ -127,7 +145,18 @@ void MeshImporter::finish() {
     if (problem) std::rethrow_exception(problem);
   }
   for (const Warnings& part : warnings) document_.warnings.add(part);
+  name_morph_targets();
   leave_out_empty_meshes();
+}
+
+void MeshImporter::name_morph_targets() {
+  for (const auto& [index, meshes] : known_) {
+    const std::vector<std::string> names = morph_target_names(document_.model.meshes[static_cast<size_t>(index)]);
+    for (const Index mesh : meshes) {
+      std::vector<MorphTarget>& targets = scene_.meshes[static_cast<size_t>(mesh)].morph_targets;
+      for (size_t k = 0; k < std::min(names.size(), targets.size()); ++k) targets[k].name = names[k];
+    }
+  }
 }
 
 void MeshImporter::leave_out_empty_meshes() {

@@ -25,6 +25,8 @@ class MeshImporter {
  private:
   void convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings);
   void count_vertices(size_t count);
+  void count_deformation(size_t bytes);
+  void name_morph_targets();
   void leave_out_empty_meshes();
 
   Document& document_;
@@ -33,6 +35,7 @@ class MeshImporter {
   std::map<int, std::vector<Index>> known_;
   std::vector<const tinygltf::Primitive*> requests_;  ///< as Scene::meshes
   std::atomic<size_t> vertices_read_ = 0;
+  std::atomic<size_t> deformation_bytes_ = 0;
 };
 
 /// Triangles of an index list by glTF's primitive mode (triangles, strip or fan); incomplete triangles are left out.

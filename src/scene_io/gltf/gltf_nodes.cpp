@@ -7,6 +7,7 @@
 
 #include "scene_io/gltf/gltf_accessor.h"
 #include "scene_io/gltf/gltf_punctual.h"
+#include "scene_io/gltf/gltf_skins.h"
 #include "scene_io/gltf/gltf_value.h"
 
 namespace relume::gltf {
@@ -136,7 +137,10 @@ Node convert_node(Document& document, Scene& scene, MeshImporter& meshes, Punctu
   node.name = source.name.empty() ? fmt::format("node {}", index) : source.name;
   convert_transform(document, source, node);
   if (source.mesh >= 0) node.meshes = meshes.import(source.mesh);
-  if (source.skin >= 0) document.warnings.add("skins are not supported; meshes keep their rest pose");
+  if (source.skin >= 0 && source.mesh >= 0) node.skin = source.skin;  // import_skins() replaces it by the scene's
+  node.morph_weights = default_morph_weights(document.model, source);
+  const auto visibility = source.extensions.find("KHR_node_visibility");
+  if (visibility != source.extensions.end()) node.visible = boolean_member(visibility->second, "visible", true);
   if (source.camera >= 0) node.camera = punctual.import_camera(source.camera, scene);
   const auto light = source.extensions.find("KHR_lights_punctual");
   if (light != source.extensions.end())

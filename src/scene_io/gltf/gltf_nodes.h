@@ -12,7 +12,13 @@ namespace relume::gltf {
 /// cyclic trees, nodes with two parents and children that do not exist.
 std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes);
 
-/// Imports the animation of nodes, all clips on one time line.
+/// Imports the animation of nodes, a clip for each animation of the file.
 void import_animation(Document& document, const std::vector<Index>& node_of, Scene& scene);
+
+/// Once the meshes are read: takes out the channels of morph targets that no mesh of their node has.
+void drop_missing_targets(Document& document, Scene& scene);
+
+/// Takes out the clips that have no channels.
+void drop_empty_clips(Scene& scene);
 
 }  // namespace relume::gltf

@@ -14,6 +14,7 @@ namespace relume::gltf {
 namespace {
 
 constexpr int kFloat = 5126;  // component types of glTF
+constexpr int kUnsignedByte = 5121;
 constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 
@@ -126,6 +127,27 @@ int Output::add_floats(std::span<const float> values, int components, BufferTarg
     accessor["max"] = numbers(high);
   }
   return add("accessors", std::move(accessor));
+}
+
+int Output::add_joints(const std::vector<uint16_t>& joints) {
+  return add("accessors", {{"bufferView", add_bytes(std::as_bytes(std::span(joints)), BufferTarget::vertices)},
+                           {"componentType", kUnsignedShort},
+                           {"count", joints.size() / 4},
+                           {"type", "VEC4"}});
+}
+
+int Output::add_unsigned_bytes(const std::vector<uint8_t>& values) {
+  return add("accessors", {{"bufferView", add_bytes(std::as_bytes(std::span(values)))},
+                           {"componentType", kUnsignedByte},
+                           {"count", values.size()},
+                           {"type", "SCALAR"}});
+}
+
+int Output::add_matrices(const std::vector<Mat4>& matrices) {
+  return add("accessors", {{"bufferView", add_bytes(std::as_bytes(std::span(matrices)))},
+                           {"componentType", kFloat},
+                           {"count", matrices.size()},
+                           {"type", "MAT4"}});
 }
 
 int Output::add_indices(const std::vector<UVec3>& triangles, size_t vertex_count) {

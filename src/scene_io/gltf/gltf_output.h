@@ -23,6 +23,12 @@ using OutputJson = nlohmann::ordered_json;
 /// The double whose shortest decimal form is that of `value`: 0.1f is written as 0.1 and reads back as 0.1f.
 OutputJson number(float value);
 OutputJson numbers(std::span<const float> values);
+/// Components one after another.
+template <int N>
+std::span<const float> flat(const std::vector<glm::vec<N, float>>& values) {
+  return {values.empty() ? nullptr : &values.data()->x, static_cast<size_t>(N) * values.size()};
+}
+
 inline OutputJson numbers(const Vec2& v) { return numbers(std::span(&v.x, 2)); }
 inline OutputJson numbers(const Vec3& v) { return numbers(std::span(&v.x, 3)); }
 
@@ -46,6 +52,11 @@ class Output {
   int add_floats(std::span<const float> values, int components, BufferTarget target, bool bounds = false);
   /// Accessor over vertex indices, in 16 bits where that suffices.
   int add_indices(const std::vector<UVec3>& triangles, size_t vertex_count);
+  /// Accessor over four numbers of joints a vertex.
+  int add_joints(const std::vector<uint16_t>& joints);
+  /// Accessor over unsigned bytes, one an element.
+  int add_unsigned_bytes(const std::vector<uint8_t>& values);
+  int add_matrices(const std::vector<Mat4>& matrices);
   /// Buffer view over bytes of any kind (an embedded image); 4-byte aligned.
   int add_bytes(std::span<const std::byte> bytes, BufferTarget target = BufferTarget::none);
 

@@ -288,17 +288,6 @@ TEST(Gltf, ReadsFilesThatRequireWhatOnlyDecorates) {
   EXPECT_TRUE(mentions(scene.warnings, "KHR_xmp_json_ld"));
 }
 
-TEST(Gltf, WarnsOfSkinsAndMorphTargets) {
-  GltfBuilder file;
-  const int mesh = file.add_triangle({{"targets", json::array({{{"POSITION", 0}}})}});
-  file.add("skins", {{"joints", {0}}});
-  file.add_root({{"mesh", mesh}, {"skin", 0}});
-  const Scene scene = file.load();
-  EXPECT_TRUE(mentions(scene.warnings, "skins"));
-  EXPECT_TRUE(mentions(scene.warnings, "morph targets"));
-  EXPECT_EQ(scene.meshes[0].positions[1], Vec3(1, 0, 0));
-}
-
 TEST(Gltf, SaysWhereTheJsonIsBroken) {
   EXPECT_EQ(error_of([] { testing::load_text("{\n \"asset\": }"); }).substr(0, 14), "test.gltf:2:11");
   EXPECT_NE(error_of([] { testing::load_text("{}"); }).find("asset.version"), std::string::npos);

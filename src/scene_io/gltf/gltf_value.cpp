@@ -37,6 +37,12 @@ int integer_member(const tinygltf::Value& object, const char* key, int fallback)
   return value && value->IsInt() ? value->GetNumberAsInt() : fallback;
 }
 
+bool boolean_member(const tinygltf::Value& object, const char* key, bool fallback) {
+  if (!object.IsObject() || !object.Has(key)) return fallback;
+  const tinygltf::Value& value = object.Get(key);
+  return value.IsBool() ? value.Get<bool>() : fallback;
+}
+
 std::string string_member(const tinygltf::Value& object, const char* key) {
   const tinygltf::Value* value = find(object, key);
   return value && value->IsString() ? value->Get<std::string>() : std::string();

@@ -16,6 +16,8 @@ namespace relume::gltf {
 double number_member(const tinygltf::Value& object, const char* key, double fallback);
 /// The integer at `key` or `fallback`, also if it is not an integer.
 int integer_member(const tinygltf::Value& object, const char* key, int fallback);
+/// The truth value at `key` or `fallback`, also if it is of another type.
+bool boolean_member(const tinygltf::Value& object, const char* key, bool fallback);
 std::string string_member(const tinygltf::Value& object, const char* key);
 /// The object at `key`; nullptr if there is none.
 const tinygltf::Value* object_member(const tinygltf::Value& object, const char* key);

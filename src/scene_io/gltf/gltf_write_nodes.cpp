@@ -1,5 +1,6 @@
 #include "scene_io/gltf/gltf_write_nodes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -7,15 +8,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "relume/error.h"
+#include "scene/animation.h"
 #include "scene/light_parameters.h"
 
 namespace relume::gltf {
 namespace {
-
-template <int N>
-std::span<const float> flat(const std::vector<glm::vec<N, float>>& values) {
-  return {&values.data()->x, static_cast<size_t>(N) * values.size()};
-}
 
 std::vector<Vec4> xyzw(const std::vector<Transform>& transforms) {
   std::vector<Vec4> values;
@@ -43,14 +41,15 @@ std::optional<Transform> split(const Mat4& matrix) {
 
 OutputJson matrix_numbers(const Mat4& matrix) { return numbers(std::span(&matrix[0][0], 16)); }
 
-const char* path_name(AnimatedProperty property) {
-  constexpr const char* names[] = {"translation", "rotation", "scale"};
-  return names[static_cast<size_t>(property)];
-}
-
-const char* interpolation_name(Interpolation interpolation) {
-  constexpr const char* names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
-  return names[static_cast<size_t>(interpolation)];
+/// Null if no morph target has a name.
+OutputJson target_names(const Mesh& mesh) {
+  OutputJson names;
+  bool any = false;
+  for (const MorphTarget& target : mesh.morph_targets) {
+    names.push_back(target.name);
+    any = any || !target.name.empty();
+  }
+  return any ? names : OutputJson();
 }
 
 }  // namespace
@@ -59,7 +58,11 @@ std::vector<int> NodeWriter::write() {
   write_cameras();
   write_lights();
   std::vector<bool> animated(scene_.nodes.size(), false);
-  for (const AnimationChannel& channel : scene_.animation) animated[static_cast<size_t>(channel.node)] = true;
+  hides_.assign(scene_.nodes.size(), false);
+  for (const AnimationChannel& channel : scene_.animation) {
+    if (is_transform(channel.property)) animated[static_cast<size_t>(channel.node)] = true;
+    if (channel.property == AnimatedProperty::visible) hides_[static_cast<size_t>(channel.node)] = true;
+  }
   std::vector<OutputJson> nodes;
   for (size_t i = 0; i < scene_.nodes.size(); ++i) nodes.push_back(node(i, animated[i]));
   std::vector<Index> parents;
@@ -77,7 +80,7 @@ std::vector<int> NodeWriter::write() {
     }
   }
   for (OutputJson& json : nodes) output_.add("nodes", std::move(json));
-  write_animation();
+  write_skins();
   return roots;
 }
 
@@ -138,6 +141,12 @@ OutputJson NodeWriter::node(size_t index, bool animated) {
   add_transform(json, n, animated);
   add_meshes(json, n);
   if (n.camera != kNone) json["camera"] = n.camera;
+  if (n.skin != kNone && json.contains("mesh")) json["skin"] = n.skin;
+  if (json.contains("mesh")) add_morph_weights(json, n);
+  if (!n.visible || hides_[index]) {
+    json["extensions"]["KHR_node_visibility"] = {{"visible", n.visible}};
+    output_.use_extension("KHR_node_visibility");
+  }
   if (n.light != kNone) json["extensions"]["KHR_lights_punctual"] = {{"light", n.light}};
   return json;
 }
@@ -173,8 +182,11 @@ void NodeWriter::add_meshes(OutputJson& json, const Node& n) {
     return;
   }
   const auto self = static_cast<Index>(&n - scene_.nodes.data());
-  for (const Mat4& matrix : n.instances)
-    extra_nodes_.push_back({self, {{"mesh", written}, {"matrix", matrix_numbers(matrix)}}});
+  for (const Mat4& matrix : n.instances) {
+    OutputJson extra = {{"mesh", written}, {"matrix", matrix_numbers(matrix)}};
+    add_morph_weights(extra, n);
+    extra_nodes_.push_back({self, std::move(extra)});
+  }
   output_.warn(fmt::format("node '{}': its instances are sheared or flat, so each becomes a node", n.name));
 }
 
@@ -186,10 +198,16 @@ int NodeWriter::mesh(const std::vector<Index>& parts, const std::string& name) {
   const std::string& chosen = parts.size() == 1 || name.empty() ? first : name;
   if (!chosen.empty()) json["name"] = chosen;
   json["primitives"] = OutputJson::array();
+  if (const OutputJson names = target_names(scene_.meshes[static_cast<size_t>(parts.front())]); !names.is_null())
+    json["extras"]["targetNames"] = names;
   for (const Index i : parts) {
     const auto [known, first_use] = primitives_.try_emplace(i);
     if (first_use) known->second = primitive(scene_.meshes[static_cast<size_t>(i)]);
     json["primitives"].push_back(known->second);
+    // All primitives of a mesh have as many targets.
+    const auto vertices = scene_.meshes[static_cast<size_t>(i)].positions.size();
+    for (size_t k = scene_.meshes[static_cast<size_t>(i)].morph_targets.size(); k < target_count(parts); ++k)
+      json["primitives"].back()["targets"].push_back({{"POSITION", no_displacements(vertices)}});
   }
   entry->second = output_.add("meshes", std::move(json));
   return entry->second;
@@ -203,8 +221,10 @@ OutputJson NodeWriter::primitive(const Mesh& m) {
   if (!m.uv0.empty()) attributes["TEXCOORD_0"] = output_.add_floats(flat<2>(m.uv0), 2, target);
   if (!m.uv1.empty()) attributes["TEXCOORD_1"] = output_.add_floats(flat<2>(m.uv1), 2, target);
   if (!m.colors.empty()) attributes["COLOR_0"] = output_.add_floats(flat<4>(m.colors), 4, target);
+  add_influences(attributes, m);
   OutputJson json = {{"attributes", std::move(attributes)},
                      {"indices", output_.add_indices(m.triangles, m.positions.size())}};
+  add_morph_targets(json, m);
   if (m.material != kNone) json["material"] = m.material;
   return json;
 }
@@ -223,28 +243,64 @@ void NodeWriter::add_instances(OutputJson& json, const std::vector<Transform>& i
   output_.use_extension("EXT_mesh_gpu_instancing", true);
 }
 
-void NodeWriter::write_animation() {
-  if (scene_.animation.empty()) return;
-  OutputJson samplers = OutputJson::array();
-  OutputJson channels = OutputJson::array();
-  std::map<std::vector<float>, int> inputs;  // channels that move together share their times
-  for (const AnimationChannel& channel : scene_.animation) {
-    const auto [input, is_new] = inputs.try_emplace(channel.times, 0);
-    if (is_new) input->second = output_.add_floats(channel.times, 1, BufferTarget::none, true);
-    int values;
-    if (channel.property == AnimatedProperty::rotation) {
-      values = output_.add_floats(flat<4>(channel.values), 4, BufferTarget::none);
-    } else {
-      const std::vector<Vec3> xyz(channel.values.begin(), channel.values.end());
-      values = output_.add_floats(flat<3>(xyz), 3, BufferTarget::none);
+size_t NodeWriter::target_count(std::span<const Index> meshes) const {
+  size_t most = 0;
+  for (const Index mesh : meshes) most = std::max(most, scene_.meshes[static_cast<size_t>(mesh)].morph_targets.size());
+  return most;
+}
+
+void NodeWriter::add_morph_weights(OutputJson& json, const Node& n) {
+  std::vector<float> weights = n.morph_weights;
+  weights.resize(target_count(n.meshes), 0.0f);
+  if (std::any_of(weights.begin(), weights.end(), [](float w) { return w != 0; })) json["weights"] = numbers(weights);
+}
+
+void NodeWriter::add_influences(OutputJson& attributes, const Mesh& m) {
+  const auto per_vertex = static_cast<size_t>(m.influences_per_vertex);
+  for (size_t set = 0; 4 * set < per_vertex; ++set) {
+    std::vector<uint16_t> joints;
+    std::vector<Vec4> weights;
+    for (size_t v = 0; v < m.positions.size(); ++v) {
+      Vec4& weight = weights.emplace_back(0.0f);
+      for (size_t k = 4 * set; k < 4 * set + 4; ++k) {
+        const JointInfluence influence = k < per_vertex ? m.influences[v * per_vertex + k] : JointInfluence{};
+        joints.push_back(static_cast<uint16_t>(influence.joint));
+        weight[static_cast<int>(k % 4)] = influence.weight;
+      }
     }
-    channels.push_back(
-        {{"sampler", samplers.size()}, {"target", {{"node", channel.node}, {"path", path_name(channel.property)}}}});
-    samplers.push_back(
-        {{"input", input->second}, {"output", values}, {"interpolation", interpolation_name(channel.interpolation)}});
+    attributes[fmt::format("JOINTS_{}", set)] = output_.add_joints(joints);
+    attributes[fmt::format("WEIGHTS_{}", set)] = output_.add_floats(flat<4>(weights), 4, BufferTarget::vertices);
   }
-  output_.add("animations",
-              {{"name", "animation"}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}});
+}
+
+int NodeWriter::no_displacements(size_t vertices) {
+  return output_.add_floats(flat<3>(std::vector<Vec3>(vertices, Vec3(0))), 3, BufferTarget::vertices, true);
+}
+
+void NodeWriter::add_morph_targets(OutputJson& json, const Mesh& m) {
+  for (const MorphTarget& t : m.morph_targets) {
+    OutputJson target = OutputJson::object();
+    target["POSITION"] = t.positions.empty()
+                             ? no_displacements(m.positions.size())
+                             : output_.add_floats(flat<3>(t.positions), 3, BufferTarget::vertices, true);
+    if (!t.normals.empty()) target["NORMAL"] = output_.add_floats(flat<3>(t.normals), 3, BufferTarget::vertices);
+    if (!t.tangents.empty()) target["TANGENT"] = output_.add_floats(flat<3>(t.tangents), 3, BufferTarget::vertices);
+    json["targets"].push_back(std::move(target));
+  }
+}
+
+void NodeWriter::write_skins() {
+  for (const Skin& skin : scene_.skins) {
+    constexpr size_t kMostJoints = 65536;  // that JOINTS_n can number
+    if (skin.joints.size() > kMostJoints)
+      throw Error(fmt::format("{}: skin '{}' has {} joints, of which glTF can number {}; split it", output_.place(),
+                              skin.name, skin.joints.size(), kMostJoints));
+    OutputJson json = OutputJson::object();
+    if (!skin.name.empty()) json["name"] = skin.name;
+    json["joints"] = skin.joints;
+    json["inverseBindMatrices"] = output_.add_matrices(skin.inverse_bind);
+    output_.add("skins", std::move(json));
+  }
 }
 
 }  // namespace relume::gltf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,7 +15,7 @@ class NodeWriter {
  public:
   NodeWriter(const Scene& scene, Output& output) : scene_(scene), output_(output) {}
 
-  /// Writes meshes, cameras, lights, nodes and animation. glTF node i is node i of the scene. Returns the indices of
+  /// Writes meshes, cameras, lights, skins and nodes. glTF node i is node i of the scene. Returns the indices of
   /// the nodes without parent.
   std::vector<int> write();
 
@@ -28,10 +29,17 @@ class NodeWriter {
   int mesh(const std::vector<Index>& parts, const std::string& name);
   OutputJson primitive(const Mesh& m);
   void add_instances(OutputJson& json, const std::vector<Transform>& instances);
-  void write_animation();
-
+  void write_skins();
+  /// Morph targets that the meshes of a node have at most.
+  size_t target_count(std::span<const Index> meshes) const;
+  void add_morph_weights(OutputJson& json, const Node& node);
+  /// Accessor of displacements that are all zero.
+  int no_displacements(size_t vertices);
+  void add_morph_targets(OutputJson& json, const Mesh& m);
+  void add_influences(OutputJson& attributes, const Mesh& m);
   const Scene& scene_;
   Output& output_;
+  std::vector<bool> hides_;                                ///< by node: an animation hides or shows it
   std::map<std::vector<Index>, int> meshes_;               ///< by the meshes of a node
   std::map<Index, OutputJson> primitives_;                 ///< by mesh; accessors are shared
   std::vector<std::pair<Index, OutputJson>> extra_nodes_;  ///< parent and node: instances that need a node each

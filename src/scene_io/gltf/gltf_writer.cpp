@@ -6,6 +6,7 @@
 #include "relume/image_io.h"
 #include "relume/scene_io.h"
 #include "scene_io/gltf/gltf_output.h"
+#include "scene_io/gltf/gltf_write_animation.h"
 #include "scene_io/gltf/gltf_write_materials.h"
 #include "scene_io/gltf/gltf_write_nodes.h"
 
@@ -80,6 +81,7 @@ std::vector<std::string> write_gltf(const std::filesystem::path& file, const Sce
   output.list("scenes");
   gltf::MaterialWriter(scene, output).write();
   const std::vector<int> roots = gltf::NodeWriter(scene, output).write();
+  gltf::AnimationWriter(scene, output).write();
   OutputJson json = OutputJson::object();
   if (!scene.name.empty()) json["name"] = scene.name;
   if (!roots.empty()) json["nodes"] = roots;

@@ -3,6 +3,7 @@
 #include <draco/compression/config/compression_shared.h>
 
 #include "scene_io/testing/compressed_files.h"
+#include "scene_io/testing/figure_file.h"
 
 namespace relume::testing {
 namespace {
@@ -148,6 +149,13 @@ std::string relume_json_text() {
 "settings": {"max-bounces": 4}})";
 }
 
+Figure moving_figure() {
+  Figure figure;
+  figure.animate(1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 1, 0, 0}, 4, "turn");
+  figure.animate(figure.node, "weights", {0, 1}, {0, 0, 0, 0, 8, 0, 0, -4, 1, 2, 0, 0}, 1, "grow", "CUBICSPLINE");
+  return figure;
+}
+
 }  // namespace
 
 std::string fbx_text(int up_axis) {
@@ -201,7 +209,9 @@ std::vector<ExampleFile> example_files() {
           {"a.off", to_bytes("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")},
           {"a.dae", to_bytes(dae_text())},
           {"a.fbx", to_bytes(fbx_text(2))},
-          {"a.json", to_bytes(relume_json_text())}};
+          {"a.json", to_bytes(relume_json_text())},
+          {"figure.gltf", to_bytes(moving_figure().file.text())},
+          {"figure.glb", moving_figure().file.glb()}};
 }
 
 }  // namespace relume::testing

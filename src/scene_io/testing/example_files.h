@@ -13,8 +13,8 @@ struct ExampleFile {
   Bytes bytes;
 };
 
-/// glTF (plain, GLB, meshopt, Draco), OBJ, PLY (ASCII, binary), STL, 3DS, OFF, DAE, FBX and relume JSON. The JSON
-/// refers to "rich.gltf" beside it.
+/// glTF (plain, GLB, meshopt, Draco), OBJ, PLY (ASCII, binary), STL, 3DS, OFF, DAE, FBX, relume JSON, and glTF with a
+/// figure that moves. The JSON refers to "rich.gltf" beside it.
 std::vector<ExampleFile> example_files();
 
 /// Triangle at (0, 0, 100) (100, 0, 100) (0, 100, 100) in centimetres as ASCII FBX with this up axis (1: Y, 2: Z).

@@ -29,9 +29,9 @@ inline void expect_sound_accessors(const nlohmann::json& gltf, size_t buffer_siz
     EXPECT_EQ(view["byteOffset"].get<size_t>() % 4, 0u);
     EXPECT_LE(view["byteOffset"].get<size_t>() + view["byteLength"].get<size_t>(), buffer_size);
   }
-  const std::map<std::string, size_t> components = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
+  const std::map<std::string, size_t> components = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
   for (const nlohmann::json& accessor : gltf["accessors"]) {
-    const size_t size = accessor["componentType"] == 5123 ? 2 : 4;
+    const size_t size = accessor["componentType"] == 5121 ? 1 : accessor["componentType"] == 5123 ? 2 : 4;
     EXPECT_EQ(accessor["count"].get<size_t>() * components.at(accessor["type"]) * size,
               gltf["bufferViews"][accessor["bufferView"].get<size_t>()]["byteLength"]);
   }
