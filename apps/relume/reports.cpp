@@ -107,6 +107,7 @@ std::string to_json(const SceneSummary& s) {
       {"environment", s.environment},
       {"cameras", s.cameras},
       {"animation_s", s.animation_s},
+      {"animations", s.clips},
       {"bounds_min", placed ? vector(s.bounds_min) : Json()},
       {"bounds_max", placed ? vector(s.bounds_max) : Json()},
       {"geometry_bytes", s.geometry_bytes},

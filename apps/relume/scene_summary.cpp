@@ -1,4 +1,4 @@
-#include "scene_summary.h"
+#include "scene/deforming_meshes.h"
 
 #include <algorithm>
 
@@ -6,6 +6,7 @@
 
 #include "console.h"
 #include "core/box.h"
+#include "scene/deforming_meshes.h"
 
 namespace relume::cli {
 namespace {
@@ -16,20 +17,28 @@ uint64_t bytes_of(const std::vector<T>& values) {
 }
 
 uint64_t geometry_bytes(const Mesh& mesh) {
-  return bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.tangents) + bytes_of(mesh.uv0) +
-         bytes_of(mesh.uv1) + bytes_of(mesh.colors) + bytes_of(mesh.triangles);
+  uint64_t sum = bytes_of(mesh.positions) + bytes_of(mesh.normals) + bytes_of(mesh.tangents) + bytes_of(mesh.uv0) +
+                 bytes_of(mesh.uv1) + bytes_of(mesh.colors) + bytes_of(mesh.triangles) + bytes_of(mesh.influences);
+  for (const MorphTarget& target : mesh.morph_targets)
+    sum += bytes_of(target.positions) + bytes_of(target.normals) + bytes_of(target.tangents);
+  return sum;
 }
 
 /// Counts what the nodes place, and where.
 void add_placed(const Scene& scene, SceneSummary& summary) {
   const std::vector<Box> boxes = mesh_boxes(scene);
   const std::vector<Mat4> world = world_matrices(scene, 0);
+  const JointMatrices joints = joint_matrices(scene, world);
   Box bounds;
   summary.instanced_triangles = placed_triangles(scene);
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
-    for_each_place(scene.nodes[i], [&](Index mesh, const Mat4& to_node) {
+    const Node& node = scene.nodes[i];
+    for_each_place(node, [&](Index index, const Mat4& to_node) {
       ++summary.mesh_instances;
-      bounds.add(transformed(boxes[static_cast<size_t>(mesh)], world[i] * to_node));
+      const Mesh& mesh = scene.meshes[static_cast<size_t>(index)];
+      const Box box = is_deformable(node, mesh) ? deformed_box(scene, static_cast<Index>(i), mesh, joints, 0)
+                                                : boxes[static_cast<size_t>(index)];
+      bounds.add(is_skinned(node, mesh) ? box : transformed(box, world[i] * to_node));
     });
   }
   summary.bounds_min = bounds.low;
@@ -79,6 +88,7 @@ SceneSummary summarize(const Scene& scene) {
   summary.texture_bytes += bytes_of(scene.environment.map);
   for (size_t i = 0; i < scene.cameras.size(); ++i) summary.cameras.push_back(camera_text(scene.cameras[i], i));
   summary.animation_s = animation_end(scene);
+  summary.clips = scene.clips;
   summary.environment = environment_text(scene.environment);
   summary.warnings = scene.warnings;
   add_placed(scene, summary);
@@ -100,6 +110,7 @@ std::string to_text(const SceneSummary& s) {
   line("cameras", format_count(s.cameras.size()));
   for (const std::string& camera : s.cameras) line("", printable(camera));
   line("animation", s.animation_s > 0 ? fmt::format("{:g} s", s.animation_s) : "none");
+  for (size_t i = 0; i < s.clips.size(); ++i) line("", fmt::format("{} {}", i, printable(s.clips[i])));
   if (s.bounds_min.x <= s.bounds_max.x) {
     line("bounds", fmt::format("{} to {} m", vector_text(s.bounds_min), vector_text(s.bounds_max)));
     line("extent", fmt::format("{} m", vector_text(s.bounds_max - s.bounds_min)));

@@ -16,6 +16,9 @@ SettingList describe_image(RenderSettings& s) {
       {"width", &s.width, "Width of the image", {.min = 1, .max = 32768, .unit = "pixels"}},
       {"height", &s.height, "Height of the image", {.min = 1, .max = 32768, .unit = "pixels"}},
       {"camera", &s.camera, "Name or index (from 0) of the scene's camera; empty: the first"},
+      {"animation", &s.animation,
+       "Which of the file's animations play: name or index (from 0), several separated by commas, or all; empty: the "
+       "first"},
       {"scene-time", &s.time_s, "Time of the animation that is shown", {.min = 0, .max = kLatestTime, .unit = "s"}},
       {"texture-filter", choice(s.texture_filter, {"linear", "encoded"}),
        "How textures are interpolated: after decoding and with mip levels, as glTF asks, or between the sRGB codes at "

@@ -42,9 +42,10 @@ struct RenderSettings {
   int width = 1280;
   int height = 720;
   int seed = 0;
-  int threads = 0;     ///< 0: all
-  std::string camera;  ///< name or index; empty: the file's first
-  float time_s = 0;    ///< time of the animation
+  int threads = 0;        ///< 0: all
+  std::string camera;     ///< name or index; empty: the file's first
+  std::string animation;  ///< clips that play, as select_animation() takes them; empty: the file's first
+  float time_s = 0;       ///< time of the animation
   bool stratify = true;
   bool dither = false;
   TextureFilter texture_filter = TextureFilter::linear;

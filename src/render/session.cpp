@@ -157,7 +157,9 @@ bool Session::set_settings(const Settings& wanted) {
   State& s = *state_;
   RenderSettings settings = all_settings(wanted).render;
   RenderSettings& current = s.settings;
-  if (settings.texture_filter != current.texture_filter || settings.camera != current.camera) return false;
+  if (settings.texture_filter != current.texture_filter || settings.camera != current.camera ||
+      settings.animation != current.animation)
+    return false;
   check_size(settings);
   // Throws for what does not combine, before anything changes.
   const bool same_passes = same_plan(plan(settings), s.passes.pipeline.declarations());

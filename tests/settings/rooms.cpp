@@ -103,4 +103,11 @@ Scene build_curtain() {
   return builder.take();
 }
 
+Scene build_curtain_with_clips() {
+  Scene scene = build_curtain();
+  scene.clips = {"stay", "go"};
+  scene.animation[0].clip = 1;
+  return scene;
+}
+
 }  // namespace relume::support

@@ -13,4 +13,7 @@ Scene build_busy_room();
 /// A light that fills the image evenly, whatever the random numbers, and is gone after a second.
 Scene build_curtain();
 
+/// The same in the clip "go"; in the first one, "stay", it stays.
+Scene build_curtain_with_clips();
+
 }  // namespace relume::support
