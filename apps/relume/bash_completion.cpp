@@ -17,7 +17,7 @@ std::string offer_script(const Offer& offer) {
 }
 
 std::string command_case(const Command& command, const CompletionNames& names) {
-  std::string flags = "--help";
+  std::string flags = command.essentials.empty() ? "--help" : "--help --help-all";
   std::string text = fmt::format("    {})\n      case $prev in\n", command.name);
   for (const Option& option : all_options(command)) {
     const std::string flag = "--" + option.setting.name;

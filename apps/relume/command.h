@@ -74,6 +74,8 @@ struct Command {
   std::vector<std::pair<std::string, std::string>>* setting_flags = nullptr;
   std::function<int()> run;  ///< returns the exit code; may throw Error
   std::vector<UserFolder> folders = {};
+  /// Names of the options and settings that `--help` shows, in its order; `--help-all` shows all. Empty: both show all.
+  std::vector<std::string_view> essentials = {};
 };
 
 /// How much goes to standard error.

@@ -35,7 +35,7 @@ CLI::Option* declare(CLI::App& app, const Setting& setting, char letter, bool re
 }
 
 std::vector<std::string> option_names(const Command& command) {
-  std::vector<std::string> names = {"--help"};
+  std::vector<std::string> names = {"--help", "--help-all"};
   for (const Option& option : command.options) names.push_back("--" + option.setting.name);
   for (const Setting& setting : flatten(command.setting_groups)) names.push_back("--" + setting.name);
   return names;
@@ -100,8 +100,9 @@ int run_command(const std::vector<Command>& commands, const std::vector<std::str
   for (const Command& command : commands) {
     names.emplace_back(command.name);
     if (command.name != name) continue;
-    if (parse_arguments(command, {arguments.begin() + 1, arguments.end()})) return command.run();
-    std::fputs(help_text(command).c_str(), stdout);
+    const Request request = parse_arguments(command, {arguments.begin() + 1, arguments.end()});
+    if (request == Request::run) return command.run();
+    std::fputs((request == Request::help ? help_text(command) : full_help_text(command)).c_str(), stdout);
     return kExitDone;
   }
   if (name.starts_with("-"))
@@ -134,8 +135,9 @@ int report(const char* sentence, int exit_code) {
 
 }  // namespace
 
-bool parse_arguments(const Command& command, const std::vector<std::string>& arguments) {
+Request parse_arguments(const Command& command, const std::vector<std::string>& arguments) {
   CLI::App app;
+  app.set_help_all_flag("--help-all");
   Declared declared;
   for (const Argument& argument : command.arguments) {
     CLI::Option* option = app.add_option(std::string(argument.name));
@@ -154,13 +156,15 @@ bool parse_arguments(const Command& command, const std::vector<std::string>& arg
   try {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes them from the back
   } catch (const CLI::CallForHelp&) {
-    return false;
+    return Request::help;
+  } catch (const CLI::CallForAllHelp&) {
+    return Request::help_all;
   } catch (const CLI::ParseError& error) {
     throw UsageError(fmt::format("{}: {}", command.name, error.what()));
   }
   if (!app.remaining().empty()) refuse_extras(command, app.remaining());
   take_values(command, declared);
-  return true;
+  return Request::run;
 }
 
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& arguments) {

@@ -13,9 +13,11 @@ namespace relume::cli {
 /// on standard error; results go to standard output, and a failure to write there is a failure.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& arguments);
 
-/// Assigns the arguments (without the command's name) to the command's variables. Returns false if help was asked for.
-/// Throws UsageError.
-bool parse_arguments(const Command& command, const std::vector<std::string>& arguments);
+enum class Request { run, help, help_all };
+
+/// Assigns the arguments (without the command's name) to the command's variables, unless they ask for help. Throws
+/// UsageError.
+Request parse_arguments(const Command& command, const std::vector<std::string>& arguments);
 
 inline constexpr std::string_view kProgramSummary = "Render scenes by path tracing.";
 inline constexpr std::string_view kProgramDescription =
@@ -28,8 +30,10 @@ const std::vector<Example>& overview_examples();
 /// The value in help and manual pages: "N", "X", "a|b", "TEXT"; empty for booleans. `given` comes first.
 std::string value_name(const Setting& setting, std::string_view given);
 
-/// `relume COMMAND --help`: examples first.
+/// `relume COMMAND --help`: examples first, then the essentials.
 std::string help_text(const Command& command);
+/// `relume COMMAND --help-all`: every option and setting.
+std::string full_help_text(const Command& command);
 /// `relume --help`.
 std::string overview_text(const std::vector<Command>& commands);
 

@@ -44,7 +44,7 @@ struct Fixture {
 
 TEST(CommandLine, AssignsWhatIsGiven) {
   Fixture f;
-  EXPECT_TRUE(parse_arguments(f.command(), {"-o", "out.png", "scene.glb", "--count=4", "--loud"}));
+  EXPECT_EQ(parse_arguments(f.command(), {"-o", "out.png", "scene.glb", "--count=4", "--loud"}), Request::run);
   EXPECT_EQ(f.input, "scene.glb");
   EXPECT_EQ(f.output, "out.png");
   EXPECT_EQ(f.count, 4);
@@ -65,7 +65,7 @@ TEST(CommandLine, JoinsWhatRepeats) {
                         .setting_groups = {},
                         .setting_flags = nullptr,
                         .run = [&] { return ++runs, kExitDone; }};
-  EXPECT_TRUE(parse_arguments(command, {"softly", "a", "--voice", "x=1,y:2", "b", "--voice", "z", "c"}));
+  EXPECT_EQ(parse_arguments(command, {"softly", "a", "--voice", "x=1,y:2", "b", "--voice", "z", "c"}), Request::run);
   EXPECT_EQ(how, "softly");
   EXPECT_EQ(names, "a,b,c");
   EXPECT_EQ(flags, "x=1,y:2,z");
@@ -108,8 +108,9 @@ TEST(CommandLine, RefusesWithOneSentence) {
 
 TEST(CommandLine, HelpComesBeforeAnyComplaint) {
   Fixture f;
-  EXPECT_FALSE(parse_arguments(f.command(), {"--help"}));
-  EXPECT_FALSE(parse_arguments(f.command(), {"in", "-h", "--seed", "1"}));
+  EXPECT_EQ(parse_arguments(f.command(), {"--help"}), Request::help);
+  EXPECT_EQ(parse_arguments(f.command(), {"in", "-h", "--seed", "1"}), Request::help);
+  EXPECT_EQ(parse_arguments(f.command(), {"--help-all", "--nope"}), Request::help_all);
 }
 
 TEST(CommandLine, ProgramRunsCommandsAndReportsByExitCode) {
@@ -148,6 +149,19 @@ TEST(Help, ShowsExamplesFirstAndEverySetting) {
   for (size_t begin = 0; begin < help.size(); begin = help.find('\n', begin) + 1) {
     EXPECT_LE(help.find('\n', begin) - begin, 100u) << help.substr(begin, 120);
   }
+}
+
+TEST(Help, ShowsEssentialsInTheirOrderAndHowToSeeTheRest) {
+  Fixture f;
+  Command command = f.command();
+  command.essentials = {"spp", "output"};
+  const std::string help = help_text(command);
+  EXPECT_LT(help.find("  --spp N"), help.find("  -o, --output FILE"));
+  EXPECT_EQ(help.find("--count"), help.npos) << help;
+  EXPECT_NE(help.find("--help-all"), help.npos) << help;
+  const std::string all = full_help_text(command);
+  EXPECT_NE(all.find("  --count N"), all.npos);
+  EXPECT_NE(all.find("  --max-bounces N"), all.npos);
 }
 
 }  // namespace

@@ -306,6 +306,8 @@ Command compare_command(Verbosity& verbosity) {
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run_compare(*options, verbosity); },
       .folders = {kReferenceFolder},
+      .essentials = {"output", "techniques", "budget", "spp", "width", "height", "frames", "repeat", "image",
+                     "reference", "reference-spp", "timing"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

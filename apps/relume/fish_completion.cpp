@@ -33,6 +33,7 @@ std::string command_lines(const Command& command, const CompletionNames& names) 
     if (!offer) text += fmt::format("{} -l no-{}\n", start, option.setting.name);
   }
   text += fmt::format("{} -s h -l help -d 'Show help'\n", start);
+  if (!command.essentials.empty()) text += fmt::format("{} -l help-all -d 'Show all options'\n", start);
   for (const Argument& argument : command.arguments) {
     text += fmt::format("{}{}\n", start, offer_flags(offer_of(argument.completion, names)));
   }

@@ -85,16 +85,45 @@ std::string value_name(const Setting& setting, std::string_view given) {
   return upper_case(setting.name);
 }
 
-std::string help_text(const Command& command) {
+namespace {
+
+/// All that precedes the options.
+std::string introduction(const Command& command) {
   std::string text = fmt::format("{}\n\nExamples:\n", command.summary);
   for (const Example& example : command.examples)
     text += fmt::format("  {}\n      {}\n", example.line, example.meaning);
   text += fmt::format("\nUsage: {}\n", usage_line(command));
   if (!command.arguments.empty()) text += "\nArguments:\n";
   for (const Argument& argument : command.arguments) text += row(std::string(argument.name), argument.help);
-  text += "\nOptions:\n";
+  return text + "\nOptions:\n";
+}
+
+/// Of the option or setting with this name.
+std::string row_of(const Command& command, std::string_view name) {
+  for (const Option& option : command.options) {
+    if (option.setting.name == name) return option_row(option);
+  }
+  return setting_row(require_setting(flatten(command.setting_groups), std::string(name), std::string(name)));
+}
+
+}  // namespace
+
+std::string help_text(const Command& command) {
+  if (command.essentials.empty()) return full_help_text(command);
+  std::string text = introduction(command);
+  for (const std::string_view name : command.essentials) text += row_of(command, name);
+  const size_t all = command.options.size() + flatten(command.setting_groups).size();
+  return text + row("-h, --help", "Show this") + row("--help-all", fmt::format("Show all {} options", all));
+}
+
+std::string full_help_text(const Command& command) {
+  std::string text = introduction(command);
   for (const Option& option : command.options) text += option_row(option);
-  text += row("-h, --help", "Show this");
+  if (command.essentials.empty()) {
+    text += row("-h, --help", "Show this");
+  } else {
+    text += row("-h, --help", "Show the options that most renders need") + row("--help-all", "Show this");
+  }
   for (const SettingGroup& group : command.setting_groups) {
     text += fmt::format("\n{}:\n", group.title);
     for (const Setting& setting : group.settings) text += setting_row(setting);

@@ -87,6 +87,8 @@ std::string options_section(const Command& command) {
   std::string text = ".SH OPTIONS\n";
   for (const Option& option : command.options) text += option_entry(option, false);
   text += tagged(roff_bold("-h") + ", " + roff_bold("--help"), "Show a summary of the command.");
+  if (!command.essentials.empty())
+    text += tagged(roff_bold("--help-all"), "Show a summary of the command with all of its options.");
   for (const SettingGroup& group : command.setting_groups) {
     text += fmt::format(".SS \"{}\"\n{}", group.title, roff_prose(group.summary));
     for (const Setting& setting : group.settings) text += option_entry({setting}, true);

@@ -70,6 +70,8 @@ Command render_command(Verbosity& verbosity) {
       .setting_groups = setting_groups(*defaults),
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run_render(*options, verbosity); },
+      .essentials = {"output", "width", "height", "spp", "time", "camera", "env", "exposure", "denoise", "frames",
+                     "preset"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

@@ -61,6 +61,7 @@ Command view_command(Verbosity& verbosity) {
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run(*options, verbosity); },
       .folders = {kBookmarkFolder},
+      .essentials = {"width", "height", "target", "camera", "env", "exposure", "denoise", "preset", "settings"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

@@ -62,6 +62,7 @@ std::string command_case(const Command& command, const CompletionNames& names) {
   std::string text = fmt::format("    {})\n      _arguments -s \\\n", command.name);
   for (const Option& option : all_options(command)) text += option_lines(option, names);
   for (const Argument& argument : command.arguments) text += argument_line(argument, names);
+  if (!command.essentials.empty()) text += "        '(- *)--help-all[Show all options]' \\\n";
   return text + "        '(- *)'{-h,--help}'[Show help]'\n      ;;\n";
 }
 

@@ -35,7 +35,7 @@ def commands():
 def flags(command):
     """As help lists them: {"--spp", "--no-adaptive.pilot", …}."""
     found = set()
-    for negation, name in FLAG.findall(run(command, "--help").stdout):
+    for negation, name in FLAG.findall(run(command, "--help-all").stdout):
         found.add(f"--{name}")
         if negation:
             found.add(f"--no-{name}")
@@ -75,6 +75,20 @@ class ZshTerminal:
     def close(self):
         os.close(self.terminal)
         os.waitpid(self.process, 0)
+
+
+class Help(ProgramTest):
+    def test_shows_the_flags_that_people_use_and_names_the_way_to_the_rest(self):
+        for command in ("render", "view", "compare"):
+            shown = [name for _, name in FLAG.findall(self.succeed(command, "--help").stdout)]
+            self.assertIn(len(shown), range(9, 16), command)  # about ten, and the two that show help
+            self.assertEqual(shown[-2:], ["help", "help-all"], command)
+            self.assertLessEqual({f"--{name}" for name in shown}, flags(command), command)
+            self.assertGreater(len(flags(command)), 100, command)
+
+    def test_commands_with_few_flags_show_all(self):
+        self.assertEqual(self.succeed("info", "--help").stdout, self.succeed("info", "--help-all").stdout)
+        self.assertNotIn("--help-all", self.succeed("info", "--help").stdout)
 
 
 class ManualPages(ProgramTest):

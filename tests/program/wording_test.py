@@ -18,7 +18,7 @@ COMMANDS = ("render", "view", "scenes", "export", "info", "metrics", "compare", 
 class Wording(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.texts = {command: self.succeed(command, "--help").stdout for command in COMMANDS}
+        self.texts = {command: self.succeed(command, "--help-all").stdout for command in COMMANDS}
         self.texts["help"] = self.succeed("--help").stdout
         for line in ("scenes", "devices", "settings --markdown", "experiment list"):
             self.texts[line.replace(" ", "_")] = self.succeed(*line.split()).stdout

@@ -38,7 +38,7 @@ class Trials:
         self.lock = threading.Lock()
         self.done = []  # (number, kind, run, problems)
         self.kept = 0
-        self.maker = cases.Maker(self.products(), {command: self.output_of(command, "--help") for command in command_lines.COMMANDS})
+        self.maker = cases.Maker(self.products(), {command: self.output_of(command, "--help-all") for command in command_lines.COMMANDS})
 
     def environment(self, folder):
         kept = {name: value for name, value in os.environ.items() if name in ("PATH", "LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS", "LSAN_OPTIONS")}
