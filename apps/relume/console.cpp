@@ -5,7 +5,22 @@
 
 #include <fmt/format.h>
 
+#include "relume/scene.h"
+
 namespace relume::cli {
+namespace {
+
+/// "FILE: ", if the sentence begins with one of `files`; the longest counts.
+std::string place_of(const std::string& sentence, const std::vector<std::filesystem::path>& files) {
+  std::string place;
+  for (const std::filesystem::path& file : files) {
+    const std::string start = file.string() + ": ";
+    if (start.size() > place.size() && sentence.starts_with(start)) place = start;
+  }
+  return place;
+}
+
+}  // namespace
 
 void log_info(const Verbosity& verbosity, std::string_view text) {
   if (!verbosity.quiet) std::fputs(fmt::format("{}\n", text).c_str(), stderr);
@@ -39,14 +54,34 @@ std::string printable(std::string_view text) {
 
 void warn(std::string_view text) { std::fputs(fmt::format("warning: {}\n", printable(text)).c_str(), stderr); }
 
-void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings) {
-  constexpr size_t kShown = 10;
-  for (size_t i = 0; i < warnings.size(); ++i) {
-    if (i == kShown && !verbosity.verbose) {
-      return warn(fmt::format("and {} more; `relume info` lists all", warnings.size() - kShown));
-    }
-    warn(warnings[i]);
+std::vector<std::string> name_files_once(const std::vector<std::string>& sentences,
+                                         const std::vector<std::filesystem::path>& files) {
+  std::vector<std::string> result;
+  std::string last;
+  for (const std::string& sentence : sentences) {
+    const std::string place = place_of(sentence, files);
+    result.push_back(place == last ? sentence.substr(place.size()) : sentence);
+    last = place;
   }
+  return result;
+}
+
+void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings,
+              const std::vector<std::filesystem::path>& files) {
+  constexpr size_t kShown = 10;
+  const std::vector<std::string> sentences = name_files_once(warnings, files);
+  for (size_t i = 0; i < sentences.size(); ++i) {
+    if (i == kShown && !verbosity.verbose) {
+      return warn(fmt::format("and {} more; `relume info` lists all", sentences.size() - kShown));
+    }
+    warn(sentences[i]);
+  }
+}
+
+void warn_all(const Verbosity& verbosity, const Scene& scene) {
+  warn_all(verbosity, scene.warnings, scene.source_files);
+  for (const std::string& note : name_files_once(scene.notes, scene.source_files))
+    tell_more(verbosity, printable(note));
 }
 
 std::string format_bytes(uint64_t bytes) {

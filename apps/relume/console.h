@@ -2,11 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "command.h"
+
+namespace relume {
+struct Scene;
+}
 
 namespace relume::cli {
 
@@ -21,8 +26,16 @@ std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit);
 std::string printable(std::string_view text);
 /// Always printed, on one line with "warning: " before it.
 void warn(std::string_view text);
-/// A scene's warnings: the first ten, and how many more there are; all with --verbose.
-void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings);
+/// The first ten, and how many more there are; all with --verbose. Names each of `files` once, as name_files_once()
+/// does.
+void warn_all(const Verbosity& verbosity, const std::vector<std::string>& warnings,
+              const std::vector<std::filesystem::path>& files);
+/// The scene's warnings, and with --verbose its notes.
+void warn_all(const Verbosity& verbosity, const Scene& scene);
+/// Sentences that begin with the name of one of `files`, as those of loaders do: without it if the sentence before
+/// names the same file.
+std::vector<std::string> name_files_once(const std::vector<std::string>& sentences,
+                                         const std::vector<std::filesystem::path>& files);
 
 /// "1.2 GiB", "340 MiB", "12 KiB".
 std::string format_bytes(uint64_t bytes);

@@ -31,8 +31,8 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   roles.writes("-o", file);
   const Scene scene = open_scene(options.scene);
   roles.reads("SCENE", scene.source_files);
-  warn_all(verbosity, scene.warnings);
-  warn_all(verbosity, write_gltf(file, scene));
+  warn_all(verbosity, scene);
+  warn_all(verbosity, write_gltf(file, scene), {file});
   log_info(verbosity, fmt::format("wrote {}", options.output));
   return kExitDone;
 }

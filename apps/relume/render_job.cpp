@@ -138,7 +138,7 @@ void RenderJob::load() {
   plan_.roles.reads("SCENE", scene.source_files);
   apply(settings_.scene, scene);
   fit_to_camera(settings_, plan_.sources, scene);
-  warn_all(verbosity_, scene.warnings);
+  warn_all(verbosity_, scene);
   load_s_ = now_s() - start_s;
   tell_more(verbosity_, fmt::format("loaded {} in {:.2f} s", options_.scene, load_s_));
 

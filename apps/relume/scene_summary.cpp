@@ -91,6 +91,7 @@ SceneSummary summarize(const Scene& scene) {
   summary.clips = scene.clips;
   summary.environment = environment_text(scene.environment);
   summary.warnings = scene.warnings;
+  summary.files = scene.source_files;
   add_placed(scene, summary);
   return summary;
 }
@@ -118,7 +119,7 @@ std::string to_text(const SceneSummary& s) {
   line("memory",
        fmt::format("{} geometry, {} textures", format_bytes(s.geometry_bytes), format_bytes(s.texture_bytes)));
   line("warnings", format_count(s.warnings.size()));
-  for (const std::string& warning : s.warnings) line("", printable(warning));
+  for (const std::string& warning : name_files_once(s.warnings, s.files)) line("", printable(warning));
   return text;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct SceneSummary {
   uint64_t texture_bytes = 0;  ///< with the environment map
   std::string environment;     ///< "none", "constant 1, 1, 1", "map 1024 x 512", "sun and sky"
   std::vector<std::string> warnings;
+  std::vector<std::filesystem::path> files;  ///< that warnings may name
 };
 
 SceneSummary summarize(const Scene& scene);

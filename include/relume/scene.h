@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ struct Texture {
   WrapMode wrap_v = WrapMode::repeat;
   FilterMode filter = FilterMode::linear;
   std::vector<std::byte> texels;  ///< width · height · bytes per texel, tightly packed
+  /// The image file that `texels` were decoded from; writers keep it as long as it decodes to them. Empty: none.
+  std::shared_ptr<const std::vector<std::byte>> file;
 };
 
 /// Where a material takes a texture from (KHR_texture_transform): uv' = offset + R · (scale ⊙ uv), R = (cos sin; −sin
@@ -249,6 +252,7 @@ struct Scene {
   Environment environment;
   std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
   std::vector<std::string> warnings;                ///< what was ignored or repaired, one sentence each
+  std::vector<std::string> notes;                   ///< what was ignored and changes nothing, one sentence each
   std::vector<std::filesystem::path> source_files;  ///< that load_scene() read, missing ones included
 
   Index add_node(Node node) {

@@ -46,6 +46,35 @@ std::string first_bytes(const std::filesystem::path& file, size_t count) {
   return bytes;
 }
 
+/// A format that is not read, and what turns its files into glTF.
+struct ForeignFormat {
+  std::vector<std::string_view> extensions;
+  std::string_view name;
+  std::string_view remedy;
+};
+
+constexpr std::string_view kBlender = "import the file in Blender and export glTF 2.0 from there";
+
+const ForeignFormat* foreign_format(std::string_view extension) {
+  static const std::vector<ForeignFormat> kFormats = {
+      {{"blend"}, "Blender", "export glTF 2.0 from Blender"},
+      {{"usd", "usda", "usdc", "usdz"}, "USD", kBlender},
+      {{"abc"}, "Alembic", kBlender},
+      {{"x3d", "wrl"}, "X3D and VRML", kBlender},
+      {{"max"}, "3ds Max", "export glTF 2.0 or FBX from 3ds Max"},
+      {{"ma", "mb"}, "Maya", "export FBX from Maya"},
+      {{"c4d"}, "Cinema 4D", "export glTF 2.0 from Cinema 4D"},
+      {{"skp"}, "SketchUp", "export glTF 2.0 or DAE from SketchUp"},
+      {{"3dm"}, "Rhino", "export glTF 2.0 or OBJ from Rhino"},
+      {{"step", "stp", "iges", "igs"}, "CAD", "export STL, OBJ or glTF 2.0 from FreeCAD"},
+  };
+  for (const ForeignFormat& format : kFormats) {
+    if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
+      return &format;
+  }
+  return nullptr;
+}
+
 std::vector<std::string_view> all_extensions() {
   std::vector<std::string_view> all;
   for (const SceneFormat& format : scene_formats())
@@ -82,6 +111,8 @@ const SceneFormat& scene_format_of(const std::filesystem::path& file) {
     if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
       return format;
   }
+  if (const ForeignFormat* foreign = foreign_format(extension))
+    throw Error(fmt::format("{}: {} files are not read; {}", file.string(), foreign->name, foreign->remedy));
   throw Error(fmt::format("{}: scene files with extension '{}' are not supported; use {}", file.string(), extension,
                           fmt::join(all_extensions(), ", ")));
 }

@@ -43,6 +43,22 @@ TEST(SceneFormat, AnUnknownOneIsRefusedWithAllExtensions) {
   }
 }
 
+TEST(SceneFormat, AFormatOfAnotherProgramIsRefusedWithTheWayToGltf) {
+  const auto sentence = [](const char* file) -> std::string {
+    try {
+      scene_format_of(file);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(sentence("car.blend"), "car.blend: Blender files are not read; export glTF 2.0 from Blender");
+  for (const char* file : {"car.usd", "car.USDA", "car.usdc", "car.usdz"})
+    EXPECT_EQ(
+        sentence(file),
+        std::string(file) + ": USD files are not read; import the file in Blender and export glTF 2.0 from there");
+}
+
 TEST(SceneFormat, NamesMakeAPhrase) {
   EXPECT_EQ(scene_format_names(), "glTF, relume JSON, PLY, OBJ, FBX, DAE, STL, 3DS or OFF");
 }

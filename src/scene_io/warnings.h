@@ -24,21 +24,34 @@ class Warnings {
     }
   }
 
+  /// For Scene::notes: something is ignored that path tracing computes, or that nobody sees.
+  void note(const std::string& sentence) {
+    if (notes_.size() < kMaxWarnings && seen_.insert(sentence).second) notes_.push_back(sentence);
+  }
+
   /// Adds what was collected apart, by a task of its own.
   void add(const Warnings& part) {
     for (const std::string& sentence : part.sentences_) add(sentence);
+    for (const std::string& sentence : part.notes_) note(sentence);
     omitted_ += part.omitted_;
   }
 
   std::vector<std::string> take() {
     if (omitted_ > 0) sentences_.push_back(std::to_string(omitted_) + " more warnings are not shown");
-    for (std::string& sentence : sentences_) sentence.insert(0, place_ + ": ");
-    return std::move(sentences_);
+    return named(std::move(sentences_));
   }
 
+  std::vector<std::string> take_notes() { return named(std::move(notes_)); }
+
  private:
+  std::vector<std::string> named(std::vector<std::string> sentences) const {
+    for (std::string& sentence : sentences) sentence.insert(0, place_ + ": ");
+    return sentences;
+  }
+
   std::string place_;
   std::vector<std::string> sentences_;
+  std::vector<std::string> notes_;
   std::unordered_set<std::string> seen_;
   size_t omitted_ = 0;
 };

@@ -71,7 +71,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   roles.reads("SCENE", scene.source_files);
   roles.reads("--env", settings.scene.env);
   const double load_s = now_s() - start_s;
-  warn_all(verbosity, scene.warnings);
+  warn_all(verbosity, scene);
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
   viewer::App app(options, settings, viewer::chooses_size(sources),
                   viewer::ScriptPlayer(std::move(steps), options.script),

@@ -25,6 +25,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   materials.finish();
   gltf::apply_scene_extras(document, scene);
   scene.warnings = document.warnings.take();
+  scene.notes = document.warnings.take_notes();
   validate(scene, place);
   return scene;
 }

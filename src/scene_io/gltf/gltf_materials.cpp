@@ -75,7 +75,7 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
   m.alpha_cutoff = limited(source.alphaCutoff, 0, kLargest, "alpha cutoff", m.name);
   m.double_sided = source.doubleSided;
   if (source.occlusionTexture.index >= 0)
-    document_.warnings.add("occlusion textures are ignored; occlusion is computed");
+    document_.warnings.note("occlusion textures are ignored; occlusion is computed");
 }
 
 /// A coat is bent as the base below it.

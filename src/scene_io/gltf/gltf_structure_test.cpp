@@ -288,6 +288,16 @@ TEST(Gltf, ReadsFilesThatRequireWhatOnlyDecorates) {
   EXPECT_TRUE(mentions(scene.warnings, "KHR_xmp_json_ld"));
 }
 
+TEST(Gltf, OcclusionTexturesAreWorthANoteButNoWarning) {
+  GltfBuilder file;
+  file.add("images", {{"uri", testing::data_uri(testing::solid_png(1, 1, 255, 255, 255, 255))}});
+  file.add("textures", {{"source", 0}});
+  file.add_triangle_with_material({{"occlusionTexture", {{"index", 0}}}});
+  const Scene scene = file.load();
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_TRUE(mentions(scene.notes, "test.gltf: occlusion textures are ignored"));
+}
+
 TEST(Gltf, SaysWhereTheJsonIsBroken) {
   EXPECT_EQ(error_of([] { testing::load_text("{\n \"asset\": }"); }).substr(0, 14), "test.gltf:2:11");
   EXPECT_NE(error_of([] { testing::load_text("{}"); }).find("asset.version"), std::string::npos);
