@@ -14,6 +14,7 @@
 #include "experiments/output/results.h"
 #include "file_roles.h"
 #include "files/atomic_file.h"
+#include "frame/launch.h"
 #include "machine.h"
 #include "platform.h"
 #include "progress.h"
@@ -28,6 +29,7 @@ struct ExperimentOptions {
   std::string output = "experiments";
   std::string scenes;
   std::string cache_folder;
+  int threads = 0;  ///< 0: all
   bool all = false;
   bool quick = false;
   bool goes_on = false;
@@ -137,13 +139,20 @@ void tell_that_it_stays(const ExperimentSummary& summary, const std::filesystem:
                            : ", measured by another build of relume; without --continue it is measured again"));
 }
 
+/// The machine, and how many of its threads were allowed.
+std::vector<std::pair<std::string, std::string>> machine_of(const ExperimentOptions& o) {
+  auto machine = machine_description();
+  if (o.threads > 0) machine.emplace_back("Threads", fmt::format("{} at most", o.threads));
+  return machine;
+}
+
 /// Measures, and writes what came out beside what is in the folder already.
 void run_experiment(const Experiment& experiment, const ExperimentOptions& o, const ExperimentContext& context,
                     const std::filesystem::path& folder, ProgressPrinter& printer, const Verbosity& verbosity) {
   const std::string name(experiment.name);
   const double start_s = now_s();
   const ExperimentResult result = experiment.run(context);
-  const ExperimentRun run{machine_description(), o.quick, now_s() - start_s, !o.scenes.empty(), context.program};
+  const ExperimentRun run{machine_of(o), o.quick, now_s() - start_s, !o.scenes.empty(), context.program};
   printer.clear();
   write_files({{folder / (name + ".html"), to_html(experiment_page(experiment, result, run))},
                {folder / (name + ".json"), to_json(experiment, result, run)}});
@@ -160,6 +169,7 @@ int run_experiments(const ExperimentOptions& o, const Verbosity& verbosity) {
   const std::filesystem::path folder = make_output_folder(o.output);
   check_outputs(o, list, folder);
   summaries_in(folder);  // a file that is something else is better found before hours of work than after
+  const ThreadLimit limit(o.threads);
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   ProgressPrinter printer(!verbosity.quiet);
   ExperimentContext context = make_context(o, interrupts.token(), printer);
@@ -217,6 +227,7 @@ Command experiment_command(Verbosity& verbosity) {
                    'o',
                    Completion::file},
                   {{"all", &options->all, "Run all of them"}},
+                  {{"threads", &options->threads, "Worker threads; 0: one for each core", {.min = 0, .max = 1024}}},
                   {{"quick", &options->quick, "Small images and few settings"}},
                   {{"continue", &options->goes_on, "Leave out what is in the folder already"}},
                   {{"scenes", &options->scenes, "Folder with scenes that are not built in: sponza/sponza.gltf"},

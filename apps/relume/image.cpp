@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 6> kExtensions = {".exr", ".hdr", ".png",
 void write_layers(const std::filesystem::path& file, const Session& session, const std::vector<std::string>& aovs,
                   const Metadata& metadata) {
   const Image image = session.image();
-  ExrFile exr{image.width, image.height, exr_channels(image), metadata};
+  ExrFile exr{image.width, image.height, exr_channels(image), metadata, render_settings(session).crop};
   for (const std::string& name : aovs) {
     for (ExrChannel& channel : session.aov(name)) exr.channels.push_back(std::move(channel));
   }
@@ -77,11 +77,22 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
   };
 }
 
+Image cropped_image(const Session& session) {
+  const PixelWindow& crop = render_settings(session).crop;
+  Image image = session.image();
+  if (crop.empty()) return image;
+  Image part(crop.width, crop.height);
+  for (int y = 0; y < crop.height; ++y) {
+    for (int x = 0; x < crop.width; ++x) part.at(x, y) = image.at(crop.x + x, crop.y + y);
+  }
+  return part;
+}
+
 void write_image(const std::filesystem::path& file, const Session& session, const Display& display,
                  const std::vector<std::string>& aovs, const Metadata& metadata) {
   const std::string extension = lower_extension(file);
   if (extension == ".exr") return write_layers(file, session, aovs, metadata);
-  const Image image = session.image();
+  const Image image = cropped_image(session);
   write_image(file, extension == ".hdr" ? image : tone_map(image, display.tone_map, display.exposure));
 }
 

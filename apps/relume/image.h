@@ -32,6 +32,9 @@ using Metadata = std::map<std::string, std::string>;
 /// `settings`, those of `render` are the session's own. `load_s`: what reading the scene took.
 Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
+/// The session's image; with `--crop` the window that was rendered.
+Image cropped_image(const Session& session);
+
 /// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
 /// tone-mapped. Throws Error.
 void write_image(const std::filesystem::path& file, const Session& session, const Display& display,

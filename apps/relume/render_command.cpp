@@ -19,6 +19,10 @@ std::vector<Option> declare(RenderOptions& o) {
        Completion::file},
       {{"aov", &o.aov, "Further layers of the EXR, with commas between: albedo,normal,depth,motion,variance …"},
        "LIST"},
+      {{"crop", &o.crop,
+        "Render only this window of the image, with the bits that the whole image has there; an EXR keeps the size of "
+        "the whole, other files are cut"},
+       "X,Y,W,H"},
       {{"frames", &o.frames,
         "Render these frames of the animation; the number goes into the name of FILE, in place of #### "
         "or %04d or before the extension"},

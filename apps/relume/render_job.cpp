@@ -146,6 +146,7 @@ void RenderJob::load() {
   settings_.render.time_s = time_of(0);
   time_of(plan_.files.size() - 1);  // refused before anything is rendered
   settings_.render.auxiliary = !plan_.aovs.empty();
+  settings_.render.crop = plan_.crop;
   session_.emplace(std::move(scene), settings_.render);
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);
   if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
@@ -249,7 +250,7 @@ void RenderJob::try_checkpoint() {
 
 /// In a sequence, an automatic exposure adapts from image to image.
 Display RenderJob::display_of_image() {
-  Display display = display_for(settings_.output, session_->image().pixels, session_->in_studio());
+  Display display = display_for(settings_.output, cropped_image(*session_).pixels, session_->in_studio());
   if (settings_.output.exposure) return display;
   if (last_exposure_) display.exposure = adapted_exposure(*last_exposure_, display.exposure, 1.0f / options_.fps);
   last_exposure_ = display.exposure;
@@ -261,7 +262,7 @@ void RenderJob::write(size_t index, StopReason reason) {
   const std::filesystem::path& file = plan_.files[index];
   if (is_video_file(file)) {
     const Display display = display_of_image();
-    const Image image = tone_map(session_->image(), display.tone_map, display.exposure);
+    const Image image = tone_map(cropped_image(*session_), display.tone_map, display.exposure);
     if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
     video_->add(image);
     if (index == first_image_) written_.push_back(file.string());

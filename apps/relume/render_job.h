@@ -13,6 +13,7 @@ struct RenderOptions {
   std::string scene;
   std::string output;
   std::string aov;
+  std::string crop;    ///< "X,Y,W,H"; empty: the whole image
   std::string frames;  ///< empty: a single image
   float fps = 24;
   std::string preset;

@@ -1,5 +1,9 @@
 #include "render_plan.h"
 
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
@@ -7,6 +11,7 @@
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"
+#include "settings/text_list.h"
 #include "video.h"
 
 namespace relume::cli {
@@ -40,6 +45,21 @@ FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesyst
   return roles;
 }
 
+/// Four numbers with commas between; an empty window for an empty text.
+PixelWindow parse_window(std::string_view text, std::string_view place) {
+  if (text.empty()) return {};
+  std::vector<int> numbers;
+  for (const std::string_view part : split_at_commas(text)) {
+    int number = 0;
+    const auto [end, failure] = std::from_chars(part.data(), part.data() + part.size(), number);
+    if (failure == std::errc{} && end == part.data() + part.size() && number >= 0) numbers.push_back(number);
+  }
+  if (numbers.size() != 4 || std::count(text.begin(), text.end(), ',') != 3 || numbers[2] < 1 || numbers[3] < 1)
+    throw UsageError(fmt::format(
+        "{} is '{}', but must be left, top, width and height in pixels, such as 100,50,320,200", place, text));
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
 }  // namespace
 
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
@@ -56,6 +76,7 @@ RenderPlan make_plan(const RenderOptions& options) {
     plan.files = files_of_sequence(options, plan.frames);
   }
   plan.roles = roles_of(options, plan.files);
+  plan.crop = parse_window(options.crop, "--crop");
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;

@@ -19,6 +19,7 @@ struct RenderPlan {
   std::vector<std::filesystem::path> files;  ///< one a frame
   SettingSources sources;
   FileRoles roles;
+  PixelWindow crop;
   int threads = 0;
 };
 

@@ -22,6 +22,17 @@ struct Image {
   }
 };
 
+/// Pixels [x, x + width) × [y, y + height) of an image; empty: all of it.
+struct PixelWindow {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+
+  bool empty() const { return width == 0; }
+  friend bool operator==(const PixelWindow&, const PixelWindow&) = default;
+};
+
 /// How an image's pixels lie in the caller's memory.
 enum class PixelLayout {
   rgb32f,   ///< 3 floats, linear radiance

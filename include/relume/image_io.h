@@ -27,6 +27,7 @@ struct RELUME_API ExrFile {
   int height = 0;
   std::vector<ExrChannel> channels;
   std::map<std::string, std::string> attributes;
+  PixelWindow data_window = {};  ///< what write_exr() stores; readers see 0 elsewhere
 
   /// nullptr if there is no channel of that name.
   const ExrChannel* find(std::string_view name) const;

@@ -34,6 +34,7 @@ struct FrameState {
   bool begins_epoch = true;       ///< structures that learn are replaced by what later samples have added
   bool stratified = false;     ///< a pixel's samples since the last change are one low-discrepancy sequence of its own
   std::stop_token stop = {};   ///< empty if a pass keeps state beyond its buffers
+  Tile window = {};            ///< the pixels that are rendered; without any: all
   std::stop_token hurry = {};  ///< requested: preparation that a later frame can continue ends early
 };
 
@@ -62,6 +63,8 @@ class FrameContext : public FrameState {
   uint32_t width() const { return buffers_.width(); }
   uint32_t height() const { return buffers_.height(); }
   uint32_t pixels() const { return width() * height(); }
+  /// The pixels that are rendered.
+  Tile rendered() const { return window.x1 > 0 ? window : Tile{0, 0, width(), height()}; }
 
   /// Elements of a buffer; an empty view if this frame lacks it. Each checks that the pass has declared the access.
   template <typename T>
@@ -91,20 +94,21 @@ class FrameContext : public FrameState {
     }
   }
 
-  /// Runs a kernel for every pixel, whatever is requested meanwhile.
+  /// Runs a kernel for every pixel that is rendered, whatever is requested meanwhile.
   template <PassKernel K>
   void launch(std::string_view name, const K& kernel) const {
-    launch(name, kernel, {width(), height()});
+    relume::launch(backend, name, kernel, rendered());
   }
   /// Runs a kernel for every element of `grid`.
   template <PassKernel K>
   void launch(std::string_view name, const K& kernel, const Grid& grid) const {
     relume::launch(backend, name, kernel, grid.width, grid.height, {}, grid.tile_size);
   }
-  /// Runs a kernel for every pixel. False if a stop was requested first; the pass then has to return false.
+  /// Runs a kernel for every pixel that is rendered. False if a stop was requested first; the pass then has to return
+  /// false.
   template <PassKernel K>
   [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel) const {
-    return relume::launch(backend, name, kernel, width(), height(), stop);
+    return relume::launch(backend, name, kernel, rendered(), stop);
   }
 
  private:

@@ -100,13 +100,18 @@ class Backend {
   std::vector<LaunchTime> times_;
 };
 
-/// Runs `kernel` over a width × height grid. Returns false if `stop` was requested first; some elements are then
+/// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
 /// missing. `tile_size`: elements along the edge of what one task treats; small for elements that take long.
 template <PassKernel K>
-bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
+bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
-  const auto run = [](const void* context, const Tile& tile) {
-    const K& k = *static_cast<const K*>(context);
+  struct Task {
+    const K& kernel;
+    const Tile& window;
+  };
+  const auto run = [](const void* context, const Tile& part) {
+    const auto& [k, all] = *static_cast<const Task*>(context);
+    const Tile tile{all.x0 + part.x0, all.y0 + part.y0, all.x0 + part.x1, all.y0 + part.y1};
     if constexpr (TileKernel<K>) {
       k(tile);
     } else {
@@ -115,7 +120,15 @@ bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t w
       }
     }
   };
-  return backend.for_each_tile(name, width, height, run, &kernel, stop, tile_size);
+  const Task task{kernel, window};
+  return backend.for_each_tile(name, window.x1 - window.x0, window.y1 - window.y0, run, &task, stop, tile_size);
+}
+
+/// Runs `kernel` over a width × height grid.
+template <PassKernel K>
+bool launch(Backend& backend, std::string_view name, const K& kernel, uint32_t width, uint32_t height,
+            const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {
+  return launch(backend, name, kernel, Tile{0, 0, width, height}, stop, tile_size);
 }
 
 }  // namespace relume

@@ -147,6 +147,11 @@ void check_writable(const std::string& name, const ExrFile& exr) {
   if (exr.width <= 0 || exr.height <= 0 || exr.channels.empty())
     throw Error(fmt::format("{}: an image of {}x{} pixels and {} channels cannot be written; give it a size", name,
                             exr.width, exr.height, exr.channels.size()));
+  const PixelWindow& w = exr.data_window;
+  if (w.x < 0 || w.y < 0 || w.width < 0 || w.height < (w.empty() ? 0 : 1) || w.width > exr.width - w.x ||
+      w.height > exr.height - w.y)
+    throw Error(fmt::format("{}: the data window {},{},{},{} lies outside the image of {}x{} pixels; make it smaller",
+                            name, w.x, w.y, w.width, w.height, exr.width, exr.height));
   const size_t count = static_cast<size_t>(exr.width) * static_cast<size_t>(exr.height);
   std::set<std::string_view> names;
   for (const ExrChannel& channel : exr.channels) {
@@ -158,8 +163,14 @@ void check_writable(const std::string& name, const ExrFile& exr) {
   }
 }
 
+Imath::Box2i data_window(const ExrFile& exr) {
+  const PixelWindow& w = exr.data_window;
+  if (w.empty()) return {{0, 0}, {exr.width - 1, exr.height - 1}};
+  return {{w.x, w.y}, {w.x + w.width - 1, w.y + w.height - 1}};
+}
+
 Imf::Header make_header(const ExrFile& exr) {
-  Imf::Header header(exr.width, exr.height);
+  Imf::Header header({{0, 0}, {exr.width - 1, exr.height - 1}}, data_window(exr));
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709
   for (const auto& [key, value] : exr.attributes) header.insert(key, Imf::StringAttribute(value));
@@ -214,7 +225,7 @@ void write_exr(const std::filesystem::path& file, const ExrFile& exr) {
                           Imf::Slice(Imf::FLOAT, base, sizeof(float), sizeof(float) * static_cast<size_t>(exr.width)));
     }
     output.setFrameBuffer(frame_buffer);
-    output.writePixels(exr.height);
+    output.writePixels(data_window(exr).size().y + 1);
   } catch (const std::exception& e) {
     target.close();  // throws where the file is what failed
     throw Error(fmt::format("{}: the EXR cannot be written ({}); check its name and attributes", file.string(),

@@ -127,6 +127,18 @@ TEST(Exr, DataWindowIsPlacedInTheDisplayWindow) {
   EXPECT_EQ(exr.channels.at(0).values, (std::vector<float>{0, 0, 4, 5, 0, 0, 7, 8, 0, 0, 0, 0}));
 }
 
+TEST(Exr, WritesTheDataWindowAlone) {
+  const TempFolder folder;
+  ExrFile exr{4, 3, {{"Y", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}}, {}, {.x = 1, .y = 1, .width = 2, .height = 2}};
+  write_exr(folder / "a.exr", exr);
+  const ExrFile read = read_exr(folder / "a.exr");
+  EXPECT_EQ(read.width, 4);
+  EXPECT_EQ(read.height, 3);
+  EXPECT_EQ(read.channels.at(0).values, (std::vector<float>{0, 0, 0, 0, 0, 6, 7, 0, 0, 10, 11, 0}));
+  exr.data_window.x = 3;
+  EXPECT_THROW(write_exr(folder / "a.exr", exr), Error);
+}
+
 TEST(Exr, SubsampledChromaBecomesRgb) {
   const TempFolder folder;
   Imf::Header header(4, 2);

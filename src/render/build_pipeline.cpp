@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "relume/error.h"
 #include "techniques/denoise/bmfr/bmfr_pass.h"
@@ -213,6 +216,22 @@ void add_denoiser(Builder& builder, const RenderSettings& settings) {
   }
 }
 
+/// Pixels of a window have the bits of the whole image if no technique lets other pixels decide.
+void check_crop(const RenderSettings& s) {
+  const std::pair<bool, const char*> conflicts[] = {
+      {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
+      {learns(s), "what learns from other pixels; use --lights light-tree and --guide bsdf"},
+      {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
+      {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
+      {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},
+      {s.denoise != DenoiseChoice::none, "a denoiser, which reads other pixels; use --denoise none"},
+      {s.firefly.limit > 0, "the firefly clamp, which reads other pixels; use --firefly.limit 0"},
+  };
+  for (const auto& [conflict, with] : conflicts) {
+    if (conflict) throw Error(fmt::format("--crop does not combine with {}, or render the whole image", with));
+  }
+}
+
 }  // namespace
 
 bool learns(const RenderSettings& settings) {
@@ -239,6 +258,7 @@ void check_combination(const RenderSettings& settings) {
         "nothing to show; use history 'accumulate' or 'reproject'");
   }
   if (settings.denoise == DenoiseChoice::oidn && !oidn_missing().empty()) throw Error(oidn_missing());
+  if (!settings.crop.empty()) check_crop(settings);
   const bool from_both_ends = settings.estimator != EstimatorChoice::path;
   if (from_both_ends && settings.cache != CacheChoice::none) {
     throw Error(

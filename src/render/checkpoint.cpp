@@ -167,7 +167,9 @@ std::string checkpoint_key(const RenderSettings& settings) {
   RenderSettings relevant = settings;
   relevant.threads = 0;
   relevant.time_s = 0;
-  return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "");
+  const PixelWindow& crop = settings.crop;
+  return settings_to_json(describe(relevant)) + (settings.auxiliary ? "\nauxiliary buffers" : "") +
+         (crop.empty() ? "" : fmt::format("\ncrop {},{},{},{}", crop.x, crop.y, crop.width, crop.height));
 }
 
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHeader& header, const BufferTable& buffers,

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "materials/texture.h"
+#include "relume/image.h"
 #include "relume/settings.h"
 #include "settings/setting.h"
 #include "techniques/denoise/bmfr/settings.h"
@@ -59,6 +60,8 @@ struct RenderSettings {
   /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
   /// name of its own.
   bool auxiliary = false;
+  /// Render these pixels only, with the bits that the whole image has there. Other pixels stay black.
+  PixelWindow crop;
   PathSettings path;
   LightSelectionSettings light_selection;
   OctreeSettings octree;
@@ -80,7 +83,8 @@ struct RenderSettings {
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
-/// All of the above but `auxiliary`. `path.max_bounces` goes by "max-bounces", because every estimator obeys it.
+/// All of the above but `auxiliary` and `crop`. `path.max_bounces` goes by "max-bounces", because every estimator obeys
+/// it.
 SettingList describe(RenderSettings& settings);
 
 /// The parts of describe(RenderSettings&), as reference pages and widgets group them.

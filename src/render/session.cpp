@@ -28,9 +28,26 @@ bool same_plan(const std::vector<PassDeclaration>& a, const std::vector<PassDecl
 }
 
 void check_size(const RenderSettings& settings) {
-  if (settings.width >= 1 && settings.height >= 1) return;
-  throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
-                          settings.width, settings.height));
+  if (settings.width < 1 || settings.height < 1)
+    throw Error(fmt::format("an image of {}x{} pixels cannot be rendered; --width and --height must be at least 1",
+                            settings.width, settings.height));
+  const PixelWindow& crop = settings.crop;
+  const bool fits = crop.x >= 0 && crop.y >= 0 && crop.width >= 1 && crop.height >= 1 &&
+                    crop.width <= settings.width - crop.x && crop.height <= settings.height - crop.y;
+  if (!crop.empty() && !fits)
+    throw Error(fmt::format("--crop {},{},{},{} is no part of the image of {}x{} pixels; give X,Y,W,H within it",
+                            crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
+}
+
+/// What `values` has in the rows and columns of `window`.
+template <typename T>
+std::vector<T> cut(View<const T> values, const Tile& window, uint32_t width) {
+  std::vector<T> result;
+  if (values.empty()) return result;
+  for (uint32_t y = window.y0; y < window.y1; ++y) {
+    for (uint32_t x = window.x0; x < window.x1; ++x) result.push_back(values[y * width + x]);
+  }
+  return result;
 }
 
 }  // namespace
@@ -93,7 +110,7 @@ uint32_t Session::frames_since_change() const {
 
 double Session::kept_samples() const {
   const View<const uint32_t> samples = state_->buffers->view(kSamples);
-  return static_cast<double>(sum(*state_->backend, samples)) / std::max(samples.size, 1u);
+  return static_cast<double>(sum(*state_->backend, samples)) / static_cast<double>(state_->rendered_pixels());
 }
 
 void Session::begin_image() {
@@ -107,8 +124,7 @@ uint32_t Session::image_frames() const { return state_->counters.frames - state_
 
 double Session::image_samples() const {
   const Counters& c = state_->counters;
-  const double pixels = double{1} * state_->buffers->width() * state_->buffers->height();
-  return static_cast<double>(c.paths - c.image_paths) / pixels;
+  return static_cast<double>(c.paths - c.image_paths) / static_cast<double>(state_->rendered_pixels());
 }
 
 double Session::image_render_s() const { return state_->statistics.render_s - state_->image_begun_s; }
@@ -118,6 +134,13 @@ double Session::estimated_error() const {
   if (pilot > 0 && state_->counters.since_change <= pilot)
     return std::numeric_limits<double>::infinity();  // what there is by now will be left out
   const BufferTable& buffers = *state_->buffers;
+  if (!state_->settings.crop.empty()) {
+    const auto in_window = [&](const auto& key) { return cut(buffers.view(key), state_->window(), buffers.width()); };
+    const std::vector<Rgb> mean = in_window(kMean);
+    const std::vector<float> m2 = in_window(kMoments.m2);
+    const std::vector<uint32_t> samples = in_window(kSamples);
+    return relative_error({view_of(mean), view_of(m2), {}, view_of(samples)});
+  }
   return relative_error({buffers.view(kMean), buffers.view(kMoments.m2), {}, buffers.view(kSamples)},
                         {buffers.view(kLightM2), buffers.view(kLightPaths), buffers.view(kLightFrames)});
 }
@@ -165,7 +188,8 @@ bool Session::set_settings(const Settings& wanted) {
   const bool same_passes = same_plan(plan(settings), s.passes.pipeline.declarations());
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
-  const bool resized = settings.width != current.width || settings.height != current.height;
+  const bool resized =
+      settings.width != current.width || settings.height != current.height || settings.crop != current.crop;
   Change change = Change::none;
   const SettingList before = describe(current);  // the result points into it
   for (const Setting* setting : differing_settings(before, describe(settings))) {

@@ -110,6 +110,18 @@ struct Session::State {
     if (counters.sequence_age == 0) counters.stretch_time_s = counters.time_s;
   }
 
+  /// The pixels that are rendered; without any: all.
+  Tile window() const {
+    const auto at = [](int i) { return static_cast<uint32_t>(i); };
+    const PixelWindow& c = settings.crop;
+    return {at(c.x), at(c.y), at(c.x + c.width), at(c.y + c.height)};
+  }
+  uint64_t rendered_pixels() const {
+    const PixelWindow& c = settings.crop;
+    const int width = c.empty() ? settings.width : c.width;
+    return static_cast<uint64_t>(width) * static_cast<uint64_t>(c.empty() ? settings.height : c.height);
+  }
+
   /// The image of the last complete frame; empty before the first.
   View<const Rgb> shown() const {
     if (shows_kept_image) return view_of(kept_image);
@@ -203,12 +215,13 @@ struct Session::State {
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
                          .stop = passes.pipeline.keeps_state() ? std::stop_token{} : stop,
+                         .window = window(),
                          .hurry = hurry});
   }
 
   void count_frame() {
     const View<const uint32_t> allocation = buffers->view(kAllocation);
-    counters.paths += allocation.empty() ? uint64_t{buffers->width()} * buffers->height() : sum(*backend, allocation);
+    counters.paths += allocation.empty() ? rendered_pixels() : sum(*backend, allocation);
     counters.rays += sum(*backend, buffers->view(kRays));
     ++counters.frames;
     ++counters.since_change;

@@ -48,6 +48,49 @@ TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
   }
 }
 
+TEST(Session, AWindowHasTheBitsOfTheWholeImage) {
+  RenderSettings settings = small_settings();
+  settings.auxiliary = true;
+  settings.lights = LightSelectionChoice::light_tree;
+  const Scene scene = find_builtin_scene("cornell")->build();
+  Session whole(scene, settings);
+  settings.crop = {.x = 3, .y = 2, .width = 9, .height = 7};
+  Session part(scene, settings);
+  for (int i = 0; i < 4; ++i) whole.render_frame();
+  for (int i = 0; i < 4; ++i) part.render_frame();
+  EXPECT_EQ(part.image_samples(), 4);
+  EXPECT_EQ(part.kept_samples(), 4);
+  EXPECT_EQ(part.statistics().samples, 4u * 9 * 7);
+  EXPECT_TRUE(part.estimated_error() > 0 && part.estimated_error() < 10) << part.estimated_error();
+  const Image expected = whole.image();
+  const Image image = part.image();
+  const std::vector<float> depth = whole.aov("depth").front().values;
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      const bool inside = x >= 3 && x < 12 && y >= 2 && y < 9;
+      EXPECT_EQ(image.at(x, y), inside ? expected.at(x, y) : Rgb(0)) << x << ' ' << y;
+      const auto i = static_cast<size_t>(y) * 16 + static_cast<size_t>(x);
+      if (!inside) continue;
+      EXPECT_EQ(part.aov("depth").front().values[i], depth[i]) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(Session, RefusesWindowsThatItCannotRender) {
+  RenderSettings settings = small_settings();
+  for (const PixelWindow& crop : {PixelWindow{8, 0, 9, 1}, PixelWindow{0, 12, 1, 1}, PixelWindow{-1, 0, 2, 2}}) {
+    settings.crop = crop;
+    EXPECT_THROW(furnace(settings), Error) << crop.x << ' ' << crop.y;
+  }
+  settings.crop = {0, 0, 4, 4};
+  EXPECT_NO_THROW(furnace(settings));
+  settings.denoise = DenoiseChoice::svgf;
+  EXPECT_THROW(furnace(settings), Error);
+  settings.denoise = DenoiseChoice::none;
+  settings.lights = LightSelectionChoice::vlc;
+  EXPECT_THROW(furnace(settings), Error);
+}
+
 TEST(Session, IsAsItWasWhereATimeIsRefused) {
   Scene scene = testing::plate();
   testing::animate_scale(scene, 1, Vec3(1), Vec3(0));  // of the camera, which looks nowhere at second 1

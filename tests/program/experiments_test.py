@@ -36,6 +36,12 @@ class Experiments(ProgramTest):
                 self.assertIn(f"{name}.html", index)
                 self.assertIn(f"\n## {name}\n", tables)
 
+    def test_threads_are_bounded_and_recorded(self):
+        self.succeed("experiment", "run", "psf-frametime", "--quick", "-o", "out", "--cache-dir", "cache", "--threads", "1", timeout=300)
+        result = json.loads((self.folder / "out/psf-frametime.json").read_text())
+        self.assertEqual(result["machine"]["Threads"], "1 at most")
+        self.assertEqual(run("experiment", "run", "psf-frametime", "--threads", "many", cwd=self.folder).returncode, 2)
+
     def test_one_that_fails_leaves_the_others_be(self):
         (self.folder / "scenes/sponza").mkdir(parents=True)
         (self.folder / "scenes/sponza/sponza.gltf").write_text("no glTF")
