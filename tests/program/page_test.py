@@ -226,6 +226,21 @@ class ComparePage(Page):
         self.click("[data-action='Add crop']")
         self.assertEqual(len(self.all(".crop")), count + 1)
 
+    def test_all_columns_show_at_1200_pixels(self):
+        self.browser.set_window_size(1200, 900)
+        self.addCleanup(self.browser.set_window_size, 1400, 1000)
+        hidden = "const s = document.querySelector('.table-block .scroll'); return s.scrollWidth - s.clientWidth"
+        self.wait(lambda: self.browser.execute_script(hidden) <= 0)
+
+    def test_many_passes_have_many_colours(self):
+        for count in (1, 9, 10, 16, 24, 30):
+            colors = self.browser.execute_script("return relume.distinctColors(arguments[0])", count)
+            self.assertEqual(len(set(colors)), count)
+        shown = [rect.value_of_css_property("fill") for rect in self.all(".bars rect[data-part]")]
+        names = [rect.get_attribute("data-part") for rect in self.all(".bars rect[data-part]")]
+        self.assertEqual(len(set(zip(names, shown))), len(set(names)))
+        self.assertEqual(len(set(shown)), len(set(names)))
+
     def test_table_sorts(self):
         names = lambda: [row.text.split("\n")[0].split(" ")[0] for row in self.all(".table-block tbody tr")]
         self.assertEqual(names(), ["uniform", "short", "reference"])

@@ -161,6 +161,7 @@ relume.whenSized = function (host, redraw) {
 };
 
 relume.drawBars = function (host, block, names) {
+  const colors = relume.distinctColors(names.length);
   const width = Math.max(420, Math.min(1100, host.clientWidth || 900));
   const left = Math.min(190, 30 + 8 * Math.max(...block.bars.map((bar) => bar.name.length)));
   const row = 46;
@@ -173,7 +174,7 @@ relume.drawBars = function (host, block, names) {
     let x = left;
     for (const [name, value] of bar.parts) {
       const w = value * scale;
-      const rect = relume.draw("rect", { x, y, width: Math.max(w, 0.5), height: 32, rx: 2, style: `fill: ${relume.color(names.indexOf(name))}`, "data-part": name },
+      const rect = relume.draw("rect", { x, y, width: Math.max(w, 0.5), height: 32, rx: 2, style: `fill: ${colors[names.indexOf(name)]}`, "data-part": name },
         relume.draw("title", { text: `${bar.name}, ${name}: ${relume.format(value)} ${block.unit}` }));
       svg.append(rect);
       x += w;
@@ -189,8 +190,9 @@ relume.blocks.bars = function (block) {
   const totals = new Map();
   for (const bar of block.bars) for (const [name, value] of bar.parts) totals.set(name, (totals.get(name) || 0) + value);
   const names = [...totals.keys()].sort((a, b) => totals.get(b) - totals.get(a));
+  const colors = relume.distinctColors(names.length);
   const host = relume.make("div", { class: "chart" });
-  const legend = relume.make("div", { class: "legend" }, ...names.map((name, i) => relume.make("span", { class: "key" }, relume.dot(i), name)));
+  const legend = relume.make("div", { class: "legend" }, ...names.map((name, i) => relume.make("span", { class: "key" }, relume.coloredDot(colors[i]), name)));
   const head = relume.make("tr", {}, relume.make("th", { text: "" }), ...names.map((name) => relume.make("th", { text: name })));
   const rows = block.bars.map((bar) => relume.make("tr", {}, relume.make("th", { scope: "row", text: bar.name }),
     ...names.map((name) => relume.make("td", { class: "value", text: relume.format((bar.parts.find((part) => part[0] === name) || [])[1]) }))));

@@ -28,7 +28,18 @@ relume.draw = function (tag, attributes, ...children) {
 relume.prose = (text) => (text || "").split("`").map((part, i) => (i % 2 === 1 ? relume.make("code", { text: part }) : part));
 
 relume.color = (index) => (index === undefined || index < 0 ? "var(--c-none)" : `var(--c${index % 9})`);
-relume.dot = (index) => relume.make("span", { class: "dot", style: `--dot: ${relume.color(index)}`, "aria-hidden": "true" });
+relume.dot = (index) => relume.coloredDot(relume.color(index));
+relume.coloredDot = (color) => relume.make("span", { class: "dot", style: `--dot: ${color}`, "aria-hidden": "true" });
+
+/// As many different colours: those of contenders while they last, otherwise equally spaced hues of alternating lightness,
+/// in an order in which successive ones are far apart.
+relume.distinctColors = function (count) {
+  if (count <= 9) return Array.from({ length: count }, (_, i) => relume.color(i));
+  const divisor = (a, b) => (b === 0 ? a : divisor(b, a % b));
+  let step = Math.round(count * 0.382);
+  while (divisor(step, count) !== 1) ++step;
+  return Array.from({ length: count }, (_, i) => (i * step) % count).map((slot) => `hsl(${Math.round((360 * slot) / count)} 62% var(--hue-${slot % 2}))`);
+};
 
 /// Three significant digits: "0.0123", "1.23e-5", "1 234".
 relume.format = function (x) {

@@ -8,7 +8,8 @@ relume.blocks.text = function (block) {
 relume.cell = function (cell, isBest) {
   const td = relume.make("td", { class: `${cell.value === undefined && cell.text !== "–" ? "text" : "value"}${isBest ? " best" : ""}` }, cell.text);
   if (isBest) td.append(relume.make("span", { class: "visually-hidden", text: " (best)" }));
-  if (cell.note) td.append(relume.make("span", { class: "note", text: cell.note }));
+  const words = cell.note ? cell.note.split(" ") : [];
+  if (cell.note) td.append(relume.make("span", { class: "note" }, ...words.flatMap((word, i) => [i > 0 ? " " : "", relume.make("span", { text: word })])));
   return td;
 };
 
