@@ -10,6 +10,7 @@ find_package(TBB REQUIRED)
 # Debian's CMake package of Imath asks for its Python modules; pkg-config does not.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR>=3.1)
+pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 find_package(assimp REQUIRED)
 find_package(draco REQUIRED)

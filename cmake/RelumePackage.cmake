@@ -63,7 +63,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 # What the CMake package looks for (RelumeDependencies.cmake).
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "libassimp-dev, libcli11-dev, libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libmeshoptimizer-dev, libopenexr-dev, \
-libstb-dev, libtbb-dev, libtinygltf-dev, libzstd-dev, nlohmann-json3-dev, pkgconf")
+libstb-dev, libtbb-dev, libtinygltf-dev, libwebp-dev, libzstd-dev, nlohmann-json3-dev, pkgconf")
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "path tracer that reuses samples across frames (development files)
 relume renders glTF scenes by path tracing. Techniques that reuse samples
 across pixels, frames and paths can be combined and compared.

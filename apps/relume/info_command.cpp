@@ -18,7 +18,8 @@
 namespace relume::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kImageExtensions = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tga", ".bmp"};
+constexpr std::array<std::string_view, 9> kImageExtensions = {".exr", ".hdr", ".png",  ".jpg", ".jpeg",
+                                                              ".tga", ".bmp", ".ktx2", ".webp"};
 
 bool is_image(const std::string& extension) {
   return std::find(kImageExtensions.begin(), kImageExtensions.end(), extension) != kImageExtensions.end();

@@ -1,4 +1,4 @@
-// Reading and writing images: EXR, HDR, PNG, JPEG, TGA, BMP, KTX2.
+// Reading and writing images: EXR, HDR, PNG, JPEG, TGA, BMP, KTX2, WebP.
 #pragma once
 
 #include <cstddef>
@@ -42,7 +42,7 @@ inline constexpr int64_t kMaxDecodedBytes = int64_t{1} << 33;
 // file is complete.
 
 /// The format is recognised by content. EXR, HDR: linear values (EXPOSURE of HDR divided out). PNG, JPEG, TGA, BMP,
-/// KTX2: 8 or 16 bit, decoded from sRGB, except KTX2 files that are linear. Alpha is dropped.
+/// KTX2, WebP: 8 or 16 bit, decoded from sRGB, except KTX2 files that are linear. Alpha is dropped.
 RELUME_API Image read_image(const std::filesystem::path& file);
 
 /// The same over a file's bytes; `name` is for messages.

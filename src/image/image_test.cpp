@@ -142,7 +142,7 @@ TEST(Image, UnusableInputIsOneSentence) {
   EXPECT_THROW(write_image(folder / "missing" / "a.png", make_gradient(2, 2)), Error);
   EXPECT_THROW(write_image(folder / "a.jpg", Image(70000, 1)), Error);
   EXPECT_EQ(folder.file_count(), 0u);
-  for (const char* contents : {"", "text", "GIF89a", "RIFF....WEBPVP8 "}) {
+  for (const char* contents : {"", "text", "GIF89a", "II*", "RIFF....WEBPVP8 "}) {
     write_file(folder / "b.png", contents);
     EXPECT_THROW(read_image(folder / "b.png"), Error) << contents;
   }

@@ -11,6 +11,7 @@
 #include "image/image_complete.h"
 #include "image/image_limits.h"
 #include "image/ktx2/ktx2.h"
+#include "image/webp.h"
 #include "relume/error.h"
 
 namespace relume::detail {
@@ -72,15 +73,23 @@ ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::str
   if (starts_with(bytes, "#?RADIANCE") || starts_with(bytes, "#?RGBE")) return ImageFormat::hdr;
   if (starts_with(bytes, "BM")) return ImageFormat::bmp;
   if (is_ktx2(bytes)) return ImageFormat::ktx2;
+  if (is_webp(bytes)) return ImageFormat::webp;
   struct Known {
     std::string_view magic;
     size_t offset;
     std::string_view format;
   };
-  constexpr Known kUnsupported[] = {
-      {"GIF8", 0, "GIF"}, {"8BPS", 0, "Photoshop"}, {"WEBP", 8, "WebP"}, {"\xabKTX 11", 0, "KTX1"},
-      {"DDS ", 0, "DDS"}, {"II*", 0, "TIFF"},       {"MM", 0, "TIFF"},   {"P5", 0, "PNM"},
-      {"P6", 0, "PNM"},   {"PF", 0, "PFM"},         {"<svg", 0, "SVG"},  {"\x53\x80\xf6\x34", 0, "PIC"}};
+  constexpr Known kUnsupported[] = {{"GIF8", 0, "GIF"},
+                                    {"8BPS", 0, "Photoshop"},
+                                    {"\xabKTX 11", 0, "KTX1"},
+                                    {"DDS ", 0, "DDS"},
+                                    {"II*", 0, "TIFF"},
+                                    {"MM", 0, "TIFF"},
+                                    {"P5", 0, "PNM"},
+                                    {"P6", 0, "PNM"},
+                                    {"PF", 0, "PFM"},
+                                    {"<svg", 0, "SVG"},
+                                    {"\x53\x80\xf6\x34", 0, "PIC"}};
   for (const Known& known : kUnsupported) {
     if (starts_with(bytes, known.magic, known.offset))
       throw Error(
@@ -94,6 +103,7 @@ ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::str
 DecodedPixels decode_pixels(std::span<const std::byte> bytes, ImageFormat format, const std::string& name) {
   if (format == ImageFormat::bmp) return decode_bmp(bytes, name);
   if (format == ImageFormat::ktx2) return decode_ktx2_pixels(bytes, name);
+  if (format == ImageFormat::webp) return decode_webp(bytes, name);
   if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
     throw Error(fmt::format("{}: image files above 2 GiB are not supported; convert it to EXR", name));
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());

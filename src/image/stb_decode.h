@@ -1,4 +1,5 @@
-// Image files of integers: BMP by bmp.cpp, KTX2 by ktx2/, the other formats that relume documents through stb_image.
+// Image files of integers: BMP by bmp.cpp, KTX2 by ktx2/, WebP by webp.cpp, the other formats that relume documents
+// through stb_image.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +10,9 @@
 
 namespace relume::detail {
 
-enum class ImageFormat { exr, hdr, png, jpeg, bmp, tga, ktx2 };
+enum class ImageFormat { exr, hdr, png, jpeg, bmp, tga, ktx2, webp };
 
-/// By the first bytes. Throws Error for everything else (GIF, PSD, WebP …), naming what was recognised.
+/// By the first bytes. Throws Error for everything else (GIF, PSD, DDS …), naming what was recognised.
 ImageFormat detect_image_format(std::span<const std::byte> bytes, const std::string& name);
 
 /// Samples as stored: one of the vectors is filled, tightly packed, row by row from the top.
@@ -23,7 +24,7 @@ struct DecodedPixels {
   bool linear = false;           ///< KTX2 says that RGB is linear; else it is sRGB, or unknown
 };
 
-/// Decodes PNG, JPEG, BMP, TGA or KTX2. Grey is replicated, missing alpha is opaque. Throws Error.
+/// Decodes PNG, JPEG, BMP, TGA, KTX2 or WebP. Grey is replicated, missing alpha is opaque. Throws Error.
 DecodedPixels decode_pixels(std::span<const std::byte> bytes, ImageFormat format, const std::string& name);
 
 }  // namespace relume::detail

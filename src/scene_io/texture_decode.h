@@ -9,7 +9,7 @@
 
 namespace relume {
 
-/// Decodes PNG, JPEG, TGA, BMP, KTX2, HDR or EXR, recognised by content; `name` becomes the texture's name and is used
+/// Decodes PNG, JPEG, TGA, BMP, KTX2, WebP, HDR or EXR, recognised by content; `name` becomes the texture's name and is used
 /// in messages. The result's format is `wanted` where the file allows it:
 ///
 ///   rgba8_srgb    8 bits as stored; 16-bit PNGs are rounded to 8 (invisible in sRGB-encoded colour)

@@ -12,6 +12,7 @@
 #include "experiments/measure/trace_file.h"
 #include "experiments/output/results.h"
 #include "image/ktx2/testing/ktx2_file.h"
+#include "image/testing/webp.h"
 #include "record_case.h"
 #include "relume/image_io.h"
 #include "render/settings.h"
@@ -51,6 +52,9 @@ void write_scenes(const fs::path& folder) {
 
 void write_images(const fs::path& folder) {
   write(folder / "texture" / "solid.png", relume::testing::solid_png(3, 2, 1, 2, 3, 4));
+  const std::vector<uint8_t> rgba = {1, 2, 3, 4, 250, 251, 252, 253};
+  write(folder / "texture" / "lossless.webp", relume::testing::make_webp(2, 1, rgba));
+  write(folder / "texture" / "lossy.webp", relume::testing::make_webp(2, 1, rgba, 80));
   for (const char* name : {"a.exr", "a.hdr", "a.jpg", "a.tga"})
     relume::write_image(folder / "texture" / name, relume::Image(3, 2));
 }

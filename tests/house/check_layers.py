@@ -72,6 +72,7 @@ LIBRARY_USERS = {
     "OpenEXR/": "image",
     "Imf": "image",
     "zstd": "image",
+    "webp/": "image",
     "CLI/": "apps",
 }
 

@@ -22,6 +22,7 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "KHR_materials_unlit",
                                                  "KHR_texture_transform",
                                                  "KHR_texture_basisu",
+                                                 "EXT_texture_webp",
                                                  "KHR_lights_punctual",
                                                  "KHR_mesh_quantization",
                                                  "KHR_draco_mesh_compression",

@@ -1,6 +1,7 @@
 #include "scene_io/gltf/gltf_textures.h"
 
 #include <exception>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -26,11 +27,16 @@ void apply_sampler(const tinygltf::Sampler& sampler, Texture& texture) {
   texture.filter = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST ? FilterMode::nearest : FilterMode::linear;
 }
 
-/// Image of the texture: that of KHR_texture_basisu, or else its source. -1: it has none.
-int image_of(const tinygltf::Texture& texture) {
-  const auto basisu = texture.extensions.find("KHR_texture_basisu");
-  if (basisu == texture.extensions.end()) return texture.source;
-  return integer_member(basisu->second, "source", texture.source);
+/// Images of the texture, the first that can be read counts: those of extensions, then its source, which they replace.
+std::vector<int> images_of(const tinygltf::Texture& texture) {
+  std::vector<int> images;
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp"}) {
+    const auto extension = texture.extensions.find(name);
+    if (extension == texture.extensions.end()) continue;
+    if (const int image = integer_member(extension->second, "source", -1); image >= 0) images.push_back(image);
+  }
+  if (texture.source >= 0) images.push_back(texture.source);
+  return images;
 }
 
 void make_stand_in(TextureUse use, Texture& texture) {
@@ -51,8 +57,8 @@ Index TextureImporter::request(int texture, TextureUse use) {
     return kNone;
   }
   const int sampler = textures[static_cast<size_t>(texture)].sampler;
-  const int image = image_of(textures[static_cast<size_t>(texture)]);
-  const auto [entry, is_new] = known_.try_emplace({image, sampler, use}, static_cast<Index>(scene_.textures.size()));
+  const std::vector<int> images = images_of(textures[static_cast<size_t>(texture)]);
+  const auto [entry, is_new] = known_.try_emplace({images, sampler, use}, static_cast<Index>(scene_.textures.size()));
   if (is_new) {
     Texture result;
     result.name = textures[static_cast<size_t>(texture)].name;
@@ -60,64 +66,70 @@ Index TextureImporter::request(int texture, TextureUse use) {
     if (sampler >= 0 && static_cast<size_t>(sampler) < document_.model.samplers.size())
       apply_sampler(document_.model.samplers[static_cast<size_t>(sampler)], result);
     scene_.textures.push_back(std::move(result));
-    requests_.push_back({image, use, texture_image(textures[static_cast<size_t>(texture)].extras)});
+    requests_.push_back({images, use, texture_image(textures[static_cast<size_t>(texture)].extras)});
   }
   return entry->second;
 }
 
-/// Returns what went wrong, nothing if nothing did. `repair`: what was mended.
-std::string TextureImporter::decode(const Request& request, Texture& texture, std::string& repair) const {
-  if (request.image < 0 || static_cast<size_t>(request.image) >= document_.images.size())
-    return "a texture has no image in a supported format";
-  const ImageEntry& image = document_.images[static_cast<size_t>(request.image)];
-  std::string name = !image.name.empty() ? image.name : image.uri;
-  if (name.empty() || is_data_uri(name)) name = fmt::format("image {}", request.image);
-  try {
-    Bytes storage;
-    ByteSpan bytes;
-    if (!request.float_image.empty()) {
-      storage = read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place));
-      bytes = storage;
-    } else if (is_data_uri(image.uri)) {
-      auto decoded = decode_data_uri(image.uri);
-      if (!decoded) return fmt::format("the data URI of image {} is malformed", request.image);
-      storage = std::move(*decoded);
-      bytes = storage;
-    } else if (!image.uri.empty()) {
-      storage = read_file_bytes(resolve_uri(document_.base_dir, percent_decode(image.uri), document_.place));
-      bytes = storage;
-    } else if (image.buffer_view >= 0 && static_cast<size_t>(image.buffer_view) < document_.views.size()) {
-      bytes = document_.views[static_cast<size_t>(image.buffer_view)];
-    } else {
-      return fmt::format("image {} has neither a URI nor a buffer view", request.image);
-    }
-    Texture decoded = decode_texture(bytes, name, texture.format);
-    repair = repair_texels(decoded, name, texture.format);
-    texture.width = decoded.width;
-    texture.height = decoded.height;
-    texture.format = decoded.format;
-    texture.texels = std::move(decoded.texels);
-    if (texture.name.empty()) texture.name = name;
-    return {};
-  } catch (const std::exception& error) {
-    return error.what();
+std::string TextureImporter::name_of(int image) const {
+  const ImageEntry& entry = document_.images[static_cast<size_t>(image)];
+  std::string name = !entry.name.empty() ? entry.name : entry.uri;
+  if (name.empty() || is_data_uri(name)) name = fmt::format("image {}", image);
+  return name;
+}
+
+Bytes TextureImporter::file_of(int image) const {
+  const ImageEntry& entry = document_.images[static_cast<size_t>(image)];
+  if (is_data_uri(entry.uri)) {
+    auto decoded = decode_data_uri(entry.uri);
+    if (!decoded) throw Error(fmt::format("the data URI of image {} is malformed", image));
+    return std::move(*decoded);
   }
+  if (!entry.uri.empty())
+    return read_file_bytes(resolve_uri(document_.base_dir, percent_decode(entry.uri), document_.place));
+  if (entry.buffer_view < 0 || static_cast<size_t>(entry.buffer_view) >= document_.views.size())
+    throw Error(fmt::format("image {} has neither a URI nor a buffer view", image));
+  const ByteSpan view = document_.views[static_cast<size_t>(entry.buffer_view)];
+  return {view.begin(), view.end()};
+}
+
+void TextureImporter::decode(const Request& request, int image, Texture& texture, Warnings& warnings) const {
+  if (static_cast<size_t>(image) >= document_.images.size()) throw Error(fmt::format("there is no image {}", image));
+  const std::string name = name_of(image);
+  auto file = std::make_shared<const Bytes>(
+      request.float_image.empty()
+          ? file_of(image)
+          : read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place)));
+  Texture decoded = decode_texture(*file, name, texture.format);
+  if (const std::string repair = repair_texels(decoded, name, texture.format); !repair.empty()) warnings.add(repair);
+  texture.width = decoded.width;
+  texture.height = decoded.height;
+  texture.format = decoded.format;
+  texture.texels = std::move(decoded.texels);
+  texture.file = std::move(file);
+  if (texture.name.empty()) texture.name = name;
+}
+
+void TextureImporter::decode(const Request& request, Texture& texture, Warnings& warnings) const {
+  std::string problem = "a texture has no image in a supported format";
+  for (size_t i = 0; i < request.images.size(); ++i) {
+    try {
+      decode(request, request.images[i], texture, warnings);
+      if (i > 0)
+        warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem, name_of(request.images[i])));
+      return;
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+  }
+  warnings.add(fmt::format("{}; a stand-in of one texel replaces the texture", problem));
+  make_stand_in(request.use, texture);
 }
 
 void TextureImporter::decode_all() {
-  std::vector<std::string> problems(requests_.size());
-  std::vector<std::string> repairs(requests_.size());
-  parallel_for(requests_.size(), [&](size_t i) {
-    problems[i] = decode(requests_[i], scene_.textures[i], repairs[i]);
-    if (!problems[i].empty()) make_stand_in(requests_[i].use, scene_.textures[i]);
-  });
-  for (const std::string& problem : problems) {
-    if (!problem.empty())
-      document_.warnings.add(fmt::format("{}; a stand-in of one texel replaces the texture", problem));
-  }
-  for (const std::string& repair : repairs) {
-    if (!repair.empty()) document_.warnings.add(repair);
-  }
+  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
+  parallel_for(requests_.size(), [&](size_t i) { decode(requests_[i], scene_.textures[i], warnings[i]); });
+  for (const Warnings& part : warnings) document_.warnings.add(part);
 }
 
 }  // namespace relume::gltf

@@ -27,16 +27,23 @@ class TextureImporter {
 
  private:
   struct Request {
-    int image = -1;
+    std::vector<int> images;  ///< in the order of preference
     TextureUse use = TextureUse::color;
     std::string float_image;  ///< URI of what replaces the image; empty: nothing
   };
 
-  std::string decode(const Request& request, Texture& texture, std::string& repair) const;
+  /// The first image that can be read, or a stand-in.
+  void decode(const Request& request, Texture& texture, Warnings& warnings) const;
+  /// Throws Error or another exception for what cannot be read.
+  void decode(const Request& request, int image, Texture& texture, Warnings& warnings) const;
+  /// For messages.
+  std::string name_of(int image) const;
+  /// Its bytes as they are stored. Throws Error.
+  Bytes file_of(int image) const;
 
   Document& document_;
   Scene& scene_;
-  std::map<std::tuple<int, int, TextureUse>, Index> known_;
+  std::map<std::tuple<std::vector<int>, int, TextureUse>, Index> known_;
   std::vector<Request> requests_;  ///< parallel to Scene::textures
 };
 

@@ -1,0 +1,57 @@
+#include "image/webp.h"
+
+#include <fmt/format.h>
+#include <webp/decode.h>
+
+#include "image/image_complete.h"
+#include "image/image_limits.h"
+#include "relume/error.h"
+
+namespace relume::detail {
+namespace {
+
+/// A lossless image of one colour has no bits a pixel; what an encoder writes for 4096 × 4096 pixels of it has 30
+/// bytes.
+constexpr int64_t kMostPixelsPerByte = int64_t{1} << 20;
+
+const char* reason_of(VP8StatusCode status) {
+  switch (status) {
+    case VP8_STATUS_NOT_ENOUGH_DATA: return "it is cut off";
+    case VP8_STATUS_OUT_OF_MEMORY: return "it needs more memory than there is";
+    case VP8_STATUS_UNSUPPORTED_FEATURE: return "it has a feature that is not supported";
+    default: return "its data contradict themselves";
+  }
+}
+
+[[noreturn]] void fail(const std::string& name, VP8StatusCode status) {
+  throw Error(fmt::format("{}: damaged WebP image ({}); export or copy it again", name, reason_of(status)));
+}
+
+}  // namespace
+
+bool is_webp(std::span<const std::byte> bytes) { return starts_with(bytes, "RIFF") && starts_with(bytes, "WEBP", 8); }
+
+DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& name) {
+  const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
+  WebPDecoderConfig config;
+  if (WebPInitDecoderConfig(&config) == 0)
+    throw Error(name + ": libwebp is older than the one that relume was built with; build relume again");
+  if (const VP8StatusCode status = WebPGetFeatures(data, bytes.size(), &config.input); status != VP8_STATUS_OK)
+    fail(name, status);
+  if (config.input.has_animation != 0)
+    throw Error(fmt::format("{}: animated WebP images are not supported; export one image of it", name));
+  DecodedPixels result;
+  result.width = config.input.width;
+  result.height = config.input.height;
+  check_image_size(name, result.width, result.height, 4, bytes.size(), 4 * kMostPixelsPerByte);
+  result.rgba8.resize(size_t{4} * static_cast<size_t>(result.width) * static_cast<size_t>(result.height));
+  config.output.colorspace = MODE_RGBA;
+  config.output.is_external_memory = 1;
+  config.output.u.RGBA = {result.rgba8.data(), 4 * result.width, result.rgba8.size()};
+  const VP8StatusCode status = WebPDecode(data, bytes.size(), &config);
+  WebPFreeDecBuffer(&config.output);
+  if (status != VP8_STATUS_OK) fail(name, status);
+  return result;
+}
+
+}  // namespace relume::detail

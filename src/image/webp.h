@@ -1,0 +1,19 @@
+// WebP images, through libwebp.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "image/stb_decode.h"
+
+namespace relume::detail {
+
+/// Whether the bytes begin as WebP files do: "RIFF", a size, "WEBP".
+bool is_webp(std::span<const std::byte> bytes);
+
+/// Decodes a still image, lossy or lossless, to 8 bits a channel; missing alpha is opaque. Throws Error for damaged
+/// files and for animations.
+DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace relume::detail

@@ -1,0 +1,80 @@
+// Images of glTF textures: which of several is read, and what of them is kept.
+#include <gtest/gtest.h>
+
+#include "image/ktx2/testing/ktx2_file.h"
+#include "image/testing/webp.h"
+#include "scene_io/testing/scene_files.h"
+
+namespace relume {
+namespace {
+
+using testing::data_uri;
+using testing::GltfBuilder;
+using testing::json;
+using testing::mentions;
+using testing::solid_png;
+
+Bytes solid_webp(int width, int height, const std::vector<uint8_t>& rgba) {
+  std::vector<uint8_t> pixels;
+  for (int i = 0; i < width * height; ++i) pixels.insert(pixels.end(), rgba.begin(), rgba.end());
+  return testing::make_webp(width, height, pixels);
+}
+
+/// A file of one texture with these images; `extensions` name images by their index, and the source comes last.
+Scene load_texture(const std::vector<Bytes>& images, const json& extensions, int source) {
+  GltfBuilder file;
+  for (const Bytes& image : images) file.add("images", {{"uri", data_uri(image)}});
+  json texture = {{"extensions", extensions}};
+  if (source >= 0) texture["source"] = source;
+  file.add("textures", texture);
+  file.add_triangle_with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  return file.load();
+}
+
+const json kWebp = {{"EXT_texture_webp", {{"source", 0}}}};
+
+TEST(GltfTexture, ReadsWebpImages) {
+  const Bytes webp = solid_webp(3, 2, {10, 20, 30, 255});
+  for (const int source : {-1, 1}) {
+    const Scene scene = load_texture({webp, solid_png(1, 1, 9, 9, 9, 255)}, kWebp, source);
+    EXPECT_TRUE(scene.warnings.empty());
+    ASSERT_EQ(scene.textures.size(), 1u);
+    EXPECT_EQ(scene.textures[0].width, 3);
+    EXPECT_EQ(scene.textures[0].height, 2);
+    EXPECT_EQ(scene.textures[0].texels[1], std::byte{20});
+  }
+}
+
+TEST(GltfTexture, FilesMayRequireWebp) {
+  GltfBuilder file;
+  file.doc["extensionsUsed"] = file.doc["extensionsRequired"] = json::array({"EXT_texture_webp"});
+  file.add_triangle();
+  EXPECT_NO_THROW(file.load());
+}
+
+TEST(GltfTexture, UnreadableImagesOfExtensionsFallBackToTheSource) {
+  Bytes cut_ktx2 = testing::uastc_ktx2().bytes();
+  cut_ktx2.resize(cut_ktx2.size() / 2);
+  Bytes cut_webp = solid_webp(3, 2, {10, 20, 30, 255});
+  cut_webp.resize(cut_webp.size() - 8);
+  for (const auto& [bytes, extension] : {std::pair{cut_ktx2, "KHR_texture_basisu"}, {cut_webp, "EXT_texture_webp"}}) {
+    const json extensions = {{extension, {{"source", 0}}}};
+    const Scene scene = load_texture({bytes, solid_png(5, 5, 1, 2, 3, 255)}, extensions, 1);
+    EXPECT_EQ(scene.textures[0].width, 5) << extension;
+    EXPECT_EQ(scene.warnings.size(), 1u) << extension;
+    EXPECT_TRUE(mentions(scene.warnings, "the texture's other image, image 1, is read")) << scene.warnings.front();
+    const Scene without = load_texture({bytes}, extensions, -1);
+    EXPECT_EQ(without.textures[0].width, 1);
+    EXPECT_TRUE(mentions(without.warnings, "a stand-in of one texel replaces the texture"));
+  }
+}
+
+TEST(GltfTexture, KeepsTheImageFile) {
+  const Bytes png = solid_png(2, 2, 1, 2, 3, 255);
+  const Scene scene = load_texture({png}, json::object(), 0);
+  ASSERT_TRUE(scene.textures[0].file);
+  EXPECT_EQ(*scene.textures[0].file, png);
+}
+
+}  // namespace
+}  // namespace relume
