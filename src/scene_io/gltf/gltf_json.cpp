@@ -24,6 +24,7 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "KHR_texture_basisu",
                                                  "EXT_texture_webp",
                                                  "KHR_lights_punctual",
+                                                 "EXT_lights_image_based",
                                                  "KHR_mesh_quantization",
                                                  "KHR_draco_mesh_compression",
                                                  "KHR_node_visibility",

@@ -1,6 +1,7 @@
 #include "scene_io/gltf/gltf_loader.h"
 
 #include "scene_io/gltf/gltf_extras.h"
+#include "scene_io/gltf/gltf_image_light.h"
 #include "scene_io/gltf/gltf_nodes.h"
 #include "scene_io/gltf/gltf_skins.h"
 
@@ -23,6 +24,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   gltf::drop_missing_targets(document, scene);
   gltf::drop_empty_clips(scene);
   materials.finish();
+  gltf::import_image_light(document, scene);
   gltf::apply_scene_extras(document, scene);
   scene.warnings = document.warnings.take();
   scene.notes = document.warnings.take_notes();

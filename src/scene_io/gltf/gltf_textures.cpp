@@ -71,35 +71,36 @@ Index TextureImporter::request(int texture, TextureUse use) {
   return entry->second;
 }
 
-std::string TextureImporter::name_of(int image) const {
-  const ImageEntry& entry = document_.images[static_cast<size_t>(image)];
+std::string image_name(const Document& document, int image) {
+  const ImageEntry& entry = document.images[static_cast<size_t>(image)];
   std::string name = !entry.name.empty() ? entry.name : entry.uri;
   if (name.empty() || is_data_uri(name)) name = fmt::format("image {}", image);
   return name;
 }
 
-Bytes TextureImporter::file_of(int image) const {
-  const ImageEntry& entry = document_.images[static_cast<size_t>(image)];
+Bytes read_image_file(const Document& document, int image) {
+  if (image < 0 || static_cast<size_t>(image) >= document.images.size())
+    throw Error(fmt::format("there is no image {}", image));
+  const ImageEntry& entry = document.images[static_cast<size_t>(image)];
   if (is_data_uri(entry.uri)) {
     auto decoded = decode_data_uri(entry.uri);
     if (!decoded) throw Error(fmt::format("the data URI of image {} is malformed", image));
     return std::move(*decoded);
   }
   if (!entry.uri.empty())
-    return read_file_bytes(resolve_uri(document_.base_dir, percent_decode(entry.uri), document_.place));
-  if (entry.buffer_view < 0 || static_cast<size_t>(entry.buffer_view) >= document_.views.size())
+    return read_file_bytes(resolve_uri(document.base_dir, percent_decode(entry.uri), document.place));
+  if (entry.buffer_view < 0 || static_cast<size_t>(entry.buffer_view) >= document.views.size())
     throw Error(fmt::format("image {} has neither a URI nor a buffer view", image));
-  const ByteSpan view = document_.views[static_cast<size_t>(entry.buffer_view)];
+  const ByteSpan view = document.views[static_cast<size_t>(entry.buffer_view)];
   return {view.begin(), view.end()};
 }
 
 void TextureImporter::decode(const Request& request, int image, Texture& texture, Warnings& warnings) const {
-  if (static_cast<size_t>(image) >= document_.images.size()) throw Error(fmt::format("there is no image {}", image));
-  const std::string name = name_of(image);
   auto file = std::make_shared<const Bytes>(
       request.float_image.empty()
-          ? file_of(image)
+          ? read_image_file(document_, image)
           : read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place)));
+  const std::string name = image_name(document_, image);
   Texture decoded = decode_texture(*file, name, texture.format);
   if (const std::string repair = repair_texels(decoded, name, texture.format); !repair.empty()) warnings.add(repair);
   texture.width = decoded.width;
@@ -116,7 +117,8 @@ void TextureImporter::decode(const Request& request, Texture& texture, Warnings&
     try {
       decode(request, request.images[i], texture, warnings);
       if (i > 0)
-        warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem, name_of(request.images[i])));
+        warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem,
+                                 image_name(document_, request.images[i])));
       return;
     } catch (const std::exception& error) {
       problem = error.what();

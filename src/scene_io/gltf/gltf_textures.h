@@ -13,6 +13,11 @@ namespace relume::gltf {
 /// What a texture is for; decides its pixel format and what stands in for it if it is broken.
 enum class TextureUse { color, data, normal };
 
+/// Name of one of the document's images, for messages.
+std::string image_name(const Document& document, int image);
+/// Bytes of an image as they are stored. Throws Error for images that do not exist or cannot be read.
+Bytes read_image_file(const Document& document, int image);
+
 class TextureImporter {
  public:
   TextureImporter(Document& document, Scene& scene) : document_(document), scene_(scene) {}
@@ -36,10 +41,6 @@ class TextureImporter {
   void decode(const Request& request, Texture& texture, Warnings& warnings) const;
   /// Throws Error or another exception for what cannot be read.
   void decode(const Request& request, int image, Texture& texture, Warnings& warnings) const;
-  /// For messages.
-  std::string name_of(int image) const;
-  /// Its bytes as they are stored. Throws Error.
-  Bytes file_of(int image) const;
 
   Document& document_;
   Scene& scene_;
