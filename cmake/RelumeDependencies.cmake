@@ -21,5 +21,7 @@ find_package(fmt REQUIRED)
 find_path(GLM_INCLUDE_DIR glm/vec3.hpp REQUIRED)
 find_path(STB_INCLUDE_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_library(STB_LIBRARY stb REQUIRED)
+# Optional: `--ocio` says so where it is missing. Debian 12's CMake package lies where CMake does not look.
+pkg_check_modules(OCIO QUIET IMPORTED_TARGET OpenColorIO>=2.0)
 # Not in Debian 12: the denoiser `oidn` says so where it is missing.
 find_package(OpenImageDenoise QUIET)

@@ -64,6 +64,9 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
   "libassimp-dev, libcli11-dev, libdraco-dev, libembree-dev, libfmt-dev, libglm-dev, libmeshoptimizer-dev, libopenexr-dev, \
 libstb-dev, libtbb-dev, libtinygltf-dev, libwebp-dev, libzstd-dev, nlohmann-json3-dev, pkgconf")
+if(OCIO_FOUND)
+  string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", libopencolorio-dev")
+endif()
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "path tracer that reuses samples across frames (development files)
 relume renders glTF scenes by path tracing. Techniques that reuse samples
 across pixels, frames and paths can be combined and compared.

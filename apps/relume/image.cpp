@@ -10,6 +10,7 @@
 #include "command.h"
 #include "file_roles.h"
 #include "files/extension.h"
+#include "framebuffer/ocio_view.h"
 #include "framebuffer/tone_map.h"
 #include "relume/image_io.h"
 #include "render/session.h"
@@ -88,12 +89,16 @@ Image cropped_image(const Session& session) {
   return part;
 }
 
+Image displayed_image(const Session& session, const Display& display, const OcioView* view) {
+  const Image image = cropped_image(session);
+  return view ? view->apply(image, display.exposure) : tone_map(image, display.tone_map, display.exposure);
+}
+
 void write_image(const std::filesystem::path& file, const Session& session, const Display& display,
-                 const std::vector<std::string>& aovs, const Metadata& metadata) {
+                 const std::vector<std::string>& aovs, const Metadata& metadata, const OcioView* view) {
   const std::string extension = lower_extension(file);
   if (extension == ".exr") return write_layers(file, session, aovs, metadata);
-  const Image image = cropped_image(session);
-  write_image(file, extension == ".hdr" ? image : tone_map(image, display.tone_map, display.exposure));
+  write_image(file, extension == ".hdr" ? cropped_image(session) : displayed_image(session, display, view));
 }
 
 }  // namespace relume::cli

@@ -10,8 +10,9 @@
 #include "render/settings.h"
 
 namespace relume {
+class OcioView;
 class Session;
-}
+}  // namespace relume
 
 namespace relume::cli {
 
@@ -35,9 +36,12 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
 /// The session's image; with `--crop` the window that was rendered.
 Image cropped_image(const Session& session);
 
-/// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: exposed and
-/// tone-mapped. Throws Error.
+/// The same exposed and as a display shows it: through `view`, or the display's tone map if that is nullptr.
+Image displayed_image(const Session& session, const Display& display, const OcioView* view);
+
+/// EXR: linear radiance with `aovs` as layers and `metadata`; HDR: linear radiance; other formats: displayed_image().
+/// Throws Error.
 void write_image(const std::filesystem::path& file, const Session& session, const Display& display,
-                 const std::vector<std::string>& aovs, const Metadata& metadata);
+                 const std::vector<std::string>& aovs, const Metadata& metadata, const OcioView* view = nullptr);
 
 }  // namespace relume::cli

@@ -23,6 +23,11 @@ std::vector<Option> declare(RenderOptions& o) {
         "Render only this window of the image, with the bits that the whole image has there; an EXR keeps the size of "
         "the whole, other files are cut"},
        "X,Y,W,H"},
+      {{"ocio", &o.ocio,
+        "Show PNG, JPEG, TGA and videos through a view of an OpenColorIO configuration in place of --tone-map"},
+       "CONFIG:VIEW",
+       0,
+       Completion::file},
       {{"frames", &o.frames,
         "Render these frames of the animation; the number goes into the name of FILE, in place of #### "
         "or %04d or before the extension"},

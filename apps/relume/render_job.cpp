@@ -262,14 +262,14 @@ void RenderJob::write(size_t index, StopReason reason) {
   const std::filesystem::path& file = plan_.files[index];
   if (is_video_file(file)) {
     const Display display = display_of_image();
-    const Image image = tone_map(cropped_image(*session_), display.tone_map, display.exposure);
+    const Image image = displayed_image(*session_, display, plan_.ocio.get());
     if (!video_) video_.emplace(file, image.width, image.height, options_.fps);
     video_->add(image);
     if (index == first_image_) written_.push_back(file.string());
   } else {
     const Metadata metadata = image_metadata(*session_, options_.scene, settings_, load_s_);
     const bool is_displayed = lower_extension(file) != ".exr" && lower_extension(file) != ".hdr";
-    write_image(file, *session_, is_displayed ? display_of_image() : Display{}, plan_.aovs, metadata);
+    write_image(file, *session_, is_displayed ? display_of_image() : Display{}, plan_.aovs, metadata, plan_.ocio.get());
     written_.push_back(file.string());
   }
   write_s_ += now_s() - start_s;

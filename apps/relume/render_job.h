@@ -14,6 +14,7 @@ struct RenderOptions {
   std::string output;
   std::string aov;
   std::string crop;    ///< "X,Y,W,H"; empty: the whole image
+  std::string ocio;    ///< "CONFIG:VIEW"; empty: the tone map
   std::string frames;  ///< empty: a single image
   float fps = 24;
   std::string preset;

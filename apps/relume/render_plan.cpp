@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
+#include "files/extension.h"
 #include "image.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
@@ -34,6 +35,7 @@ FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesyst
   FileRoles roles;
   roles.reads("SCENE", options.scene);
   roles.reads("--settings", options.settings_file);
+  roles.reads("--ocio", options.ocio.substr(0, options.ocio.rfind(':')));
   for (const std::filesystem::path& file : files) roles.writes("-o", file);
   roles.writes("--stats", options.stats);
   roles.writes("--resume", options.checkpoint);
@@ -60,6 +62,19 @@ PixelWindow parse_window(std::string_view text, std::string_view place) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+/// nullptr if none was asked for. Throws UsageError where nothing would show it.
+std::shared_ptr<const OcioView> make_ocio_view(const RenderOptions& options) {
+  if (options.ocio.empty()) return nullptr;
+  const std::string extension = lower_extension(options.output);
+  if (extension == ".exr" || extension == ".hdr")
+    throw UsageError(fmt::format("{}: --ocio is for displayed images, and {} files hold radiance; write a PNG",
+                                 options.output, extension));
+  for (const auto& [name, value] : options.flags) {
+    if (name == "tone-map") throw UsageError("--ocio replaces --tone-map; give one of them");
+  }
+  return std::make_shared<const OcioView>(options.ocio);
+}
+
 }  // namespace
 
 std::vector<std::string> wanted_aovs(const RenderOptions& options, RenderSettings settings) {
@@ -77,6 +92,7 @@ RenderPlan make_plan(const RenderOptions& options) {
   }
   plan.roles = roles_of(options, plan.files);
   plan.crop = parse_window(options.crop, "--crop");
+  plan.ocio = make_ocio_view(options);
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;

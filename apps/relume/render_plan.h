@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "file_roles.h"
 #include "frame_sequence.h"
+#include "framebuffer/ocio_view.h"
 #include "render/settings.h"
 #include "render_job.h"
 
@@ -20,6 +22,7 @@ struct RenderPlan {
   SettingSources sources;
   FileRoles roles;
   PixelWindow crop;
+  std::shared_ptr<const OcioView> ocio;  ///< nullptr: the tone map
   int threads = 0;
 };
 

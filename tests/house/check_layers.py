@@ -73,6 +73,7 @@ LIBRARY_USERS = {
     "Imf": "image",
     "zstd": "image",
     "webp/": "image",
+    "OpenColorIO/": "framebuffer",
     "CLI/": "apps",
 }
 

@@ -22,6 +22,21 @@ LAYERS = {
     "variance": ["variance.Y"],
     "heatmap": ["heatmap.Y"],
 }
+# A configuration whose view Half halves radiance.
+OCIO = """ocio_profile_version: 1
+roles: {default: lin, scene_linear: lin}
+displays:
+  screen:
+    - !<View> {name: Half, colorspace: half}
+active_displays: []
+active_views: []
+colorspaces:
+  - !<ColorSpace>
+    name: lin
+  - !<ColorSpace>
+    name: half
+    from_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
+"""
 
 
 class TevViewer(threading.Thread):
@@ -110,6 +125,19 @@ class Outputs(ProgramTest):
             self.assertNotEqual(done.returncode, 0)
         done = run("render", "cornell", "-o", "no.png", *map(str, look), "--crop", "0,0,9,9", "--denoise", "svgf", cwd=self.folder)
         self.assertIn("--crop does not combine with a denoiser", done.stderr)
+
+    def test_a_view_of_opencolorio_replaces_the_tone_map(self):
+        (self.folder / "half.ocio").write_text(OCIO)
+        look = [*SMALL, "--spp", "2", "--exposure", "0"]
+        done = run("render", "furnace", "-o", "half.png", *map(str, look), "--env", "1,1,1", "--ocio", "half.ocio:Half", cwd=self.folder)
+        if "OpenColorIO, which was not found" in done.stderr:
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        _, _, _, rows = png_pixels(self.folder / "half.png")
+        self.assertEqual(set(rows[0]), {128})  # half of the background's radiance, as the view encodes it
+        for more, sentence in ((["--ocio", "half.ocio:Filmic"], "it has Half"), (["--ocio", "half.ocio:Half", "--tone-map", "agx"], "give one of them")):
+            self.assertIn(sentence, run("render", "furnace", "-o", "no.png", *map(str, look), *more, cwd=self.folder).stderr)
+        self.assertIn("files hold radiance", run("render", "furnace", "-o", "no.exr", "--ocio", "half.ocio:Half", cwd=self.folder).stderr)
 
     def test_layers_have_conventional_names(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--aov", ",".join(LAYERS))

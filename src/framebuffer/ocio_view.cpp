@@ -1,0 +1,121 @@
+#include "framebuffer/ocio_view.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/parallel.h"
+#include "core/srgb.h"
+#include "relume/error.h"
+
+#if defined(RELUME_WITH_OCIO)
+#include <OpenColorIO/OpenColorIO.h>
+#endif
+
+namespace relume {
+
+#if defined(RELUME_WITH_OCIO)
+
+namespace ocio = OCIO_NAMESPACE;
+
+struct OcioView::State {
+  ocio::ConstCPUProcessorRcPtr processor;
+};
+
+namespace {
+
+/// Where configurations have linear Rec. 709: names of ACES, Blender, Filmic and OpenColorIO's built-in ones.
+std::string linear_rec709(const ocio::ConstConfigRcPtr& config) {
+  for (const char* name : {"lin_rec709_srgb", "Linear Rec.709 (sRGB)", "lin_rec709", "Linear Rec.709",
+                           "Utility - Linear - sRGB", "lin_srgb", "Linear sRGB", "Linear BT.709"}) {
+    if (config->getColorSpace(name)) return name;
+  }
+  if (config->getColorSpace(ocio::ROLE_SCENE_LINEAR)) return ocio::ROLE_SCENE_LINEAR;
+  throw Error("it has neither a linear Rec. 709 colour space nor the role scene_linear; add one of them");
+}
+
+/// The display to which the view belongs. Throws Error.
+std::string display_of(const ocio::ConstConfigRcPtr& config, const std::string& view) {
+  std::vector<std::string> views;
+  for (int d = 0; d < config->getNumDisplays(); ++d) {
+    const char* display = config->getDisplay(d);
+    for (int v = 0; v < config->getNumViews(display); ++v) {
+      views.emplace_back(config->getView(display, v));
+      if (views.back() == view) return display;
+    }
+  }
+  std::sort(views.begin(), views.end());
+  views.erase(std::unique(views.begin(), views.end()), views.end());
+  throw Error(fmt::format("it has no view '{}'; it has {}", view, fmt::join(views, ", ")));
+}
+
+/// The library's messages as the middle of one sentence.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+ocio::ConstCPUProcessorRcPtr processor_for(const std::string& file, const std::string& view) {
+  const ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(file.c_str());
+  const ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
+  transform->setSrc(linear_rec709(config).c_str());
+  transform->setDisplay(display_of(config, view).c_str());
+  transform->setView(view.c_str());
+  return config->getProcessor(transform)->getDefaultCPUProcessor();
+}
+
+}  // namespace
+
+std::string ocio_missing() { return {}; }
+
+OcioView::OcioView(std::string_view text) {
+  const size_t colon = text.rfind(':');
+  if (colon == 0 || colon == text.npos || colon + 1 == text.size())
+    throw Error(fmt::format(
+        "--ocio is '{}', but must be a configuration and one of its views, such as config.ocio:Filmic", text));
+  const std::string file(text.substr(0, colon));
+  try {
+    state_ = std::make_unique<const State>(State{processor_for(file, std::string(text.substr(colon + 1)))});
+  } catch (const std::exception& error) {
+    throw Error(fmt::format("{}: the OpenColorIO configuration cannot be used: {}", file, one_line(error.what())));
+  }
+}
+
+Image OcioView::apply(const Image& radiance, float exposure) const {
+  const float scale = std::exp2(exposure);
+  Image image(radiance.width, radiance.height);
+  const auto width = static_cast<size_t>(radiance.width);
+  parallel_for(static_cast<size_t>(radiance.height), [&](size_t y) {
+    Rgb* row = image.pixels.data() + y * width;
+    for (size_t x = 0; x < width; ++x) {
+      const Rgb scaled = radiance.pixels[y * width + x] * scale;
+      for (int c = 0; c < 3; ++c) row[x][c] = is_finite(scaled[c]) ? scaled[c] : 0.0f;
+    }
+    ocio::PackedImageDesc pixels(row, radiance.width, 1, 3);
+    state_->processor->apply(pixels);
+    for (size_t x = 0; x < width; ++x) row[x] = linear_from_srgb(glm::clamp(row[x], Rgb(0), Rgb(1)));
+  });
+  return image;
+}
+
+#else
+
+struct OcioView::State {};
+
+std::string ocio_missing() {
+  return "--ocio needs OpenColorIO, which was not found when relume was built; install libopencolorio-dev and build "
+         "again, or use --tone-map";
+}
+
+OcioView::OcioView(std::string_view) { throw Error(ErrorCode::not_supported, ocio_missing()); }
+
+Image OcioView::apply(const Image& radiance, float) const { return radiance; }
+
+#endif
+
+OcioView::~OcioView() = default;
+OcioView::OcioView(OcioView&&) noexcept = default;
+
+}  // namespace relume
