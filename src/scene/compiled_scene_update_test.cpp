@@ -103,7 +103,7 @@ TEST(CompiledScene, ChangesLastUntilTheFrameEnds) {
 
 /// Half of its texels are holes.
 Texture holes() {
-  Texture t{"holes", 2, 1, PixelFormat::rgba8_linear, WrapMode::repeat, WrapMode::repeat, FilterMode::nearest, {}};
+  Texture t{"holes", 2, 1, PixelFormat::rgba8_linear, WrapMode::repeat, WrapMode::repeat, FilterMode::nearest, {}, {}};
   for (const int alpha : {255, 0}) {
     for (const int code : {255, 255, 255, alpha}) t.texels.push_back(static_cast<std::byte>(code));
   }

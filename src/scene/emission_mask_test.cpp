@@ -15,7 +15,7 @@ namespace {
 
 /// Black except for a few texels.
 Texture sparse(int width, int height, WrapMode wrap, FilterMode filter) {
-  Texture t{"sparse", width, height, PixelFormat::rgba8_srgb, wrap, wrap, filter, {}};
+  Texture t{"sparse", width, height, PixelFormat::rgba8_srgb, wrap, wrap, filter, {}, {}};
   const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
   t.texels.assign(4 * count, std::byte{0});
   for (const size_t texel : {size_t{0}, count / 2, count - 1}) t.texels[4 * texel] = std::byte{9};

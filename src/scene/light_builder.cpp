@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/parallel.h"
-#include "scene/emission_mask.h"
+#include "scene/emission_table.h"
 #include "scene/light_parameters.h"
 #include "scene/placement.h"
 #include "scene/studio.h"
@@ -27,73 +26,6 @@ float triangle_error(const SceneView& geometry, const UVec3& index, const Instan
   return largest;
 }
 
-/// Extent of a triangle in the texels of the textures that modulate it.
-struct TexelExtent {
-  float area = 1;
-  float longest_edge = 1;
-};
-
-TexelExtent texel_extent(const TexturedEmission& e, const TexturedTriangle& t) {
-  TexelExtent extent;
-  const auto count = [&](int32_t texture, const Vec2 uv[3]) {
-    if (texture < 0) return;
-    const TextureView& view = e.textures[static_cast<uint32_t>(texture)];
-    const Vec2 size(static_cast<float>(view.width), static_cast<float>(view.height));
-    const Vec2 d1 = (uv[1] - uv[0]) * size;
-    const Vec2 d2 = (uv[2] - uv[0]) * size;
-    extent.area = relume::max(0.5f * std::fabs(d1.x * d2.y - d1.y * d2.x), extent.area);
-    for (const Vec2& edge : {d1, d2, d2 - d1})
-      extent.longest_edge = relume::max(glm::length(edge), extent.longest_edge);
-  };
-  count(t.emission_texture, t.emission_uv);
-  count(t.opacity_texture, t.opacity_uv);
-  return extent;
-}
-
-/// Edge of the subdivision of a textured triangle that is about one texel, within bounds.
-uint32_t grid_size(const TexelExtent& extent) {
-  constexpr float kMaxGrid = 256;
-  return static_cast<uint32_t>(clamp(std::ceil(std::sqrt(2.0f * extent.area)), 1.0f, kMaxGrid));
-}
-
-/// Points along a side of a small triangle at which the texture is looked up: two a texel, so that none is missed. If
-/// those are too many, a few have to do.
-struct Probing {
-  int points = 4;
-  bool sees_all = true;
-
-  Probing(const TexelExtent& extent, uint32_t grid) {
-    constexpr float kMostPoints = 32;
-    const float wanted = std::ceil(2.0f * extent.longest_edge / static_cast<float>(grid));
-    sees_all = wanted <= kMostPoints;
-    if (sees_all) points = std::max(points, static_cast<int>(wanted));
-  }
-};
-
-/// Mean of the texture over one small triangle.
-Rgb mean_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t index, int points) {
-  const auto n = static_cast<float>(points);
-  Rgb sum(0);
-  for (int i = 0; i < points; ++i) {
-    for (int j = 0; j < points; ++j) {
-      const Vec2 u((static_cast<float>(i) + 0.5f) / n, (static_cast<float>(j) + 0.5f) / n);
-      sum += textured_emission(e, t, barycentric_in_small_triangle(t.grid, index, triangle_from_square(u)));
-    }
-  }
-  return sum / (n * n);
-}
-
-/// Where bright texels may have been missed, every small triangle gets some samples.
-void leave_none_out(std::vector<float>& weights, Rgb& mean) {
-  constexpr float kLeastShare = 0.01f;  // of the mean weight
-  constexpr float kLeastMean = 1e-3f;   // of the material's emission, if nothing at all was found
-  double sum = 0;
-  for (const float w : weights) sum += w;
-  const auto least = static_cast<float>(kLeastShare * sum / static_cast<double>(weights.size()));
-  for (float& w : weights) w = sum > 0 ? std::max(w, least) : 1.0f;
-  if (!(sum > 0)) mean = Rgb(kLeastMean);
-}
-
 /// A punctual light of a node.
 Light punctual_light(PunctualLight source, const Mat4& to_world) {
   const Vec3 position(to_world[3]);
@@ -113,64 +45,6 @@ Light punctual_light(PunctualLight source, const Mat4& to_world) {
     }
   }
   return {};
-}
-
-void transformed_uvs(const SceneView& scene, const MeshView& mesh, const UVec3& index, const TextureUse& use,
-                     Vec2 uv[3]) {
-  for (int k = 0; k < 3; ++k) {
-    const uint32_t v = index[k];
-    Vec2 raw(0);
-    if (use.uv_set == 1 && mesh.has_uv1) raw = scene.uv1[mesh.first_uv1 + v];
-    if (use.uv_set == 0 && mesh.has_uv) raw = scene.vertices[v].uv;
-    uv[k] = use.transform(raw);
-  }
-}
-
-bool has_textured_emission(const MaterialData& material) {
-  return material.emissive() && (material.emission_texture.used() || material.has_alpha());
-}
-
-/// A triangle and its sampling table; no entries: it emits nothing.
-struct TexturedTable {
-  TexturedTriangle triangle{};
-  std::vector<AliasEntry> entries;
-};
-
-TexturedTable textured_table(const SceneView& geometry, const MeshView& mesh, uint32_t primitive,
-                             const std::map<int32_t, EmissionMask>& masks) {
-  const MaterialData& material = geometry.materials[mesh.material];
-  const UVec3 index = geometry.triangles[mesh.first_triangle + primitive];
-  TexturedTable result;
-  TexturedTriangle& t = result.triangle;
-  t.emission_texture = material.emission_texture.texture;
-  transformed_uvs(geometry, mesh, index, material.emission_texture, t.emission_uv);
-  if (t.emission_texture >= 0 && !masks.at(t.emission_texture).may_emit(t.emission_uv)) return result;
-  t.opacity_texture = material.has_alpha() ? material.base_color_texture.texture : -1;
-  transformed_uvs(geometry, mesh, index, material.base_color_texture, t.opacity_uv);
-  for (int k = 0; k < 3; ++k) {
-    const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
-    t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
-  }
-  t.alpha_cutoff = material.alpha_cutoff;
-  t.mask = material.mask;
-  const TexturedEmission context{{}, {}, geometry.textures};
-  const TexelExtent extent = texel_extent(context, t);
-  t.grid = grid_size(extent);
-  const Probing probing(extent, t.grid);
-
-  const uint32_t count = t.grid * t.grid;
-  std::vector<Rgb> means(count);
-  parallel_for(count, [&](uint32_t i) { means[i] = mean_emission(context, t, i, probing.points); });
-  std::vector<float> weights(count);
-  Rgb sum(0);
-  for (uint32_t i = 0; i < count; ++i) {
-    weights[i] = luminance(material.emission * means[i]);
-    sum += means[i];
-  }
-  t.mean_emission = sum / static_cast<float>(count);
-  if (!probing.sees_all) leave_none_out(weights, t.mean_emission);
-  result.entries = build_alias_table(weights);
-  return result;
 }
 
 }  // namespace
@@ -294,35 +168,22 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
 }
 
 void LightBuilder::add_textured(const SceneView& geometry, const std::vector<Instance>& instances) {
-  struct Missing {
-    const MeshView* mesh;
-    uint32_t primitive;
-  };
-  std::vector<Missing> missing;
-  std::map<int32_t, EmissionMask> masks;
+  std::vector<EmissiveTriangle> missing;
   for (const Instance& instance : instances) {
     const MeshView& mesh = geometry.meshes[instance.mesh];
-    const MaterialData& material = geometry.materials[mesh.material];
-    if (!has_textured_emission(material)) continue;
-    const size_t known = missing.size();
+    if (!has_textured_emission(geometry.materials[mesh.material])) continue;
     for (uint32_t k = 0; k < mesh.triangle_count; ++k) {
       const bool is_new = textured_indices_.try_emplace(mesh.first_triangle + k, kBlackTexture).second;
       if (is_new) missing.push_back({&mesh, k});
     }
-    const int32_t texture = material.emission_texture.texture;
-    if (missing.size() > known && texture >= 0 && !masks.contains(texture))
-      masks.try_emplace(texture, textures_[static_cast<uint32_t>(texture)]);
   }
-  std::vector<TexturedTable> tables(missing.size());
-  parallel_for(missing.size(),
-               [&](size_t i) { tables[i] = textured_table(geometry, *missing[i].mesh, missing[i].primitive, masks); });
+  const std::vector<EmissionTable> tables = make_emission_tables(geometry, missing);
   for (size_t i = 0; i < missing.size(); ++i) {
-    TexturedTable& made = tables[i];
-    if (made.entries.empty()) continue;
+    if (tables[i].entries.empty()) continue;
     textured_indices_[missing[i].mesh->first_triangle + missing[i].primitive] = static_cast<int32_t>(textured_.size());
-    made.triangle.first_entry = static_cast<uint32_t>(entries_.size());
-    entries_.insert(entries_.end(), made.entries.begin(), made.entries.end());
-    textured_.push_back(made.triangle);
+    textured_.push_back(tables[i].triangle);
+    textured_.back().first_entry = static_cast<uint32_t>(entries_.size());
+    entries_.insert(entries_.end(), tables[i].entries.begin(), tables[i].entries.end());
   }
 }
 

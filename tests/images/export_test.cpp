@@ -100,7 +100,8 @@ Scene beyond_gltf() {
   Material floor = glossy("floor", {0.5f, 0.4f, 0.3f}, 0.4f);
   floor.microfacet_model = MicrofacetModel::beckmann;
   add(scene, quad({-2, -1, -4}, {0, 0, 6}, {4, 0, 0}), floor);
-  Texture bright{.name = "bright", .width = 2, .height = 1, .format = PixelFormat::rgba32_float, .texels = {}};
+  Texture bright{
+      .name = "bright", .width = 2, .height = 1, .format = PixelFormat::rgba32_float, .texels = {}, .file = {}};
   const float texels[] = {4, 0.125f, 2, 1, 0.25f, 9, 0, 1};
   const std::byte* bytes = reinterpret_cast<const std::byte*>(texels);
   bright.texels.assign(bytes, bytes + sizeof(texels));

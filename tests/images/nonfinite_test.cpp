@@ -24,7 +24,8 @@ Scene broken_card(float environment) {
   texels.fill(Vec4(0.5f, 0.5f, 0.5f, 1));
   texels[5] = Vec4(0.5f, kNan, 0.5f, 1);
   texels[14] = Vec4(kInfinity, 0.5f, 0.5f, 1);
-  Texture texture{.name = "broken", .width = 4, .height = 4, .format = PixelFormat::rgba32_float, .texels = {}};
+  Texture texture{
+      .name = "broken", .width = 4, .height = 4, .format = PixelFormat::rgba32_float, .texels = {}, .file = {}};
   texture.filter = FilterMode::nearest;
   const auto* bytes = reinterpret_cast<const std::byte*>(texels.data());
   texture.texels.assign(bytes, bytes + sizeof texels);
