@@ -1,17 +1,31 @@
 #include "scene_io/gltf/gltf_write_materials.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
 #include "core/srgb.h"
 #include "files/atomic_file.h"
+#include "image/stb_decode.h"
+#include "relume/error.h"
 #include "relume/image_io.h"
 #include "scene/material_parameters.h"
+#include "scene_io/texture_decode.h"
 
 namespace relume::gltf {
+
+/// How glTF refers to an image file of some format.
+struct ImageType {
+  detail::ImageFormat format;
+  const char* mime_type;
+  const char* file_extension;
+  const char* gltf_extension;  ///< that names it as the texture's source; nullptr: none is needed
+};
+
 namespace {
 
 /// Eight bits a channel, with the RGB channels mapped by `curve`; alpha stays.
@@ -69,6 +83,31 @@ std::string png_file(int width, int height, const std::vector<std::byte>& texels
   };
   stbi_write_png_to_func(write, &bytes, width, height, 4, texels.data(), 4 * width);
   return bytes;
+}
+
+constexpr ImageType kImageTypes[] = {
+    {detail::ImageFormat::png, "image/png", ".png", nullptr},
+    {detail::ImageFormat::jpeg, "image/jpeg", ".jpg", nullptr},
+    {detail::ImageFormat::ktx2, "image/ktx2", ".ktx2", "KHR_texture_basisu"},
+    {detail::ImageFormat::webp, "image/webp", ".webp", "EXT_texture_webp"},
+};
+constexpr const ImageType& kPng = kImageTypes[0];
+
+/// The type of the texture's file if glTF can have it and the texels are still those of the file; nullptr otherwise.
+const ImageType* kept_type(const Texture& t, bool color) {
+  if (!t.file || (t.format == PixelFormat::rgba8_srgb) != color) return nullptr;
+  try {
+    const detail::ImageFormat format = detail::detect_image_format(*t.file, t.name);
+    const auto* const end = std::end(kImageTypes);
+    const auto* const type =
+        std::find_if(std::begin(kImageTypes), end, [&](const ImageType& known) { return known.format == format; });
+    if (type == end) return nullptr;
+    const Texture read = decode_texture(*t.file, t.name, color ? PixelFormat::rgba8_srgb : PixelFormat::rgba8_linear);
+    const bool same = read.width == t.width && read.height == t.height && read.format == t.format;
+    return same && read.texels == t.texels ? type : nullptr;
+  } catch (const Error&) {
+    return nullptr;  // somebody gave the texture another file
+  }
 }
 
 }  // namespace
@@ -165,7 +204,24 @@ int MaterialWriter::texture(Index index, Use use) {
   OutputJson json = OutputJson::object();
   if (!t.name.empty()) json["name"] = t.name;
   json["sampler"] = sampler(t);
-  json["source"] = image(t, use, name);
+  if (const ImageType* type = kept_type(t, use == Use::color)) {
+    const int kept = image(t.name, std::as_bytes(std::span(*t.file)), *type, name);
+    if (type->gltf_extension) {
+      json["extensions"][type->gltf_extension]["source"] = kept;
+      output_.use_extension(type->gltf_extension, true);
+    } else {
+      json["source"] = kept;
+    }
+  } else {
+    add_png(json, t, use, name);
+  }
+  entry->second = output_.add("textures", std::move(json));
+  return entry->second;
+}
+
+void MaterialWriter::add_png(OutputJson& json, const Texture& t, Use use, const std::string& name) {
+  const std::string png = png_file(t.width, t.height, png_texels(t, use == Use::color));
+  json["source"] = image(t.name, std::as_bytes(std::span(png)), kPng, name);
   if (t.format == PixelFormat::rgba32_float) {
     const std::string exr =
         output_.add_file(name + ".exr", [&](const std::filesystem::path& file) { write_exr(file, exr_of(t)); });
@@ -177,8 +233,6 @@ int MaterialWriter::texture(Index index, Use use) {
     output_.warn(fmt::format("texture '{}' is converted {} sRGB, which glTF expects where it is used", t.name,
                              use == Use::color ? "to" : "from"));
   }
-  entry->second = output_.add("textures", std::move(json));
-  return entry->second;
 }
 
 int MaterialWriter::sampler(const Texture& t) {
@@ -197,16 +251,17 @@ int MaterialWriter::sampler(const Texture& t) {
   return output_.add("samplers", json);
 }
 
-int MaterialWriter::image(const Texture& t, Use use, const std::string& name) {
-  const std::string png = png_file(t.width, t.height, png_texels(t, use == Use::color));
+int MaterialWriter::image(const std::string& title, std::span<const std::byte> bytes, const ImageType& type,
+                          const std::string& name) {
   OutputJson json = OutputJson::object();
-  if (!t.name.empty()) json["name"] = t.name;
+  if (!title.empty()) json["name"] = title;
   if (output_.binary()) {
-    json["mimeType"] = "image/png";
-    json["bufferView"] = output_.add_bytes(std::as_bytes(std::span(png)));
+    json["mimeType"] = type.mime_type;
+    json["bufferView"] = output_.add_bytes(bytes);
   } else {
-    json["uri"] =
-        uri_of(output_.add_file(name + ".png", [&](const std::filesystem::path& file) { write_file(file, png); }));
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    json["uri"] = uri_of(output_.add_file(name + type.file_extension,
+                                          [&](const std::filesystem::path& file) { write_file(file, text); }));
   }
   return output_.add("images", std::move(json));
 }

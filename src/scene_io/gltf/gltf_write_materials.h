@@ -1,7 +1,9 @@
 // Materials and textures of a scene into a glTF file.
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -9,6 +11,8 @@
 #include "scene_io/gltf/gltf_output.h"
 
 namespace relume::gltf {
+
+struct ImageType;
 
 class MaterialWriter {
  public:
@@ -30,9 +34,13 @@ class MaterialWriter {
   /// Adds `members` to those that the extension has.
   void add_extension(OutputJson& extensions, const char* name, const OutputJson& members);
 
+  /// Keeps the texture's file where that is untouched and of a format that glTF knows.
   int texture(Index index, Use use);
+  /// The texels as a PNG, and beside it what a PNG cannot hold.
+  void add_png(OutputJson& texture, const Texture& t, Use use, const std::string& name);
   int sampler(const Texture& t);
-  int image(const Texture& t, Use use, const std::string& name);
+  /// `name`: the file's, without its extension, if it is one of its own.
+  int image(const std::string& title, std::span<const std::byte> bytes, const ImageType& type, const std::string& name);
 
   const Scene& scene_;
   Output& output_;
