@@ -176,7 +176,7 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
 
 /// The scene as the contenders see it; `options` takes what it says of itself.
 Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, const Verbosity& verbosity) {
-  Scene scene = open_scene(o.scene);
+  Scene scene = open_scene(o.scene, !verbosity.quiet);
   warn_all(verbosity, scene);
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = o.scene;

@@ -29,7 +29,7 @@ int run_export(const ExportOptions& options, const Verbosity& verbosity) {
   FileRoles roles;
   roles.reads("SCENE", options.scene);
   roles.writes("-o", file);
-  const Scene scene = open_scene(options.scene);
+  const Scene scene = open_scene(options.scene, !verbosity.quiet);
   roles.reads("SCENE", scene.source_files);
   warn_all(verbosity, scene);
   warn_all(verbosity, write_gltf(file, scene), {file});

@@ -80,7 +80,7 @@ int run_info(const InfoOptions& options, const Verbosity& verbosity) {
     print(report_image(options.file, extension));
   } else {
     const double start_s = now_s();
-    const Scene scene = open_scene(options.file);
+    const Scene scene = open_scene(options.file, !verbosity.quiet);
     tell_more(verbosity, fmt::format("loaded {} in {:.2f} s", options.file, now_s() - start_s));
     print(summarize(scene));
   }

@@ -16,6 +16,7 @@
 #include "image.h"
 #include "image/tev_client.h"
 #include "platform.h"
+#include "preparation_progress.h"
 #include "progress.h"
 #include "render/build_pipeline.h"
 #include "render/display.h"
@@ -86,6 +87,7 @@ class RenderJob {
 
  private:
   void load();
+  void build(Scene scene);
   void resume();
   size_t image_of_checkpoint() const;
   void check_earlier_images() const;
@@ -128,7 +130,7 @@ class RenderJob {
 void RenderJob::load() {
   const double start_s = now_s();
   const ThreadLimit limit(plan_.threads);
-  Scene scene = open_scene(options_.scene);
+  Scene scene = open_scene(options_.scene, !verbosity_.quiet);
   plan_.sources.scene_json = scene.settings_json;
   plan_.sources.scene_place = options_.scene;
   settings_ = resolve(plan_.sources);
@@ -147,9 +149,14 @@ void RenderJob::load() {
   time_of(plan_.files.size() - 1);  // refused before anything is rendered
   settings_.render.auxiliary = !plan_.aovs.empty();
   settings_.render.crop = plan_.crop;
-  session_.emplace(std::move(scene), settings_.render);
+  build(std::move(scene));
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);
   if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
+}
+
+void RenderJob::build(Scene scene) {
+  const PreparationProgress progress(!verbosity_.quiet);
+  session_.emplace(std::move(scene), settings_.render);
 }
 
 void RenderJob::resume() {

@@ -6,13 +6,15 @@
 #include <fmt/format.h>
 
 #include "builtin_scenes/builtin.h"
+#include "preparation_progress.h"
 #include "relume/error.h"
 #include "relume/scene_io.h"
 #include "settings/nearest_name.h"
 
 namespace relume::cli {
 
-Scene open_scene(const std::string& name) {
+Scene open_scene(const std::string& name, bool shows_progress) {
+  const PreparationProgress progress(shows_progress);
   if (const BuiltinScene* builtin = find_builtin_scene(name)) return builtin->build();
   std::error_code failure;
   if (std::filesystem::exists(name, failure)) return load_scene(name);

@@ -10,6 +10,7 @@
 #include "accel/embree/embree.h"
 #include "accel/refit_cost.h"
 #include "accel/triangle.h"
+#include "core/activity.h"
 #include "core/hash.h"
 #include "core/parallel.h"
 #include "relume/error.h"
@@ -282,6 +283,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
         return true;
       },
       &s.bytes);
+  const Activity activity("building the acceleration structure");
   s.scene = rtcNewScene(s.device);
   const bool anything_moves =
       std::any_of(instances.begin(), instances.end(), [&](const auto& i) { return i.moves || meshes[i.mesh].deforms; });

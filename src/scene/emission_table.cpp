@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/activity.h"
 #include "core/parallel.h"
 #include "scene/emission_mask.h"
 
@@ -210,6 +211,8 @@ bool has_textured_emission(const MaterialData& material) {
 
 std::vector<EmissionTable> make_emission_tables(const SceneView& geometry,
                                                 std::span<const EmissiveTriangle> triangles) {
+  if (triangles.empty()) return {};
+  Activity activity("measuring emissive textures", triangles.size());
   std::map<int32_t, EmissionMask> masks;
   for (const EmissiveTriangle& triangle : triangles) {
     const int32_t texture = geometry.materials[triangle.mesh->material].emission_texture.texture;
@@ -221,7 +224,10 @@ std::vector<EmissionTable> make_emission_tables(const SceneView& geometry,
   const TexturedEmission context{{}, {}, geometry.textures};
   share_entries(context, drafts);
   std::vector<EmissionTable> tables(triangles.size());
-  parallel_for(triangles.size(), [&](size_t i) { tables[i] = table_of(context, drafts[i]); });
+  parallel_for(triangles.size(), [&](size_t i) {
+    tables[i] = table_of(context, drafts[i]);
+    activity.part_done();
+  });
   return tables;
 }
 

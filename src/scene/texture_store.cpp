@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/activity.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
 
@@ -127,8 +128,10 @@ const float* srgb_to_linear_table() {
 
 TextureStore::TextureStore(std::span<const Texture> textures, TextureFilter filter)
     : texels_(textures.size()), views_(textures.size()) {
+  Activity activity("filtering textures", textures.size());
   parallel_for(textures.size(), [&](size_t i) {
     views_[i] = build(textures[i], texels_[i]);
+    activity.part_done();
     if (filter == TextureFilter::linear) return;
     views_[i].encoded = textures[i].format == PixelFormat::rgba8_srgb;
     views_[i].level_count = 1;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/activity.h"
 #include "files/read_record.h"
 #include "relume/error.h"
 #include "relume/scene_io.h"
@@ -20,6 +21,7 @@ void check_file(const std::filesystem::path& file) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& file) {
+  const Activity activity("loading " + file.filename().string());
   const ReadRecord record;
   record_read(file);  // assimp reads it past our functions
   const SceneFormat& format = scene_format_of(file);

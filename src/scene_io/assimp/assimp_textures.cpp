@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/activity.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
 #include "files/bytes.h"
@@ -191,7 +192,11 @@ void AssimpTextures::finish() {
   }
   decode_images();
   std::vector<Warnings> warnings(requests.size(), Warnings(""));
-  parallel_for(requests.size(), [&](size_t i) { compose(requests[i], textures[i], warnings[i]); });
+  Activity activity("decoding textures", requests.size());
+  parallel_for(requests.size(), [&](size_t i) {
+    compose(requests[i], textures[i], warnings[i]);
+    activity.part_done();
+  });
   for (const Warnings& part : warnings) warnings_.add(part);
   for (const TextureRequest& request : requests)
     missing_.push_back(image(request.first, format_of(request.recipe)) == nullptr);

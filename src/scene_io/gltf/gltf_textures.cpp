@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/activity.h"
 #include "core/parallel.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
@@ -130,7 +131,11 @@ void TextureImporter::decode(const Request& request, Texture& texture, Warnings&
 
 void TextureImporter::decode_all() {
   std::vector<Warnings> warnings(requests_.size(), Warnings(""));
-  parallel_for(requests_.size(), [&](size_t i) { decode(requests_[i], scene_.textures[i], warnings[i]); });
+  Activity activity("decoding textures", requests_.size());
+  parallel_for(requests_.size(), [&](size_t i) {
+    decode(requests_[i], scene_.textures[i], warnings[i]);
+    activity.part_done();
+  });
   for (const Warnings& part : warnings) document_.warnings.add(part);
 }
 

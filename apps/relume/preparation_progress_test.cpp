@@ -1,0 +1,96 @@
+#include "preparation_progress.h"
+
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <thread>
+
+#include "core/activity.h"
+
+namespace relume::cli {
+namespace {
+
+void let_pass(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
+
+/// Standard error as a terminal while it lives.
+class Terminal {
+ public:
+  Terminal() {
+    EXPECT_EQ(openpty(&master_, &slave_, nullptr, nullptr, nullptr), 0);
+    std::fflush(stderr);
+    saved_ = dup(STDERR_FILENO);
+    dup2(slave_, STDERR_FILENO);
+  }
+  ~Terminal() {
+    restore();
+    close(master_);
+  }
+
+  /// What was written; standard error is itself again.
+  std::string text() {
+    std::fputs("END", stderr);
+    restore();
+    std::string all;
+    char buffer[4096];
+    while (all.find("END") == all.npos) {
+      const ssize_t count = read(master_, buffer, sizeof buffer);
+      if (count <= 0) break;
+      all.append(buffer, static_cast<size_t>(count));
+    }
+    return all;
+  }
+
+ private:
+  void restore() {
+    if (saved_ < 0) return;
+    std::fflush(stderr);
+    dup2(saved_, STDERR_FILENO);
+    close(saved_);
+    close(slave_);
+    saved_ = -1;
+  }
+
+  int master_ = -1;
+  int slave_ = -1;
+  int saved_ = -1;
+};
+
+TEST(PreparationProgress, NamesWhatTakesLongOnATerminal) {
+  Terminal terminal;
+  {
+    const PreparationProgress progress(true, 0.01);
+    Activity activity("decoding textures", 12);
+    activity.part_done();
+    let_pass(400);
+  }
+  const std::string text = terminal.text();
+  EXPECT_NE(text.find("\rdecoding textures, 1 of 12\x1b[K"), text.npos) << text;
+  EXPECT_NE(text.find("\r\x1b[KEND"), text.npos) << "the line is removed";
+}
+
+TEST(PreparationProgress, ShowsNothingOfWhatIsQuick) {
+  Terminal terminal;
+  {
+    const PreparationProgress progress(true, 100);
+    const Activity activity("decoding textures");
+    let_pass(50);
+  }
+  EXPECT_EQ(terminal.text(), "END");
+}
+
+TEST(PreparationProgress, ShowsNothingElsewhere) {
+  testing::internal::CaptureStderr();
+  {
+    const PreparationProgress progress(true, 0.001);
+    const Activity activity("decoding textures");
+    let_pass(50);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace relume::cli
