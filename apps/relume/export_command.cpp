@@ -45,7 +45,7 @@ Command export_command(Verbosity& verbosity) {
       .name = "export",
       .summary = "Write a scene as glTF.",
       .examples = {{"relume export cornell -o cornell.glb", "a built-in scene as one file"},
-                   {"relume export bistro.fbx -o bistro.gltf", "any scene that relume reads, as .gltf, .bin and .png"}},
+                   {"relume export bistro.fbx -o bistro.gltf", "any scene that relume reads, as .gltf, .bin and images"}},
       .arguments = {{"SCENE", &options->scene, "Built-in scene (`relume scenes`) or file", true, Completion::scene}},
       .options = {{{"output", &options->output, "File to write: .gltf or .glb"}, "FILE", 'o', Completion::file}},
       .setting_groups = {},
