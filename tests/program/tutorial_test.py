@@ -38,7 +38,7 @@ class Tutorial(ProgramTest):
         self.assertLess(time.monotonic() - start, MOST_SECONDS)
         for image in ("first.png", "evening.png"):
             self.assertEqual(png_size(folder / image), size)
-        for page in ("lights/compare.html", "adaptive/compare.html", "moving/compare.html"):
+        for page in ("lights/compare.html", "time/compare.html", "moving/compare.html"):
             self.assertIn("</html>", (folder / page).read_text(), page)
 
 
