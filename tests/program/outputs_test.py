@@ -10,7 +10,7 @@ import threading
 import unittest
 
 from png import png_pixels
-from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run, write_gltf
+from program import SMALL, ProgramTest, exr_channels, exr_header, exr_strings, png_size, run, write_gltf
 
 STATS_KEYS = {"load_s", "build_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
 METRICS_KEYS = {"mse", "rel_mse", "mae", "mape", "flip", "mean_a", "mean_b"}
