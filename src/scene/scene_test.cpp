@@ -98,7 +98,7 @@ TEST(LookAt, PointsTheCameraAtItsTarget) {
 Scene full_scene() {
   Scene s;
   s.textures.push_back({"t", 1, 1, PixelFormat::rgba8_srgb, WrapMode::repeat, WrapMode::repeat, FilterMode::linear,
-                        std::vector<std::byte>(4)});
+                        std::vector<std::byte>(4), {}});
   s.materials.emplace_back();
   Mesh m;
   m.positions = {Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
