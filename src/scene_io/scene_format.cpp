@@ -53,7 +53,7 @@ struct ForeignFormat {
   std::string_view remedy;
 };
 
-constexpr std::string_view kBlender = "import the file in Blender and export glTF 2.0 from there";
+constexpr std::string_view kBlender = "import the file into Blender and export glTF 2.0 from there";
 
 const ForeignFormat* foreign_format(std::string_view extension) {
   static const std::vector<ForeignFormat> kFormats = {

@@ -56,7 +56,7 @@ TEST(SceneFormat, AFormatOfAnotherProgramIsRefusedWithTheWayToGltf) {
   for (const char* file : {"car.usd", "car.USDA", "car.usdc", "car.usdz"})
     EXPECT_EQ(
         sentence(file),
-        std::string(file) + ": USD files are not read; import the file in Blender and export glTF 2.0 from there");
+        std::string(file) + ": USD files are not read; import the file into Blender and export glTF 2.0 from there");
 }
 
 TEST(SceneFormat, NamesMakeAPhrase) {
