@@ -97,8 +97,15 @@ TEST(LookAt, PointsTheCameraAtItsTarget) {
 /// A scene in which everything is present, so that every change below has something to change.
 Scene full_scene() {
   Scene s;
-  s.textures.push_back({"t", 1, 1, PixelFormat::rgba8_srgb, WrapMode::repeat, WrapMode::repeat, FilterMode::linear,
-                        std::vector<std::byte>(4), {}});
+  s.textures.push_back({"t",
+                        1,
+                        1,
+                        PixelFormat::rgba8_srgb,
+                        WrapMode::repeat,
+                        WrapMode::repeat,
+                        FilterMode::linear,
+                        std::vector<std::byte>(4),
+                        {}});
   s.materials.emplace_back();
   Mesh m;
   m.positions = {Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)};

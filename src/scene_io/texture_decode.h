@@ -9,8 +9,8 @@
 
 namespace relume {
 
-/// Decodes PNG, JPEG, TGA, BMP, KTX2, WebP, HDR or EXR, recognised by content; `name` becomes the texture's name and is used
-/// in messages. The result's format is `wanted` where the file allows it:
+/// Decodes PNG, JPEG, TGA, BMP, KTX2, WebP, HDR or EXR, recognised by content; `name` becomes the texture's name and is
+/// used in messages. The result's format is `wanted` where the file allows it:
 ///
 ///   rgba8_srgb    8 bits as stored; 16-bit PNGs are rounded to 8 (invisible in sRGB-encoded colour)
 ///   rgba8_linear  8 bits as stored; 16-bit PNGs become rgba32_float in [0, 1], since normals band at 8 bits
