@@ -69,7 +69,7 @@ TEST_F(Ocio, FilesHoldTheValuesOfTheView) {
   const Rgb stored = srgb_from_linear(shown("Half", pixel({0.2f, 0.8f, 5.0f})).at(0, 0));
   EXPECT_NEAR(stored.r, 0.1f, 1e-5f);
   EXPECT_NEAR(stored.g, 0.4f, 1e-5f);
-  EXPECT_EQ(stored.b, 1.0f);
+  EXPECT_NEAR(stored.b, 1.0f, 1e-6f) << "clipped";
 }
 
 TEST_F(Ocio, ExposureComesFirst) {

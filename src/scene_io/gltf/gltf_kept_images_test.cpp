@@ -49,8 +49,7 @@ GltfBuilder textured_file(const TempFolder& folder) {
        {"emissiveTexture", {{"index", 3}}},
        {"emissiveFactor", {0.5, 0.25, 1}},
        {"doubleSided", true},
-       {"extensions",
-        {{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.3}}}, {"KHR_materials_ior", {{"ior", 1.4}}}}}});
+       {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0.3}}}, {"KHR_materials_ior", {{"ior", 1.4}}}}}});
   file.add_root({{"mesh", file.add_triangle({{"material", material}, {"attributes", {{"TEXCOORD_0", uv}}}})}});
   return file;
 }
