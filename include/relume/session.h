@@ -49,7 +49,8 @@ class RELUME_API Session {
   Session& operator=(Session&&) noexcept;
 
   /// Renders one frame: one sample for each pixel that the allocation selects. Returns false if `stop` was requested
-  /// first; the image then has the samples of complete frames only. Techniques that adapt finish their frame.
+  /// first; image and techniques are then as if the frame had not begun. Radiance caches finish a frame whose samples
+  /// have joined their cells.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.

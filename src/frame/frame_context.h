@@ -33,7 +33,7 @@ struct FrameState {
   bool ends_pilot = false;        ///< the samples of the pilot leave the image with this frame
   bool begins_epoch = true;       ///< structures that learn are replaced by what later samples have added
   bool stratified = false;     ///< a pixel's samples since the last change are one low-discrepancy sequence of its own
-  std::stop_token stop = {};   ///< empty if a pass keeps state beyond its buffers
+  std::stop_token stop = {};   ///< empty once a pass has committed to the frame
   Tile window = {};            ///< the pixels that are rendered; without any: all
   std::stop_token hurry = {};  ///< requested: preparation that a later frame can continue ends early
 };
@@ -109,6 +109,11 @@ class FrameContext : public FrameState {
   template <PassKernel K>
   [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel) const {
     return relume::launch(backend, name, kernel, rendered(), stop);
+  }
+  /// The same for every element of `grid`.
+  template <PassKernel K>
+  [[nodiscard]] bool launch_or_stop(std::string_view name, const K& kernel, const Grid& grid) const {
+    return relume::launch(backend, name, kernel, grid.width, grid.height, stop, grid.tile_size);
   }
 
  private:

@@ -51,8 +51,12 @@ class Pass {
   /// from samples. Each such epoch takes random numbers that are independent of those that its structures come from.
   virtual uint32_t longest_epoch() const { return 0; }
 
-  /// Whether frames leave state outside of buffers, which a frame that is abandoned half way would spoil: then none is.
-  virtual bool keeps_state() const { return false; }
+  /// Called where a frame was stopped in this pass or a later one: undoes what run() has changed beyond buffers, so that
+  /// the next frame is as if this one had never begun.
+  virtual void abandon() {}
+
+  /// Whether a frame can no longer be stopped once this pass has begun, because abandon() cannot undo its changes.
+  virtual bool commits() const { return false; }
 
   /// Whether what a pixel shows comes from its own samples, as far as this pass goes: not from light paths and cells
   /// that others sampled.

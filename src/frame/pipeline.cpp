@@ -104,11 +104,23 @@ void Pipeline::add_buffers(BufferTable& table) const {
 }
 
 bool Pipeline::run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass) {
+  FrameContext own = frame;
   for (size_t i = 0; i < passes_.size(); ++i) {
-    if (!passes_[i]->run(frame.limited_to(*access_[i]))) return false;
+    if (!run_pass(i, own)) {
+      for (size_t k = i + 1; k-- > 0;) passes_[k]->abandon();
+      return false;
+    }
     if (after_pass) after_pass(std::string(passes_[i]->declaration().name));
   }
   return true;
+}
+
+bool Pipeline::run_pass(size_t i, FrameContext& frame) {
+  if (passes_[i]->commits()) {
+    if (frame.stop.stop_requested()) return false;
+    frame.stop = {};
+  }
+  return passes_[i]->run(frame.limited_to(*access_[i]));
 }
 
 uint32_t Pipeline::longest_epoch() const {
@@ -120,8 +132,12 @@ uint32_t Pipeline::longest_epoch() const {
   return longest;
 }
 
-bool Pipeline::keeps_state() const {
-  return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) { return pass->keeps_state(); });
+bool Pipeline::stops_late() const {
+  // Those of the present stage change the image, and none of them stops.
+  return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) {
+    const PassDeclaration declaration = pass->declaration();
+    return declaration.stage == Stage::denoise || declaration.stage == Stage::allocate || declaration.moves_surfaces;
+  });
 }
 
 bool Pipeline::keeps_to_pixels() const {

@@ -24,12 +24,13 @@ class Pipeline {
   void add_buffers(BufferTable& table) const;
 
   /// Runs one frame, and calls `after_pass`, unless it is empty, with the name of each pass behind it. False if a stop
-  /// was requested first. Throws std::logic_error where a pass accesses a buffer that it does not declare.
+  /// was requested first: passes have then undone their changes, except those of buffers. Throws std::logic_error where a pass accesses a buffer that it does not declare.
   bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
   /// The shortest of the passes that learn; 0: none does.
   uint32_t longest_epoch() const;
-  bool keeps_state() const;
+  /// Whether a frame can be stopped after a pass has changed persistent buffers.
+  bool stops_late() const;
   bool keeps_to_pixels() const;
   bool prepared() const;
   size_t memory_bytes() const;
@@ -42,6 +43,8 @@ class Pipeline {
   void load(std::istream& in);
 
  private:
+  bool run_pass(size_t i, FrameContext& frame);
+
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::unique_ptr<BufferAccess>> access_;  ///< of each pass
 };

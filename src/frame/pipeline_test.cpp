@@ -27,7 +27,8 @@ class Probe final : public Pass {
   uint32_t longest_epoch() const override {
     return declaration_.name == "learns" ? 64 : declaration_.name == "forgets" ? 8 : 0;
   }
-  bool keeps_state() const override { return declaration_.name == "keeps"; }
+  void abandon() override { *log_ += "-" + std::string(declaration_.name) + " "; }
+  bool commits() const override { return declaration_.name == "commits"; }
   bool keeps_to_pixels() const override { return declaration_.name != "shares"; }
   bool prepared() const override { return declaration_.name != "unprepared"; }
   size_t memory_bytes() const override { return 10; }
@@ -71,7 +72,42 @@ TEST_F(PipelineTest, EndsTheFrameWhereAPassWasStopped) {
   add({.name = "trace", .stage = Stage::trace}, false);
   add({.name = "present", .stage = Stage::present});
   EXPECT_FALSE(run());
-  EXPECT_EQ(log_, "trace ");
+  EXPECT_EQ(log_, "trace -trace ");
+}
+
+TEST_F(PipelineTest, UndoesTheChangesOfAnAbandonedFrameLastFirst) {
+  add({.name = "prepare", .stage = Stage::prepare});
+  add({.name = "trace", .stage = Stage::trace}, false);
+  EXPECT_FALSE(run());
+  EXPECT_EQ(log_, "prepare trace -trace -prepare ");
+}
+
+TEST_F(PipelineTest, StopsNoMoreOnceAPassHasCommitted) {
+  std::stop_source stop;
+  add({.name = "commits", .stage = Stage::resolve});
+  add({.name = "present", .stage = Stage::present});
+  const auto stop_at = [&](const char* pass) {
+    log_.clear();
+    SceneView scene;
+    BufferTable buffers(2, 2);
+    Backend backend(1);
+    return pipeline_.run(FrameContext(scene, buffers, backend, {.stop = stop.get_token()}),
+                         [&](const std::string& name) {
+                           if (name == pass) stop.request_stop();
+                         });
+  };
+  EXPECT_TRUE(stop_at("commits"));
+  EXPECT_EQ(log_, "commits present ");
+  EXPECT_FALSE(stop_at("nowhere")) << "the stop was requested before";
+  EXPECT_EQ(log_, "-commits ");
+}
+
+TEST_F(PipelineTest, StopsLateWhereAPassBehindTheImageCan) {
+  add({.name = "trace"});
+  add({.name = "present", .stage = Stage::present});
+  EXPECT_FALSE(pipeline_.stops_late());
+  add({.name = "filter", .stage = Stage::denoise});
+  EXPECT_TRUE(pipeline_.stops_late());
 }
 
 TEST_F(PipelineTest, AcceptsPassesThatReadWhatEarlierOnesWrite) {
@@ -186,16 +222,13 @@ TEST(Pipeline, OnlyPassesThatDeclareItMoveWhatFollowsTheSurface) {
   EXPECT_THROW(run(false), std::logic_error);
 }
 
-TEST_F(PipelineTest, LearnsAndKeepsStateIfOnePassDoes) {
+TEST_F(PipelineTest, LearnsIfOnePassDoes) {
   add({.name = "trace"});
   EXPECT_EQ(pipeline_.longest_epoch(), 0u);
   add({.name = "learns"});
   EXPECT_EQ(pipeline_.longest_epoch(), 64u);
   add({.name = "forgets"});
   EXPECT_EQ(pipeline_.longest_epoch(), 8u);
-  EXPECT_FALSE(pipeline_.keeps_state());
-  add({.name = "keeps"});
-  EXPECT_TRUE(pipeline_.keeps_state());
   EXPECT_TRUE(pipeline_.keeps_to_pixels());
   add({.name = "shares"});
   EXPECT_FALSE(pipeline_.keeps_to_pixels());
@@ -239,6 +272,22 @@ TEST(BufferTable, SwapsAndClearsWhatItIsToldTo) {
   EXPECT_EQ(table.view(kKept)[1], 3.0f);
   EXPECT_TRUE(table.view(kOther).empty());
   EXPECT_TRUE(table.previous(kKept).empty());
+}
+
+TEST(BufferTable, GoesBackToWhatAFrameChangesInPlace) {
+  BufferTable table(2, 1);
+  table.add({.id = kDepth, .persistent = true});
+  table.add({.id = kOther});
+  const auto write = [&](float value) {
+    for (const BufferKey<float>& key : {kDepth, kOther}) table.mutable_view(key)[1] = value;
+  };
+  write(3);
+  table.keep();
+  EXPECT_EQ(table.memory_bytes(), 3u * 2 * sizeof(float));
+  write(5);
+  table.restore();
+  EXPECT_EQ(table.view(kDepth)[1], 3.0f);
+  EXPECT_EQ(table.view(kOther)[1], 5.0f);
 }
 
 TEST(BufferTable, RefusesViewsOfAnotherType) {

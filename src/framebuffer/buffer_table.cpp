@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/parallel.h"
+
 namespace relume {
 
 Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
@@ -17,6 +19,16 @@ Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
 void Buffer::clear() {
   std::memset(data_.get(), 0, size_);
   if (previous_) std::memset(previous_.get(), 0, size_);
+}
+
+void Buffer::keep() {
+  if (!description_.persistent || description_.double_buffered) return;
+  if (!kept_) kept_.reset(new std::byte[size_]);
+  std::memcpy(kept_.get(), data_.get(), size_);
+}
+
+void Buffer::restore() {
+  if (kept_) std::memcpy(data_.get(), kept_.get(), size_);
 }
 
 void Buffer::fail_type() const {
@@ -37,7 +49,7 @@ const Buffer* BufferTable::find(std::string_view name) const {
 
 size_t BufferTable::memory_bytes() const {
   size_t sum = 0;
-  for (const auto& b : buffers_) sum += b->bytes().size() + b->previous_bytes().size();
+  for (const auto& b : buffers_) sum += b->memory_bytes();
   return sum;
 }
 
@@ -45,6 +57,14 @@ void BufferTable::swap() {
   for (const auto& b : buffers_) {
     if (b->description().double_buffered) b->swap();
   }
+}
+
+void BufferTable::keep() {
+  parallel_tasks(buffers_.size(), [&](size_t i) { buffers_[i]->keep(); });
+}
+
+void BufferTable::restore() {
+  parallel_tasks(buffers_.size(), [&](size_t i) { buffers_[i]->restore(); });
 }
 
 void BufferTable::reset(Change changes) {

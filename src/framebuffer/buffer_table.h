@@ -49,7 +49,12 @@ class Buffer {
   std::span<std::byte> previous_bytes() { return {previous_.get(), previous_ ? size_ : 0}; }
   std::span<const std::byte> previous_bytes() const { return {previous_.get(), previous_ ? size_ : 0}; }
   void clear();
+  /// Copies the content if a frame changes it in place, for restore().
+  void keep();
+  /// Goes back to the content of the last keep(), where it copied.
+  void restore();
   void swap() { std::swap(data_, previous_); }
+  size_t memory_bytes() const { return size_ * (size_t{1} + (previous_ ? 1 : 0) + (kept_ ? 1 : 0)); }
 
   /// Elements as T, which must be of the buffer's type.
   template <typename T>
@@ -77,6 +82,7 @@ class Buffer {
   size_t size_;
   std::unique_ptr<std::byte[]> data_;
   std::unique_ptr<std::byte[]> previous_;
+  std::unique_ptr<std::byte[]> kept_;  ///< of keep()
 };
 
 class BufferTable {
@@ -116,6 +122,10 @@ class BufferTable {
 
   /// Starts a frame: what double-buffered buffers hold becomes the previous frame's.
   void swap();
+  /// Copies what a frame changes in place: persistent buffers that are not double-buffered.
+  void keep();
+  /// Goes back to these copies: the frame was abandoned. Where double-buffered content is concerned, call swap(), too.
+  void restore();
   /// Clears what `changes` make invalid.
   void reset(Change changes);
 

@@ -73,10 +73,11 @@ bool Session::render_frame(std::stop_token stop) {
   State& s = *state_;
   const double start_s = now_s();
   s.backend->execute([&] { s.commit_edits(); });
-  const bool may_stop = stop.stop_possible() && !s.passes.pipeline.keeps_state();
-  const bool may_lose_image = may_stop && s.changes != Change::none;
+  const bool may_lose_image = stop.stop_possible() && s.changes != Change::none;
   if (may_lose_image) s.keep_image();
   s.apply_changes();
+  const bool restores = stop.stop_possible() && s.passes.pipeline.stops_late();
+  if (restores) s.backend->execute([&] { s.buffers->keep(); });
   s.buffers->swap();
   bool complete = false;
   try {
@@ -95,6 +96,7 @@ bool Session::render_frame(std::stop_token stop) {
     s.counters.previous_time_s = s.counters.time_s;
   } else {
     s.buffers->swap();
+    if (restores) s.backend->execute([&] { s.buffers->restore(); });
     if (may_lose_image) s.show_kept_image();
   }
   s.statistics.render_s += now_s() - start_s;

@@ -214,7 +214,7 @@ struct Session::State {
                          .ends_pilot = pilot > 0 && counters.since_change == pilot,
                          .begins_epoch = schedule.begins_epoch(counters.since_change),
                          .stratified = settings.stratify && own_sequence && passes.pipeline.keeps_to_pixels(),
-                         .stop = passes.pipeline.keeps_state() ? std::stop_token{} : stop,
+                         .stop = stop,
                          .window = window(),
                          .hurry = hurry});
   }

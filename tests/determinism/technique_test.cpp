@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <stop_token>
 #include <string>
 #include <variant>
 #include <vector>
@@ -38,6 +39,17 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
       session.render_frame();
     }
   }
+  /// Begins a frame that is stopped behind the pass of that number. Returns whether it was, or had become complete.
+  static bool abandon(Session& session, size_t pass) {
+    std::stop_source stop;
+    size_t done = 0;
+    session.on_pass([&](const std::string&) {
+      if (done++ == pass) stop.request_stop();
+    });
+    const bool complete = session.render_frame(stop.get_token());
+    session.on_pass({});
+    return !complete;
+  }
 };
 
 TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
@@ -49,6 +61,44 @@ TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
   const std::vector<uint32_t> one = frames(1);
   EXPECT_EQ(frames(2), one);
   EXPECT_EQ(frames(5), one);
+}
+
+TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNothingBehind) {
+  Session whole = session(2);
+  Session interrupted = session(2);
+  const size_t passes = pass_declarations(whole).size();
+  size_t abandoned = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    render(whole, frame, frame + 1);
+    if (frame % GetParam().frames_of_an_image == 0)
+      interrupted.set_time(0.05f * static_cast<float>(frame / GetParam().frames_of_an_image));
+    if (abandon(interrupted, static_cast<size_t>(frame) % passes)) {
+      ++abandoned;
+      interrupted.render_frame();
+    }
+    ASSERT_EQ(bits_of(interrupted), bits_of(whole)) << "frame " << frame;
+  }
+  EXPECT_GT(abandoned, 3u);
+}
+
+TEST_P(TechniqueDeterminism, ResumedBehindAnAbandonedFrameEqualsUninterrupted) {
+  const std::filesystem::path file = checkpoint_file("abandoned_" + std::string(GetParam().name));
+  Session whole = session(2);
+  render(whole, 0, 13);
+  {
+    Session first = session(2);
+    render(first, 0, 13);
+    abandon(first, 1);
+    first.save_checkpoint(file);
+  }
+  Session second = session(2);
+  second.load_checkpoint(file);
+  for (int i = 0; i < 3; ++i) {
+    whole.render_frame();
+    second.render_frame();
+    EXPECT_EQ(bits_of(second), bits_of(whole)) << i;
+  }
+  std::filesystem::remove(file);
 }
 
 TEST_P(TechniqueDeterminism, ResumedEqualsUninterrupted) {

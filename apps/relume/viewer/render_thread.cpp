@@ -170,7 +170,17 @@ bool RenderThread::at_rest() const {
 IVec2 RenderThread::choose_size(bool rest) const {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
-  return request_.resolution_policy.hold_rate && !rest ? resolution_.size(full) : full;
+  if (!request_.resolution_policy.hold_rate || rest) return full;
+  return rested_ ? resolution_.answer_size(full) : resolution_.size(full);
+}
+
+void RenderThread::note_size(const IVec2& size, double seconds, bool rest) {
+  const ResolutionPolicy& policy = request_.resolution_policy;
+  const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
+  resolution_.measured(seconds, size);
+  const bool answers = std::exchange(rested_, rest);
+  if (policy.hold_rate && !rest && !answers)
+    resolution_.frame_done(seconds, 1.0 / static_cast<double>(policy.target_hz), full);
 }
 
 void RenderThread::render_round(const std::stop_token& stop) {
@@ -183,12 +193,12 @@ void RenderThread::render_round(const std::stop_token& stop) {
   const int sides = request_.split ? 2 : 1;
   if (sides == 1) close_second_side();
   for (int side = 0; side < sides; ++side) {
-    if (stop.stop_requested() || !render_side(stop, side, size, rest)) return;
+    if (stop.stop_requested()) return;
+    if (render_side(stop, side, size, rest)) continue;
+    rested_ = rested_ || rest;
+    return;
   }
-  const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
-  if (request_.resolution_policy.hold_rate && !rest) {
-    resolution_.frame_done(now_s() - start_s, 1.0 / static_cast<double>(request_.resolution_policy.target_hz), full);
-  }
+  note_size(size, now_s() - start_s, rest);
   goal_reached_ = frame(0)->reached_goal && (sides == 1 || frame(1)->reached_goal);
 }
 

@@ -31,8 +31,9 @@ class RenderThread {
   /// Ends rendering, after the tasks that were asked for. Nothing is rendered after that.
   void stop();
 
-  /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned; the first frame
-  /// after a change never is, so that an image follows every stream of changes. Only its preparation ends early.
+  /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned, and so is the large
+  /// one at rest; the first frame after a change never is, so that an image follows every stream of changes. Only its
+  /// preparation ends early. Behind a rest it is small, to show at once.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
@@ -70,6 +71,7 @@ class RenderThread {
   bool tasks_wait() const;
   void finish_tasks();  ///< at the end: a task that is not done is a notice
   void publish(int side, double seconds, uint64_t rays_before, const std::vector<PassTime>& passes_before);
+  void note_size(const IVec2& size, double seconds, bool rest);
   IVec2 choose_size(bool rest) const;
   bool at_rest() const;                               ///< nothing has changed for a moment: images may take their time
   bool has_final_size(const Session& session) const;  ///< no larger image follows at rest
@@ -93,6 +95,7 @@ class RenderThread {
   ResolutionControl resolution_;
   uint64_t refused_version_ = 0;  ///< a request that ended in an error; not tried again
   double changed_s_ = 0;          ///< when the request last changed
+  bool rested_ = false;           ///< the latest frame, complete or not, was one at rest
   bool goal_reached_ = false;
   std::array<ErrorVerdict, kSides> verdicts_;
   std::jthread thread_;  ///< last: it ends before anything that it uses

@@ -16,6 +16,13 @@ constexpr int kFastFramesAtFirst = 3;  // nothing is lost yet that a change of s
 
 float scale_of(int step) { return static_cast<float>(std::pow(kPixelsPerStep, -0.5 * step)); }
 
+IVec2 scaled(const IVec2& full, float scale) {
+  const auto side = [&](int length) {
+    return std::max(1, static_cast<int>(std::lround(static_cast<float>(length) * scale)));
+  };
+  return {side(full.x), side(full.y)};
+}
+
 /// The scale at which one side is as short as it may be.
 float smallest_scale(const IVec2& full) {
   return min(1.0f, max(static_cast<float>(kMinWidth) / static_cast<float>(full.x),
@@ -31,9 +38,19 @@ int ResolutionControl::smallest_step(const IVec2& full) const {
 }
 
 IVec2 ResolutionControl::size(const IVec2& full) const {
-  const float scale = max(scale_of(step_), smallest_scale(full));
-  const auto side = [&](int length) { return static_cast<int>(std::lround(static_cast<float>(length) * scale)); };
-  return {side(full.x), side(full.y)};
+  return scaled(full, max(scale_of(step_), smallest_scale(full)));
+}
+
+IVec2 ResolutionControl::answer_size(const IVec2& full) const {
+  const IVec2 usual = size(full);
+  const double pixels = std::max(kAnswer_s / std::max(pixel_s_, 1e-12), kAnswerPixels);
+  const double scale = std::sqrt(pixels / (double{1} * full.x * full.y));
+  const IVec2 answer = scaled(full, static_cast<float>(std::min(scale, 1.0)));
+  return answer.x < usual.x ? answer : usual;
+}
+
+void ResolutionControl::measured(double seconds, const IVec2& size) {
+  pixel_s_ = seconds / (double{1} * size.x * size.y);
 }
 
 void ResolutionControl::go_to(int step) {

@@ -9,6 +9,10 @@ namespace relume::viewer {
 inline constexpr int kMinWidth = 320;
 inline constexpr int kMinHeight = 180;
 
+/// What the first frame behind a rest may take, seconds, and the pixels that it has at least.
+inline constexpr double kAnswer_s = 0.05;
+inline constexpr double kAnswerPixels = 96 * 54;
+
 /// Holds the time a frame takes near a budget. The scale goes in steps and with hysteresis, because every change of
 /// size costs techniques their history. Begins at the smallest size, so that slow machines respond from the first frame
 /// on, and goes up from there as far as the budget allows.
@@ -16,6 +20,13 @@ class ResolutionControl {
  public:
   /// Size to render at.
   IVec2 size(const IVec2& full) const;
+
+  /// Size of the first frame behind a rest, which is to show at once: no larger than size(), and as small as pixels of
+  /// the frames so far ask for.
+  IVec2 answer_size(const IVec2& full) const;
+
+  /// Takes note of what a frame of any size cost.
+  void measured(double seconds, const IVec2& size);
 
   /// Takes note of a frame of the present size and adapts the scale. `budget_s`: seconds that a frame may take.
   void frame_done(double seconds, double budget_s, const IVec2& full);
@@ -26,6 +37,7 @@ class ResolutionControl {
 
   static constexpr int kFarBelow = 64;  ///< no image has that many steps
 
+  double pixel_s_ = 0;     ///< seconds that a pixel of the latest frame took
   int step_ = kFarBelow;   ///< 0: full size; each step divides the pixels by the square root of two
   int slow_ = 0;           ///< frames in a row that took too long
   int fast_ = 0;           ///< frames in a row that a larger size could have afforded

@@ -106,14 +106,12 @@ bool BmfrPass::run(const FrameContext& frame) {
   if (split_) reflecting_.begin_frame(frame);
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) accumulate(frame, parts[i]);
-  for (size_t i = 0; i < count; ++i) fit(frame, parts[i]);
-  if (!split_) {
-    present(frame);
-    return true;
+  for (size_t i = 0; i < count; ++i) {
+    if (!fit(frame, parts[i])) return false;
   }
+  if (!split_) return present(frame);
   if (!reflecting_.now()) forget_specular(frame);
-  present_parts(frame);
-  return true;
+  return present_parts(frame);
 }
 
 void BmfrPass::forget_specular(const FrameContext& frame) const {
@@ -124,8 +122,6 @@ void BmfrPass::forget_specular(const FrameContext& frame) const {
   clear_buffer(frame, kBmfrSpecularShown);
   clear_buffer(frame, kBmfrSpecularImage);
 }
-
-// None of these is to be stopped: the frame's samples have joined the mean by now.
 
 void BmfrPass::accumulate(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
@@ -141,7 +137,7 @@ void BmfrPass::accumulate(const FrameContext& frame, LightPart part) {
   frame.launch("bmfr-accumulate", kernel);
 }
 
-void BmfrPass::fit(const FrameContext& frame, LightPart part) const {
+bool BmfrPass::fit(const FrameContext& frame, LightPart part) const {
   const PartBuffers buffers = buffers_of(part);
   BlockRegressionKernel kernel;
   kernel.position = frame.read(buffers.position);
@@ -167,8 +163,9 @@ void BmfrPass::fit(const FrameContext& frame, LightPart part) const {
     kernel.shift_x = shift_of(frame.number + i, 2);
     kernel.shift_y = shift_of(frame.number + i, 3);
     kernel.share = 1.0f / static_cast<float>(i + 1);
-    frame.launch("bmfr-fit", kernel, blocks);
+    if (!frame.launch_or_stop("bmfr-fit", kernel, blocks)) return false;
   }
+  return true;
 }
 
 FitHistory BmfrPass::fit_history(const FrameContext& frame, LightPart part) const {
@@ -180,17 +177,17 @@ FitHistory BmfrPass::fit_history(const FrameContext& frame, LightPart part) cons
           .max_fits = static_cast<uint32_t>(settings_.max_fits)};
 }
 
-void BmfrPass::present(const FrameContext& frame) const {
+bool BmfrPass::present(const FrameContext& frame) const {
   BmfrPresentKernel kernel;
   kernel.samples = surface_light(frame);
   kernel.fits = fit_history(frame, LightPart::whole);
   kernel.shown = frame.write(kBmfrShown);
   kernel.width = frame.width();
   frame.launch("bmfr-present", kernel);
-  finish_image(frame, {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples}, settings_.history.newest);
+  return finish_image(frame, {"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples}, settings_.history.newest);
 }
 
-void BmfrPass::present_parts(const FrameContext& frame) const {
+bool BmfrPass::present_parts(const FrameContext& frame) const {
   BmfrPresentPartsKernel kernel;
   kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
   kernel.diffuse = fit_history(frame, LightPart::diffuse);
@@ -201,7 +198,7 @@ void BmfrPass::present_parts(const FrameContext& frame) const {
   frame.launch("bmfr-present", kernel);
   ImageBuffers buffers{"bmfr-present", kBmfrShown, kBmfrImage, kBmfrSamples};
   if (reflecting_.recently()) buffers.specular = {kBmfrSpecularShown, kBmfrSpecularImage, kBmfrSpecularSamples};
-  finish_image(frame, buffers, settings_.history.newest);
+  return finish_image(frame, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

@@ -19,16 +19,20 @@ class BmfrPass final : public Pass {
   void configure(const BmfrSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  void abandon() override {
+    if (split_) reflecting_.abandon_frame();
+  }
   size_t memory_bytes() const override {
     return noise_.size() * sizeof(float) + change_[0].memory_bytes() + change_[1].memory_bytes();
   }
 
  private:
   void accumulate(const FrameContext& frame, LightPart part);
-  void fit(const FrameContext& frame, LightPart part) const;
-  void present(const FrameContext& frame) const;
+  /// False: a stop was requested first, as for present().
+  bool fit(const FrameContext& frame, LightPart part) const;
+  bool present(const FrameContext& frame) const;
   void forget_specular(const FrameContext& frame) const;
-  void present_parts(const FrameContext& frame) const;
+  bool present_parts(const FrameContext& frame) const;
   FitHistory fit_history(const FrameContext& frame, LightPart part) const;
 
   BmfrSettings settings_;

@@ -63,8 +63,14 @@ void add_split_buffers(std::vector<BufferId>& reads) {
 
 void ReflectingFrames::begin_frame(const FrameContext& frame) {
   const View<const Rgb> albedo = frame.read(kSpecularAlbedo);
+  earliest_ = before_;
   before_ = now_;
   now_ = std::any_of(albedo.begin(), albedo.end(), [](const Rgb& a) { return is_filtered(a); });
+}
+
+void ReflectingFrames::abandon_frame() {
+  now_ = before_;
+  before_ = earliest_;
 }
 
 SurfaceLight surface_light(const FrameContext& frame, LightPart part) {
@@ -105,7 +111,7 @@ bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples
   return 2 * fresh > filtered;
 }
 
-void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest) {
+bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest) {
   const bool still = frame.changes == Change::none;
   ImageHistoryKernel average;
   average.shown = frame.read(buffers.shown);
@@ -132,7 +138,7 @@ void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float 
     average.newest = 1.0f;
   average.width = frame.width();
   average.height = frame.height();
-  frame.launch(buffers.launch_name, average);
+  if (!frame.launch_or_stop(buffers.launch_name, average)) return false;
 
   ConvergeKernel converge;
   converge.image = frame.read(buffers.history);
@@ -144,7 +150,7 @@ void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float 
   converge.still = still;
   converge.width = frame.width();
   converge.height = frame.height();
-  frame.launch(buffers.launch_name, converge);
+  return frame.launch_or_stop(buffers.launch_name, converge);
 }
 
 }  // namespace relume

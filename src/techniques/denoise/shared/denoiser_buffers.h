@@ -43,6 +43,8 @@ class ReflectingFrames {
  public:
   /// Call once in each frame in which light is kept apart.
   void begin_frame(const FrameContext& frame);
+  /// Undoes that, where the frame is abandoned.
+  void abandon_frame();
 
   bool now() const { return now_; }
   /// In this frame or the one before, whose specular light still has to be blended.
@@ -52,6 +54,7 @@ class ReflectingFrames {
   // After a checkpoint the first frame blends empty buffers, which changes nothing.
   bool now_ = true;
   bool before_ = true;
+  bool earliest_ = true;  ///< `before_` of the frame before
 };
 
 /// This frame's samples beside its features.
@@ -92,7 +95,7 @@ struct ImageBuffers {
 bool lacks_history(const FrameContext& frame, const BufferKey<uint32_t>& samples,
                    const BufferKey<uint32_t>& specular_samples = {});
 
-/// `newest`: weight of this frame where something moves.
-void finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest);
+/// `newest`: weight of this frame where something moves. False if a stop was requested first.
+[[nodiscard]] bool finish_image(const FrameContext& frame, const ImageBuffers& buffers, float newest);
 
 }  // namespace relume

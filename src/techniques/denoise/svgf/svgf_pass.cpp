@@ -78,17 +78,11 @@ bool SvgfPass::run(const FrameContext& frame) {
   if (split_) reflecting_.begin_frame(frame);
   const size_t count = split_ && reflecting_.now() ? 2 : 1;
   for (size_t i = 0; i < count; ++i) {
-    accumulate(frame, parts[i]);
-    prepare(frame, parts[i]);
-    filter(frame, light_[i]);
+    if (!accumulate(frame, parts[i]) || !prepare(frame, parts[i]) || !filter(frame, light_[i])) return false;
   }
-  if (!split_) {
-    present(frame);
-    return true;
-  }
+  if (!split_) return present(frame);
   if (!reflecting_.now()) forget_specular(frame);
-  present_parts(frame);
-  return true;
+  return present_parts(frame);
 }
 
 void SvgfPass::forget_specular(const FrameContext& frame) const {
@@ -97,19 +91,17 @@ void SvgfPass::forget_specular(const FrameContext& frame) const {
   clear_buffer(frame, kSvgfSpecularImage);
 }
 
-// None of these is to be stopped: the frame's samples have joined the mean by now.
-
-void SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
+bool SvgfPass::accumulate(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   SvgfAccumulateKernel kernel;
   kernel.history = light_history(frame, {buffers.light, buffers.samples}, settings_.history, part);
   kernel.history.discounts = change_[place_of(part)].discounts(frame, kernel.history);
   kernel.moments_before = frame.previous(buffers.moments);
   kernel.moments = frame.write(buffers.moments);
-  frame.launch("svgf-accumulate", kernel);
+  return frame.launch_or_stop("svgf-accumulate", kernel);
 }
 
-void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
+bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   const PartBuffers buffers = buffers_of(part);
   std::vector<float>& light = light_[place_of(part)];
   features_.resize(AtrousImage::size(kAtrousPlanes, frame.width(), frame.height()));
@@ -129,11 +121,11 @@ void SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   kernel.cone_spread = frame.scene.camera.cone_spread();
   kernel.width = frame.width();
   kernel.height = frame.height();
-  frame.launch("svgf-prepare", kernel);
+  return frame.launch_or_stop("svgf-prepare", kernel);
 }
 
 /// Leaves the result in `light`.
-void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
+bool SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
   for (int level = 0; level < settings_.levels; ++level) {
     AtrousKernel kernel;
     kernel.features = image_of(features_, frame);
@@ -142,22 +134,23 @@ void SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
     kernel.step = 1u << level;
     kernel.plane_tolerance = settings_.plane_tolerance;
     kernel.light_tolerance = settings_.light_tolerance;
-    frame.launch("svgf-filter", kernel);
+    if (!frame.launch_or_stop("svgf-filter", kernel)) return false;
     light.swap(filtered_);
   }
+  return true;
 }
 
-void SvgfPass::present(const FrameContext& frame) {
+bool SvgfPass::present(const FrameContext& frame) {
   SvgfPresentKernel kernel;
   kernel.samples = surface_light(frame);
   kernel.filtered = image_of(light_[0], frame);
   kernel.shown = frame.write(kSvgfShown);
   kernel.width = frame.width();
   frame.launch("svgf-present", kernel);
-  finish_image(frame, {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples}, settings_.history.newest);
+  return finish_image(frame, {"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples}, settings_.history.newest);
 }
 
-void SvgfPass::present_parts(const FrameContext& frame) {
+bool SvgfPass::present_parts(const FrameContext& frame) {
   SvgfPresentPartsKernel kernel;
   kernel.samples = {surface_light(frame, LightPart::diffuse), frame.read(kSpecularAlbedo)};
   kernel.diffuse = image_of(light_[0], frame);
@@ -168,7 +161,7 @@ void SvgfPass::present_parts(const FrameContext& frame) {
   frame.launch("svgf-present", kernel);
   ImageBuffers buffers{"svgf-present", kSvgfShown, kSvgfImage, kSvgfSamples};
   if (reflecting_.recently()) buffers.specular = {kSvgfSpecularShown, kSvgfSpecularImage, kSvgfSpecularSamples};
-  finish_image(frame, buffers, settings_.history.newest);
+  return finish_image(frame, buffers, settings_.history.newest);
 }
 
 }  // namespace relume

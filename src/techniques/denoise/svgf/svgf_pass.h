@@ -18,18 +18,22 @@ class SvgfPass final : public Pass {
   void configure(const SvgfSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  void abandon() override {
+    if (split_) reflecting_.abandon_frame();
+  }
   size_t memory_bytes() const override {
     return (features_.size() + light_[0].size() + light_[1].size() + filtered_.size()) * sizeof(float) +
            change_[0].memory_bytes() + change_[1].memory_bytes();
   }
 
  private:
-  void accumulate(const FrameContext& frame, LightPart part);
-  void prepare(const FrameContext& frame, LightPart part);
-  void filter(const FrameContext& frame, std::vector<float>& light);
-  void present(const FrameContext& frame);
+  // False: a stop was requested first.
+  bool accumulate(const FrameContext& frame, LightPart part);
+  bool prepare(const FrameContext& frame, LightPart part);
+  bool filter(const FrameContext& frame, std::vector<float>& light);
+  bool present(const FrameContext& frame);
   void forget_specular(const FrameContext& frame) const;
-  void present_parts(const FrameContext& frame);
+  bool present_parts(const FrameContext& frame);
   /// Of light that is not specular, and of light that is.
   static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
 

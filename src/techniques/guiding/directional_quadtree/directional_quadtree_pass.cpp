@@ -51,6 +51,19 @@ std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights
 }  // namespace
 
 bool DirectionalQuadtreePass::run(const FrameContext& frame) {
+  const bool fits = trees_.bit_count() == bit_count() && trees_.size() == octree_.tree().leaf_slots();
+  if (octree_.begins_again() && fits) {
+    snapshot_.begin_frame(frame.begins_epoch, trees_);
+  } else {
+    take_in_samples(frame);
+  }
+  directions_.quadtrees = snapshot_.of(trees_).view();
+  directions_.bsdf_fraction = settings_.bsdf_fraction;
+  directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
+  return true;
+}
+
+void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   const bool same_size =
       octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
   moved_ = 0;
@@ -70,10 +83,6 @@ bool DirectionalQuadtreePass::run(const FrameContext& frame) {
     frame.launch("cdq.adapt", adapt, {octree_.previous().leaf_slots(), 1});
   }
   frame.backend.run("cdq.populate", [&] { populate(same_size, remembers); });
-  directions_.quadtrees = snapshot_.of(trees_).view();
-  directions_.bsdf_fraction = settings_.bsdf_fraction;
-  directions_.stratified = settings_.sampling == QuadtreeSampling::stratified;
-  return true;
 }
 
 void DirectionalQuadtreePass::populate(bool keep, bool remembers) {

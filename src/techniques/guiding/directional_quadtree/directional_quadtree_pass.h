@@ -44,7 +44,6 @@ class DirectionalQuadtreePass final : public Pass {
   void configure(const DirectionalQuadtreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cdq", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool keeps_state() const override { return true; }
   size_t memory_bytes() const override {
     return trees_.memory_bytes() + snapshot_.memory_bytes() + weights_.size() * sizeof(QuadtreeWeights);
   }
@@ -60,6 +59,8 @@ class DirectionalQuadtreePass final : public Pass {
   const DirectionSampler& directions() const { return directions_; }
 
  private:
+  /// Takes in the samples of the frame before.
+  void take_in_samples(const FrameContext& frame);
   /// Trees for the leaves of the present octree: those that they stem from if `keep`, else uniform ones.
   /// `remembers`: their weights come along.
   void populate(bool keep, bool remembers);

@@ -11,20 +11,28 @@ bool VisibilityLightCachePass::run(const FrameContext& frame) {
   const std::vector<LightGuess> lights = light_guesses(frame.scene.lights);
   drop_inconsistent(static_cast<uint32_t>(lights.size()));
   snapshot_.begin_frame(frame.begins_epoch, caches_);
-  if (octree_.has_samples()) {
-    CacheBuildOptions options;
-    options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
-    options.max_samples = static_cast<uint32_t>(settings_.max_samples);
-    options.hysteresis = settings_.hysteresis;
-    options.memory = static_cast<uint32_t>(settings_.memory);
-    options.even_buckets = settings_.even_buckets;
-    caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(lights), options);
-    caches_.populate(frame.backend, octree_.tree());
-  } else {
+  if (!octree_.begins_again()) {
+    build_caches(frame, lights);
+  } else if (selector_.cache.bucket_size != static_cast<uint32_t>(settings_.bucket_size)) {
     caches_ = {};
   }
   frame.backend.run("vlc.exploration", [&] { build_tables(frame, lights); });
   return true;
+}
+
+void VisibilityLightCachePass::build_caches(const FrameContext& frame, const std::vector<LightGuess>& guesses) {
+  if (!octree_.has_samples()) {
+    caches_ = {};
+    return;
+  }
+  CacheBuildOptions options;
+  options.bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  options.max_samples = static_cast<uint32_t>(settings_.max_samples);
+  options.hysteresis = settings_.hysteresis;
+  options.memory = static_cast<uint32_t>(settings_.memory);
+  options.even_buckets = settings_.even_buckets;
+  caches_.build(frame.backend, octree_.previous(), octree_.groups(), view_of(guesses), options);
+  caches_.populate(frame.backend, octree_.tree());
 }
 
 PassDeclaration KnownLightsPass::declaration() const {
@@ -102,6 +110,7 @@ void VisibilityLightCachePass::drop_inconsistent(uint32_t light_count) {
   if (!loaded_) return;
   loaded_ = false;
   const auto bucket_size = static_cast<uint32_t>(settings_.bucket_size);
+  selector_.cache.bucket_size = bucket_size;
   if (caches_.consistent(bucket_size, light_count) && snapshot_.of(caches_).consistent(bucket_size, light_count))
     return;
   caches_ = {};

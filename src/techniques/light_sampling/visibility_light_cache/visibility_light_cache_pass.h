@@ -24,7 +24,6 @@ class VisibilityLightCachePass final : public Pass {
   void configure(const LightSelectionSettings& selection) { selection_ = selection; }
   PassDeclaration declaration() const override { return {.name = "vlc", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool keeps_state() const override { return true; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
   void save(std::ostream& out) const override;
@@ -38,6 +37,7 @@ class VisibilityLightCachePass final : public Pass {
  private:
   /// What a damaged checkpoint left is forgotten.
   void drop_inconsistent(uint32_t light_count);
+  void build_caches(const FrameContext& frame, const std::vector<LightGuess>& guesses);
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
 
   VisibilityLightCacheSettings settings_;

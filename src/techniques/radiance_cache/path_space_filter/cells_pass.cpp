@@ -37,10 +37,16 @@ bool CellsPass::run(const FrameContext& frame) {
   grid_.configure(settings_.grid, bounds);
   if (includes(frame.changes, Change::settings)) grid_.clear();
   grid_.adjust_size(frame.backend);  // the limit may be another one now
+  watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;
   filter_ = {grid_.view(frame.scene.camera), sqr(settings_.min_roughness)};
   return true;
+}
+
+void CellsPass::abandon() {
+  grid_.abandon_frame();
+  watched_frames_ = watched_before_;
 }
 
 void CellsPass::advance(const FrameContext& frame) {
@@ -158,7 +164,7 @@ bool ResolveCellsPass::run(const FrameContext& frame) {
   kernel.rays = frame.write(kRays);
   kernel.edges = {make_path_context(source_, frame),         frame.index,   kernel.pixels,
                   sharpens_edges_ ? cells_.edge_rays() : 0u, frame.width(), frame.height()};
-  if (!frame.launch_or_stop("resolve", kernel)) return false;
+  frame.launch("resolve", kernel);
   cells_.adjust_size(frame.backend);
   return true;
 }

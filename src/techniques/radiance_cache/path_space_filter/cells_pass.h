@@ -29,7 +29,7 @@ class CellsPass final : public Pass {
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "cells", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool keeps_state() const override { return true; }
+  void abandon() override;
   bool keeps_to_pixels() const override { return false; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
@@ -50,6 +50,7 @@ class CellsPass final : public Pass {
   uint32_t depths_;
   HashGrid grid_;
   uint32_t watched_frames_ = 0;  ///< for which cells still look for changes
+  uint32_t watched_before_ = 0;  ///< the same before this frame
   bool ready_ = false;
   FilterContext filter_;
 };
@@ -64,6 +65,7 @@ class ResolveCellsPass final : public Pass {
   void configure(const PathSettings& path) { source_.settings = path; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  bool commits() const override { return true; }
   std::vector<PassStatistic> statistics() const override;
 
  private:

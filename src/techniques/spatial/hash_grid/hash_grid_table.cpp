@@ -110,6 +110,7 @@ void HashGrid::allocate(uint32_t slots) {
 HashGridView HashGrid::view(const CameraView& camera) {
   keys_ = {camera.position,       camera.cone_width(),      camera.cone_spread(), settings_.cell_size,
            settings_.normal_bins, settings_.direction_bins, settings_.jitter};
+  counters_before_ = counters_;
   if (overflow_count_ == 0 && overflow_capacity_ != samples_a_frame_) {
     overflow_.reset(new std::byte[samples_a_frame_ * sizeof(WaitingSample)]);
     overflow_capacity_ = samples_a_frame_;
@@ -185,7 +186,22 @@ void HashGrid::advance(Backend& backend, bool watched) {
   evicted_ += census_.evicted;
 }
 
+void HashGrid::abandon_frame() {
+  counters_ = counters_before_;
+  overflow_count_ = 0;
+  abandoned_ = true;
+}
+
+/// Forgets the samples of a frame that was abandoned, and the keys that it made.
+void HashGrid::drop_frame(Backend& backend) {
+  abandoned_ = false;
+  std::fill(sums_.begin(), sums_.end(), CellSums{});
+  rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
+  --rebuilds_;  // none that a frame asked for
+}
+
 void HashGrid::adjust_size(Backend& backend) {
+  if (abandoned_) drop_frame(backend);
   const uint64_t slots = fingerprints_.size();
   if (census_.live > capacity_of(limit_)) discard_oldest(census_.live - capacity_of(limit_));
   // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
@@ -220,6 +236,7 @@ void HashGrid::clear() {
   overflow_count_ = 0;
   counters_.made = 0;
   renumbered_ = false;
+  abandoned_ = false;
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {

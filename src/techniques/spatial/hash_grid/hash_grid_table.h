@@ -70,6 +70,8 @@ class HashGrid {
     advance(backend, watched);
     adjust_size(backend);
   }
+  /// Call where a frame ends before advance(): its samples are forgotten, by the next adjust_size().
+  void abandon_frame();
   /// Forgets everything.
   void clear();
 
@@ -87,6 +89,7 @@ class HashGrid {
   void settle(Backend& backend);
   void rebuild(Backend& backend, uint32_t slots);
   void discard_oldest(uint64_t count);
+  void drop_frame(Backend& backend);
   uint32_t wanted_slots(uint64_t live) const;
   HashGridView view();
   /// For kernels that place cells up to `probes` slots from where probing begins, and drop samples without a place.
@@ -112,6 +115,8 @@ class HashGrid {
   uint32_t overflow_count_ = 0;
   uint64_t most_waiting_ = 0;  ///< samples, of all frames
   HashGridCounters counters_;
+  HashGridCounters counters_before_;  ///< this frame
+  bool abandoned_ = false;            ///< `sums_` and `parents_` hold what a frame has left
   HashGridCensus census_;
   uint64_t evicted_ = 0;
   uint64_t discarded_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/stream_io.h"
 #include "scene/world_triangles.h"
@@ -11,6 +12,11 @@ namespace relume {
 namespace {
 
 constexpr uint32_t kJitterSeed = 0x6a09e667u;
+
+// What a checkpoint begins with.
+constexpr uint8_t kNoTree = 0;
+constexpr uint8_t kTree = 1;
+constexpr uint8_t kPreparedTree = 2;  ///< the frame that follows was abandoned
 
 /// About all surfaces as they stand now. What moves out later belongs to cells at the border.
 OctreeTree first_tree(const SceneView& scene) {
@@ -37,14 +43,13 @@ bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
   // Before the records are grouped: other passes look them up until the next frame.
   stream_.resize(frame.pixels(), vertices);
+  begins_again_ = std::exchange(prepared_, false);
   if (!tree_) {
     tree_ = first_tree(frame.scene);
   } else {
     snapshot_.begin_frame(frame.begins_epoch, *tree_);
-    stream_.group(frame.backend, tree_->leaf_slots());
-    OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
-    previous_ = std::move(tree_);
-    tree_ = std::move(next);
+    // An abandoned frame left incomplete samples, to be written over.
+    if (!begins_again_) adapt(frame);
   }
   frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });
   recording_ = {.octree = tree_->view(),
@@ -56,6 +61,13 @@ bool OctreePass::run(const FrameContext& frame) {
                 .seed = hash(frame.index.seed, frame.number, kJitterSeed),
                 .frozen = snapshot_.frozen()};
   return true;
+}
+
+void OctreePass::adapt(const FrameContext& frame) {
+  stream_.group(frame.backend, tree_->leaf_slots());
+  OctreeTree next = tree_->adapted(frame.backend, stream_.groups().counts, thresholds_of(settings_, frame.pixels()));
+  previous_ = std::move(tree_);
+  tree_ = std::move(next);
 }
 
 PassDeclaration RegionViewPass::declaration() const {
@@ -91,7 +103,7 @@ std::vector<PassStatistic> OctreePass::statistics() const {
 }
 
 void OctreePass::save(std::ostream& out) const {
-  write_value(out, static_cast<uint8_t>(tree_.has_value()));
+  write_value(out, !tree_ ? kNoTree : prepared_ ? kPreparedTree : kTree);
   if (!tree_) return;
   tree_->save(out);
   stream_.save(out);
@@ -102,9 +114,11 @@ void OctreePass::load(std::istream& in) {
   tree_.reset();
   previous_.reset();
   snapshot_.reset();
-  uint8_t has_tree = 0;
-  read_value(in, has_tree);
-  if (!in || has_tree == 0) return;
+  prepared_ = false;
+  uint8_t saved = kNoTree;
+  read_value(in, saved);
+  if (!in || saved == kNoTree) return;
+  prepared_ = saved == kPreparedTree;
   tree_.emplace(Vec3(0), 1.0f);
   tree_->load(in);
   stream_.load(in);

@@ -25,13 +25,16 @@ class OctreePass final : public Pass {
   void configure(const OctreeSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override { return {.name = "octree", .stage = Stage::prepare}; }
   bool run(const FrameContext& frame) override;
-  bool keeps_state() const override { return true; }
+  void abandon() override { prepared_ = true; }
   uint32_t longest_epoch() const override { return epochs_ ? static_cast<uint32_t>(settings_.longest_epoch) : 1; }
   size_t memory_bytes() const override;
   std::vector<PassStatistic> statistics() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
+  /// Whether this frame was begun before and abandoned: tree() has taken in the samples of the last complete frame
+  /// already, and so has what regions hold.
+  bool begins_again() const { return begins_again_; }
   /// Whether the last frame left samples: previous() and groups() are valid.
   bool has_samples() const { return previous_.has_value(); }
   const OctreeTree& previous() const { return *previous_; }
@@ -47,8 +50,12 @@ class OctreePass final : public Pass {
   View<const uint8_t> depths() const { return view_of(depths_); }
 
  private:
+  void adapt(const FrameContext& frame);
+
   OctreeSettings settings_;
   bool epochs_;
+  bool prepared_ = false;  ///< for the next frame
+  bool begins_again_ = false;
   std::optional<OctreeTree> tree_;
   Snapshot<OctreeTree> snapshot_;
   std::optional<OctreeTree> previous_;

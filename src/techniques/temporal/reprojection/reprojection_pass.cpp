@@ -5,6 +5,7 @@
 #include <cstring>
 #include <istream>
 #include <ostream>
+#include <utility>
 
 #include "core/stream_io.h"
 #include "frame/moments.h"
@@ -92,6 +93,7 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   allocate(frame);
   if (loaded_) drop_unknown(frame.scene);
   loaded_ = false;
+  moved_ = false;
   if (!surfaces_move(frame)) {
     stay(frame);
     return true;
@@ -104,6 +106,13 @@ bool ReprojectionPass::run(const FrameContext& frame) {
   }
   limit(frame);
   return true;
+}
+
+void ReprojectionPass::abandon() {
+  rests_ = false;
+  if (!std::exchange(moved_, false)) return;
+  stored_.swap(stored_before_);
+  pixels_.swap(pixels_before_);
 }
 
 void ReprojectionPass::stay(const FrameContext& frame) {
@@ -147,6 +156,7 @@ void ReprojectionPass::drop_unknown(const SceneView& scene) {
 }
 
 void ReprojectionPass::run_forward(const FrameContext& frame) {
+  moved_ = true;
   stored_.swap(stored_before_);
   pixels_.swap(pixels_before_);
   vote_for_pixels(frame);

@@ -26,7 +26,7 @@ class ReprojectionPass final : public Pass {
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
-  bool keeps_state() const override { return true; }
+  void abandon() override;
   size_t memory_bytes() const override;
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
@@ -63,6 +63,7 @@ class ReprojectionPass final : public Pass {
   const bool m2_rgb_;
   uint32_t capacity_ = 0;
   bool loaded_ = false;  ///< from a file, and not looked through yet
+  bool moved_ = false;   ///< stored samples, in this frame
   bool rests_ = false;   ///< nothing has moved since the last frame, and the buffers say that all go on
   std::vector<StoredSample> stored_;
   std::vector<StoredPixel> pixels_;
@@ -85,6 +86,7 @@ class StoreSamplesPass final : public Pass {
   void configure(const ReprojectionSettings& settings) { settings_ = settings; }
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
+  bool commits() const override { return true; }
 
  private:
   ReprojectionSettings settings_;
