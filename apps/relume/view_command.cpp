@@ -19,6 +19,7 @@ std::vector<Option> declare(ViewOptions& o) {
        0,
        Completion::file},
       {{"target", &o.target_hz, "Rendered frames a second to hold by scaling the resolution", {.min = 1, .max = 240}}},
+      {{"watch", &o.watch, "Read the scene again when its files change, with the same camera and settings"}},
       {{"smoke", &o.smoke, "Show no window, render this many frames, print a report as JSON and end", {.min = 0}}},
       {{"screenshot", &o.screenshot, "Write an image of the window before ending"}, "FILE", 0, Completion::file},
       {{"script", &o.script, "Steps to go through: keys, mouse, settings (docs/viewer.md)"},

@@ -24,7 +24,8 @@ class Pipeline {
   void add_buffers(BufferTable& table) const;
 
   /// Runs one frame, and calls `after_pass`, unless it is empty, with the name of each pass behind it. False if a stop
-  /// was requested first: passes have then undone their changes, except those of buffers. Throws std::logic_error where a pass accesses a buffer that it does not declare.
+  /// was requested first: passes have then undone their changes, except those of buffers. Throws std::logic_error where
+  /// a pass accesses a buffer that it does not declare.
   bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
   /// The shortest of the passes that learn; 0: none does.

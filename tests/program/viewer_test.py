@@ -4,64 +4,19 @@
 import json
 import os
 import pathlib
-import re
 import struct
 import subprocess
 import sys
 import unittest
 
 import display
-from png import png_pixels
-from program import PROGRAM, SMALL, ProgramTest, exr_strings, run
+from program import PROGRAM, SMALL, exr_strings, run
+from viewer_steps import Viewer, combination_table, cube_ply, length, steps_to
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 SKIPPED = 77  # to ctest
 SCENES = pathlib.Path(os.environ.get("RELUME_SCENES", "/nonexistent"))
 # Set on machines that do nothing else: rates are then required, not only reported.
 QUIET = os.environ.get("RELUME_QUIET_MACHINE") == "1"
-
-
-def combination_table():
-    """Of docs/combinations.md: the cell of each pair of choices ("cache=psf", "guide=cdq"), and the sentences of refusals."""
-    table, refused = (ROOT / "docs/combinations.md").read_text().split("\n## Measured")[0].split("\n## Refused")
-    rows = [line for line in table.splitlines() if re.match(r"\| \d+ `", line)]
-    choices = [re.search("`(.+?)`", row)[1] for row in rows]
-    cells = {}
-    for i, row in enumerate(rows):
-        for k, cell in enumerate(row.split("|")[2:-1]):
-            if k > i and cell.strip():
-                cells[choices[i], choices[k]] = cell.strip()
-    return cells, re.findall(r"^- (.*)$", refused, re.MULTILINE)
-
-
-def steps_to(choice):
-    """Settings, with their values, that make a choice of that table."""
-    slot, value = choice.split("=")
-    value, _, method = value.partition(" ")
-    return ([("reproject.method", method.strip("()"))] if method else []) + [(slot, value)]
-
-
-class Viewer(ProgramTest):
-    THREADS = 1  # of the renderer, which works as long as the window is open
-
-    def view(self, scene, script="", *arguments, frames=2, timeout=280):
-        """Reports that the viewer printed, in order; the last is the one at the end."""
-        (self.folder / "steps.txt").write_text(script)
-        # A small window, for it is drawn by the processor too.
-        arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
-        command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", "--threads", str(self.THREADS), *map(str, arguments)]
-        environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
-        done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return [json.loads(line) for line in done.stdout.splitlines()]
-
-    def assert_shows_something(self, file):
-        width, height, channels, rows = png_pixels(file)
-        self.assertGreater(width * height, 100000)
-        # The image is in the upper left part of the window.
-        values = [row[x * channels + 1] for row in rows[height // 8:height // 2:8] for x in range(width // 8, width // 2, 8)]
-        self.assertGreater(sum(values) / len(values), 12, "black")
-        self.assertGreater(max(values) - min(values), 20, "all the same")
 
 
 class Scenes(Viewer):
@@ -112,6 +67,20 @@ class Scenes(Viewer):
         self.assertEqual(report["scene"], "guided.json")
         self.assertGreater(report["mean_luminance"], 0)
 
+    def test_a_scene_that_changes_on_disk_is_read_again(self):
+        file = self.folder / "cube.ply"
+        file.write_text(cube_ply(1))
+        script = ("frames 1\nset max-bounces 1\ndrag 0.5 0.5 0.7 0.4\nframes 1\nreport\n"
+                  "seconds 4\nloaded\nframes 1\nreport\nseconds 4\nloaded\nframes 1\nreport\n")
+        before, broken, after, _ = self.view_while("cube.ply", script, [
+            lambda: file.write_text(cube_ply(1)[:200]),
+            lambda: file.write_text(cube_ply(1.3))])
+        self.assertTrue(any("stays as it was" in message for message in broken["messages"]), broken["messages"])
+        self.assertAlmostEqual(broken["mean_luminance"], before["mean_luminance"], delta=0.1 * before["mean_luminance"])
+        self.assertTrue(any("changed on disk" in message for message in after["messages"]), after["messages"])
+        self.assertEqual(after["eye"], before["eye"])
+        self.assertGreater(abs(after["mean_luminance"] / before["mean_luminance"] - 1), 0.02, "the cube is larger")
+
     def test_a_first_scene_that_is_missing_is_an_error(self):
         done = subprocess.run([PROGRAM, "view", "missing.glb", "--smoke", "1"], capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(done.returncode, 1)
@@ -129,6 +98,38 @@ class Input(Viewer):
         self.assertEqual(side["forward"], forward["forward"])
         for a, b in zip(start["eye"], home["eye"]):
             self.assertAlmostEqual(a, b, places=4)
+
+    def test_objects_are_orbited_and_framed(self):
+        (self.folder / "cube.ply").write_text(cube_ply(1))
+        script = ("frames 1\nreport\ndrag 0.5 0.5 0.7 0.4\nframes 1\nreport\nmouse 0.5 0.5\nwheel 3\nframes 1\nreport\n"
+                  "drag 0.5 0.5 0.7 0.5 shift\nframes 1\nreport\nkey f\nframes 1\nreport\nkey o\nwheel 3\nframes 1\nreport\n")
+        start, turned, near, aside, framed, flying, _ = self.view("cube.ply", script)
+        self.assertTrue(start["orbits"])
+        self.assertGreater(length([a - b for a, b in zip(start["eye"], turned["eye"])]), 0.5)
+        self.assertAlmostEqual(length(start["eye"]), length(turned["eye"]), delta=0.01 * length(start["eye"]))
+        self.assertLess(length(near["eye"]), 0.8 * length(turned["eye"]))
+        self.assertEqual(aside["forward"], near["forward"])
+        self.assertGreater(length([a - b for a, b in zip(aside["eye"], near["eye"])]), 0.1)
+        self.assertEqual(framed["forward"], aside["forward"])
+        self.assertAlmostEqual(length(framed["eye"]), length(start["eye"]), delta=0.3 * length(start["eye"]))
+        self.assertFalse(flying["orbits"])
+        self.assertEqual(flying["eye"], framed["eye"], "the wheel changes the speed")
+
+    def test_a_held_key_flies_no_further_than_frames_show(self):
+        # Frames that take long, each of which allows for a step of 0.15 s at most.
+        script = "pace off\nset width 900\nset height 700\nset max-bounces 12\nframes 1\nreport\nkey w 60\nreport\nframes 1\nreport\nseconds 1\nreport\n"
+        start, held, shown, later, _ = self.view("cornell", script)
+        flown = length([a - b for a, b in zip(start["eye"], held["eye"])])
+        steps = held["frames"] - start["frames"] + 1
+        self.assertGreater(flown, 0)
+        self.assertLessEqual(flown, 0.15 * 1.01 * steps * start["speed"])
+        self.assertEqual(shown["eye"], held["eye"], "the key was released")
+        self.assertEqual(later["eye"], held["eye"])
+
+    def test_escape_closes_the_list_of_keys_before_it_drops_the_selection(self):
+        script = "frames 1\nselect node lamp\nkey f1\nkey escape\nreport\nkey escape\nreport\n"
+        closed, dropped, _ = self.view("cornell", script)
+        self.assertEqual((closed["selected"], dropped["selected"]), (1, 0))
 
     def test_a_click_selects_and_ctrl_drags(self):
         script = "frames 1\nclick 0.5 0.85\nframes 3\nreport\npace off\nframes 2\ndrag 0.5 0.85 0.6 0.8 ctrl\nframes 3\nreport\n"

@@ -30,16 +30,15 @@ float selection_depth(const State& state, const CameraPose& camera) {
   const Document& document = *state.document;
   const Box box = document.bounds(node);
   const Vec3 point = box.empty() ? Vec3(document.world()[static_cast<size_t>(node)][3]) : box.center();
-  return glm::dot(point - Vec3(camera.to_world[3]), -glm::normalize(Vec3(camera.to_world[2])));
+  return depth_of(camera, point);
 }
 
 /// Brings a point into focus: by its depth, or by its distance where the camera looks all around.
 void focus_at(State& state, const Vec3& point) {
   CameraPose placed = current_camera(state);
   const Vec3 to_point = point - Vec3(placed.to_world[3]);
-  const float depth = placed.camera.projection == Projection::panoramic
-                          ? glm::length(to_point)
-                          : glm::dot(to_point, -glm::normalize(Vec3(placed.to_world[2])));
+  const float depth =
+      placed.camera.projection == Projection::panoramic ? glm::length(to_point) : depth_of(placed, point);
   if (!(depth > 0)) return state.notify("this point lies behind the camera, which cannot focus there");
   placed.camera.focus_distance = depth;
   state.document->set_camera(placed);
@@ -232,9 +231,7 @@ void drag_selection(State& state, const Vec2& delta) {
   const CameraPose camera = current_camera(state);
   const float depth = selection_depth(state, camera);
   if (!(depth > 0)) return;
-  const float height = camera.camera.projection == Projection::orthographic
-                           ? 2 * camera.camera.half_height
-                           : 2 * depth * std::tan(0.5f * camera.camera.fov_y_rad);
+  const float height = view_height(camera.camera, depth);
   const Vec3 right = glm::normalize(Vec3(camera.to_world[0]));
   const Vec3 up = glm::normalize(Vec3(camera.to_world[1]));
   state.document->move(selected_node(state), (right * delta.x - up * delta.y) * height);

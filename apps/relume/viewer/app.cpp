@@ -41,9 +41,11 @@ App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixe
               !smoke_),
       script_(std::move(script)) {
   state_.renderer = &renderer_;
+  renderer_.on_frame([this] { window_.hurry(); });
   state_.settings = {settings, settings};
   state_.follow_window = !fixed_size;
   state_.resolution_policy.target_hz = options.target_hz;
+  state_.watches = options.watch;
   state_.now_s = now_s();
   show_document(state_, std::move(scene), true);
   last_s_ = state_.now_s;
@@ -75,6 +77,7 @@ void App::frame() {
   take_frames();
   take_notices();
   for (const std::string& file : window_.take_dropped_files()) open_scene(state_, file);
+  follow_files(state_);
   finish_loading(state_);
   if (state_.document && state_.document->name() != name) window_.set_title("relume " + state_.document->name());
   finish_pick(state_);
@@ -82,7 +85,7 @@ void App::frame() {
   update_path(state_);
   viewport_.update(state_);
   draw();
-  handle_keys(state_, static_cast<float>(passed_s), viewport_.image().size.y);
+  handle_keys(state_, viewport_.image().size.y);
   post();
   window_.end_frame(viewport_.version());
   monitor_.interface_frame(now_s());
@@ -123,6 +126,7 @@ void App::take_frames() {
     if (side > 0) continue;
     monitor_.rendered_frame(state_.now_s);
     newest_frame_s_ = state_.now_s;
+    if (state_.document) choose_mode(state_);
     if (state_.frame()->request_version >= release_version_) state_.awaits_camera = false;
   }
   const auto shows_document = [&](const auto& frame) { return frame && frame->scene == state_.document->loaded(); };
@@ -162,6 +166,7 @@ void App::post() {
   const auto newest = renderer_.frame(0);  // may be newer than the one that is shown
   if (camera != camera_version_ && newest) camera_moves_.emplace_back(version_, newest->serial);
   camera_version_ = camera;
+  state_.navigation.pace.posted(version_);
   renderer_.post(make_request(state_, version_, image_version_));
 }
 

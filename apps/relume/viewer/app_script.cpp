@@ -118,6 +118,7 @@ void App::act(const ScriptStep& step) {
   if (step.verb == "save-view") write_view_file(state_, w[0]);
   if (step.verb == "screenshot") screenshot_ = w[0];
   if (step.verb == "play") toggle_path(state_);
+  if (step.verb == "search") state_.setting_query = w[0];
   if (step.verb == "report") print(report());
   if (step.verb == "buffer") {
     state_.buffer = w[0] == "image" ? "" : w[0];
@@ -158,6 +159,8 @@ std::string App::report() const {
                  {"recording", state_.path.recording},
                  {"playing", state_.path.playing},
                  {"path_s", state_.path.path.duration_s()},
+                 {"speed", state_.fly.speed},
+                 {"orbits", state_.navigation.mode == CameraMode::orbit},
                  {"focus_m", current_camera(state_).camera.focus_distance},
                  {"under_mouse", viewport_.values_under_mouse()},
                  {"exposure", state_.settings[0].output.exposure.value_or(state_.automatic_exposure[0])}};

@@ -46,6 +46,19 @@ void draw_lens(State& state) {
   tooltip("Back to where the scene's camera stands [Home]");
 }
 
+void draw_mode(State& state) {
+  int mode = static_cast<int>(state.navigation.mode);
+  ImGui::RadioButton("orbit", &mode, static_cast<int>(CameraMode::orbit));
+  tooltip("Drag goes around the object, the wheel changes the distance [O]");
+  ImGui::SameLine();
+  ImGui::RadioButton("fly", &mode, static_cast<int>(CameraMode::fly));
+  tooltip("Drag looks around, the wheel changes the speed of the keys [O]");
+  if (mode != static_cast<int>(state.navigation.mode)) set_mode(state, static_cast<CameraMode>(mode));
+  ImGui::SameLine();
+  if (ImGui::Button("Frame")) frame_selection(state);
+  tooltip("Shows the selection, or the whole scene where nothing is selected [F]");
+}
+
 void draw_bookmarks(State& state) {
   heading("Bookmarks");
   for (size_t i = 0; i < state.bookmarks.size(); ++i) {
@@ -84,7 +97,7 @@ void draw_path(State& state) {
 
 void draw_files(State& state) {
   heading("Files");
-  if (ImGui::Button("GlImage as PNG")) save_numbered_image(state, ".png");
+  if (ImGui::Button("Image as PNG")) save_numbered_image(state, ".png");
   tooltip("As it is displayed [F12]");
   ImGui::SameLine();
   if (ImGui::Button("as EXR")) save_numbered_image(state, ".exr");
@@ -99,6 +112,7 @@ void draw_camera_panel(State& state) {
   if (!state.document) return;
   ImGui::BeginChild("camera");
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+  draw_mode(state);
   draw_lens(state);
   draw_bookmarks(state);
   draw_path(state);

@@ -153,7 +153,15 @@ TEST(SaveView, CameraAndSettingsComeBack) {
   for (int c = 0; c < 4; ++c) expect_near(Vec3(loaded[c]), Vec3(camera.to_world[c]));
   EXPECT_NEAR(saved.scene.cameras.front().fov_y_rad, 0.5f, 1e-5f);
   EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json),
-            (nlohmann::json{{"exposure", 0}, {"max-bounces", 3}, {"tone-map", "agx"}}));
+            (nlohmann::json{{"exposure", "auto"}, {"max-bounces", 3}, {"tone-map", "auto"}}))
+      << "the view goes back to what is automatic, which the built-in scene fixes";
+}
+
+TEST(SaveView, FixedExposuresComeBack) {
+  AllSettings settings;
+  settings.output.exposure = 1.5f;
+  const Saved saved = round_trip(cornell(), settings, some_camera(), nullptr);
+  EXPECT_EQ(nlohmann::json::parse(saved.scene.settings_json)["exposure"], 1.5f);
 }
 
 TEST(SaveView, ARecordedPathMovesTheCamera) {

@@ -28,17 +28,20 @@ bool FlyCamera::update(const FlyInput& input, float seconds, float fov_y_rad, fl
   if (input.idle()) return false;
   if (input.turn_px != Vec2(0)) {
     // The point under the cursor stays under it, near the centre of the image.
-    const float rad_per_px = fov_y_rad / std::max(image_height_px, 1.0f);
-    const float pitch = std::asin(clamp(forward().y, -1.0f, 1.0f));
-    const float wanted = clamp(pitch - input.turn_px.y * rad_per_px, -kSteepest_rad, kSteepest_rad);
-    const glm::quat yaw = glm::angleAxis(-input.turn_px.x * rad_per_px, Vec3(0, 1, 0));
-    const glm::quat tilt = glm::angleAxis(wanted - pitch, Vec3(1, 0, 0));
-    rotation_ = glm::normalize(yaw * rotation_ * tilt);
+    turn(input.turn_px * (fov_y_rad / std::max(image_height_px, 1.0f)));
   }
   // Up and down are those of the world, so that looking down does not turn rising into flying forward.
   const Vec3 direction = rotation_ * Vec3(input.move.x, 0, input.move.z) + Vec3(0, input.move.y, 0);
   eye_ += direction * (speed * (input.fast ? kFastFactor : 1.0f) * seconds);
   return true;
+}
+
+void FlyCamera::turn(const Vec2& by_rad) {
+  const float pitch = std::asin(clamp(forward().y, -1.0f, 1.0f));
+  const float wanted = clamp(pitch - by_rad.y, -kSteepest_rad, kSteepest_rad);
+  const glm::quat yaw = glm::angleAxis(-by_rad.x, Vec3(0, 1, 0));
+  const glm::quat tilt = glm::angleAxis(wanted - pitch, Vec3(1, 0, 0));
+  rotation_ = glm::normalize(yaw * rotation_ * tilt);
 }
 
 Mat4 FlyCamera::to_world() const {

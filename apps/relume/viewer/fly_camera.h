@@ -21,9 +21,11 @@ class FlyCamera {
   void place(const Mat4& to_world);
   void place(const Vec3& eye, const glm::quat& rotation);
 
-  /// Moves and turns. Turning keeps the horizon as it is and never goes over the zenith. Returns whether anything
-  /// changed.
+  /// Moves, and turns as turn() does. Returns whether anything changed.
   bool update(const FlyInput& input, float seconds, float fov_y_rad, float image_height_px);
+
+  /// Turns by angles, radians: to the right and down. Keeps the horizon as it is and never goes over the zenith.
+  void turn(const Vec2& by_rad);
 
   Mat4 to_world() const;
   const Vec3& eye() const { return eye_; }

@@ -1,3 +1,5 @@
+#include <imgui/imgui_internal.h>
+
 #include "viewer/actions.h"
 #include "viewer/imgui_input.h"
 #include "viewer/viewport.h"
@@ -9,23 +11,22 @@ float axis(int positive, int negative) {
   return static_cast<float>(is_down(positive)) - static_cast<float>(is_down(negative));
 }
 
-void fly(State& state, float seconds, float image_height_px) {
+/// Of the keys that fly; none while a text is written.
+Vec3 held_movement() {
   const ImGuiIO& io = ImGui::GetIO();
-  FlyInput input;
-  if (!io.WantTextInput && !io.KeyCtrl)
-    input.move = {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
-  input.fast = io.KeyShift;
-  input.turn_px = state.look_px;
-  state.look_px = Vec2(0);
-  if (input.idle() || !state.knows_camera()) return;
-  CameraPose placed = current_camera(state);
-  if (!state.flying) state.fly.place(placed.to_world);
-  if (!state.fly.update(input, seconds, placed.camera.fov_y_rad, image_height_px)) return;
-  state.flying = true;
-  state.path.playing = false;
-  placed.to_world = state.fly.to_world();
-  state.document->set_camera(placed);
-  state.touch();
+  if (io.WantTextInput || io.KeyCtrl) return Vec3(0);
+  return {axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_S, GLFW_KEY_W)};
+}
+
+/// Closes what lies on top: lists that are open, the list of keys, the selection.
+void close_topmost(State& state) {
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {
+    ImGui::ClosePopupToLevel(0, true);
+  } else if (state.show_help) {
+    state.show_help = false;
+  } else {
+    state.selection = {};
+  }
 }
 
 void expose(State& state, float stops) {
@@ -50,7 +51,10 @@ void handle_plain_keys(State& state) {
   if (is_pressed(GLFW_KEY_R)) toggle_recording(state);
   if (is_pressed(GLFW_KEY_K)) add_path_key(state);
   if (is_pressed(GLFW_KEY_P)) state.animating = !state.animating;
-  if (is_pressed(GLFW_KEY_ESCAPE)) state.selection = {};
+  if (is_pressed(GLFW_KEY_ESCAPE)) close_topmost(state);
+  if (is_pressed(GLFW_KEY_F)) frame_selection(state);
+  if (is_pressed(GLFW_KEY_O))
+    set_mode(state, state.navigation.mode == CameraMode::orbit ? CameraMode::fly : CameraMode::orbit);
   if (is_pressed(GLFW_KEY_LEFT_BRACKET)) expose(state, -0.5f);
   if (is_pressed(GLFW_KEY_RIGHT_BRACKET)) expose(state, 0.5f);
   if (is_pressed(GLFW_KEY_F12)) save_numbered_image(state, ImGui::GetIO().KeyShift ? ".exr" : ".png");
@@ -66,10 +70,11 @@ void handle_plain_keys(State& state) {
 
 }  // namespace
 
-void handle_keys(State& state, float seconds, float image_height_px) {
-  fly(state, seconds, image_height_px);
+void handle_keys(State& state, float image_height_px) {
+  if (!state.document) return;
   const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantTextInput || !state.document) return;
+  navigate(state, held_movement(), io.KeyShift, image_height_px);
+  if (io.WantTextInput) return;
   if (io.KeyCtrl) {
     handle_control_keys(state);
   } else {

@@ -267,10 +267,13 @@ void RenderThread::publish(int side, double seconds, uint64_t rays_before, const
   frame->buffers = inspectable_buffers(render_settings(session));
   read_buffer(session, request_.buffer, *frame);
   frame->reached_goal = goal_reached(side);
-  const std::lock_guard lock(mutex_);
-  if (side == 0) followed_.emplace_back(frame->request_version, frame->serial);
-  if (followed_.size() > kMostFollowed) followed_.pop_front();
-  frames_[static_cast<size_t>(side)] = std::move(frame);
+  {
+    const std::lock_guard lock(mutex_);
+    if (side == 0) followed_.emplace_back(frame->request_version, frame->serial);
+    if (followed_.size() > kMostFollowed) followed_.pop_front();
+    frames_[static_cast<size_t>(side)] = std::move(frame);
+  }
+  if (frame_hook_) frame_hook_();
 }
 
 bool RenderThread::has_final_size(const Session& session) const {

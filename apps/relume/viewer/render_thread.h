@@ -31,9 +31,12 @@ class RenderThread {
   /// Ends rendering, after the tasks that were asked for. Nothing is rendered after that.
   void stop();
 
-  /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned, and so is the large
-  /// one at rest; the first frame after a change never is, so that an image follows every stream of changes. Only its
-  /// preparation ends early. Behind a rest it is small, to show at once.
+  /// Calls `hook` on the rendering thread whenever a frame is there. Call before the first request.
+  void on_frame(std::function<void()> hook) { frame_hook_ = std::move(hook); }
+
+  /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned, and so is the
+  /// large one at rest; the first frame after a change never is, so that an image follows every stream of changes. Only
+  /// its preparation ends early. Behind a rest it is small, to show at once.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.
@@ -87,6 +90,8 @@ class RenderThread {
   std::vector<Notice> notices_;
   std::stop_source refinement_;  ///< of the frame in progress, if it may be abandoned
   std::stop_source hurry_;       ///< of the frame in progress: its preparation ends early
+
+  std::function<void()> frame_hook_;  ///< set before there are frames
 
   // Of the rendering thread alone.
   RenderRequest request_;

@@ -88,18 +88,24 @@ void put_edits(const Document& document, json& root, std::vector<std::string>& o
 }
 
 /// `time_s`: of the animation, or 0 where the view moves by itself from the beginning on.
-void put_settings(const AllSettings& settings, float time_s, json& root) {
+/// `base_settings`: those of the scene that the view builds on, as JSON; empty without any.
+void put_settings(const AllSettings& settings, float time_s, const std::string& base_settings, json& root) {
   AllSettings now = settings;
   now.render.time_s = time_s;
   AllSettings defaults;
+  AllSettings base;  // the view goes back to the default where what it builds on has another value
+  if (!base_settings.empty()) settings_from_json(describe(base), base_settings, "");
   const json all = json::parse(settings_to_json(describe(now)));
   json chosen = json::object();
-  const SettingList list = describe(now);  // the result points into it
-  for (const Setting* setting : differing_settings(list, describe(defaults))) {
-    // The view itself holds the camera and, turned and scaled, the environment.
-    if (setting->name == "camera" || setting->name.starts_with("env")) continue;
-    chosen[setting->name] = all.at(setting->name);
-  }
+  const auto add = [&](const SettingList& list) {
+    for (const Setting* setting : differing_settings(list, describe(defaults))) {
+      // The view itself holds the camera and, turned and scaled, the environment.
+      if (setting->name == "camera" || setting->name.starts_with("env")) continue;
+      chosen[setting->name] = all.at(setting->name);
+    }
+  };
+  add(describe(now));
+  add(describe(base));
   root.erase("settings");
   if (!chosen.empty()) root["settings"] = chosen;
 }
@@ -116,7 +122,7 @@ std::string view_as_json(const SavedView& view, const fs::path& folder, std::vec
   put_edits(view.document, root, omissions);
   if (view.document.environment_is_edited())
     put_environment(view.document.outline().environment, view.settings.scene.env, folder, root, omissions);
-  put_settings(view.settings, moves ? 0 : view.document.time_s(), root);
+  put_settings(view.settings, moves ? 0 : view.document.time_s(), view.document.loaded()->scene.settings_json, root);
   return root.dump(1) + "\n";
 }
 

@@ -33,7 +33,7 @@ constexpr std::array kVerbs = {
     Verb{"buffer", 1, false},    Verb{"split", 1, false},   Verb{"panel", 1, false},  Verb{"select", 2, true},
     Verb{"drop", 1, true},       Verb{"sun", 1, false},     Verb{"save", 1, true},    Verb{"save-view", 1, true},
     Verb{"screenshot", 1, true}, Verb{"report", 0, false},  Verb{"pace", 1, false},   Verb{"emit", 1, false},
-    Verb{"try", 2, true},        Verb{"play", 0, false},
+    Verb{"try", 2, true},        Verb{"play", 0, false},    Verb{"search", 1, true},
 };
 
 const Verb* find_verb(std::string_view name) {

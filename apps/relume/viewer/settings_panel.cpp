@@ -9,6 +9,7 @@
 
 #include "relume/error.h"
 #include "render/presets.h"
+#include "viewer/setting_search.h"
 #include "viewer/theme.h"
 #include "viewer/widgets.h"
 
@@ -78,11 +79,18 @@ bool text_widget(std::string* value) {
   return true;
 }
 
-/// A box for the word, and the number beside it.
-bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits& traits) {
+/// What the rows of settings show.
+struct RowContext {
+  const AllSettings& settings;
+  const SettingList& standard;  ///< what "reset" goes back to
+  float exposure;               ///< that the automatic one has now
+};
+
+/// A box for the word, and the number beside it. `present`: what the number is by itself.
+bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits& traits, float present) {
   bool automatic = !number.value->has_value();
-  bool changed = ImGui::Checkbox(std::string(number.word).c_str(), &automatic);
-  if (changed) *number.value = automatic ? std::nullopt : std::optional(0.0f);
+  const bool changed = ImGui::Checkbox(std::string(number.word).c_str(), &automatic);
+  set_automatic(number, automatic, present);
   if (automatic) return changed;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
@@ -90,14 +98,14 @@ bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits
 }
 
 /// The widget for the setting's type. Returns whether the value changed.
-bool value_widget(const AllSettings& settings, const Setting& setting) {
+bool value_widget(const RowContext& context, const Setting& setting) {
   if (const auto* flag = std::get_if<bool*>(&setting.value)) return ImGui::Checkbox("##v", *flag);
   if (const auto* number = std::get_if<int*>(&setting.value)) return int_widget(*number, setting.traits);
   if (const auto* number = std::get_if<float*>(&setting.value)) return float_widget(*number, setting.traits);
   if (const auto* text = std::get_if<std::string*>(&setting.value)) return text_widget(*text);
   if (const auto* number = std::get_if<OptionalNumberRef>(&setting.value))
-    return optional_number_widget(*number, setting.traits);
-  return choice_widget(settings, setting, std::get<ChoiceRef>(setting.value));
+    return optional_number_widget(*number, setting.traits, setting.name == "exposure" ? context.exposure : 0.0f);
+  return choice_widget(context.settings, setting, std::get<ChoiceRef>(setting.value));
 }
 
 std::string help_of(const Setting& setting, const Setting& standard, const std::string& inactive) {
@@ -110,8 +118,9 @@ std::string help_of(const Setting& setting, const Setting& standard, const std::
 }
 
 /// One line: name, widget, and on a right click the default.
-bool setting_row(const AllSettings& settings, const Setting& setting, const Setting& standard) {
-  const std::string inactive = takes_effect_with(settings, setting.name);
+bool setting_row(const RowContext& context, const Setting& setting) {
+  const Setting& standard = *find_setting(context.standard, setting.name);
+  const std::string inactive = takes_effect_with(context.settings, setting.name);
   const bool differs = load(setting) != load(standard);
   ImGui::PushID(setting.name.c_str());
   ImGui::TableNextRow();
@@ -136,7 +145,7 @@ bool setting_row(const AllSettings& settings, const Setting& setting, const Sett
   }
   ImGui::TableNextColumn();
   ImGui::SetNextItemWidth(-1);
-  changed |= value_widget(settings, setting);
+  changed |= value_widget(context, setting);
   if (!ImGui::IsItemActive()) explain();
   ImGui::PopID();
   return changed;
@@ -179,23 +188,55 @@ void draw_sides(State& state) {
   }
 }
 
-void draw_group(State& state, const SettingGroup& group, AllSettings& wanted, const SettingList& standard,
-                bool& changed) {
-  const std::string title(group.title);
-  const bool rarely_used = group.role == SettingGroupRole::stopping;
-  if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return;
-  tooltip(std::string(group.summary));
-  if (group.role == SettingGroupRole::image) ImGui::Checkbox("Size follows the window", &state.follow_window);
-  if (!ImGui::BeginTable(title.c_str(), 2)) return;
+/// Returns whether a value changed.
+bool draw_rows(State& state, const RowContext& context, const char* id, const std::vector<const Setting*>& rows) {
+  if (rows.empty() || !ImGui::BeginTable(id, 2)) return false;
   ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthStretch, 0.5f);
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch, 0.5f);
-  for (const Setting& setting : group.settings) {
-    const Setting* original = find_setting(standard, setting.name);
-    if (!setting_row(wanted, setting, *original)) continue;
+  bool changed = false;
+  for (const Setting* setting : rows) {
+    if (!setting_row(context, *setting)) continue;
     changed = true;
-    if (setting.name == "width" || setting.name == "height") state.follow_window = false;
+    if (setting->name == "width" || setting->name == "height") state.follow_window = false;
   }
   ImGui::EndTable();
+  return changed;
+}
+
+/// The settings of a group that the query finds, below its title.
+bool draw_group(State& state, const SettingGroup& group, const RowContext& context) {
+  std::vector<const Setting*> rows;
+  for (const Setting& setting : group.settings) {
+    if (matches(setting, state.setting_query)) rows.push_back(&setting);
+  }
+  if (rows.empty()) return false;
+  const std::string title(group.title);
+  const bool rarely_used = group.role == SettingGroupRole::stopping && state.setting_query.empty();
+  if (!ImGui::CollapsingHeader(title.c_str(), rarely_used ? 0 : ImGuiTreeNodeFlags_DefaultOpen)) return false;
+  tooltip(std::string(group.summary));
+  return draw_rows(state, context, title.c_str(), rows);
+}
+
+bool draw_all(State& state, std::vector<SettingGroup>& groups, const RowContext& context) {
+  std::stable_partition(groups.begin(), groups.end(),
+                        [](const SettingGroup& group) { return group.role == SettingGroupRole::slots; });
+  bool changed = false;
+  for (const SettingGroup& group : groups) changed |= draw_group(state, group, context);
+  return changed;
+}
+
+bool draw_essentials(State& state, const SettingList& list, const RowContext& context) {
+  std::vector<const Setting*> rows;
+  for (const std::string_view name : kEssentialSettings) rows.push_back(find_setting(list, name));
+  const bool changed = draw_rows(state, context, "essential", rows);
+  ImGui::Checkbox("Size follows the window", &state.follow_window);
+  return changed;
+}
+
+void draw_search(State& state, size_t count) {
+  ImGui::SetNextItemWidth(-1);
+  const std::string hint = fmt::format("Search {} settings by name and help", count);
+  ImGui::InputTextWithHint("##search", hint.c_str(), &state.setting_query);
 }
 
 }  // namespace
@@ -205,12 +246,18 @@ void draw_settings_panel(State& state) {
   draw_presets(state);
   AllSettings wanted = state.settings[static_cast<size_t>(state.edited_side)];
   const SettingList standard = describe(state.defaults);
-  bool changed = false;
+  draw_search(state, standard.size());
+  const RowContext context{wanted, standard, state.automatic_exposure[static_cast<size_t>(state.edited_side)]};
   ImGui::BeginChild("settings");
   std::vector<SettingGroup> groups = setting_groups(wanted);
-  std::stable_partition(groups.begin(), groups.end(),
-                        [](const SettingGroup& group) { return group.role == SettingGroupRole::slots; });
-  for (const SettingGroup& group : groups) draw_group(state, group, wanted, standard, changed);
+  bool changed = false;
+  if (!state.setting_query.empty()) {
+    changed = draw_all(state, groups, context);
+  } else {
+    const SettingList list = describe(wanted);
+    changed = draw_essentials(state, list, context);
+    if (ImGui::CollapsingHeader("All settings")) changed |= draw_all(state, groups, context);
+  }
   ImGui::EndChild();
   if (!changed) return;
   try {

@@ -1,11 +1,11 @@
-// Every setting, generated from its declaration.
+// Settings, generated from their declarations: the essential ones first, all of them by search.
 #pragma once
 
 #include "viewer/state.h"
 
 namespace relume::viewer {
 
-/// Widgets of all groups for the edited side.
+/// Widgets for the edited side.
 void draw_settings_panel(State& state);
 
 /// Why a choice cannot be taken with the other settings as they are; empty if it can.

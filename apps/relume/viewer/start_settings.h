@@ -15,7 +15,7 @@ AllSettings resolve_start(SettingSources sources);
 /// the window does not decide it then. Throws Error.
 bool chooses_size(const SettingSources& sources);
 
-/// What `preset` means for a scene: `current` decides only what is rendered (the group "GlImage" and the environment),
+/// What `preset` means for a scene: `current` decides only what is rendered (the group "Image" and the environment),
 /// how many bounces unless the preset does, when to stop and how it is displayed. `scene_json` and `scene_place` are
 /// those of SettingSources. Throws Error.
 AllSettings apply_preset(const AllSettings& current, const std::string& scene_json, const std::string& scene_place,

@@ -55,6 +55,37 @@ Environment environment_in(const LoadedScene& loaded, const SceneOverrides& over
   return std::move(scene.environment);
 }
 
+void start_loading(State& state, const std::string& name) {
+  state.loading_name = name;
+  state.loading = std::async(std::launch::async, [name] {
+    cli::lower_thread_priority();
+    const double start_s = now_s();
+    Scene scene = cli::open_scene(name);
+    return std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene), now_s() - start_s});
+  });
+}
+
+/// The scene that is shown after this one can be gone back to, unless it has never been shown itself.
+void remember_document(State& state) {
+  if (!state.previous) state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
+}
+
+/// What is selected is selected in the other document, too, if a thing of that name has the same place there.
+bool has_selection(const State& state, const Document& other) {
+  const auto same = [&](const auto& now, const auto& then) {
+    const auto i = static_cast<size_t>(state.selection.index);
+    return i < now.size() && i < then.size() && now[i].name == then[i].name;
+  };
+  const Scene& now = other.outline();
+  const Scene& then = state.document->outline();
+  switch (state.selection.kind) {
+    case Selected::node: return same(now.nodes, then.nodes);
+    case Selected::light: return same(now.lights, then.lights);
+    case Selected::material: return same(now.materials, then.materials);
+    default: return false;
+  }
+}
+
 }  // namespace
 
 void FrameTimes::add(const ViewerFrame& frame) {
@@ -85,26 +116,33 @@ void State::notify(const std::string& text, bool problem) {
 
 void open_scene(State& state, const std::string& name) {
   if (state.loading.valid()) return state.notify("a scene is being loaded already; wait for it");
-  state.loading_name = name;
-  state.loading = std::async(std::launch::async, [name] {
-    cli::lower_thread_priority();
-    const double start_s = now_s();
-    Scene scene = cli::open_scene(name);
-    return std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene), now_s() - start_s});
-  });
+  state.reloads = false;
+  start_loading(state, name);
+}
+
+void follow_files(State& state) {
+  if (!state.watches || !state.document || state.loading.valid() || !state.watch.changed(state.now_s)) return;
+  state.reloads = true;
+  start_loading(state, state.document->name());
 }
 
 void finish_loading(State& state) {
   if (!state.loading.valid() || state.loading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  const char* consequence = state.reloads ? "; the scene stays as it was read before" : "";
   try {
-    show_document(state, state.loading.get(), false);
+    std::shared_ptr<const LoadedScene> loaded = state.loading.get();
+    if (state.reloads) {
+      replace_scene(state, std::move(loaded));
+      return state.notify("read " + state.document->name() + " again, as it changed on disk");
+    }
+    show_document(state, std::move(loaded), false);
     state.notify("opened " + state.document->name());
     const size_t warnings = state.document->loaded()->scene.warnings.size();
     if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
   } catch (const std::bad_alloc&) {
-    state.notify(state.loading_name + ": not enough memory for this scene", true);
+    state.notify(state.loading_name + ": not enough memory for this scene" + consequence, true);
   } catch (const std::exception& error) {
-    state.notify(error.what(), true);
+    state.notify(error.what() + std::string(consequence), true);
   }
 }
 
@@ -118,9 +156,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   if (settings[0].scene != SceneOverrides{}) document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
 
-  // One that has never been shown is nothing to go back to.
-  if (!first && !state.previous)
-    state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
+  if (!first) remember_document(state);
   state.document.emplace(std::move(document));
   state.settings = settings;
   state.selection = {};
@@ -129,7 +165,25 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   state.picked = {};
   const float size = state.document->bounds().diagonal();
   state.fly.speed = clamp(0.15f * size, 0.01f, 100.0f);
+  state.navigation = {};
+  choose_mode(state);
+  state.watch.watch(state.document->loaded()->scene.source_files);
   load_bookmarks(state);
+  state.touch();
+}
+
+void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
+  Document document(loaded);
+  if (state.settings[0].scene != SceneOverrides{})
+    document.replace_environment(environment_in(*loaded, state.settings[0].scene));
+  document.set_time(state.document->time_s());
+  if (const auto& camera = state.document->edits().camera.value) document.set_camera(camera);
+  if (!has_selection(state, document)) state.selection = {};
+  remember_document(state);
+  state.document.emplace(std::move(document));
+  state.picked = {};
+  state.navigation.pace = {};
+  state.watch.watch(state.document->loaded()->scene.source_files);
   state.touch();
 }
 
@@ -144,6 +198,8 @@ void revert_document(State& state) {
   load_bookmarks(state);
   state.selection = {};
   state.flying = state.document->edits().camera.value.has_value();
+  state.navigation.pace = {};
+  state.watch.watch(state.document->loaded()->scene.source_files);
   state.touch();
 }
 

@@ -13,8 +13,10 @@
 
 #include "viewer/camera_path.h"
 #include "viewer/document.h"
+#include "viewer/file_watch.h"
 #include "viewer/fly_camera.h"
 #include "viewer/gl_image.h"
+#include "viewer/navigation.h"
 #include "viewer/render_thread.h"
 #include "viewer/request.h"
 
@@ -77,6 +79,9 @@ struct State {
   std::optional<SceneTab> previous;  ///< shown again if the new one cannot be compiled
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
+  bool reloads = false;  ///< `loading` reads the present scene again
+  bool watches = true;   ///< the scene is read again when its files change
+  FileWatch watch;
 
   std::array<AllSettings, kSides> settings;
   AllSettings defaults;  ///< what "reset" goes back to
@@ -90,7 +95,7 @@ struct State {
   std::string buffer;
   Inspector inspector;
   FlyCamera fly;
-  Vec2 look_px{0};               ///< mouse movement that turns the camera, for the next update
+  Navigation navigation;
   bool flying = false;           ///< the user's camera, not the scene's
   bool camera_released = false;  ///< in favour of the scene's, since the last request
   bool awaits_camera = false;    ///< the scene's, which was requested but which no frame shows yet
@@ -106,6 +111,7 @@ struct State {
   float latitude_deg = 48;
 
   Panel panel = Panel::settings;
+  std::string setting_query;  ///< of the search field; empty: the essential settings
   bool panel_wanted = false;  ///< `panel` was chosen elsewhere than on its tab
   bool show_panels = true;
   bool show_help = false;
@@ -139,11 +145,17 @@ struct State {
 /// Starts to load a scene; the one that is shown stays until it is there.
 void open_scene(State& state, const std::string& name);
 
+/// Starts to read the scene again if its files have changed and are complete.
+void follow_files(State& state);
+
 /// Takes the loaded scene if it has arrived.
 void finish_loading(State& state);
 
 /// Shows a scene. The first comes with its settings resolved; later ones bring the settings that their file asks for.
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first);
+
+/// Shows the same scene as it was read again. Camera, settings, time and selection stay.
+void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded);
 
 /// Goes back to the scene before, if there is one: the present one cannot be shown.
 void revert_document(State& state);

@@ -17,6 +17,7 @@ struct ViewOptions {
   std::string screenshot;  ///< of the window, at the end; empty: none
   int smoke = 0;           ///< frames to render without showing a window; 0: an ordinary window
   float target_hz = 10;
+  bool watch = true;                                       ///< read the scene again when its files change
   std::vector<std::pair<std::string, std::string>> flags;  ///< of settings
 };
 

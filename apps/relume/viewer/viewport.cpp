@@ -203,7 +203,9 @@ void Viewport::draw(State& state, const Rect& room) {
   list.AddRectFilled({room.at.x, image_.at.y}, {image_.at.x, end.y}, kMargin);
   list.AddRectFilled({end.x, image_.at.y}, {room.end().x, end.y}, kMargin);
   ImGui::SetCursorScreenPos(room.at);
-  ImGui::InvisibleButton("image", room.size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
+  ImGui::InvisibleButton(
+      "image", room.size,
+      ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
   if (!state.document) return;
   under_mouse_ = describe_under_mouse(state);
   if (!images_[0].empty()) draw_image(state);
@@ -216,14 +218,21 @@ void Viewport::draw(State& state, const Rect& room) {
   draw_overlay(state);
 }
 
+Viewport::Drag Viewport::drag_that_begins(const State& state) const {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!io.MouseDown[ImGuiMouseButton_Left]) return Drag::pan;
+  const float line = image_.at.x + state.split_at * image_.size.x;
+  if (state.split && std::fabs(io.MousePos.x - line) < kHandle_px) return Drag::split;
+  if (io.KeyCtrl != io.KeyShift) return io.KeyCtrl ? Drag::move : Drag::pan;
+  return Drag::turn;
+}
+
 void Viewport::handle_mouse(State& state) {
   const ImGuiIO& io = ImGui::GetIO();
   const bool held = ImGui::IsItemActive();
   const Vec2 point = point_under_mouse();
   if (ImGui::IsItemActivated()) {
-    const float line = image_.at.x + state.split_at * image_.size.x;
-    const bool on_line = state.split && std::fabs(io.MousePos.x - line) < kHandle_px;
-    drag_ = on_line ? Drag::split : io.KeyCtrl && !io.KeyShift ? Drag::move : Drag::look;
+    drag_ = drag_that_begins(state);
     dragged_px_ = 0;
   }
   if (held) {
@@ -233,7 +242,7 @@ void Viewport::handle_mouse(State& state) {
       drag_selection(state, Vec2(io.MouseDelta.x, io.MouseDelta.y) / image_.size.y);
   }
   if (ImGui::IsItemDeactivated()) {
-    const bool click = dragged_px_ < kClick_px && drag_ == Drag::look && image_.contains(io.MousePos);
+    const bool click = dragged_px_ < kClick_px && drag_ == Drag::turn && image_.contains(io.MousePos);
     if (click && io.KeyAlt) {
       show_directions_at(state, point);
     } else if (click) {
@@ -241,13 +250,12 @@ void Viewport::handle_mouse(State& state) {
     }
     drag_ = Drag::none;
   }
-  if (held && drag_ == Drag::look && dragged_px_ >= kClick_px) {
-    state.look_px = {io.MouseDelta.x, io.MouseDelta.y};
+  if (held && dragged_px_ >= kClick_px) {
+    if (drag_ == Drag::turn) state.navigation.turn_px = {io.MouseDelta.x, io.MouseDelta.y};
+    if (drag_ == Drag::pan) state.navigation.pan_px = {io.MouseDelta.x, io.MouseDelta.y};
   }
   if (!ImGui::IsItemHovered()) return;
-  if (io.MouseWheel != 0) {
-    state.fly.speed = clamp(state.fly.speed * std::exp2(0.25f * io.MouseWheel), 0.001f, 1e4f);
-  }
+  state.navigation.notches = io.MouseWheel;
   if (!under_mouse_.empty() && !held) {
     draw_values();
     if (state.inspector.loupe) draw_loupe(state);

@@ -66,7 +66,9 @@ class Viewport {
   void handle_mouse(State& state);
   bool project(const State& state, const Vec3& p, ImVec2& at) const;
 
-  enum class Drag { none, look, move, split };
+  enum class Drag { none, turn, pan, move, split };
+
+  Drag drag_that_begins(const State& state) const;
 
   DisplayShader display_shader_;
   std::array<GlImage, kSides> images_;
@@ -83,8 +85,8 @@ class Viewport {
   double size_wanted_s_ = 0;
 };
 
-/// Flies, and does what keys ask for.
-void handle_keys(State& state, float seconds, float image_height_px);
+/// Moves the camera, and does what keys ask for.
+void handle_keys(State& state, float image_height_px);
 
 /// The list of keys, as an overlay.
 void draw_help(State& state);

@@ -108,14 +108,18 @@ void Viewport::draw_loupe(const State& state) const {
 void draw_help(State& state) {
   if (!state.show_help) return;
   constexpr std::pair<const char*, const char*> kKeys[] = {
+      {"drag", "orbit, or look around (O switches)"},
+      {"right drag, Shift + drag", "move along the image"},
+      {"wheel", "orbit: nearer, farther; fly: speed"},
       {"W A S D, Q E", "fly; Shift: faster"},
-      {"drag", "look around"},
-      {"wheel", "speed of flying"},
+      {"F", "show the selection, or the whole scene"},
+      {"O", "orbit or fly"},
       {"click", "select the object or light there"},
       {"Alt + click", "directions that guiding knows there"},
       {"Ctrl + drag", "move the selection"},
       {"Ctrl + Shift + click", "focus there"},
-      {"Home, Escape", "the scene's camera; select nothing"},
+      {"Home", "the scene's camera"},
+      {"Escape", "close a list, this one, select nothing"},
       {"1 ... 9", "go to a bookmark; with Ctrl: store it"},
       {"R, K", "record a new camera path; add one key"},
       {"Space, P", "pause rendering; play the animation"},

@@ -131,8 +131,14 @@ float Window::content_scale() const {
 }
 
 void Window::begin_frame(double interval_s, const std::function<void()>& change_input) {
-  for (double left = next_frame_s_ - glfwGetTime(); left > 0; left = next_frame_s_ - glfwGetTime())
+  for (double left = next_frame_s_ - glfwGetTime(); left > 0; left = next_frame_s_ - glfwGetTime()) {
+    if (hurries_ && glfwGetTime() > hurried_s_ + 3 * interval_s) {
+      hurried_s_ = next_frame_s_ = glfwGetTime();
+      break;
+    }
     glfwWaitEventsTimeout(left);
+  }
+  hurries_ = false;
   // From the due time, so that lateness does not add up; but never to catch up on more than one frame.
   next_frame_s_ = std::max(next_frame_s_, glfwGetTime() - interval_s) + interval_s;
   glfwPollEvents();
@@ -140,6 +146,11 @@ void Window::begin_frame(double interval_s, const std::function<void()>& change_
   ImGui_ImplGlfw_NewFrame();
   change_input();
   ImGui::NewFrame();
+}
+
+void Window::hurry() {
+  hurries_ = true;
+  glfwPostEmptyEvent();
 }
 
 void Window::end_frame(uint64_t content) {

@@ -1,6 +1,7 @@
 // The window, its OpenGL context and Dear ImGui.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -28,6 +29,9 @@ class Window {
   /// Waits until the next frame of the interface is due, handles events and begins it. `change_input` runs between the
   /// system's input and the frame, and may replace it.
   void begin_frame(double interval_s, const std::function<void()>& change_input);
+  /// Lets the next frame begin before it is due, as there is something new to show; not more often than every third
+  /// frame would. For any thread.
+  void hurry();
   /// Draws what has changed: nothing if the interface is as it was and `content` (a version of what textures hold) too.
   /// Where the processor draws, that leaves it to the renderer.
   void end_frame(uint64_t content);
@@ -47,6 +51,8 @@ class Window {
   GLFWwindow* window_ = nullptr;
   std::vector<std::string> dropped_;
   double next_frame_s_ = 0;
+  double hurried_s_ = 0;  ///< when a frame last began early
+  std::atomic<bool> hurries_ = false;
   double drawing_s_ = 0;
   uint64_t drawn_ = 0;  ///< fingerprint of what the window shows; 0: has to be drawn
 };

@@ -1,0 +1,84 @@
+#include "viewer/file_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "files/testing/temp_folder.h"
+
+namespace relume::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileWatchTest : public ::testing::Test {
+ protected:
+  FileWatchTest() {
+    write("scene.gltf", "one");
+    write("scene.bin", "one");
+    watch_.watch({folder_ / "scene.gltf", folder_ / "scene.bin", folder_ / "missing.png"});
+    EXPECT_FALSE(passes(2));
+  }
+  void write(const char* name, const char* text) {
+    std::ofstream(folder_ / name) << text;
+    // Clocks of file systems are coarse.
+    fs::last_write_time(folder_ / name, fs::file_time_type::clock::now() + std::chrono::seconds(++writes_));
+  }
+  /// Whether a change counts within `seconds`.
+  bool passes(double seconds) {
+    bool changed = false;
+    for (const double end_s = now_s_ + seconds; now_s_ < end_s; now_s_ += 0.05) changed |= watch_.changed(now_s_);
+    return changed;
+  }
+
+  TempFolder folder_;
+  FileWatch watch_;
+  double now_s_ = 0;
+  int writes_ = 0;
+};
+
+TEST_F(FileWatchTest, SeesAChangeOfAnyFileOnce) {
+  for (const char* name : {"scene.gltf", "scene.bin", "missing.png"}) {
+    write(name, "two");
+    EXPECT_TRUE(passes(2)) << name;
+    EXPECT_FALSE(passes(2)) << name;
+  }
+}
+
+TEST_F(FileWatchTest, WaitsUntilTheFilesStayAsTheyAre) {
+  for (int piece = 0; piece < 10; ++piece) {
+    write("scene.gltf", "piece");
+    EXPECT_FALSE(passes(0.3)) << piece;
+  }
+  EXPECT_TRUE(passes(2));
+}
+
+TEST_F(FileWatchTest, WaitsForTheSceneToBeThereAgain) {
+  fs::remove(folder_ / "scene.gltf");
+  EXPECT_FALSE(passes(5));
+  write("scene.gltf", "two");
+  EXPECT_TRUE(passes(2));
+}
+
+TEST_F(FileWatchTest, AFileThatIsGoneIsAChange) {
+  fs::remove(folder_ / "scene.bin");
+  EXPECT_TRUE(passes(2));
+}
+
+TEST_F(FileWatchTest, KeepsWhatItKnowsOfFilesThatAreWatchedAgain) {
+  write("scene.bin", "three");
+  watch_.watch({folder_ / "scene.gltf", folder_ / "scene.bin"});
+  EXPECT_TRUE(passes(2)) << "it changed before it was read again";
+  write("missing.png", "two");
+  EXPECT_FALSE(passes(2)) << "no longer watched";
+}
+
+TEST(FileWatch, WithoutFilesNothingChanges) {
+  FileWatch watch;
+  watch.watch({});
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(watch.changed(i));
+}
+
+}  // namespace
+}  // namespace relume::viewer

@@ -1,0 +1,40 @@
+// Moving the camera by mouse and keys.
+#pragma once
+
+#include "viewer/fly_pace.h"
+#include "viewer/orbit_camera.h"
+
+namespace relume::viewer {
+
+struct State;
+
+enum class CameraMode : int {
+  orbit,  ///< a drag goes around the pivot, the wheel changes the distance
+  fly     ///< a drag looks around, the wheel changes the speed
+};
+
+struct Navigation {
+  CameraMode mode = CameraMode::fly;
+  bool mode_chosen = false;  ///< by the user; otherwise the scene decides, as it is loaded and with its first frame
+  const void* decided_by = nullptr;  ///< the scene whose frame did
+  bool has_pivot = false;
+  Vec3 pivot{0};
+  FlyPace pace;
+  // Of the mouse since the last update.
+  Vec2 turn_px{0};
+  Vec2 pan_px{0};
+  float notches = 0;
+};
+
+/// Chooses the mode for the scene, unless the user has: orbit for objects, which come without a camera or without
+/// light.
+void choose_mode(State& state);
+void set_mode(State& state, CameraMode mode);
+
+/// Moves the camera as mouse and keys ask. `move`: as in FlyInput, of the keys that are held.
+void navigate(State& state, const Vec3& move, bool fast, float image_height_px);
+
+/// Shows the selection, or the whole scene where nothing is selected, and makes it the pivot.
+void frame_selection(State& state);
+
+}  // namespace relume::viewer

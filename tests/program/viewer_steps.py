@@ -1,0 +1,84 @@
+"""Scripts for a hidden viewer, and what they are tried on."""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+
+from png import png_pixels
+from program import PROGRAM, ProgramTest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def combination_table():
+    """Of docs/combinations.md: the cell of each pair of choices ("cache=psf", "guide=cdq"), and the sentences of refusals."""
+    table, refused = (ROOT / "docs/combinations.md").read_text().split("\n## Measured")[0].split("\n## Refused")
+    rows = [line for line in table.splitlines() if re.match(r"\| \d+ `", line)]
+    choices = [re.search("`(.+?)`", row)[1] for row in rows]
+    cells = {}
+    for i, row in enumerate(rows):
+        for k, cell in enumerate(row.split("|")[2:-1]):
+            if k > i and cell.strip():
+                cells[choices[i], choices[k]] = cell.strip()
+    return cells, re.findall(r"^- (.*)$", refused, re.MULTILINE)
+
+
+def steps_to(choice):
+    """Settings, with their values, that make a choice of that table."""
+    slot, value = choice.split("=")
+    value, _, method = value.partition(" ")
+    return ([("reproject.method", method.strip("()"))] if method else []) + [(slot, value)]
+
+
+def cube_ply(half):
+    """A cube about the origin as a PLY file: an object without camera or light."""
+    corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(corners)}", "property float x", "property float y", "property float z",
+             f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    lines += [" ".join(map(str, corner)) for corner in corners] + ["4 " + " ".join(map(str, face)) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+def length(v):
+    return sum(x * x for x in v) ** 0.5
+
+
+class Viewer(ProgramTest):
+    THREADS = 1  # of the renderer, which works as long as the window is open
+
+    def view(self, scene, script="", *arguments, frames=2, timeout=280):
+        """Reports that the viewer printed, in order; the last is the one at the end."""
+        (self.folder / "steps.txt").write_text(script)
+        # A small window, for it is drawn by the processor too.
+        arguments = arguments or ("--width", 240, "--height", 180, "--max-bounces", 2)
+        command = [PROGRAM, "view", str(scene), "--smoke", str(frames), "--script", "steps.txt", "--threads", str(self.THREADS), *map(str, arguments)]
+        environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
+        done = subprocess.run(command, cwd=self.folder, timeout=timeout, capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False, env=environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def view_while(self, scene, script, actions):
+        """As view(), with one of the actions done behind each of the first reports."""
+        (self.folder / "steps.txt").write_text(script)
+        command = [PROGRAM, "view", str(scene), "--smoke", "1", "--script", "steps.txt", "--threads", "1", "--width", "240", "--height", "180"]
+        environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))
+        reports = []
+        with subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL, env=environment) as viewer:
+            for line in viewer.stdout:
+                if len(reports) < len(actions):
+                    actions[len(reports)]()
+                reports.append(json.loads(line))
+            problem = viewer.stderr.read()
+        self.assertEqual(viewer.returncode, 0, problem)
+        return reports
+
+    def assert_shows_something(self, file):
+        width, height, channels, rows = png_pixels(file)
+        self.assertGreater(width * height, 100000)
+        # The image is in the upper left part of the window.
+        values = [row[x * channels + 1] for row in rows[height // 8:height // 2:8] for x in range(width // 8, width // 2, 8)]
+        self.assertGreater(sum(values) / len(values), 12, "black")
+        self.assertGreater(max(values) - min(values), 20, "all the same")
