@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <string>
 #include <thread>
 
+#include "builtin_scenes/builtin.h"
 #include "render/presets.h"
+#include "scene_source.h"
 #include "settings/settings_json.h"
 #include "viewer/render_thread.h"
 #include "viewer/testing/render_stage.h"
@@ -29,7 +33,7 @@ double processor_time_s() { return static_cast<double>(std::clock()) / CLOCKS_PE
 
 class Latency : public ::testing::TestWithParam<std::string> {
  protected:
-  Latency() : stage_(GetParam().c_str()) {
+  Latency() : stage_(GetParam(), cli::open_scene(GetParam())) {
     stage_.settings[0] = {};
     RenderSettings& render = stage_.settings[0].render;
     settings_from_json(describe(stage_.settings[0]), require_preset("interactive").json, "interactive");
@@ -74,14 +78,18 @@ TEST_P(Latency, AMoveBehindARestShowsAtOnce) {
   EXPECT_LT(longest_s, kSoon_s);
 }
 
+/// Built-in scenes, and Sponza where RELUME_SCENES names a folder that has it.
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  const char* folder = std::getenv("RELUME_SCENES");
+  const std::filesystem::path sponza = std::filesystem::path(folder ? folder : "") / "sponza/sponza.gltf";
+  if (folder && std::filesystem::exists(sponza)) names.push_back(sponza.string());
   return names;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Latency, ::testing::ValuesIn(scene_names()), [](const auto& instance) {
-  std::string name = instance.param;
+  std::string name = std::filesystem::path(instance.param).stem().string();
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "builtin_scenes/builtin.h"
 #include "viewer/document.h"
@@ -15,10 +16,11 @@ namespace relume::viewer::testing {
 
 inline constexpr int kPatience_ms = 60000;  // of a busy machine
 
-/// A request for a small image of a built-in scene.
+/// A request for a small image of a scene.
 struct Stage {
-  explicit Stage(const char* scene = "cornell")
-      : document(std::make_shared<const LoadedScene>(LoadedScene{scene, find_builtin_scene(scene)->build()})) {
+  explicit Stage(const char* builtin = "cornell") : Stage(builtin, find_builtin_scene(builtin)->build()) {}
+  Stage(const std::string& name, Scene scene)
+      : document(std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene)})) {
     for (AllSettings& s : settings) {
       s.render.width = 32;
       s.render.height = 24;
