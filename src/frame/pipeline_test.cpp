@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -272,6 +273,26 @@ TEST(BufferTable, SwapsAndClearsWhatItIsToldTo) {
   EXPECT_EQ(table.view(kKept)[1], 3.0f);
   EXPECT_TRUE(table.view(kOther).empty());
   EXPECT_TRUE(table.previous(kKept).empty());
+}
+
+TEST(BufferTable, IsZeroBeforeAnythingIsWritten) {
+  BufferTable table(64, 64);
+  table.add({.id = kDepth, .double_buffered = true});
+  table.add({.id = kOther, .persistent = true});
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(table.clear_new(stop.get_token()));
+  table.keep();
+  table.restore();
+  const auto is_zero = [](View<const float> values) {
+    return std::all_of(values.begin(), values.end(), [](float x) { return x == 0.0f; });
+  };
+  EXPECT_TRUE(is_zero(table.view(kOther)));
+  table.swap();
+  EXPECT_TRUE(is_zero(table.view(kDepth)) && is_zero(table.previous(kDepth)));
+  table.mutable_view(kDepth)[0] = 1;
+  EXPECT_TRUE(table.clear_new({}));
+  EXPECT_EQ(table.view(kDepth)[0], 1) << "it is not new any more";
 }
 
 TEST(BufferTable, GoesBackToWhatAFrameChangesInPlace) {

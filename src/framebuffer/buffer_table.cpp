@@ -1,6 +1,7 @@
 #include "framebuffer/buffer_table.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cstring>
 #include <stdexcept>
@@ -13,10 +14,23 @@ namespace relume {
 Buffer::Buffer(BufferDescription description, uint32_t width, uint32_t height)
     : description_(std::move(description)),
       size_(static_cast<size_t>(width) * height * description_.id.element_bytes),
-      data_(std::make_unique<std::byte[]>(size_)),
-      previous_(description_.double_buffered ? std::make_unique<std::byte[]>(size_) : nullptr) {}
+      data_(new std::byte[size_]),
+      previous_(description_.double_buffered ? new std::byte[size_] : nullptr) {}
+
+bool Buffer::clear_new(const std::stop_token& stop) const {
+  constexpr size_t kBlock = size_t{1} << 20;
+  for (std::byte* half : {data_.get(), previous_.get()}) {
+    for (size_t at = 0; is_new_ && half && at < size_; at += kBlock) {
+      if (stop.stop_requested()) return false;
+      std::memset(half + at, 0, std::min(kBlock, size_ - at));
+    }
+  }
+  is_new_ = false;
+  return true;
+}
 
 void Buffer::clear() {
+  if (is_new_) return;
   std::memset(data_.get(), 0, size_);
   if (previous_) std::memset(previous_.get(), 0, size_);
 }
@@ -24,7 +38,7 @@ void Buffer::clear() {
 void Buffer::keep() {
   if (!description_.persistent || description_.double_buffered) return;
   if (!kept_) kept_.reset(new std::byte[size_]);
-  std::memcpy(kept_.get(), data_.get(), size_);
+  std::memcpy(kept_.get(), data(), size_);
 }
 
 void Buffer::restore() {
@@ -57,6 +71,14 @@ void BufferTable::swap() {
   for (const auto& b : buffers_) {
     if (b->description().double_buffered) b->swap();
   }
+}
+
+bool BufferTable::clear_new(const std::stop_token& stop) {
+  std::atomic<bool> complete = true;
+  parallel_tasks(buffers_.size(), [&](size_t i) {
+    if (!buffers_[i]->clear_new(stop)) complete = false;
+  });
+  return complete;
 }
 
 void BufferTable::keep() {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -36,18 +37,21 @@ struct BufferDescription {
   std::string_view channels = "";  ///< of the EXR layer, one letter each; empty: RGB, XY or Y by type
 };
 
-/// A width × height array; row 0 on top.
+/// A width × height array of zeros; row 0 on top. Memory is touched when the content is asked for first, or by
+/// clear_new(), which can be stopped.
 class Buffer {
  public:
   Buffer(BufferDescription description, uint32_t width, uint32_t height);
 
   const BufferDescription& description() const { return description_; }
   std::string_view name() const { return description_.id.name; }
-  std::span<std::byte> bytes() { return {data_.get(), size_}; }
-  std::span<const std::byte> bytes() const { return {data_.get(), size_}; }
+  std::span<std::byte> bytes() { return {data(), size_}; }
+  std::span<const std::byte> bytes() const { return {data(), size_}; }
   /// Of the frame before; empty unless double-buffered.
-  std::span<std::byte> previous_bytes() { return {previous_.get(), previous_ ? size_ : 0}; }
-  std::span<const std::byte> previous_bytes() const { return {previous_.get(), previous_ ? size_ : 0}; }
+  std::span<std::byte> previous_bytes() { return {previous_data(), previous_ ? size_ : 0}; }
+  std::span<const std::byte> previous_bytes() const { return {previous_data(), previous_ ? size_ : 0}; }
+  /// Writes the zeros of a new buffer. False if `stop` was requested first; the buffer is then still new.
+  bool clear_new(const std::stop_token& stop = {}) const;
   void clear();
   /// Copies the content if a frame changes it in place, for restore().
   void keep();
@@ -60,16 +64,24 @@ class Buffer {
   template <typename T>
   View<T> view() const {
     check_type<T>();
-    return {reinterpret_cast<T*>(data_.get()), static_cast<uint32_t>(size_ / sizeof(T))};
+    return {reinterpret_cast<T*>(data()), static_cast<uint32_t>(size_ / sizeof(T))};
   }
   /// Elements of the frame before; an empty view unless double-buffered.
   template <typename T>
   View<T> previous() const {
     check_type<T>();
-    return {reinterpret_cast<T*>(previous_.get()), static_cast<uint32_t>(previous_ ? size_ / sizeof(T) : 0)};
+    return {reinterpret_cast<T*>(previous_data()), static_cast<uint32_t>(previous_ ? size_ / sizeof(T) : 0)};
   }
 
  private:
+  std::byte* data() const {
+    if (is_new_) clear_new();
+    return data_.get();
+  }
+  std::byte* previous_data() const {
+    if (is_new_) clear_new();
+    return previous_.get();
+  }
   template <typename T>
   void check_type() const {
     using Element = std::remove_const_t<T>;
@@ -83,6 +95,7 @@ class Buffer {
   std::unique_ptr<std::byte[]> data_;
   std::unique_ptr<std::byte[]> previous_;
   std::unique_ptr<std::byte[]> kept_;  ///< of keep()
+  mutable bool is_new_ = true;         ///< neither of the first two holds anything yet
 };
 
 class BufferTable {
@@ -122,6 +135,8 @@ class BufferTable {
 
   /// Starts a frame: what double-buffered buffers hold becomes the previous frame's.
   void swap();
+  /// Writes the zeros of all new buffers. False if `stop` was requested first.
+  bool clear_new(const std::stop_token& stop);
   /// Copies what a frame changes in place: persistent buffers that are not double-buffered.
   void keep();
   /// Goes back to these copies: the frame was abandoned. Where double-buffered content is concerned, call swap(), too.

@@ -77,11 +77,15 @@ bool Session::render_frame(std::stop_token stop) {
   if (may_lose_image) s.keep_image();
   s.apply_changes();
   const bool restores = stop.stop_possible() && s.passes.pipeline.stops_late();
-  if (restores) s.backend->execute([&] { s.buffers->keep(); });
-  s.buffers->swap();
   bool complete = false;
+  s.backend->execute([&] {
+    complete = s.buffers->clear_new(stop);
+    if (complete && restores) s.buffers->keep();
+  });
+  const bool kept = complete && restores;
+  s.buffers->swap();
   try {
-    complete = s.passes.pipeline.run(s.frame(stop), s.pass_hook);
+    complete = complete && s.passes.pipeline.run(s.frame(stop), s.pass_hook);
   } catch (...) {
     // Passes before the one that failed have added to the image: what there is of it is not the mean of its samples.
     s.buffers->swap();
@@ -96,7 +100,7 @@ bool Session::render_frame(std::stop_token stop) {
     s.counters.previous_time_s = s.counters.time_s;
   } else {
     s.buffers->swap();
-    if (restores) s.backend->execute([&] { s.buffers->restore(); });
+    if (kept) s.backend->execute([&] { s.buffers->restore(); });
     if (may_lose_image) s.show_kept_image();
   }
   s.statistics.render_s += now_s() - start_s;

@@ -365,5 +365,21 @@ TEST(WorldTriangles, TheirBoxIsWhereTheyStand) {
   EXPECT_TRUE(world_box(SceneView{}).empty());
 }
 
+TEST(WorldTriangles, TheBoxOfManyInstancesIsThatOfTheirTriangles) {
+  Scene source = plate();
+  Mat4 place(1);
+  for (int i = 0; i < 60; ++i) {
+    place = glm::rotate(glm::translate(place, Vec3(0.3f, 0.1f, -0.2f)), 0.7f, glm::normalize(Vec3(1, 2, 3)));
+    source.nodes[0].instances.push_back(place);
+  }
+  const CompiledScene scene(std::move(source), {.width = kSize, .height = kSize});
+  Box expected;
+  for_each_world_triangle(scene.view(), [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    for (const Vec3& corner : {a, b, c}) expected.add(corner);
+  });
+  EXPECT_EQ(world_box(scene.view()).low, expected.low);
+  EXPECT_EQ(world_box(scene.view()).high, expected.high);
+}
+
 }  // namespace
 }  // namespace relume

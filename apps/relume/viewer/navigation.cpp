@@ -100,6 +100,7 @@ void navigate(State& state, const Vec3& move, bool fast, float image_height_px) 
       move_about_pivot(state, camera, height_px);
       moved = true;
     }
+    if (!orbits) n.has_pivot = false;  // whoever looks around leaves it behind
     if (n.pan_px != Vec2(0)) {
       pivot_of(state, camera);
       pan(camera, n.pivot, n.pan_px / height_px);

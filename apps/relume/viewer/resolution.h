@@ -10,7 +10,7 @@ inline constexpr int kMinWidth = 320;
 inline constexpr int kMinHeight = 180;
 
 /// What the first frame behind a rest may take, seconds, and the pixels that it has at least.
-inline constexpr double kAnswer_s = 0.05;
+inline constexpr double kAnswer_s = 0.035;
 inline constexpr double kAnswerPixels = 96 * 54;
 
 /// Holds the time a frame takes near a budget. The scale goes in steps and with hysteresis, because every change of

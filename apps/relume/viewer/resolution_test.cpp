@@ -58,7 +58,7 @@ TEST(ResolutionControl, OneSlowFrameChangesNothing) {
 
 TEST(ResolutionControl, AnswersWithASizeThatTakesNoLongerThanAnAnswerMay) {
   ResolutionControl control;
-  const double s_per_pixel = 5e-6;  // five times as long for the smallest size
+  const double s_per_pixel = 5e-6;  // eight times as long for the smallest size
   render(control, kFull, s_per_pixel, 8);
   control.measured(s_per_pixel * 1280 * 720, kFull);
   const IVec2 answer = control.answer_size(kFull);
