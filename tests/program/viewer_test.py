@@ -108,9 +108,9 @@ class Input(Viewer):
         self.assertGreater(length([a - b for a, b in zip(start["eye"], turned["eye"])]), 0.5)
         self.assertAlmostEqual(length(start["eye"]), length(turned["eye"]), delta=0.01 * length(start["eye"]))
         self.assertLess(length(near["eye"]), 0.8 * length(turned["eye"]))
-        self.assertEqual(aside["forward"], near["forward"])
+        self.assertLess(length([a - b for a, b in zip(aside["forward"], near["forward"])]), 1e-5)
         self.assertGreater(length([a - b for a, b in zip(aside["eye"], near["eye"])]), 0.1)
-        self.assertEqual(framed["forward"], aside["forward"])
+        self.assertLess(length([a - b for a, b in zip(framed["forward"], aside["forward"])]), 1e-5)
         self.assertAlmostEqual(length(framed["eye"]), length(start["eye"]), delta=0.3 * length(start["eye"]))
         self.assertFalse(flying["orbits"])
         self.assertEqual(flying["eye"], framed["eye"], "the wheel changes the speed")
@@ -126,10 +126,11 @@ class Input(Viewer):
         self.assertEqual(shown["eye"], held["eye"], "the key was released")
         self.assertEqual(later["eye"], held["eye"])
 
-    def test_escape_closes_the_list_of_keys_before_it_drops_the_selection(self):
-        script = "frames 1\nselect node lamp\nkey f1\nkey escape\nreport\nkey escape\nreport\n"
-        closed, dropped, _ = self.view("cornell", script)
-        self.assertEqual((closed["selected"], dropped["selected"]), (1, 0))
+    def test_escape_closes_what_is_open_before_it_drops_the_selection(self):
+        presets = "panel settings\nseconds 0.2\nclick 1.342 0.159\nseconds 0.2\n"  # beside the image
+        for opened in ("key f1\n", presets):
+            closed, dropped, _ = self.view("cornell", f"frames 1\nselect node lamp\n{opened}key escape\nreport\nkey escape\nreport\n")
+            self.assertEqual((closed["selected"], dropped["selected"]), (1, 0), opened)
 
     def test_a_click_selects_and_ctrl_drags(self):
         script = "frames 1\nclick 0.5 0.85\nframes 3\nreport\npace off\nframes 2\ndrag 0.5 0.85 0.6 0.8 ctrl\nframes 3\nreport\n"

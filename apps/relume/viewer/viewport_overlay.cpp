@@ -137,7 +137,7 @@ void draw_help(State& state) {
     ImGui::PushStyleColor(ImGuiCol_Text, kAccent);
     ImGui::TextUnformatted(key);
     ImGui::PopStyleColor();
-    ImGui::SameLine(ImGui::GetFontSize() * 11);
+    ImGui::SameLine(ImGui::GetFontSize() * 13);
     ImGui::TextUnformatted(meaning);
   }
   ImGui::End();
