@@ -47,7 +47,10 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   visible_ = visible_nodes(source_, time_s_);
   check_placement(source_, world_, source_.name);
   textures_ = TextureStore(source_.textures, options.texture_filter);
-  for (Texture& t : source_.textures) t.texels = {};
+  for (Texture& t : source_.textures) {
+    t.texels = {};
+    t.file = nullptr;
+  }
   list_mesh_instances();
   moves_ = moving_nodes(source_, options.movable);
   bake_static_deformations();
