@@ -1,4 +1,4 @@
-#include "scene/deforming_meshes.h"
+#include "scene_summary.h"
 
 #include <algorithm>
 
