@@ -5,6 +5,8 @@
 
 #include <glm/matrix.hpp>
 
+#include "scene/animation.h"
+#include "scene/deforming_meshes.h"
 #include "scene_io/decompose.h"
 
 namespace relume::viewer {
@@ -18,7 +20,8 @@ Scene outline_of(const Scene& scene) {
   outline.lights = scene.lights;
   outline.cameras = scene.cameras;
   outline.nodes = scene.nodes;
-  outline.animation = scene.animation;
+  outline.skins = scene.skins;
+  outline.clips = scene.clips;
   outline.environment = scene.environment;
   outline.environment.map.clear();
   for (const Mesh& mesh : scene.meshes) {
@@ -35,23 +38,46 @@ Document::Document(std::shared_ptr<const LoadedScene> loaded)
     : loaded_(std::move(loaded)),
       outline_(outline_of(loaded_->scene)),
       environment_(loaded_, &loaded_->scene.environment),
-      mesh_boxes_(mesh_boxes(loaded_->scene)),
-      duration_s_(animation_end(loaded_->scene)) {}
+      mesh_boxes_(mesh_boxes(loaded_->scene)) {
+  play("");
+}
 
 void Document::set_camera(const std::optional<CameraPose>& camera) { edits_.camera = {camera, next_version()}; }
 
 void Document::set_time(float time_s) {
   edits_.time_s = {time_s, next_version()};
+  forget_places();
+}
+
+void Document::play(const std::string& animation) {
+  Scene playing;
+  playing.name = loaded_->name;
+  playing.clips = loaded_->scene.clips;
+  playing.animation = loaded_->scene.animation;
+  select_animation(playing, animation);
+  playing_ = playing.animation;
+  outline_.animation = std::move(playing.animation);
+  std::erase_if(outline_.animation, [&](const AnimationChannel& channel) {
+    return is_transform(channel.property) && edits_.nodes.contains(channel.node);
+  });
+  duration_s_ = animation_end(outline_);
+  forget_places();
+}
+
+void Document::forget_places() {
   world_known_ = false;
+  deformed_bounds_.clear();
 }
 
 void Document::set_transform(Index node, const Transform& transform) {
   Node& target = outline_.nodes[static_cast<size_t>(node)];
   target.transform = transform;
   target.matrix.reset();
-  std::erase_if(outline_.animation, [&](const AnimationChannel& channel) { return channel.node == node; });
+  std::erase_if(outline_.animation, [&](const AnimationChannel& channel) {
+    return channel.node == node && is_transform(channel.property);
+  });
   edits_.nodes[node] = {transform, next_version()};
-  world_known_ = false;
+  forget_places();
 }
 
 void Document::set_light(Index light, const PunctualLight& value) {
@@ -110,7 +136,10 @@ std::vector<bool> Document::below(Index ancestor) const {
 
 bool Document::make_movable(Index node) {
   if (std::find(edits_.movable.begin(), edits_.movable.end(), node) != edits_.movable.end()) return false;
-  if (moving_nodes(loaded_->scene, edits_.movable)[static_cast<size_t>(node)]) return false;
+  Scene playing;
+  playing.nodes = outline_.nodes;
+  playing.animation = playing_;
+  if (moving_nodes(playing, edits_.movable)[static_cast<size_t>(node)]) return false;
   if (bounds(node).empty()) return false;  // nothing that the acceleration structure holds
   edits_.movable.push_back(node);
   next_version();
@@ -138,23 +167,43 @@ void Document::move(Index node, const Vec3& by) {
   set_transform(node, t);
 }
 
+const Box& Document::deformed_bounds(Index node, Index mesh) const {
+  const auto [entry, is_new] = deformed_bounds_.try_emplace({node, mesh});
+  if (is_new) {
+    Scene posed;  // as edited; the arrays of the meshes are those that were loaded
+    posed.nodes = outline_.nodes;
+    posed.skins = outline_.skins;
+    posed.animation = outline_.animation;
+    entry->second = deformed_box(posed, node, loaded_->scene.meshes[static_cast<size_t>(mesh)],
+                                 joint_matrices(posed, world()), edits_.time_s.value);
+  }
+  return entry->second;
+}
+
+template <typename F>
+void Document::for_each_box(Index node, const F& f) const {
+  const Node& n = outline_.nodes[static_cast<size_t>(node)];
+  for_each_place(n, [&](Index index, const Mat4& to_node) {
+    const Mesh& mesh = loaded_->scene.meshes[static_cast<size_t>(index)];
+    const Box& box = is_deformable(n, mesh) ? deformed_bounds(node, index) : mesh_boxes_[static_cast<size_t>(index)];
+    f(box, is_skinned(n, mesh) ? Mat4(1) : world()[static_cast<size_t>(node)] * to_node);
+  });
+}
+
 std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const {
   std::vector<std::pair<Box, Mat4>> result;
   const std::vector<bool> wanted = below(node);
   for (size_t i = 0; i < wanted.size() && result.size() < most; ++i) {
     if (!wanted[i]) continue;
-    for_each_place(outline_.nodes[i], [&](Index mesh, const Mat4& to_node) {
-      if (result.size() < most) result.emplace_back(mesh_boxes_[static_cast<size_t>(mesh)], world()[i] * to_node);
+    for_each_box(static_cast<Index>(i), [&](const Box& box, const Mat4& to_world) {
+      if (result.size() < most) result.emplace_back(box, to_world);
     });
   }
   return result;
 }
 
 void Document::add_bounds(Index node, Box& sum) const {
-  const Mat4& own = world()[static_cast<size_t>(node)];
-  for_each_place(outline_.nodes[static_cast<size_t>(node)], [&](Index mesh, const Mat4& to_node) {
-    sum.add(transformed(mesh_boxes_[static_cast<size_t>(mesh)], own * to_node));
-  });
+  for_each_box(node, [&](const Box& box, const Mat4& to_world) { sum.add(transformed(box, to_world)); });
 }
 
 Box Document::bounds(Index node) const {

@@ -1,6 +1,7 @@
 // The scene that is shown, with everything that the user has changed in it. Belongs to the interface's thread.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ class Document {
 
   void set_camera(const std::optional<CameraPose>& camera);
   void set_time(float time_s);
+  /// Plays these clips, as select_animation() takes them. Throws Error, before anything changes, if there is none such.
+  void play(const std::string& animation);
   /// Places a node below its parent; its own animation ends with that.
   void set_transform(Index node, const Transform& transform);
   void set_light(Index light, const PunctualLight& value);
@@ -46,10 +49,10 @@ class Document {
   void move(Index node, const Vec3& by);
 
   float time_s() const { return edits_.time_s.value; }
-  float duration_s() const { return duration_s_; }
+  float duration_s() const { return duration_s_; }  ///< of the clips that play
   const std::vector<Mat4>& world() const;  ///< one a node, now
-  /// Boxes of the meshes of the node and those below it, each in its own coordinates, with where they stand; at most
-  /// `most`.
+  /// Boxes of the meshes of the node and those below it, each in its own coordinates, with the matrix from there to the
+  /// world; at most `most`.
   std::vector<std::pair<Box, Mat4>> boxes(Index node, size_t most) const;
   /// Of the meshes of the node and those below it; empty without any.
   Box bounds(Index node) const;
@@ -62,6 +65,12 @@ class Document {
   std::vector<bool> below(Index ancestor) const;  ///< by node: whether it is the ancestor or stems from it
   void use(std::shared_ptr<const Environment> environment);
   void add_bounds(Index node, Box& sum) const;  ///< of its own meshes
+  /// A mesh of the node as it is deformed now; in the world if it is skinned, else in the mesh's own coordinates.
+  const Box& deformed_bounds(Index node, Index mesh) const;
+  /// Calls f(box, matrix to the world) for each place of the node's meshes.
+  template <typename F>
+  void for_each_box(Index node, const F& f) const;
+  void forget_places();
   uint64_t next_version() { return ++edits_.version; }
 
   std::shared_ptr<const LoadedScene> loaded_;
@@ -70,6 +79,8 @@ class Document {
   std::vector<Box> mesh_boxes_;                     ///< in the mesh's own coordinates
   SceneEdits edits_;
   float duration_s_ = 0;
+  std::vector<AnimationChannel> playing_;  ///< as loaded: those of the clips that play
+  mutable std::map<std::pair<Index, Index>, Box> deformed_bounds_;  ///< by node and mesh, now
   mutable std::vector<Mat4> world_;
   mutable bool world_known_ = false;
 };

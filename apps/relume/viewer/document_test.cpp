@@ -1,7 +1,8 @@
 #include "viewer/document.h"
 
-#include <gtest/gtest.h>
+#include <algorithm>
 
+#include <gtest/gtest.h>
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "files/testing/temp_folder.h"
 #include "relume/image_io.h"
 #include "relume/scene_io.h"
+#include "scene/testing/figure.h"
 #include "viewer/save_view.h"
 
 namespace relume::viewer {
@@ -85,6 +87,24 @@ TEST(Document, OnlyMeshesNeedToBeMadeMovable) {
   EXPECT_TRUE(document.make_movable(1));
   EXPECT_FALSE(document.make_movable(1)) << "it is by now";
   EXPECT_EQ(document.edits().movable, (std::vector<Index>{1}));
+}
+
+TEST(Document, PlaysTheChosenClip) {
+  Scene scene = testing::figure();
+  scene.clips.emplace_back("stretch");
+  scene.animation.push_back({1, AnimatedProperty::scale, Interpolation::linear, {0, 3}, {Vec4(1), Vec4(3)}, 0, 1});
+  Document document(std::make_shared<const LoadedScene>(LoadedScene{"figure", std::move(scene), 0}));
+  EXPECT_EQ(document.duration_s(), 1);
+  document.play("stretch");
+  EXPECT_EQ(document.duration_s(), 3);
+  document.set_time(3);
+  expect_near(document.bounds(0).high, Vec3(0.6f, 6, 0.6f));  // three times as large, as its joints are
+  EXPECT_THROW(document.play("sing"), Error);
+  document.set_transform(1, {});
+  expect_near(document.bounds(0).high, Vec3(0.2f, 2, 0.2f));
+  document.play("bend");
+  EXPECT_TRUE(std::none_of(document.outline().animation.begin(), document.outline().animation.end(),
+                           [](const AnimationChannel& channel) { return channel.node == 1; }));
 }
 
 TEST(Document, EditsCarryRisingVersions) {

@@ -74,10 +74,28 @@ void draw_open(State& state) {
   tooltip("Built-in scenes. For others, drop a file on the window: " + scene_format_names() + ".");
 }
 
+/// Chooses among the animations of a file that has several.
+void draw_clips(State& state) {
+  const std::vector<std::string>& clips = state.document->outline().clips;
+  if (clips.size() < 2) return;
+  const std::string& chosen = state.settings[0].render.animation;
+  const auto choose = [&](const std::string& choice) { change_setting(state, 0, "animation", choice); };
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##clip", (chosen.empty() ? clips.front() : chosen).c_str())) return;
+  for (size_t i = 0; i < clips.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::Selectable(clips[i].c_str(), clips[i] == chosen)) choose(clips[i]);
+    ImGui::PopID();
+  }
+  if (ImGui::Selectable("all")) choose("all");
+  ImGui::EndCombo();
+}
+
 void draw_time(State& state) {
   const float end = state.document->duration_s();
   if (!(end > 0)) return;
   heading("Time");
+  draw_clips(state);
   if (ImGui::Button(state.animating ? "Pause" : "Play")) state.animating = !state.animating;
   tooltip("Plays the animation in real time, round and round [P]");
   ImGui::SameLine();

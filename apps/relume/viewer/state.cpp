@@ -70,6 +70,15 @@ void remember_document(State& state) {
   if (!state.previous) state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
 }
 
+/// Plays the clips in `document` that have played so far, or the first if it has none of these names.
+void play_again(State& state, Document& document) {
+  try {
+    document.play(state.settings[0].render.animation);
+  } catch (const Error&) {
+    for (AllSettings& side : state.settings) side.render.animation.clear();
+  }
+}
+
 /// What is selected is selected in the other document, too, if a thing of that name has the same place there.
 bool has_selection(const State& state, const Document& other) {
   const auto same = [&](const auto& now, const auto& then) {
@@ -150,17 +159,23 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   // Nothing of the state changes before all that can fail has been done.
   std::array<AllSettings, kSides> settings = state.settings;
   if (!first) {
-    for (AllSettings& side : settings) side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
+    for (AllSettings& side : settings) {
+      side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
+      side.render.animation.clear();
+    }
   }
   Document document(loaded);
   if (settings[0].scene != SceneOverrides{}) document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
+  document.play(settings[0].render.animation);
 
   if (!first) remember_document(state);
   state.document.emplace(std::move(document));
   state.settings = settings;
   state.selection = {};
-  state.flying = state.animating = state.camera_released = state.awaits_camera = false;
+  state.flying = state.camera_released = state.awaits_camera = false;
+  // Models show what they can do at once; built-in scenes stay still, to be looked at, and have no clips.
+  state.animating = !state.document->outline().clips.empty() && state.document->time_s() == 0;
   state.path = {};
   state.picked = {};
   const float size = state.document->bounds().diagonal();
@@ -177,6 +192,7 @@ void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
   if (state.settings[0].scene != SceneOverrides{})
     document.replace_environment(environment_in(*loaded, state.settings[0].scene));
   document.set_time(state.document->time_s());
+  play_again(state, document);
   if (const auto& camera = state.document->edits().camera.value) document.set_camera(camera);
   if (!has_selection(state, document)) state.selection = {};
   remember_document(state);
@@ -207,6 +223,8 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
   AllSettings& current = state.settings[static_cast<size_t>(side)];
   check_combination(wanted.render);
   if (state.document) find_camera(state.document->outline(), wanted.render.camera);
+  if (state.document && wanted.render.animation != current.render.animation)
+    state.document->play(wanted.render.animation);
   if (wanted.scene != current.scene && state.document) {
     if (wanted.scene == SceneOverrides{}) {
       state.document->restore_environment();
@@ -222,6 +240,7 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
   AllSettings& other = state.settings[static_cast<size_t>(1 - side)];
   other.scene = current.scene;
   other.render.camera = current.render.camera;
+  other.render.animation = current.render.animation;
   other.render.time_s = current.render.time_s;
   other.render.width = current.render.width;
   other.render.height = current.render.height;
