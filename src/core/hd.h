@@ -15,6 +15,13 @@
 #define RELUME_HD_INLINE [[gnu::always_inline]] inline
 #endif
 
+// The same, never inlined: for what few surfaces need, so that it does not spoil the code of the others.
+#if defined(__CUDACC__)
+#define RELUME_HD_COLD __host__ __device__ __noinline__
+#else
+#define RELUME_HD_COLD [[gnu::noinline, gnu::cold]]
+#endif
+
 // True while compiling code that runs on the device. Only src/accel, src/frame and the atomics of
 // src/core may look at it.
 #if defined(__CUDA_ARCH__)

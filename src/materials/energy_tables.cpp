@@ -128,17 +128,6 @@ Vec2 integrate(const Quadrature& q, float alpha, float cos_o) {
   return {static_cast<float>(std::fmin(sum / kAzimuth, 1.0)), static_cast<float>(grazing_sum / kAzimuth)};
 }
 
-/// Inverse of column_from_cosine, by bisection.
-float cosine_from_column(float x, float r) {
-  float low = 0;
-  float high = 1;
-  for (int i = 0; i < 40; ++i) {
-    const float middle = 0.5f * (low + high);
-    (energy_grid::column_from_cosine(middle, r) < x ? low : high) = middle;
-  }
-  return 0.5f * (low + high);
-}
-
 struct TableStorage {
   std::vector<Vec2> directional;
   std::vector<Vec2> average;
@@ -171,7 +160,7 @@ TableStorage build() {
   parallel_for(kEnergyTableSize, [&](uint32_t row) {
     const float r = energy_grid::r_from_row(static_cast<float>(row) * kScale);
     for (uint32_t column = 0; column < kEnergyTableSize; ++column) {
-      const float cos_o = std::fmax(cosine_from_column(static_cast<float>(column) * kScale, r), 1e-5f);
+      const float cos_o = std::fmax(energy_grid::cosine_from_column(static_cast<float>(column) * kScale, r), 1e-5f);
       storage.directional[row * kEnergyTableSize + column] = integrate<kModel>(quadrature, r * r, cos_o);
     }
   });
@@ -186,7 +175,13 @@ TableStorage build() {
 const EnergyTables& energy_tables() {
   static const TableStorage ggx = build<MicrofacetModel::ggx>();
   static const TableStorage beckmann = build<MicrofacetModel::beckmann>();
-  static const EnergyTables tables{ggx.view(), beckmann.view()};
+  static const EnergyTables tables{ggx.view(), beckmann.view(), {}, {}};
+  return tables;
+}
+
+const EnergyTables& layered_energy_tables() {
+  static const EnergyTables tables{energy_tables().ggx, energy_tables().beckmann, anisotropic_energy_table(),
+                                   sheen_energy_table()};
   return tables;
 }
 

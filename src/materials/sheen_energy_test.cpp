@@ -1,0 +1,55 @@
+#include "materials/sheen_energy.h"
+
+#include <gtest/gtest.h>
+
+namespace relume {
+namespace {
+
+/// ∫ f cos over the hemisphere with other points than the table's.
+double albedo(float cos_o, float alpha) {
+  constexpr int kPolar = 400;
+  constexpr int kAzimuth = 200;
+  const double sin_o = std::sqrt(1.0 - double{cos_o} * cos_o);
+  double sum = 0;
+  for (int i = 0; i < kPolar; ++i) {
+    const double s = (i + 0.5) / kPolar;
+    const double cos_i = s * s * s;
+    const double sin_i = std::sqrt(1.0 - cos_i * cos_i);
+    for (int k = 0; k < kAzimuth; ++k) {
+      const double phi = M_PI * (k + 0.5) / kAzimuth;
+      const double x = sin_o + sin_i * std::cos(phi);
+      const double y = sin_i * std::sin(phi);
+      const double z = cos_o + cos_i;
+      const double cos_m = z / std::sqrt(x * x + y * y + z * z);
+      sum += double{sheen::value(static_cast<float>(cos_m), cos_o, static_cast<float>(cos_i), alpha)} * cos_i * 6 * s *
+             s * M_PI / (double{kPolar} * kAzimuth);
+    }
+  }
+  return sum;
+}
+
+TEST(SheenEnergy, LookUpsMatchQuadrature) {
+  const SheenEnergyTable table = sheen_energy_table();
+  for (const float alpha : {0.012f, 0.03f, 0.1f, 0.3f, 0.7f, 1.0f}) {
+    for (const float cos_o : {1.0f, 0.7f, 0.4f, 0.15f, 0.06f, 0.02f}) {
+      const double expected = albedo(cos_o, alpha);
+      EXPECT_NEAR(table.directional(cos_o, alpha), expected, 5e-3 + 5e-3 * expected) << alpha << ", cos " << cos_o;
+    }
+  }
+}
+
+/// [Estevez17], eq. 2: normals of unit density over the projected hemisphere.
+TEST(SheenEnergy, NormalsCoverTheSurface) {
+  for (const float alpha : {0.02f, 0.2f, 1.0f}) {
+    double sum = 0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double cos_m = (i + 0.5) / kSteps;
+      sum += double{sheen::d(static_cast<float>(cos_m), alpha)} * cos_m * 2 * M_PI / kSteps;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-3) << alpha;
+  }
+}
+
+}  // namespace
+}  // namespace relume

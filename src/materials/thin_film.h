@@ -1,0 +1,99 @@
+// Iridescence: interference in a clear film over a dielectric or a metal ([Belcour17], KHR_materials_iridescence).
+#pragma once
+
+#include "materials/fresnel.h"
+
+namespace relume {
+
+/// What lies below a film.
+enum class FilmBase : uint8_t { none, dielectric, metal };
+
+/// A film, and the reflectances that the two kinds of base would have without it.
+struct ThinFilm {
+  float weight;  ///< share of the surface that it covers
+  float ior;
+  float thickness_nm;
+  Rgb dielectric_f0;
+  float dielectric_f90;
+  Rgb metal_f0;  ///< rises to 1 at grazing angles
+};
+
+namespace thin_film {
+
+/// Spectral response of the eye to cos(2π · path_nm / wavelength + shift), as Rec. 709: the Fourier transform of
+/// Gaussian fits to the CIE 1931 curves, with the constants of the authors' supplement ([Belcour17], eq. 10). X has a
+/// second lobe.
+RELUME_HD inline Rgb interference(float path_nm, const Rgb& shift) {
+  const float phase = 2.0f * kPi * path_nm * 1e-9f;
+  const auto lobe = [&](float value, float position, float variance, float offset) {
+    return value * std::sqrt(2.0f * kPi * variance) * std::cos(position * phase + offset) *
+           std::exp(-variance * phase * phase);
+  };
+  constexpr float kScale = 1.0f / 1.0685e-7f;
+  const float x =
+      kScale * (lobe(5.4856e-13f, 1.6810e6f, 4.3278e9f, shift.x) + lobe(9.7470e-14f, 2.2399e6f, 4.5282e9f, shift.x));
+  const float y = kScale * lobe(4.4201e-13f, 1.7953e6f, 9.3046e9f, shift.y);
+  const float z = kScale * lobe(5.2481e-13f, 2.2084e6f, 6.6121e9f, shift.z);
+  return {3.2404542f * x - 1.5371385f * y - 0.4985314f * z, -0.9692660f * x + 1.8760108f * y + 0.0415560f * z,
+          0.0556434f * x - 0.2040259f * y + 1.0572252f * z};
+}
+
+/// Below this the film fades out: two orders of interference do not add up to the bare base.
+inline constexpr float kFadingThickness = 0.03f;  // nm
+
+/// Reflectance of film and base at `cos_theta` ≥ 0 in the air outside. In [0, 1], where the colour leaves the gamut,
+/// too.
+RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rgb& base_f0, float cos_theta) {
+  const float fade = saturate(thickness_nm / kFadingThickness);
+  const float eta = lerp(1.0f, ior, fade * fade * (3.0f - 2.0f * fade));
+  const float cos_inside = safe_sqrt(1.0f - (1.0f - cos_theta * cos_theta) / (eta * eta));
+  const float top = eta > 1.0f ? fresnel_dielectric(cos_theta, eta) : 0.0f;
+  const float through = 1.0f - top;
+  Rgb base(0);
+  Rgb shift(0);  // half a wave in all, a whole one over a base that is rarer than the film
+  for (int c = 0; c < 3; ++c) {
+    const float root = std::sqrt(clamp(base_f0[c], 0.0f, 0.9999f));
+    const float base_ior = (1.0f + root) / (1.0f - root);
+    base[c] = fresnel_schlick(Rgb(f0_from_ior(base_ior / eta)), Rgb(1), cos_inside).x;
+    shift[c] = kPi + (base_ior < eta ? kPi : 0.0f);
+  }
+  const float path_nm = 2.0f * eta * thickness_nm * cos_inside;
+  const Rgb between = glm::clamp(top * base, Rgb(1e-5f), Rgb(0.9999f));
+  const Rgb series = through * through * base / (Rgb(1) - between);
+  Rgb sum = Rgb(top) + series;
+  Rgb amplitude = series - Rgb(through);
+  for (int order = 1; order <= 2; ++order) {
+    amplitude *= glm::sqrt(between);
+    const float m = static_cast<float>(order);
+    sum += 2.0f * amplitude * interference(m * path_nm, m * shift);
+  }
+  return glm::clamp(sum, Rgb(0), Rgb(1));
+}
+
+}  // namespace thin_film
+
+/// Reflectance at `cos_theta` ≥ 0 outside of a surface that the film covers in part.
+RELUME_HD_COLD inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, float cos_theta) {
+  const bool metal = base == FilmBase::metal;
+  const Rgb f0 = metal ? film.metal_f0 : film.dielectric_f0;
+  const Rgb bare = fresnel_schlick(f0, Rgb(metal ? 1.0f : film.dielectric_f90), cos_theta);
+  if (!(film.weight > 0.0f)) return bare;
+  const Rgb covered = thin_film::covered_reflectance(film.ior, film.thickness_nm, f0, cos_theta);
+  return bare + (covered - bare) * film.weight;
+}
+
+/// An F0 with which Schlick's curve to 1 lies nowhere below film_reflectance(). What lies below the surface gets what
+/// this curve leaves, so that the sum never exceeds the light that arrives.
+RELUME_HD inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
+  Rgb bound(0);
+  constexpr int kAngles = 8;
+  for (int i = 0; i < kAngles; ++i) {
+    const float cos_theta = 1.0f - 0.9f * static_cast<float>(i) / (kAngles - 1);
+    const Rgb reflected = film_reflectance(film, base, cos_theta);
+    const float grazing = pow5(1.0f - cos_theta);
+    bound = glm::max(bound, (reflected - Rgb(grazing)) / (1.0f - grazing));
+  }
+  return bound;
+}
+
+}  // namespace relume
