@@ -89,6 +89,25 @@ struct Material {
   TextureRef clearcoat_texture;            ///< R
   float clearcoat_roughness = 0;
   TextureRef clearcoat_roughness_texture;  ///< G
+  TextureRef clearcoat_normal_texture;     ///< unused: the coat is not bent, whatever normal_texture says
+  float clearcoat_normal_scale = 1;
+  float anisotropy = 0;                      ///< KHR_materials_anisotropy: strength
+  float anisotropy_rotation_rad = 0;         ///< counter-clockwise from the tangent
+  TextureRef anisotropy_texture;             ///< RG direction, B strength
+  Rgb sheen_color{0};                        ///< KHR_materials_sheen
+  TextureRef sheen_color_texture;            ///< RGB
+  float sheen_roughness = 0;                 ///< perceptual
+  TextureRef sheen_roughness_texture;        ///< A
+  float iridescence = 0;                     ///< KHR_materials_iridescence
+  TextureRef iridescence_texture;            ///< R
+  float iridescence_ior = 1.3f;              ///< of the film
+  float iridescence_thickness_min_nm = 100;  ///< where the thickness texture is 0
+  float iridescence_thickness_nm = 400;      ///< where it is 1, and without one
+  TextureRef iridescence_thickness_texture;  ///< G
+  float diffuse_transmission = 0;            ///< KHR_materials_diffuse_transmission
+  TextureRef diffuse_transmission_texture;   ///< A
+  Rgb diffuse_transmission_color{1};
+  TextureRef diffuse_transmission_color_texture;  ///< RGB
   MicrofacetModel microfacet_model = MicrofacetModel::ggx;
 };
 

@@ -174,7 +174,7 @@ TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
       EmitterPoint point;
       if (l.kind == LightKind::triangle)
         return meet(l.triangle, p, wi, &point)
-                   ? double(luminance(emitted_radiance(l.triangle, view.textured, point.barycentric)) * wi.y)
+                   ? double(luminance(emitted_radiance(l.triangle, view.textured, point.barycentric, wi.y)) * wi.y)
                    : 0.0;
       return double(luminance(radiance_from_infinity(view, id, wi)) * wi.y);
     };

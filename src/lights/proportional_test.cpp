@@ -57,7 +57,7 @@ TEST(Proportional, TexturedTriangles) {
       return x + y < 1.0 ? f(Vec2(static_cast<float>(x), static_cast<float>(y))) : 0.0;
     };
     const auto emission = [&](double x, double y) {
-      return inside(x, y, [&](const Vec2& b) { return double(luminance(emitted_radiance(t, view.textured, b))); });
+      return inside(x, y, [&](const Vec2& b) { return double(luminance(emitted_radiance(t, view.textured, b, 1))); });
     };
     const auto density = [&](double x, double y) {
       return inside(x, y, [&](const Vec2& b) { return double(pdf_area(t, view.textured, b)); });

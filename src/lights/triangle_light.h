@@ -5,7 +5,7 @@
 
 #include "core/view.h"
 #include "lights/light_types.h"
-#include "materials/texture.h"
+#include "materials/material.h"
 #include "sampling/alias_table.h"
 
 namespace relume {
@@ -17,7 +17,8 @@ struct TriangleLight {
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
   float error;   ///< bound of the rounding of where rays meet it, metres
-  Rgb radiance;  ///< emitted where the texture is white
+  Rgb radiance;  ///< emitted where the texture is white, below the coat
+  float coat;    ///< weight of a clearcoat over it
   uint32_t instance;
   uint32_t primitive;
   int32_t textured;  ///< index into TexturedEmission::triangles, or −1
@@ -127,9 +128,13 @@ RELUME_HD inline float pdf_area(const TriangleLight& light, const TexturedEmissi
   return e.table(t).pmf(small_triangle_at(t.grid, b)) * count / light.area;
 }
 
-RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const TexturedEmission& e, const Vec2& b) {
-  if (light.textured < 0) return light.radiance;
-  return light.radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
+/// Radiance that leaves the point at `b` in a direction with `cos_theta` to the normal.
+RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const TexturedEmission& e, const Vec2& b,
+                                      float cos_theta) {
+  Rgb radiance = light.radiance;
+  if (light.coat > 0.0f) radiance *= emission_below_coat(light.coat, cos_theta);
+  if (light.textured < 0) return radiance;
+  return radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
 }
 
 RELUME_HD inline LightSample sample_li(const TriangleLight& light, const TexturedEmission& e, const Vec3& p,
@@ -147,7 +152,7 @@ RELUME_HD inline LightSample sample_li(const TriangleLight& light, const Texture
   if (!(cos_light > 0.0f)) return s;
   s.pdf_w = pdf_w_from_pdf_a(point.pdf_a, distance_squared, cos_light);
   s.clearance = light.error / cos_light;
-  s.radiance = emitted_radiance(light, e, point.barycentric);
+  s.radiance = emitted_radiance(light, e, point.barycentric, cos_light);
   s.normal = light.normal;
   return s;
 }
@@ -175,7 +180,7 @@ RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const Text
   s.error = light.error;
   s.direction = make_frame(normal).to_world(local);
   s.normal = normal;
-  s.le = emitted_radiance(light, e, point.barycentric);
+  s.le = emitted_radiance(light, e, point.barycentric, local.z);
   s.pdf_a = point.pdf_a;
   s.pdf_w = cosine_hemisphere_pdf(local.z) * (light.two_sided ? 0.5f : 1.0f);
   s.cos_theta = local.z;
@@ -190,7 +195,8 @@ RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEm
 
 RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e) {
   const Rgb mean = light.textured < 0 ? Rgb(1) : e.triangles[static_cast<uint32_t>(light.textured)].mean_emission;
-  return light.radiance * mean * (kPi * light.area * (light.two_sided ? 2.0f : 1.0f));
+  const float below_coat = 1.0f - light.coat * (0.04f + 0.96f / 21.0f);  // the mean of emission_below_coat()
+  return light.radiance * mean * (below_coat * kPi * light.area * (light.two_sided ? 2.0f : 1.0f));
 }
 
 inline LightExtent extent_of(const TriangleLight& light, double watts) {
@@ -202,7 +208,7 @@ inline LightExtent extent_of(const TriangleLight& light, double watts) {
 /// Whether they emit alike.
 inline bool same_light(const TriangleLight& a, const TriangleLight& b) {
   return a.v0 == b.v0 && a.e1 == b.e1 && a.e2 == b.e2 && a.normal == b.normal && a.radiance == b.radiance &&
-         a.two_sided == b.two_sided && a.textured == b.textured;
+         a.two_sided == b.two_sided && a.coat == b.coat && a.textured == b.textured;
 }
 
 }  // namespace relume

@@ -5,11 +5,13 @@
 #include "materials/lobes/dielectric.h"
 #include "materials/lobes/lambert.h"
 #include "materials/lobes/reflection.h"
+#include "materials/lobes/sheen.h"
 #include "materials/lobes/thin_transmission.h"
+#include "materials/lobes/tilted_coat.h"
 
 namespace relume {
 
-inline constexpr int kMaxLobes = 5;
+inline constexpr int kMaxLobes = 8;
 
 struct BsdfEval {
   Rgb f{0};               ///< 1/sr
@@ -35,13 +37,26 @@ struct BsdfSample {
 struct Bsdf {
   Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
   int lobe_count;
-  float coat;  ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  float coat;        ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  float sheen;       ///< largest component of the colour of the sheen, which lies over all lobes behind it; 0: none
+  bool layered;      ///< by make_layered_bsdf(): lobes and layers may need what only it fills
+  bool coat_tilted;  ///< the coat has the normal detail.coat_normal
   const EnergyTables* tables;
+  InterfaceDetail detail;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
   RELUME_HD bool has_coat() const { return coat > 0.0f; }
+  RELUME_HD bool has_sheen() const { return layered && sheen > 0.0f; }
   RELUME_HD bool is_coat(int lobe) const { return lobe == 0 && has_coat(); }
+  RELUME_HD int sheen_lobe() const { return has_coat() ? 1 : 0; }  ///< if has_sheen()
 };
+
+/// Takes all lobes out.
+RELUME_HD inline void clear(Bsdf& bsdf) {
+  bsdf.lobe_count = 0;
+  bsdf.coat = 0;
+  bsdf.layered = false;
+}
 
 enum class SpecularLobes : uint8_t { none, some, all };
 
@@ -61,17 +76,23 @@ RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   return false;
 }
 
-/// Value and density of one lobe; zero for delta lobes.
-RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi,
-                                    TransportMode mode) {
+/// Value and density of a lobe; zero for delta lobes. `kLayered`: bsdf.layered.
+template <bool kLayered>
+RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, int i, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+  const Lobe& lobe = bsdf.lobes[i];
+  const InterfaceDetail& detail = bsdf.detail;
   switch (lobe.kind) {
     case LobeKind::lambert: return lambert::eval(lobe, wi);
-    case LobeKind::covered_lambert: return covered_lambert::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
-    case LobeKind::reflection: return reflection::eval(lobe, wo, wi);
-    case LobeKind::multiple_reflection:
-      return multiple_reflection::eval(lobe, tables.of(lobe.microfacet.model), wo, wi);
-    case LobeKind::dielectric: return dielectric::eval(lobe, wo, wi, mode);
-    case LobeKind::thin_transmission: return thin_transmission::eval(lobe, wo, wi);
+    case LobeKind::covered_lambert: return covered_lambert::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
+    case LobeKind::reflection:
+      if (kLayered && bsdf.coat_tilted && bsdf.is_coat(i)) return tilted_coat::eval(lobe, detail, wo, wi);
+      return reflection::eval<kLayered>(lobe, detail, wo, wi);
+    case LobeKind::multiple_reflection: return multiple_reflection::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
+    case LobeKind::dielectric: return dielectric::eval<kLayered>(lobe, detail, wo, wi, mode);
+    case LobeKind::thin_transmission: return thin_transmission::eval<kLayered>(lobe, detail, wo, wi);
+    case LobeKind::sheen: return kLayered ? sheen::eval(lobe, *bsdf.tables, wo, wi) : LobeEval{};
+    case LobeKind::diffuse_transmission:
+      return kLayered ? diffuse_transmission::eval(lobe, detail, *bsdf.tables, wo, wi) : LobeEval{};
     case LobeKind::specular_reflection:
     case LobeKind::smooth_dielectric:
     case LobeKind::null: return {};
@@ -79,31 +100,39 @@ RELUME_HD inline LobeEval eval_lobe(const Lobe& lobe, const EnergyTables& tables
   return {};
 }
 
-/// A direction from one lobe; for delta lobes with its weight. `u_side` decides between reflection and refraction.
-RELUME_HD inline LobeSample sample_lobe(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u,
+/// A direction from a lobe; for delta lobes with its weight. `u_side` decides between reflection and refraction.
+template <bool kLayered>
+RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo, float u_side, const Vec2& u,
                                         TransportMode mode) {
+  const Lobe& lobe = bsdf.lobes[i];
+  const InterfaceDetail& detail = bsdf.detail;
+  if (kLayered && bsdf.coat_tilted && bsdf.is_coat(i)) return tilted_coat::sample(lobe, detail, wo, u);
   switch (lobe.kind) {
     case LobeKind::lambert:
     case LobeKind::covered_lambert:
     case LobeKind::multiple_reflection: return lambert::sample(u);
-    case LobeKind::reflection: return reflection::sample(lobe, wo, u);
-    case LobeKind::dielectric: return dielectric::sample(lobe, wo, u_side, u);
+    case LobeKind::reflection: return reflection::sample<kLayered>(lobe, detail, wo, u);
+    case LobeKind::dielectric: return dielectric::sample<kLayered>(lobe, detail, wo, u_side, u);
     case LobeKind::thin_transmission: return thin_transmission::sample(lobe, wo, u);
-    case LobeKind::specular_reflection: return specular_reflection::sample(lobe, wo);
-    case LobeKind::smooth_dielectric: return smooth_dielectric::sample(lobe, wo, u_side, mode);
-    case LobeKind::null: return null_transmission::sample(lobe, wo);
+    case LobeKind::specular_reflection: return specular_reflection::sample<kLayered>(lobe, detail, wo);
+    case LobeKind::smooth_dielectric: return smooth_dielectric::sample<kLayered>(lobe, detail, wo, u_side, mode);
+    case LobeKind::null: return null_transmission::sample<kLayered>(lobe, detail, wo);
+    case LobeKind::sheen: return sheen::sample(u);
+    case LobeKind::diffuse_transmission: return diffuse_transmission::sample(u);
   }
   return {};
 }
 
 /// How much light the lobe returns for directions at `cos_theta`: decides how often it is sampled. Exact for
-/// reflection, an estimate for transmission.
-RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
+/// reflection, an estimate for transmission, anisotropic microfacets and films.
+RELUME_HD_INLINE Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
   const EnergyTable& table = tables.of(lobe.microfacet.model);
   switch (lobe.kind) {
     case LobeKind::lambert: return lobe.color * lobe.weight;
     case LobeKind::covered_lambert:
+    case LobeKind::diffuse_transmission:
       return lobe.color * covered_lambert::transmitted(lobe, table, cos_theta) * lobe.weight;
+    case LobeKind::sheen: return lobe.color * (sheen::albedo(lobe, tables, cos_theta) * lobe.weight);
     case LobeKind::reflection: return reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::multiple_reflection: return multiple_reflection::albedo(lobe, table, cos_theta) * lobe.weight;
     case LobeKind::specular_reflection: return fresnel_schlick(lobe.f0, lobe.f90, cos_theta) * lobe.weight;
@@ -118,18 +147,59 @@ RELUME_HD inline Rgb lobe_albedo(const Lobe& lobe, const EnergyTables& tables, f
   return Rgb(0);
 }
 
-/// Share of light that the clearcoat lets through at `cos_theta`.
+/// Share of light that the clearcoat lets through at `cos_theta` to its normal.
 RELUME_HD inline float coat_transmittance(const Bsdf& bsdf, float cos_theta) {
   if (!bsdf.has_coat()) return 1.0f;
   return 1.0f - luminance(lobe_albedo(bsdf.lobes[0], *bsdf.tables, std::fabs(cos_theta)));
 }
 
+/// Share of light that the sheen leaves to what is below it.
+RELUME_HD inline float sheen_transmittance(const Bsdf& bsdf, float cos_theta) {
+  if (!bsdf.has_sheen()) return 1.0f;
+  return 1.0f - bsdf.sheen * sheen::albedo(bsdf.lobes[bsdf.sheen_lobe()], *bsdf.tables, cos_theta);
+}
+
+/// What the layers above each lobe let through.
+struct LayerTransmittance {
+  float below_coat;
+  float below_sheen;
+
+  RELUME_HD float to(const Bsdf& bsdf, int lobe) const {
+    if (bsdf.is_coat(lobe)) return 1.0f;
+    return bsdf.has_sheen() && lobe == bsdf.sheen_lobe() ? below_coat : below_sheen;
+  }
+};
+
+/// In one direction.
+RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, float cos_theta) {
+  if (!bsdf.has_coat() && !bsdf.has_sheen()) return {1.0f, 1.0f};
+  const float below_coat = coat_transmittance(bsdf, cos_theta);
+  return {below_coat, below_coat * sheen_transmittance(bsdf, cos_theta)};
+}
+
+/// On the way in and out: through the coat twice; below sheen the smaller share of the two ways, which is reciprocal
+/// and conserves energy (KHR_materials_sheen).
+template <bool kLayered>
+RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  LayerTransmittance t{1.0f, 1.0f};
+  if (bsdf.has_coat()) {
+    const bool tilted = kLayered && bsdf.coat_tilted;
+    const float cos_o = tilted ? glm::dot(wo, bsdf.detail.coat_normal) : wo.z;
+    const float cos_i = tilted ? glm::dot(wi, bsdf.detail.coat_normal) : wi.z;
+    t.below_coat = coat_transmittance(bsdf, cos_o) * coat_transmittance(bsdf, cos_i);
+  }
+  t.below_sheen = t.below_coat;
+  if (kLayered && bsdf.has_sheen())
+    t.below_sheen *= relume::min(sheen_transmittance(bsdf, wo.z), sheen_transmittance(bsdf, wi.z));
+  return t;
+}
+
 /// Sampling weight of each lobe for a direction at `cos_theta`; their sum is returned.
 RELUME_HD inline float lobe_weights(const Bsdf& bsdf, float cos_theta, float weights[kMaxLobes]) {
-  const float below_coat = coat_transmittance(bsdf, cos_theta);
+  const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta);
   float sum = 0;
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * (bsdf.is_coat(i) ? 1.0f : below_coat);
+    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * layers.to(bsdf, i);
     sum += weights[i];
   }
   return sum;
@@ -157,6 +227,19 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
+namespace bsdf_detail {
+
+/// Density of `to` in the mixture of all lobes, as seen from `from`.
+template <bool kLayered>
+RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const Vec3& from, const Vec3& to) {
+  float pdf = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i)
+    pdf += bsdf.lobes[i].probability * eval_lobe<kLayered>(bsdf, i, from, to, TransportMode::radiance).pdf_w;
+  return pdf;
+}
+
+}  // namespace bsdf_detail
+
 /// pdf_w with which wo would be sampled by a viewer at wi, whose lobes have probabilities of their own.
 RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   const bool same_side = wi.z > 0.0f;
@@ -165,12 +248,8 @@ RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   prepare(reversed, std::fabs(wi.z));
   const Vec3 from = same_side ? wi : -wi;
   const Vec3 to = same_side ? wo : -wo;
-  float pdf = 0;
-  for (int i = 0; i < reversed.lobe_count; ++i) {
-    pdf += reversed.lobes[i].probability *
-           eval_lobe(reversed.lobes[i], *bsdf.tables, from, to, TransportMode::radiance).pdf_w;
-  }
-  return pdf;
+  return bsdf.layered ? bsdf_detail::mixture_pdf<true>(reversed, from, to)
+                      : bsdf_detail::mixture_pdf<false>(reversed, from, to);
 }
 
 /// The most frequent surface by far; worth a shorter way through.
@@ -180,18 +259,24 @@ RELUME_HD inline bool is_lambert(const Bsdf& bsdf) {
 
 namespace bsdf_detail {
 
-template <bool kReverse>
+template <bool kReverse, bool kLayered>
 RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi, TransportMode mode) {
   BsdfEval result;
-  const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
+  const LayerTransmittance layers = layer_transmittance<kLayered>(bsdf, wo, wi);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    const LobeEval e = eval_lobe(lobe, *bsdf.tables, wo, wi, mode);
-    result.f += e.f * (lobe.weight * (bsdf.is_coat(i) ? 1.0f : below_coat));
+    const LobeEval e = eval_lobe<kLayered>(bsdf, i, wo, wi, mode);
+    result.f += e.f * (lobe.weight * layers.to(bsdf, i));
     result.pdf_forward += lobe.probability * e.pdf_w;
   }
   if constexpr (kReverse) result.pdf_reverse = reverse_pdf(bsdf, wo, wi);
   return result;
+}
+
+template <bool kReverse>
+RELUME_HD_COLD inline BsdfEval eval_pdf_of_layers(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
+                                                  TransportMode mode) {
+  return eval_pdf_of_mixture<kReverse, true>(bsdf, wo, wi, mode);
 }
 
 }  // namespace bsdf_detail
@@ -200,22 +285,35 @@ RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, 
 template <bool kReverse = false>
 RELUME_HD_INLINE BsdfEval eval_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
                                    TransportMode mode = TransportMode::radiance) {
-  if (!is_lambert(bsdf)) return bsdf_detail::eval_pdf_of_mixture<kReverse>(bsdf, wo, wi, mode);
+  if (!is_lambert(bsdf)) {
+    return bsdf.layered ? bsdf_detail::eval_pdf_of_layers<kReverse>(bsdf, wo, wi, mode)
+                        : bsdf_detail::eval_pdf_of_mixture<kReverse, false>(bsdf, wo, wi, mode);
+  }
   const LobeEval e = lambert::eval(bsdf.lobes[0], wi);
   return {e.f, e.pdf_w, kReverse && wi.z > 0.0f ? cosine_hemisphere_pdf(wo.z) : 0.0f};
 }
 
-/// The part of eval_pdf().f that specular lobes contribute.
+namespace bsdf_detail {
+
+template <bool kLayered>
 RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const float below_coat = bsdf.has_coat() ? coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, wi.z) : 1.0f;
+  const LayerTransmittance layers = layer_transmittance<kLayered>(bsdf, wo, wi);
   Rgb f(0);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     if (!is_specular(lobe.kind)) continue;
-    const LobeEval e = eval_lobe(lobe, *bsdf.tables, wo, wi, TransportMode::radiance);
-    f += e.f * (lobe.weight * (bsdf.is_coat(i) ? 1.0f : below_coat));
+    const LobeEval e = eval_lobe<kLayered>(bsdf, i, wo, wi, TransportMode::radiance);
+    f += e.f * (lobe.weight * layers.to(bsdf, i));
   }
   return f;
+}
+
+}  // namespace bsdf_detail
+
+/// The part of eval_pdf().f that specular lobes contribute.
+RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
+  return bsdf.layered ? bsdf_detail::eval_specular<true>(bsdf, wo, wi)
+                      : bsdf_detail::eval_specular<false>(bsdf, wo, wi);
 }
 
 /// Factor 1/η² in the value of the BSDF for directions on the viewer's other side; 1 where nothing refracts.
@@ -228,13 +326,11 @@ RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   return 1.0f;
 }
 
-/// A direction from the mixture of all lobes.
-RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
-                                   TransportMode mode = TransportMode::radiance) {
-  if (is_lambert(bsdf)) {
-    const Vec3 wi = cosine_hemisphere_from_square(u);
-    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, 1.0f, false, wi.z > 0.0f};
-  }
+namespace bsdf_detail {
+
+template <bool kLayered>
+RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
+                                           TransportMode mode) {
   if (bsdf.empty()) return {};
   int i = 0;
   while (i + 1 < bsdf.lobe_count && u_lobe >= bsdf.lobes[i].probability) u_lobe -= bsdf.lobes[i++].probability;
@@ -242,20 +338,20 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   if (!(lobe.probability > 0.0f)) return {};
   const float u_side = clamp(u_lobe / lobe.probability, 0.0f, kOneMinusEpsilon);
 
-  const LobeSample s = sample_lobe(lobe, wo, u_side, u, mode);
+  const LobeSample s = sample_lobe<kLayered>(bsdf, i, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
   if (refracts(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = dielectric::transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {
-    const float below_coat = bsdf.is_coat(i) ? 1.0f : coat_transmittance(bsdf, wo.z) * coat_transmittance(bsdf, s.wi.z);
-    result.weight = s.weight * (lobe.weight * below_coat / lobe.probability);
+    const float let_through = bsdf.is_coat(i) ? 1.0f : layer_transmittance<kLayered>(bsdf, wo, s.wi).to(bsdf, i);
+    result.weight = s.weight * (lobe.weight * let_through / lobe.probability);
     result.alpha = 0.0f;
     result.valid = true;
     return result;
   }
-  const BsdfEval e = eval_pdf(bsdf, wo, s.wi, mode);
+  const BsdfEval e = eval_pdf_of_mixture<false, kLayered>(bsdf, wo, s.wi, mode);
   if (!(e.pdf_forward > 0.0f)) return {};
   result.weight = e.f * (std::fabs(s.wi.z) / e.pdf_forward);
   result.pdf_w = e.pdf_forward;
@@ -264,12 +360,30 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
   return result;
 }
 
+RELUME_HD_COLD inline BsdfSample sample_layers(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
+                                               TransportMode mode) {
+  return sample_mixture<true>(bsdf, wo, u_lobe, u, mode);
+}
+
+}  // namespace bsdf_detail
+
+/// A direction from the mixture of all lobes.
+RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
+                                   TransportMode mode = TransportMode::radiance) {
+  if (is_lambert(bsdf)) {
+    const Vec3 wi = cosine_hemisphere_from_square(u);
+    return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, 1.0f, false, wi.z > 0.0f};
+  }
+  if (bsdf.layered) return bsdf_detail::sample_layers(bsdf, wo, u_lobe, u, mode);
+  return bsdf_detail::sample_mixture<false>(bsdf, wo, u_lobe, u, mode);
+}
+
 /// Directional albedo of everything that is reflected or transmitted: what demodulation divides by.
 RELUME_HD inline Rgb albedo(const Bsdf& bsdf, float cos_theta_o) {
-  const float below_coat = coat_transmittance(bsdf, cos_theta_o);
+  const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta_o);
   Rgb sum(0);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * (bsdf.is_coat(i) ? 1.0f : below_coat);
+    sum += lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta_o) * layers.to(bsdf, i);
   }
   return sum;
 }

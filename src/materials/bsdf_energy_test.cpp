@@ -11,71 +11,23 @@
 #include <utility>
 #include <vector>
 
-#include "materials/testing/bsdf_charts.h"
-#include "testing/histogram.h"
-#include "testing/integrate.h"
+#include "materials/testing/furnace.h"
 #include "testing/random.h"
 
 namespace relume {
 namespace {
 
+using testing::albedo_by_quadrature;
+using testing::albedo_by_sampling;
 using testing::BsdfCase;
-using testing::DirectionChart;
 using testing::MaterialCase;
+using testing::Mean;
 using testing::Random;
+using testing::white;
 
 constexpr double kWhite = 1e-3;  // what a white furnace may miss
 const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f};
 const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
-
-/// Largest channel of the directional albedo, by quadrature of f cos θ: reflection and refraction without the
-/// eta_scale of radiance, so that a lossless surface has 1. Delta lobes are left out.
-double albedo_by_quadrature(const BsdfCase& c, float cos_o) {
-  const Vec3 wo = testing::viewer(cos_o);
-  const Bsdf bsdf = c.make(cos_o, true);
-  const testing::PeakDirections peaks = testing::peak_directions(c, wo);
-  double sum = 0;
-  for (const int side : {0, 1}) {
-    const DirectionChart chart{make_frame(side == 0 ? peaks.above : peaks.below), peaks.width};
-    const auto value = [&](const Vec3& wi) {
-      if ((wi.z > 0.0f) != (side == 0)) return 0.0;
-      return double(max_component(eval_pdf(bsdf, wo, wi, TransportMode::importance).f) * std::fabs(wi.z));
-    };
-    // The rim of the hemisphere cuts bins; 1e-4 is what that leaves.
-    sum += testing::integrate_square(chart.density(value), 16, 2e-5, 5);
-  }
-  return sum;
-}
-
-struct Mean {
-  double value = 0;
-  double error = 0;  ///< standard
-};
-
-/// Mean weight of samples, of a grey BSDF.
-Mean albedo_by_sampling(const BsdfCase& c, float cos_o, int samples) {
-  const Vec3 wo = testing::viewer(cos_o);
-  const Bsdf bsdf = c.make(cos_o, true);
-  Random random(41);
-  double sum = 0;
-  double squares = 0;
-  for (int i = 0; i < samples; ++i) {
-    const float u_lobe = random.next();
-    const BsdfSample s = sample(bsdf, wo, u_lobe, random.next_2d(), TransportMode::importance);
-    const double w = s.valid ? max_component(s.weight) : 0.0;
-    sum += w;
-    squares += w * w;
-  }
-  const double mean = sum / samples;
-  return {mean, std::sqrt(std::max(0.0, squares / samples - mean * mean) / samples)};
-}
-
-MaterialCase white(const std::string& name, float metallic, float transmission, bool volume) {
-  MaterialCase m{name, {}, volume};
-  m.sample.metallic = metallic;
-  m.sample.transmission = transmission;
-  return m;
-}
 
 TEST(BsdfEnergy, LambertIsWhite) {
   MaterialCase lambert = white("lambert", 0, 0, false);

@@ -30,17 +30,30 @@ RELUME_HD inline void add_clearcoat(Bsdf& bsdf, const MaterialSample& m, Microfa
   bsdf.coat = m.clearcoat;
 }
 
-RELUME_HD inline void add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, const Microfacet& microfacet) {
+RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90, const Microfacet& microfacet) {
   Lobe& lobe = add(bsdf, microfacet.smooth() ? LobeKind::specular_reflection : LobeKind::reflection, microfacet);
   lobe.f0 = f0;
   lobe.f90 = f90;
+  return lobe;
+}
+
+/// What bounces between the microfacets of a metal. `average`: mean albedo of single scattering for F = 1. Null where
+/// that is negligible.
+RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float metallic, float average,
+                                               const Microfacet& microfacet) {
+  const Rgb color = multiple_reflection::color(f0, Rgb(1), average) * metallic;
+  if (!(luminance(color) * (1.0f - average) > kNegligibleMultipleScattering)) return nullptr;
+  Lobe& lobe = add(bsdf, LobeKind::multiple_reflection, microfacet);
+  lobe.color = color;
+  return &lobe;
 }
 
 /// Whether refraction bends light visibly. Where it does not, microfacets do nothing, and half vectors are rounding.
 RELUME_HD inline bool bends(const MaterialData& material) { return std::fabs(material.ior - 1.0f) > 1e-3f; }
 
-RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material, const Rgb& f0,
-                                       const Rgb& f90, float weight, bool front_face, const Microfacet& microfacet) {
+RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
+                                        const Rgb& f0, const Rgb& f90, float weight, bool front_face,
+                                        const Microfacet& microfacet) {
   const Microfacet interface { microfacet.model, bends(material) ? microfacet.alpha : 0.0f };
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
   const LobeKind passing = microfacet.smooth() ? LobeKind::null : LobeKind::thin_transmission;
@@ -50,6 +63,26 @@ RELUME_HD inline void add_transmission(Bsdf& bsdf, const MaterialSample& m, cons
   lobe.f0 = f0;
   lobe.f90 = f90;
   lobe.weight = weight;
+  return lobe;
+}
+
+/// How the interface over the base divides light between what lies below it.
+struct BaseShares {
+  float transparent;
+  float diffuse;
+  float interface_share;  ///< of the dielectric reflection: a refracting interface brings its own
+  Rgb dielectric_f0;
+  Rgb dielectric_f90;
+};
+
+RELUME_HD inline BaseShares base_shares(const MaterialSample& m, const MaterialData& material) {
+  BaseShares b;
+  b.transparent = (1.0f - m.metallic) * m.transmission;
+  b.diffuse = (1.0f - m.metallic) * (1.0f - m.transmission);
+  b.interface_share = material.volume ? b.diffuse : 1.0f - m.metallic;  // a thin wall shares the opaque part's
+  b.dielectric_f0 = glm::min(f0_from_ior(material.ior) * m.specular_color, Rgb(1)) * m.specular;
+  b.dielectric_f90 = Rgb(m.specular);
+  return b;
 }
 
 /// Whether nothing lies over or mixes with the diffuse base.
@@ -62,35 +95,29 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
   if (m.clearcoat > 0.0f) add_clearcoat(bsdf, m, material.microfacet_model);
 
   const Microfacet microfacet{material.microfacet_model, sqr(m.roughness)};
-  const float transparent = (1.0f - m.metallic) * m.transmission;
-  const float diffuse = (1.0f - m.metallic) * (1.0f - m.transmission);
-  // A refracting interface brings its own reflection; a thin wall shares the opaque part's.
-  const float interface_share = material.volume ? diffuse : 1.0f - m.metallic;
-  const Rgb dielectric_f0 = glm::min(f0_from_ior(material.ior) * m.specular_color, Rgb(1)) * m.specular;
-  const Rgb dielectric_f90(m.specular);
-  const Rgb f0 = dielectric_f0 * interface_share + m.base_color * m.metallic;
-  const Rgb f90 = dielectric_f90 * interface_share + Rgb(m.metallic);
+  const BaseShares shares = base_shares(m, material);
+  const Rgb f0 = shares.dielectric_f0 * shares.interface_share + m.base_color * m.metallic;
+  const Rgb f90 = shares.dielectric_f90 * shares.interface_share + Rgb(m.metallic);
 
   const bool covered = m.specular > 0.0f;
   if (!is_black(f0) || !is_black(f90)) {
     add_reflection(bsdf, f0, f90, microfacet);
     if (m.metallic > 0.0f && !microfacet.smooth()) {
       const float average = tables.of(microfacet.model).average_shares(m.roughness).total;
-      const Rgb color = multiple_reflection::color(m.base_color, Rgb(1), average) * m.metallic;
-      if (luminance(color) * (1.0f - average) > kNegligibleMultipleScattering) {
-        add(bsdf, LobeKind::multiple_reflection, microfacet).color = color;
-      }
+      add_multiple_reflection(bsdf, m.base_color, m.metallic, average, microfacet);
     }
   }
-  const Rgb diffuse_albedo = m.base_color * diffuse;
+  const Rgb diffuse_albedo = m.base_color * shares.diffuse;
   if (!is_black(diffuse_albedo)) {
     Lobe& lobe = add(bsdf, covered ? LobeKind::covered_lambert : LobeKind::lambert, microfacet);
     lobe.color = diffuse_albedo;
-    lobe.f0 = dielectric_f0;
-    lobe.f90 = dielectric_f90;
+    lobe.f0 = shares.dielectric_f0;
+    lobe.f90 = shares.dielectric_f90;
   }
-  if (transparent > 0.0f)
-    add_transmission(bsdf, m, material, dielectric_f0, dielectric_f90, transparent, front_face, microfacet);
+  if (shares.transparent > 0.0f) {
+    add_transmission(bsdf, m, material, shares.dielectric_f0, shares.dielectric_f90, shares.transparent, front_face,
+                     microfacet);
+  }
   prepare(bsdf, cos_theta_o);
 }
 
@@ -102,8 +129,7 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
 RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
                                 const EnergyTables& tables, float cos_theta_o, bool front_face) {
   using namespace bsdf_assembly;
-  bsdf.lobe_count = 0;
-  bsdf.coat = 0;
+  clear(bsdf);
   bsdf.tables = &tables;
   if (!is_bare(m)) {
     add_layers(bsdf, m, material, tables, cos_theta_o, front_face);

@@ -1,6 +1,7 @@
 // Materials as kernels see them; relume/scene.h documents the meaning of each parameter.
 #pragma once
 
+#include "materials/fresnel.h"
 #include "materials/microfacet.h"
 #include "materials/texture.h"
 
@@ -39,10 +40,17 @@ struct MaterialData {
   bool unlit = false;
   bool volume = false;   ///< the surface bounds a body: refraction and absorption
   bool uses_uv = false;  ///< any texture at all
+  int32_t layers = -1;   ///< index into SceneView::layers; −1: none
 
   RELUME_HD bool emissive() const { return !unlit && !is_black(emission); }
   RELUME_HD bool has_alpha() const { return mask || blend; }
 };
+
+/// Share of emission that a smooth clearcoat over it lets through at `cos_theta` to the geometric normal
+/// (KHR_materials_clearcoat). Lights and the paths that meet them both use it, so it knows of no texture.
+RELUME_HD inline float emission_below_coat(float clearcoat, float cos_theta) {
+  return 1.0f - clearcoat * (0.04f + 0.96f * pow5(saturate(1.0f - std::fabs(cos_theta))));
+}
 
 /// A material's parameters at one point, textures applied.
 struct MaterialSample {

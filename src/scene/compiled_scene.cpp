@@ -111,7 +111,14 @@ void CompiledScene::decide_instancing() {
 
 void CompiledScene::build_materials() {
   materials_.clear();
-  for (const Material& m : source_.materials) materials_.push_back(material_data(m));
+  layers_.clear();
+  for (const Material& m : source_.materials) {
+    MaterialData& data = materials_.emplace_back(material_data(m));
+    const std::optional<LayerData> layers = layer_data(m);
+    if (!layers) continue;
+    data.layers = static_cast<int32_t>(layers_.size());
+    layers_.push_back(*layers);
+  }
   materials_.push_back(material_data(Material{}));  // glTF's default, for meshes that name none
 }
 

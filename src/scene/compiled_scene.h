@@ -170,6 +170,7 @@ class CompiledScene {
   std::vector<uint32_t> mesh_of_instance_;
   std::vector<Instance> instances_;
   std::vector<MaterialData> materials_;
+  std::vector<LayerData> layers_;  ///< of the materials that have some
   TextureStore textures_;
   LightBuilder lights_;
   Index camera_node_ = kNone;

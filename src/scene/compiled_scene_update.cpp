@@ -227,13 +227,14 @@ void CompiledScene::refresh_view() {
   view_.meshes = view_of(meshes_);
   view_.instances = view_of(instances_);
   view_.materials = view_of(materials_);
+  view_.layers = view_of(layers_);
   view_.absorbs =
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
   view_.textures = textures_.views();
   view_.lights = lights_.view();
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
-  view_.energy_tables = &energy_tables();
+  view_.energy_tables = layers_.empty() ? &energy_tables() : &layered_energy_tables();
   if (!accel_ || edited_) return;  // it lacks what was added; commit_edits() comes back here
   // A closed body is left in every direction; a lone sheet of glass, or a gap that a ray slips through, in one.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };

@@ -158,6 +158,7 @@ void LightBuilder::add_triangles(const SceneView& geometry, uint32_t instance_in
     light.primitive = k;
     light.textured = -1;
     light.two_sided = material.double_sided;
+    light.coat = material.clearcoat;
     light.error = triangle_error(geometry, index, instance);
     if (light.area > 0.0f && has_textured_emission(material)) {
       light.textured = textured_indices_.at(mesh.first_triangle + k);

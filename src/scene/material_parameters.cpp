@@ -1,10 +1,6 @@
 #include "scene/material_parameters.h"
 
 #include <array>
-#include <cmath>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace relume {
 namespace {
@@ -21,9 +17,14 @@ constexpr const char* kSpecular = "KHR_materials_specular";
 constexpr const char* kTransmission = "KHR_materials_transmission";
 constexpr const char* kVolume = "KHR_materials_volume";
 constexpr const char* kClearcoat = "KHR_materials_clearcoat";
+constexpr const char* kAnisotropy = "KHR_materials_anisotropy";
+constexpr const char* kSheen = "KHR_materials_sheen";
+constexpr const char* kIridescence = "KHR_materials_iridescence";
+constexpr const char* kDiffuseTransmission = "KHR_materials_diffuse_transmission";
 
 using M = Material;
 using D = MaterialData;
+using L = LayerData;
 
 // clang-format off: one field a line
 const std::array kParameters = {
@@ -180,6 +181,134 @@ const std::array kParameters = {
                       .member = &M::clearcoat_roughness_texture,
                       .kernel = &D::clearcoat_roughness_texture,
                       .gltf = {kClearcoat, "clearcoatRoughnessTexture"}},
+    MaterialParameter{.key = "clearcoat_normal",
+                      .name = "clearcoat normal",
+                      .member = &M::clearcoat_normal_texture,
+                      .kernel = &L::clearcoat_normal_texture,
+                      .gltf = {kClearcoat, "clearcoatNormalTexture"},
+                      .texture_scale = &M::clearcoat_normal_scale},
+    MaterialParameter{.key = "clearcoat_normal_scale",
+                      .name = "clearcoat normal scale",
+                      .member = &M::clearcoat_normal_scale,
+                      .kernel = &L::clearcoat_normal_scale,
+                      .range = {-1e30f, 1e30f},
+                      .kernel_range = {-1e3f, 1e3f},
+                      .meaning = "`scale` of the clearcoat's normal texture"},
+    MaterialParameter{.key = "anisotropy",
+                      .name = "anisotropy",
+                      .member = &M::anisotropy,
+                      .kernel = &L::anisotropy,
+                      .range = kShare,
+                      .kernel_range = kShare,
+                      .gltf = {kAnisotropy, "anisotropyStrength"},
+                      .widget = {Kind::share, "anisotropy", "Stretches highlights along the tangent"}},
+    MaterialParameter{.key = "anisotropy_rotation",
+                      .name = "anisotropy rotation",
+                      .member = &M::anisotropy_rotation_rad,
+                      .kernel = &L::anisotropy_rotation_rad,
+                      .range = {-1e4f, 1e4f},
+                      .gltf = {kAnisotropy, "anisotropyRotation"},
+                      .meaning = "`anisotropyRotation` of KHR_materials_anisotropy, radians"},
+    MaterialParameter{.key = "anisotropy",
+                      .name = "anisotropy",
+                      .member = &M::anisotropy_texture,
+                      .kernel = &L::anisotropy_texture,
+                      .gltf = {kAnisotropy, "anisotropyTexture"}},
+    MaterialParameter{.key = "sheen_color",
+                      .name = "sheen colour",
+                      .member = &M::sheen_color,
+                      .kernel = &L::sheen_color,
+                      .range = kShare,
+                      .gltf = {kSheen, "sheenColorFactor"},
+                      .widget = {Kind::color, "sheen color"}},
+    MaterialParameter{.key = "sheen_color",
+                      .name = "sheen colour",
+                      .member = &M::sheen_color_texture,
+                      .kernel = &L::sheen_color_texture,
+                      .gltf = {kSheen, "sheenColorTexture"},
+                      .color_texture = true},
+    MaterialParameter{.key = "sheen_roughness",
+                      .name = "sheen roughness",
+                      .member = &M::sheen_roughness,
+                      .kernel = &L::sheen_roughness,
+                      .range = kShare,
+                      .kernel_range = kShare,
+                      .gltf = {kSheen, "sheenRoughnessFactor"},
+                      .widget = {Kind::share, "sheen roughness", "Of the fibres"}},
+    MaterialParameter{.key = "sheen_roughness",
+                      .name = "sheen roughness",
+                      .member = &M::sheen_roughness_texture,
+                      .kernel = &L::sheen_roughness_texture,
+                      .gltf = {kSheen, "sheenRoughnessTexture"}},
+    MaterialParameter{.key = "iridescence",
+                      .name = "iridescence",
+                      .member = &M::iridescence,
+                      .kernel = &L::iridescence,
+                      .range = kShare,
+                      .kernel_range = kShare,
+                      .gltf = {kIridescence, "iridescenceFactor"},
+                      .widget = {Kind::share, "iridescence", "Share of the surface that a thin film covers"}},
+    MaterialParameter{.key = "iridescence",
+                      .name = "iridescence",
+                      .member = &M::iridescence_texture,
+                      .kernel = &L::iridescence_texture,
+                      .gltf = {kIridescence, "iridescenceTexture"}},
+    MaterialParameter{.key = "iridescence_ior",
+                      .name = "index of refraction of the film",
+                      .member = &M::iridescence_ior,
+                      .kernel = &L::iridescence_ior,
+                      .range = {1, 1000},
+                      .kernel_range = {1, 1000},
+                      .gltf = {kIridescence, "iridescenceIor"},
+                      .widget = {Kind::number, "film ior", "Index of refraction of the film", 3}},
+    MaterialParameter{.key = "iridescence_thickness_min",
+                      .name = "least thickness of the film",
+                      .member = &M::iridescence_thickness_min_nm,
+                      .kernel = &L::iridescence_thickness_min_nm,
+                      .range = {0, 1e6f},
+                      .kernel_range = {0, 1e6f},
+                      .gltf = {kIridescence, "iridescenceThicknessMinimum"},
+                      .meaning = "`iridescenceThicknessMinimum` of KHR_materials_iridescence, nanometres"},
+    MaterialParameter{.key = "iridescence_thickness",
+                      .name = "thickness of the film",
+                      .member = &M::iridescence_thickness_nm,
+                      .kernel = &L::iridescence_thickness_nm,
+                      .range = {0, 1e6f},
+                      .kernel_range = {0, 1e6f},
+                      .gltf = {kIridescence, "iridescenceThicknessMaximum"},
+                      .widget = {Kind::number, "film thickness", "Nanometres", 1000},
+                      .meaning = "`iridescenceThicknessMaximum` of KHR_materials_iridescence, nanometres"},
+    MaterialParameter{.key = "iridescence_thickness",
+                      .name = "thickness of the film",
+                      .member = &M::iridescence_thickness_texture,
+                      .kernel = &L::iridescence_thickness_texture,
+                      .gltf = {kIridescence, "iridescenceThicknessTexture"}},
+    MaterialParameter{.key = "diffuse_transmission",
+                      .name = "diffuse transmission",
+                      .member = &M::diffuse_transmission,
+                      .kernel = &L::diffuse_transmission,
+                      .range = kShare,
+                      .kernel_range = kShare,
+                      .gltf = {kDiffuseTransmission, "diffuseTransmissionFactor"},
+                      .widget = {Kind::share, "diffuse transmission", "Share of diffuse light that comes out behind"}},
+    MaterialParameter{.key = "diffuse_transmission",
+                      .name = "diffuse transmission",
+                      .member = &M::diffuse_transmission_texture,
+                      .kernel = &L::diffuse_transmission_texture,
+                      .gltf = {kDiffuseTransmission, "diffuseTransmissionTexture"}},
+    MaterialParameter{.key = "diffuse_transmission_color",
+                      .name = "diffuse transmission colour",
+                      .member = &M::diffuse_transmission_color,
+                      .kernel = &L::diffuse_transmission_color,
+                      .range = kShare,
+                      .gltf = {kDiffuseTransmission, "diffuseTransmissionColorFactor"},
+                      .widget = {Kind::color, "transmitted color"}},
+    MaterialParameter{.key = "diffuse_transmission_color",
+                      .name = "diffuse transmission colour",
+                      .member = &M::diffuse_transmission_color_texture,
+                      .kernel = &L::diffuse_transmission_color_texture,
+                      .gltf = {kDiffuseTransmission, "diffuseTransmissionColorTexture"},
+                      .color_texture = true},
     MaterialParameter{.key = "microfacet_model",
                       .name = "microfacet model",
                       .member = &M::microfacet_model,
@@ -189,76 +318,8 @@ const std::array kParameters = {
 };
 // clang-format on
 
-TextureUse kernel_value(const TextureRef& ref, const ParameterRange&) {
-  TextureUse u;
-  if (!ref.used()) return u;
-  u.texture = ref.texture;
-  u.uv_set = static_cast<uint32_t>(ref.uv_set);
-  const float c = std::cos(ref.rotation_rad);
-  const float s = std::sin(ref.rotation_rad);
-  u.transform = {c * ref.scale.x, s * ref.scale.y, -s * ref.scale.x, c * ref.scale.y, ref.offset};
-  return u;
-}
-
-float kernel_value(float value, const ParameterRange& range) { return clamp(value, range.low, range.high); }
-
-template <typename T>
-T kernel_value(const T& value, const ParameterRange&) {
-  return value;
-}
-
-std::string values_of(const MaterialParameter& p) {
-  if (!p.choices.empty()) return fmt::format("`{}`", fmt::join(p.choices, "`, `"));
-  if (std::holds_alternative<bool Material::*>(p.member)) return "true, false";
-  const char* kind = std::holds_alternative<Rgb Material::*>(p.member) ? "colour" : "number";
-  if (p.range.high == kInfinity) return fmt::format("{} from {:g}", kind, p.range.low);
-  return fmt::format("{} in [{:g}, {:g}]", kind, p.range.low, p.range.high);
-}
-
 }  // namespace
 
 std::span<const MaterialParameter> material_parameters() { return kParameters; }
-
-std::vector<const TextureRef*> texture_refs(const Material& material) {
-  std::vector<const TextureRef*> refs;
-  for (const MaterialParameter& parameter : material_parameters()) {
-    if (const auto* member = std::get_if<TextureRef Material::*>(&parameter.member))
-      refs.push_back(&(material.**member));
-  }
-  return refs;
-}
-
-MaterialData material_data(const Material& m) {
-  MaterialData d;
-  for_each_parameter(m, [&](const MaterialParameter& parameter, const auto& value) {
-    const auto converted = kernel_value(value, parameter.kernel_range);
-    using Target = std::remove_const_t<decltype(converted)> MaterialData::*;
-    if (const Target* target = std::get_if<Target>(&parameter.kernel)) d.** target = converted;
-    if constexpr (std::is_same_v<Target, TextureUse MaterialData::*>) d.uses_uv = d.uses_uv || converted.used();
-  });
-  d.mask = m.alpha_mode == AlphaMode::mask;
-  d.blend = m.alpha_mode == AlphaMode::blend;
-  d.volume = m.thickness > 0.0f && m.transmission > 0.0f;
-  if (d.volume && is_finite(m.attenuation_distance) && m.attenuation_distance > 0.0f) {
-    for (int c = 0; c < 3; ++c)
-      d.absorption[c] = -std::log(std::max(m.attenuation_color[c], 1e-6f)) / m.attenuation_distance;
-  }
-  return d;
-}
-
-std::string material_parameters_reference() {
-  std::string text =
-      "# Material parameters\n\n"
-      "Made by `relume scenes --materials` from the declarations in the code. Keys are those of `materials` in\n"
-      "[scene files](scene-json.md#materials); [materials](materials.md) tells what becomes of them.\n\n"
-      "| key | values | meaning |\n|---|---|---|\n";
-  for (const MaterialParameter& p : material_parameters()) {
-    if (std::holds_alternative<TextureRef Material::*>(p.member)) continue;
-    const std::string in_gltf =
-        p.gltf.extension ? fmt::format("`{}` of {}", p.gltf.key, p.gltf.extension) : "as in glTF";
-    text += fmt::format("| `{}` | {} | {} |\n", p.key, values_of(p), *p.meaning ? p.meaning : in_gltf);
-  }
-  return text;
-}
 
 }  // namespace relume

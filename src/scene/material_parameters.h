@@ -2,11 +2,13 @@
 // and the viewer follow from this list.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <variant>
 
+#include "materials/layers.h"
 #include "materials/material.h"
 #include "scene/scene.h"
 
@@ -37,7 +39,8 @@ struct MaterialParameter {
                               MicrofacetModel Material::*, TextureRef Material::*>;
   using KernelMember =
       std::variant<std::monostate, float MaterialData::*, Rgb MaterialData::*, bool MaterialData::*,
-                   AlphaMode MaterialData::*, MicrofacetModel MaterialData::*, TextureUse MaterialData::*>;
+                   AlphaMode MaterialData::*, MicrofacetModel MaterialData::*, TextureUse MaterialData::*,
+                   float LayerData::*, Rgb LayerData::*, TextureUse LayerData::*>;
 
   const char* key;   ///< in relume JSON; of textures, which it cannot set: of the parameter they multiply
   const char* name;  ///< in messages
@@ -46,7 +49,8 @@ struct MaterialParameter {
   ParameterRange range = {};         ///< of numbers and of each channel of colours, in files
   ParameterRange kernel_range = {};  ///< to which numbers are limited for kernels
   GltfMember gltf = {};
-  bool color_texture = false;                      ///< glTF stores the texels as sRGB colours
+  bool color_texture = false;                ///< glTF stores the texels as sRGB colours
+  float Material::*texture_scale = nullptr;  ///< of normal textures: glTF has it in the texture's object, as "scale"
   std::span<const std::string_view> choices = {};  ///< words in relume JSON for the values of an enumeration
   ParameterWidget widget = {};
   const char* meaning = "";  ///< in the reference page; empty: what `gltf` says
@@ -62,8 +66,10 @@ void for_each_parameter(AnyMaterial& material, const F& f) {
     std::visit([&](auto member) { f(parameter, material.*member); }, parameter.member);
 }
 
-/// A material as kernels see it.
+/// A material as kernels see it; its index of layers is for the caller to set.
 MaterialData material_data(const Material& material);
+/// Its layers; none if it has none that can be seen.
+std::optional<LayerData> layer_data(const Material& material);
 
 /// Text of docs/material-parameters.md.
 std::string material_parameters_reference();

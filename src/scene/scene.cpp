@@ -1,9 +1,13 @@
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <ranges>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "relume/error.h"
 #include "scene/animation.h"
 
 namespace relume {

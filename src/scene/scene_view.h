@@ -6,6 +6,7 @@
 #include "core/view.h"
 #include "lights/light.h"
 #include "materials/energy_tables.h"
+#include "materials/layers.h"
 #include "materials/material.h"
 #include "materials/texture.h"
 #include "scene/camera_view.h"
@@ -92,6 +93,7 @@ struct SceneView {
   View<const MeshView> meshes;
   View<const Instance> instances;
   View<const MaterialData> materials;
+  View<const LayerData> layers;  ///< of the materials that have some
   View<const TextureView> textures;
   LightsView lights;
   CameraView camera;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/region.h"
-#include "materials/make_bsdf.h"
+#include "materials/make_layered_bsdf.h"
 #include "scene/scene_view.h"
 
 namespace relume {

@@ -136,10 +136,18 @@ RELUME_HD inline Mat3 triangle_axes(const Vec3& p0, const Vec3& p1, const Vec3& 
   return {e1, e2, length > 0.0f ? n / length : Vec3(0)};
 }
 
-/// Normal from the normal map, in world space.
-RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
-                                    const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
-                                    float area, const Vec3& ns) {
+/// Directions along a surface in which texture space grows: glTF's tangent and bitangent, unit, orthogonal to the
+/// normal.
+struct TangentFrame {
+  Vec3 tangent;
+  Vec3 bitangent;
+  bool valid = false;  ///< not where texture coordinates collapse
+};
+
+/// About `ns`, from the tangents of the mesh or from the coordinates of a texture.
+RELUME_HD inline TangentFrame tangent_frame(const SceneView& scene, const MeshView& mesh, const TextureUse& use,
+                                            const Instance& instance, const TriangleAt& t, const Geometry& g,
+                                            const Vec3& ns) {
   Vec3 tangent;
   float handedness = 1.0f;
   if (mesh.has_tangents) {
@@ -148,12 +156,11 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
     if (!instance.in_world_space) tangent = instance.to_world.vector(tangent);
     handedness = t.v[0]->normal.handedness() * instance.orientation;
   } else {
-    const UvTransform& transform = material.normal_texture.transform;
-    UvSet uvs = uv_set(scene, mesh, t, material.normal_texture.uv_set);
-    uvs.d1 = transform.vector(uvs.d1);
-    uvs.d2 = transform.vector(uvs.d2);
+    UvSet uvs = uv_set(scene, mesh, t, use.uv_set);
+    uvs.d1 = use.transform.vector(uvs.d1);
+    uvs.d2 = use.transform.vector(uvs.d2);
     const float determinant = uvs.determinant();
-    if (determinant == 0.0f) return ns;
+    if (determinant == 0.0f) return {};
     tangent = (g.e1 * uvs.d2.y - g.e2 * uvs.d1.y) / determinant;
     // glTF's bitangent points against growing v.
     const Vec3 bitangent = (g.e1 * uvs.d2.x - g.e2 * uvs.d1.x) / determinant;
@@ -161,29 +168,82 @@ RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh
   }
   tangent -= ns * glm::dot(ns, tangent);
   const float length = glm::length(tangent);
-  if (!(length > 0.0f && is_finite(length))) return ns;
+  if (!(length > 0.0f && is_finite(length))) return {};
   tangent /= length;
-  const Vec3 bitangent = glm::cross(ns, tangent) * handedness;
-  const Vec4 texel = fetch(scene, material.normal_texture, uv, area);
-  const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) *
-                 Vec3(material.normal_scale, material.normal_scale, 1.0f);
-  return glm::normalize(n.x * tangent + n.y * bitangent + relume::max(n.z, 1e-3f) * ns);
+  return {tangent, glm::cross(ns, tangent) * handedness, true};
+}
+
+/// Normal from a normal map, in world space.
+RELUME_HD inline Vec3 mapped_normal(const SceneView& scene, const MeshView& mesh, const TextureUse& use, float scale,
+                                    const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                    float area, const Vec3& ns) {
+  const TangentFrame frame = tangent_frame(scene, mesh, use, instance, t, g, ns);
+  if (!frame.valid) return ns;
+  const Vec4 texel = fetch(scene, use, uv, area);
+  const Vec3 n = Vec3(texel.x * 2.0f - 1.0f, texel.y * 2.0f - 1.0f, texel.z * 2.0f - 1.0f) * Vec3(scale, scale, 1.0f);
+  return glm::normalize(n.x * frame.tangent + n.y * frame.bitangent + relume::max(n.z, 1e-3f) * ns);
+}
+
+/// Interpolated normal on the side of `front`, the unit geometric normal.
+RELUME_HD_INLINE Vec3 interpolated_normal(const MeshView& mesh, const Instance& instance, const TriangleAt& t,
+                                          const Vec3& front) {
+  if (!mesh.has_normals) return front;
+  Vec3 ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
+  if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
+  const float length = glm::length(ns);
+  ns = length > 0.0f ? ns / length : front;
+  return glm::dot(ns, front) < 0.0f ? -ns : ns;
 }
 
 /// Interpolated and normal-mapped normal on the side of `front`, the unit geometric normal.
 RELUME_HD_INLINE Vec3 shading_normal(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
                                      const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
                                      float footprint_area, const Vec3& front) {
-  Vec3 ns = front;
-  if (mesh.has_normals) {
-    ns = interpolate(t.v[0]->normal.unpack(), t.v[1]->normal.unpack(), t.v[2]->normal.unpack(), t.weights);
-    if (!instance.in_world_space) ns = instance.normal_to_world * ns * instance.orientation;
-    const float length = glm::length(ns);
-    ns = length > 0.0f ? ns / length : front;
-    if (glm::dot(ns, front) < 0.0f) ns = -ns;
-  }
-  return material.normal_texture.used() ? mapped_normal(scene, mesh, material, instance, t, g, uv, footprint_area, ns)
+  const Vec3 ns = interpolated_normal(mesh, instance, t, front);
+  return material.normal_texture.used() ? mapped_normal(scene, mesh, material.normal_texture, material.normal_scale,
+                                                        instance, t, g, uv, footprint_area, ns)
                                         : ns;
+}
+
+/// Parameters and directions of a material's layers. `side`: −1 where the viewer is behind the surface.
+RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& mesh, const MaterialData& material,
+                                       const Instance& instance, const TriangleAt& t, const Geometry& g, const Uv& uv,
+                                       float footprint_area, const Vec3& front, float side, const Frame& shading) {
+  const LayerData& data = scene.layers[static_cast<uint32_t>(material.layers)];
+  LayerSample l = sample_layers(data, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
+  const Vec3 ns = interpolated_normal(mesh, instance, t, front);
+  if (l.anisotropy > 0.0f) {
+    const TangentFrame frame = tangent_frame(scene, mesh, data.anisotropy_texture, instance, t, g, ns);
+    const Vec3 along =
+        shading.to_local(frame.tangent * l.anisotropy_direction.x + frame.bitangent * l.anisotropy_direction.y);
+    const float length = std::sqrt(along.x * along.x + along.y * along.y);
+    const bool usable = frame.valid && length > 0.0f;
+    l.anisotropy = usable ? l.anisotropy : 0.0f;  // without a direction
+    if (usable) l.anisotropy_direction = {along.x / length, along.y / length};
+  }
+  l.coat_tilted = data.coat_tilted;
+  if (data.coat_tilted) {
+    Vec3 coat = ns;
+    if (data.clearcoat_normal_texture.used()) {
+      coat = mapped_normal(scene, mesh, data.clearcoat_normal_texture, data.clearcoat_normal_scale, instance, t, g, uv,
+                           footprint_area, ns);
+    }
+    l.coat_normal = shading.to_local(coat * side);
+  }
+  return l;
+}
+
+/// Radiance that the surface emits at `cos_front` to its geometric normal.
+RELUME_HD_INLINE Rgb emission_at(const SceneView& scene, const MaterialData& material, const Uv& uv, float cos_front) {
+  Rgb emission = material.emission;
+  if (material.emission_texture.used()) {
+    // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
+    const TextureUse& use = material.emission_texture;
+    emission *=
+        Rgb(scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0));
+  }
+  if (material.clearcoat > 0.0f) emission *= emission_below_coat(material.clearcoat, cos_front);
+  return emission;
 }
 
 /// Keeps the viewer above the horizon of the shading normal, which interpolation and normal maps can violate.
@@ -240,19 +300,18 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   sp.emission = Rgb(0);
   if (material.unlit) {
     sp.emission = parameters.base_color;
-    sp.bsdf.lobe_count = 0;
-    sp.bsdf.coat = 0;
+    clear(sp.bsdf);
     return;
   }
   if (material.emissive() && (sp.front_face || material.double_sided)) {
-    sp.emission = material.emission;
-    if (material.emission_texture.used()) {
-      // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
-      const TextureUse& use = material.emission_texture;
-      sp.emission *=
-          Rgb(scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0));
-    }
+    sp.emission = emission_at(scene, material, uv, cos_front);
     if (instance.first_light != kNoLight) sp.light = instance.first_light + hit.primitive;
+  }
+  if (material.layers >= 0) {
+    const LayerSample layers =
+        layers_at(scene, mesh, material, instance, t, g, uv, footprint_area, front, side, sp.frame);
+    make_layered_bsdf(sp.bsdf, parameters, layers, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
+    return;
   }
   make_bsdf(sp.bsdf, parameters, material, *scene.energy_tables, sp.wo_local.z, sp.front_face);
 }

@@ -19,21 +19,35 @@ RELUME_HD inline Rgb reflectance(const Lobe& lobe, float cos_i) {
   return lobe.f0 + (lobe.f90 - lobe.f0) * saturate((exact - f0) / (1.0f - f0));
 }
 
+/// The same where a film may lie on the outside, in whichever direction light passes.
+template <bool kLayered>
+RELUME_HD inline Rgb reflectance(const Lobe& lobe, const InterfaceDetail& detail, float cos_i) {
+  if (!kLayered || lobe.film == FilmBase::none) return reflectance(lobe, cos_i);
+  if (lobe.eta >= 1.0f) return film_reflectance(detail.film, lobe.film, cos_i);
+  const float sin2_outside = (1.0f - cos_i * cos_i) / (lobe.eta * lobe.eta);
+  if (sin2_outside >= 1.0f) return Rgb(1);
+  return film_reflectance(detail.film, lobe.film, safe_sqrt(1.0f - sin2_outside));
+}
+
 /// With which probability reflection is chosen: the share of light that it takes, as far as the tint lets both through.
 RELUME_HD inline float reflection_probability(const Rgb& reflectance) { return saturate(luminance(reflectance)); }
 
-RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const Vec3& wo, const Vec3& wi) {
+template <bool kLayered>
+RELUME_HD inline LobeEval eval_reflection(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
+                                          const Vec3& wi) {
   const Microfacet& mf = lobe.microfacet;
   const Vec3 m = glm::normalize(wo + wi);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
-  const Rgb reflected = reflectance(lobe, cos_om);
+  const Rgb reflected = reflectance<kLayered>(lobe, detail, cos_om);
   const float f = mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z);
   return {reflected * f, reflection_probability(reflected) * mf.pdf(wo, m) / (4.0f * cos_om)};
 }
 
 /// [Walter07], eq. 21 and 17.
-RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+template <bool kLayered>
+RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
+                                          const Vec3& wi, TransportMode mode) {
   const Microfacet& mf = lobe.microfacet;
   Vec3 m = wo + lobe.eta * wi;
   if (length_squared(m) < 1e-12f) return {};
@@ -42,7 +56,7 @@ RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const Vec3& wo, cons
   const float cos_om = glm::dot(wo, m);
   const float cos_im = glm::dot(wi, m);
   if (cos_om <= 0.0f || cos_im >= 0.0f) return {};
-  const Rgb reflected = reflectance(lobe, cos_om);
+  const Rgb reflected = reflectance<kLayered>(lobe, detail, cos_om);
   const float chosen = 1.0f - reflection_probability(reflected);
   const float jacobian_i = -cos_im * lobe.eta * lobe.eta / sqr(cos_om + lobe.eta * cos_im);
   const Vec3 wi_up(wi.x, wi.y, -wi.z);
@@ -51,16 +65,21 @@ RELUME_HD inline LobeEval eval_refraction(const Lobe& lobe, const Vec3& wo, cons
   return {transmitted * (f * transport_scale(lobe.eta, mode)), chosen * mf.pdf(wo, m) * jacobian_i};
 }
 
-RELUME_HD inline LobeEval eval(const Lobe& lobe, const Vec3& wo, const Vec3& wi, TransportMode mode) {
+template <bool kLayered>
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, const Vec3& wi,
+                               TransportMode mode) {
   if (wi.z == 0.0f) return {};
-  return wi.z > 0.0f ? eval_reflection(lobe, wo, wi) : eval_refraction(lobe, wo, wi, mode);
+  return wi.z > 0.0f ? eval_reflection<kLayered>(lobe, detail, wo, wi)
+                     : eval_refraction<kLayered>(lobe, detail, wo, wi, mode);
 }
 
-RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_side, const Vec2& u) {
+template <bool kLayered>
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, float u_side,
+                                   const Vec2& u) {
   const Vec3 m = lobe.microfacet.sample(wo, u);
   const float cos_om = glm::dot(wo, m);
   if (cos_om <= 0.0f) return {};
-  if (u_side < reflection_probability(reflectance(lobe, cos_om))) {
+  if (u_side < reflection_probability(reflectance<kLayered>(lobe, detail, cos_om))) {
     const Vec3 wi = reflect(wo, m);
     return {wi, Rgb(0), wi.z > 0.0f};
   }
@@ -73,9 +92,11 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_sid
 
 namespace relume::smooth_dielectric {
 
-RELUME_HD inline LobeSample sample(const Lobe& lobe, const Vec3& wo, float u_side, TransportMode mode) {
+template <bool kLayered>
+RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, float u_side,
+                                   TransportMode mode) {
   const Vec3 n(0, 0, 1);
-  const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+  const Rgb reflected = dielectric::reflectance<kLayered>(lobe, detail, wo.z);
   const float p = dielectric::reflection_probability(reflected);
   if (u_side < p) return {{-wo.x, -wo.y, wo.z}, reflected / p, true};
   Vec3 wi;

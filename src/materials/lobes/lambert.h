@@ -1,4 +1,4 @@
-// Diffuse reflection, bare or below a dielectric interface.
+// Diffuse reflection, bare or below a dielectric interface, and diffuse transmission through a thin sheet.
 #pragma once
 
 #include "materials/lobes/lobe.h"
@@ -29,14 +29,48 @@ RELUME_HD inline Rgb transmitted(const Lobe& lobe, const EnergyTable& table, flo
   return Rgb(1) - cover_albedo(lobe, table.directional_shares(cos_theta, r));
 }
 
+/// The value of diffuse reflection below an interface that lets `through_o` and `through_i` of light pass, and
+/// `average` of what comes from everywhere.
+RELUME_HD inline LobeEval below(const Lobe& lobe, const Rgb& through_o, const Rgb& through_i, const Rgb& average,
+                                float cos_i) {
+  Rgb f = lobe.color * kInvPi * through_o * through_i;
+  for (int c = 0; c < 3; ++c) f[c] = average[c] > 0.0f ? f[c] / average[c] : 0.0f;  // below a perfect mirror
+  return {f, cosine_hemisphere_pdf(cos_i)};
+}
+
+RELUME_HD_COLD inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf, const EnergyTables& tables,
+                                                const Vec3& wo, const Vec3& wi) {
+  const auto through = [&](const EnergyShares& shares) { return Rgb(1) - cover_albedo(lobe, shares); };
+  return below(lobe, through(tables.anisotropic.directional_shares(mf, wo)),
+               through(tables.anisotropic.directional_shares(mf, wi)), through(tables.anisotropic.average_shares(mf)),
+               wi.z);
+}
+
 /// f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − E_avg): reciprocal, and cover plus base reflect all light if ρ = 1
 /// ([Kulla17], the energy-conserving diffuse).
-RELUME_HD inline LobeEval eval(const Lobe& lobe, const EnergyTable& table, const Vec3& wo, const Vec3& wi) {
+template <bool kLayered>
+RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
+                               const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
+  if (kLayered && lobe.anisotropic) return eval_anisotropic(lobe, detail.anisotropy, tables, wo, wi);
+  const EnergyTable& table = tables.of(lobe.microfacet.model);
   const Rgb average = Rgb(1) - cover_albedo(lobe, table.average_shares(std::sqrt(lobe.microfacet.alpha)));
-  Rgb f = lobe.color * kInvPi * transmitted(lobe, table, wo.z) * transmitted(lobe, table, wi.z);
-  for (int c = 0; c < 3; ++c) f[c] = average[c] > 0.0f ? f[c] / average[c] : 0.0f;  // below a perfect mirror
-  return {f, cosine_hemisphere_pdf(wi.z)};
+  return below(lobe, transmitted(lobe, table, wo.z), transmitted(lobe, table, wi.z), average, wi.z);
 }
 
 }  // namespace relume::covered_lambert
+
+namespace relume::diffuse_transmission {
+
+/// The value of covered_lambert, mirrored to the other side; both sides have the cover.
+RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
+                                    const Vec3& wo, const Vec3& wi) {
+  return covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, -wi.z});
+}
+
+RELUME_HD inline LobeSample sample(const Vec2& u) {
+  const Vec3 up = cosine_hemisphere_from_square(u);
+  return {{up.x, up.y, -up.z}, Rgb(0), true};
+}
+
+}  // namespace relume::diffuse_transmission

@@ -5,21 +5,24 @@
 #include "materials/energy_tables.h"
 #include "materials/fresnel.h"
 #include "materials/microfacet.h"
+#include "materials/thin_film.h"
 
 namespace relume {
 
 enum class LobeKind : uint8_t {
-  lambert,              ///< diffuse reflection
-  covered_lambert,      ///< diffuse reflection below a dielectric interface
-  reflection,           ///< single scattering off microfacets
-  multiple_reflection,  ///< what bounces between microfacets
-  specular_reflection,  ///< delta reflection
-  dielectric,           ///< rough interface: reflection and refraction
-  smooth_dielectric,    ///< delta reflection and refraction
-  thin_transmission,    ///< through a rough thin wall, not refracted
-  null,                 ///< delta transmission without refraction
+  lambert,               ///< diffuse reflection
+  covered_lambert,       ///< diffuse reflection below a dielectric interface
+  reflection,            ///< single scattering off microfacets
+  multiple_reflection,   ///< what bounces between microfacets
+  specular_reflection,   ///< delta reflection
+  dielectric,            ///< rough interface: reflection and refraction
+  smooth_dielectric,     ///< delta reflection and refraction
+  thin_transmission,     ///< through a rough thin wall, not refracted
+  null,                  ///< delta transmission without refraction
+  sheen,                 ///< off the fibres of cloth
+  diffuse_transmission,  ///< diffuse, to the other side of a thin sheet
 };
-inline constexpr int kLobeKindCount = 9;
+inline constexpr int kLobeKindCount = 11;
 
 /// Properties of a kind of lobe.
 struct LobeTraits {
@@ -40,6 +43,8 @@ inline constexpr LobeTraits kLobeTraits[kLobeKindCount] = {
     {true, false, true, true},     // smooth_dielectric
     {false, true, true, false},    // thin_transmission
     {true, false, true, false},    // null
+    {false, false, false, false},  // sheen
+    {false, false, true, false},   // diffuse_transmission
 };
 
 /// One bit for each kind that has a trait, so that kernels test a bit instead of reading a table.
@@ -73,10 +78,14 @@ enum class TransportMode : uint8_t { radiance, importance };
 /// No member has a default: a surface point holds several lobes, and clearing them would cost more than a ray.
 struct Lobe {
   LobeKind kind;
+  FilmBase film;  ///< of layered BSDFs. none: Fresnel's term follows f0 and f90; else the film of InterfaceDetail lies
+                  ///< over this
+  bool anisotropic;  ///< of layered BSDFs: the microfacets are those of InterfaceDetail; `microfacet` is their
+                     ///< geometric mean
   Microfacet microfacet;
   float eta;          ///< dielectric: index beyond over index on wo's side
   Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0;             ///< reflectance from the front; covered_lambert: of the cover
+  Rgb f0;             ///< reflectance from the front; of covers: of the cover; below a film: film_f0_bound()
   Rgb f90;            ///< and at grazing angles
   float weight;       ///< share of the mixture that this lobe stands for
   float probability;  ///< with which sampling chooses this lobe
@@ -85,6 +94,22 @@ struct Lobe {
 /// What it reflects or transmits is an image: it is a delta lobe or narrower than kNarrowAlpha.
 RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
   return is_delta(lobe.kind) || (is_glossy(lobe.kind) && lobe.microfacet.alpha < kNarrowAlpha);
+}
+
+/// What the lobes of anisotropic, iridescent or coated surfaces share beyond Lobe; one a BSDF, filled where a lobe
+/// needs it.
+struct InterfaceDetail {
+  AnisotropicGgx anisotropy;
+  ThinFilm film;
+  Vec3 coat_normal;  ///< unit, local: of a clearcoat that does not lie as the surface below it
+};
+
+/// Fresnel's term of lobes that reflect off the outside. `kLayered`, here and in the functions of lobes: of a layered
+/// BSDF, whose lobes may be iridescent or anisotropic; code for the others does not ask.
+template <bool kLayered>
+RELUME_HD inline Rgb fresnel(const Lobe& lobe, const InterfaceDetail& detail, float cos_theta) {
+  if (kLayered && lobe.film != FilmBase::none) return film_reflectance(detail.film, lobe.film, cos_theta);
+  return fresnel_schlick(lobe.f0, lobe.f90, cos_theta);
 }
 
 /// Value and density of a lobe for one pair of directions.

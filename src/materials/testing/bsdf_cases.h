@@ -2,10 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "materials/make_bsdf.h"
+#include "materials/make_layered_bsdf.h"
 
 namespace relume::testing {
 
@@ -22,6 +23,8 @@ inline std::string to_string(MicrofacetModel model) { return model == Microfacet
 inline Lobe make_lobe(LobeKind kind, const Microfacet& microfacet, float eta) {
   Lobe lobe{};
   lobe.kind = kind;
+  lobe.film = FilmBase::none;
+  lobe.anisotropic = false;
   lobe.microfacet = microfacet;
   lobe.eta = eta;
   lobe.color = Rgb(0.9f, 0.6f, 0.3f);
@@ -38,7 +41,8 @@ inline BsdfCase single_lobe(LobeKind kind, const std::string& name, float roughn
   return {name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model),
           is_glossy(kind) ? microfacet.alpha : 1.0f, eta, [=](float cos_theta_o, bool front_face) {
             Bsdf bsdf{};
-            bsdf.tables = &energy_tables();
+            bsdf.tables = &layered_energy_tables();
+            bsdf.layered = true;
             bsdf.lobes[bsdf.lobe_count++] = make_lobe(kind, microfacet, front_face ? eta : 1.0f / eta);
             prepare(bsdf, cos_theta_o);
             return bsdf;
@@ -64,6 +68,10 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
             cases.push_back(single_lobe(kind, "dielectric, inside", r, model, 1.0f / 1.5f));
             break;
           case LobeKind::thin_transmission: cases.push_back(single_lobe(kind, "thin transmission", r, model)); break;
+          case LobeKind::sheen: cases.push_back(single_lobe(kind, "sheen", r, model)); break;
+          case LobeKind::diffuse_transmission:
+            cases.push_back(single_lobe(kind, "diffuse transmission", r, model));
+            break;
           case LobeKind::specular_reflection:
           case LobeKind::smooth_dielectric:
           case LobeKind::null: break;  // delta: tested on their own
@@ -80,6 +88,7 @@ struct MaterialCase {
   MaterialSample sample;
   bool volume = false;
   float ior = 1.5f;
+  std::optional<LayerSample> layers = {};
 };
 
 inline BsdfCase full_material(const MaterialCase& m, float roughness, MicrofacetModel model) {
@@ -95,7 +104,11 @@ inline BsdfCase full_material(const MaterialCase& m, float roughness, Microfacet
   return {m.name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model), alpha,
           m.volume ? m.ior : 1.0f, [=](float cos_theta_o, bool front_face) {
             Bsdf bsdf{};
-            make_bsdf(bsdf, sample, data, energy_tables(), cos_theta_o, front_face);
+            if (m.layers) {
+              make_layered_bsdf(bsdf, sample, *m.layers, data, layered_energy_tables(), cos_theta_o, front_face);
+            } else {
+              make_bsdf(bsdf, sample, data, energy_tables(), cos_theta_o, front_face);
+            }
             return bsdf;
           }};
 }
@@ -142,12 +155,77 @@ inline std::vector<MaterialCase> material_list() {
   return list;
 }
 
+/// The same with the layers of make_layered_bsdf.h, each alone and several together.
+inline std::vector<MaterialCase> layered_material_list() {
+  std::vector<MaterialCase> list;
+  const auto add = [&](const std::string& base, const std::string& name, const auto& change) {
+    for (MaterialCase m : material_list()) {
+      if (m.name != base) continue;
+      m.name = name + " " + base;
+      m.layers.emplace();
+      change(m, *m.layers);
+      list.push_back(std::move(m));
+    }
+  };
+  const auto brushed = [](float strength, const Vec2& direction) {
+    return [=](MaterialCase&, LayerSample& l) {
+      l.anisotropy = strength;
+      l.anisotropy_direction = direction;
+    };
+  };
+  add("metal", "brushed", brushed(0.7f, {0.6f, 0.8f}));
+  add("half metal", "slightly brushed", brushed(0.3f, {1, 0}));
+  add("coated plastic", "brushed", brushed(1.0f, {-0.8f, 0.6f}));
+  const auto velvet = [](MaterialCase&, LayerSample& l) {
+    l.sheen_color = Rgb(0.9f, 0.5f, 0.2f);
+    l.sheen_roughness = 0.6f;
+  };
+  for (const char* base : {"plastic", "coated plastic", "half thin wall"}) add(base, "velvet", velvet);
+  add("diffuse", "thin-haired", [&](MaterialCase& m, LayerSample& l) {
+    velvet(m, l);
+    l.sheen_roughness = 0.1f;
+  });
+  const auto filmy = [](MaterialCase&, LayerSample& l) {
+    l.iridescence = 0.8f;
+    l.iridescence_thickness_nm = 350;
+  };
+  for (const char* base : {"metal", "plastic", "glass", "thin wall", "half metal", "tinted glass"})
+    add(base, "iridescent", filmy);
+  add("metal", "brushed iridescent", [&](MaterialCase& m, LayerSample& l) {
+    filmy(m, l);
+    brushed(0.5f, {0, 1})(m, l);
+  });
+  const auto leaf = [](MaterialCase&, LayerSample& l) {
+    l.diffuse_transmission = 0.4f;
+    l.diffuse_transmission_color = Rgb(0.3f, 0.9f, 0.1f);
+  };
+  for (const char* base : {"plastic", "diffuse", "half thin wall"}) add(base, "leafy", leaf);
+  const auto tilted = [](MaterialCase&, LayerSample& l) {
+    l.coat_tilted = true;
+    l.coat_normal = glm::normalize(Vec3(0.2f, -0.1f, 1));
+  };
+  for (const char* base : {"coated metal", "coated plastic", "coated glass"}) add(base, "tilted", tilted);
+  add("coated plastic", "layered", [&](MaterialCase& m, LayerSample& l) {
+    for (const auto& change :
+         std::vector<std::function<void(MaterialCase&, LayerSample&)>>{velvet, filmy, leaf, tilted})
+      change(m, l);
+  });
+  return list;
+}
+
 inline std::vector<BsdfCase> material_cases(const std::vector<float>& roughnesses) {
   std::vector<BsdfCase> cases;
   for (const MaterialCase& m : material_list()) {
     for (const float r : roughnesses) {
       for (const MicrofacetModel model : {MicrofacetModel::ggx, MicrofacetModel::beckmann})
         cases.push_back(full_material(m, r, model));
+    }
+  }
+  for (const MaterialCase& m : layered_material_list()) {
+    constexpr float kSmoothestBrushed = 0.15f;  // narrower streaks are beyond quadrature
+    for (const float r : roughnesses) {
+      const bool brushed = m.layers->anisotropy > 0.0f;
+      cases.push_back(full_material(m, brushed ? std::fmax(r, kSmoothestBrushed) : r, MicrofacetModel::ggx));
     }
   }
   return cases;

@@ -179,33 +179,6 @@ TEST(GltfMaterial, ReadsTextureTransforms) {
   EXPECT_TRUE(mentions(scene.warnings, "texture coordinate set 5"));
 }
 
-TEST(GltfMaterial, SaysThatAClearcoatDoesNotDimEmission) {
-  GltfBuilder file;
-  file.add_triangle_with_material({{"name", "lamp"},
-                                   {"emissiveFactor", {0, 1, 0}},
-                                   {"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}});
-  EXPECT_TRUE(mentions(file.load().warnings, "material 'lamp' emits below a clearcoat"));
-}
-
-TEST(GltfMaterial, SaysWhereACoatIsBentAsItsBase) {
-  const auto warnings = [](const json& coat_normal, bool base_normal) {
-    GltfBuilder file;
-    json material = {{"name", "car"}, {"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}};
-    for (int i = 0; i < 2; ++i) add_texture(file, 128);
-    if (base_normal) material["normalTexture"] = {{"index", 0}};
-    if (!coat_normal.is_null())
-      material["extensions"]["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", coat_normal}};
-    file.add_triangle_with_material(material);
-    return file.load().warnings;
-  };
-  EXPECT_TRUE(warnings(nullptr, false).empty());
-  EXPECT_TRUE(warnings(0, true).empty());
-  EXPECT_TRUE(mentions(warnings(nullptr, true), "'car': its clearcoat is smooth"));
-  EXPECT_TRUE(mentions(warnings(1, true), "of its own"));
-  EXPECT_TRUE(mentions(warnings(1, false), "of its own"));
-  EXPECT_TRUE(mentions(warnings(1e300, true), "smooth"));
-}
-
 TEST(GltfMaterial, ReadsImagesFromBufferViews) {
   GltfBuilder file;
   const int view = file.add_view(solid_png(3, 1, 9, 8, 7, 6));

@@ -26,16 +26,6 @@ AlphaMode alpha_mode(const std::string& name) {
   return AlphaMode::opaque;
 }
 
-/// Whether a normal texture of an extension says what that of the material says, if both name the same texture.
-bool bends_alike(const tinygltf::NormalTextureInfo& base, const tinygltf::Value& other) {
-  const tinygltf::Value* extensions = object_member(other, "extensions");
-  const tinygltf::Value* a = find_extension(base.extensions, "KHR_texture_transform");
-  const tinygltf::Value* b = extensions ? object_member(*extensions, "KHR_texture_transform") : nullptr;
-  const bool same_place = a && b ? *a == *b : !a && !b;
-  return same_place && base.texCoord == integer_member(other, "texCoord", 0) &&
-         base.scale == number_member(other, "scale", 1);
-}
-
 }  // namespace
 
 Index MaterialImporter::import(int material) {
@@ -78,19 +68,6 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
     document_.warnings.note("occlusion textures are ignored; occlusion is computed");
 }
 
-/// A coat is bent as the base below it.
-void MaterialImporter::warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
-                                            const Material& m) {
-  if (!(m.clearcoat > 0)) return;
-  const tinygltf::Value* own = object_member(clearcoat, "clearcoatNormalTexture");
-  const tinygltf::NormalTextureInfo& base = source.normalTexture;
-  const int coat = own ? integer_member(*own, "index", -1) : -1;
-  if (coat == base.index && (!own || bends_alike(base, *own))) return;
-  document_.warnings.add(fmt::format("material '{}': its clearcoat {}", m.name,
-                                     coat >= 0 ? "has a normal texture of its own, which is ignored"
-                                               : "is smooth over a normal texture; here it is bent by that, too"));
-}
-
 void MaterialImporter::convert_emission_strength(const tinygltf::Material& source, Material& m) {
   const auto* e = find_extension(source.extensions, "KHR_materials_emissive_strength");
   if (!e) return;
@@ -117,7 +94,18 @@ void MaterialImporter::read(const tinygltf::Value& extension, const MaterialPara
 
 void MaterialImporter::read(const tinygltf::Value& extension, const MaterialParameter& p, const Material&,
                             TextureRef& value) {
-  value = reference(extension, p.gltf.key, p.color_texture ? TextureUse::color : TextureUse::data);
+  const TextureUse data = p.texture_scale ? TextureUse::normal : TextureUse::data;
+  value = reference(extension, p.gltf.key, p.color_texture ? TextureUse::color : data);
+}
+
+/// "scale" of the normal textures of extensions.
+void MaterialImporter::read_texture_scales(const tinygltf::Material& source, Material& m) {
+  for (const MaterialParameter& p : material_parameters()) {
+    if (!p.texture_scale || !p.gltf.extension) continue;
+    const auto* extension = find_extension(source.extensions, p.gltf.extension);
+    const tinygltf::Value* info = extension ? object_member(*extension, p.gltf.key) : nullptr;
+    if (info) m.*p.texture_scale = limited(number_member(*info, "scale", 1), -kLargest, kLargest, p.name, m.name);
+  }
 }
 
 void MaterialImporter::convert_extensions(const tinygltf::Material& source, Material& m) {
@@ -128,17 +116,9 @@ void MaterialImporter::convert_extensions(const tinygltf::Material& source, Mate
       if (extension) read(*extension, p, m, value);
     }
   });
+  read_texture_scales(source, m);
   apply_material_extras(source.extras, m);
   m.unlit = find_extension(source.extensions, "KHR_materials_unlit") != nullptr;
-  warn_of_layers(source, m);
-}
-
-/// What extensions say that has no parameter here.
-void MaterialImporter::warn_of_layers(const tinygltf::Material& source, const Material& m) {
-  if (const auto* coat = find_extension(source.extensions, "KHR_materials_clearcoat"))
-    warn_of_coat_normals(source, *coat, m);
-  if (!m.unlit && m.clearcoat > 0 && m.emission != Vec3(0))
-    document_.warnings.add("material '" + m.name + "' emits below a clearcoat, which does not dim its light");
   const auto* volume = find_extension(source.extensions, "KHR_materials_volume");
   if (volume && object_member(*volume, "thicknessTexture"))
     document_.warnings.add("thickness textures are ignored; rays measure the thickness");

@@ -28,9 +28,7 @@ class MaterialImporter {
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, float& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, Rgb& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, TextureRef& value);
-  void warn_of_layers(const tinygltf::Material& source, const Material& material);
-  void warn_of_coat_normals(const tinygltf::Material& source, const tinygltf::Value& clearcoat,
-                            const Material& material);
+  void read_texture_scales(const tinygltf::Material& source, Material& material);
   TextureRef reference(int texture, int uv_set, const tinygltf::Value* transform, TextureUse use);
   template <typename Info>
   TextureRef reference(const Info& info, TextureUse use);

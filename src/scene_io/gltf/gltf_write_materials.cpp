@@ -120,7 +120,8 @@ OutputJson MaterialWriter::material(const Material& m) {
   OutputJson json = OutputJson::object();
   if (!m.name.empty()) json["name"] = m.name;
   json["pbrMetallicRoughness"] = metallic_roughness(m);
-  add_normal_texture(json, "normalTexture", m);
+  add_texture(json, "normalTexture", m.normal_texture, Use::data);
+  if (m.normal_texture.used() && m.normal_scale != 1) json["normalTexture"]["scale"] = number(m.normal_scale);
   const float strength = std::fmax(1.0f, max_component(m.emission));
   if (!is_black(m.emission)) json["emissiveFactor"] = numbers(m.emission / strength);
   add_texture(json, "emissiveTexture", m.emission_texture, Use::color);
@@ -162,19 +163,14 @@ void MaterialWriter::add_parameters(const Material& m, OutputJson& extensions) {
     OutputJson members = OutputJson::object();
     if constexpr (std::is_same_v<T, TextureRef>) {
       add_texture(members, p.gltf.key, value, p.color_texture ? Use::color : Use::data);
+      if (p.texture_scale && value.used() && m.*p.texture_scale != 1)
+        members[p.gltf.key]["scale"] = number(m.*p.texture_scale);
     } else if (const T& fallback = defaults.*std::get<T Material::*>(p.member); value != fallback) {
       if constexpr (std::is_same_v<T, float>) members[p.gltf.key] = number(value);
       if constexpr (std::is_same_v<T, Rgb>) members[p.gltf.key] = numbers(value);
     }
     if (!members.empty()) add_extension(extensions, p.gltf.extension, std::move(members));
   });
-  if (m.clearcoat != 0)
-    add_normal_texture(extensions["KHR_materials_clearcoat"], "clearcoatNormalTexture", m);  // as the base
-}
-
-void MaterialWriter::add_normal_texture(OutputJson& json, const char* key, const Material& m) {
-  add_texture(json, key, m.normal_texture, Use::data);
-  if (m.normal_texture.used() && m.normal_scale != 1) json[key]["scale"] = number(m.normal_scale);
 }
 
 void MaterialWriter::add_extension(OutputJson& extensions, const char* name, const OutputJson& members) {

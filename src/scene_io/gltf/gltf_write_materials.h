@@ -30,7 +30,6 @@ class MaterialWriter {
   void add_parameters(const Material& m, OutputJson& extensions);
   /// Adds a texture info at `key` if `ref` names a texture.
   void add_texture(OutputJson& object, const char* key, const TextureRef& ref, Use use);
-  void add_normal_texture(OutputJson& object, const char* key, const Material& material);
   /// Adds `members` to those that the extension has.
   void add_extension(OutputJson& extensions, const char* name, const OutputJson& members);
 

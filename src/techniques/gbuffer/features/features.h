@@ -25,13 +25,19 @@ struct NarrowStep {
 namespace feature_detail {
 
 /// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
-RELUME_HD inline Vec3 main_direction(const Lobe& lobe, const Vec3& wo, Rgb* share, float* eta_scale) {
+RELUME_HD inline Vec3 main_direction(const Bsdf& bsdf, int i, const Vec3& wo, Rgb* share, float* eta_scale) {
+  const Lobe& lobe = bsdf.lobes[i];
   const Vec3 mirrored(-wo.x, -wo.y, wo.z);
   *share = Rgb(1);
   *eta_scale = 1.0f;
+  if (bsdf.layered && bsdf.coat_tilted && bsdf.is_coat(i)) {
+    const Vec3 by_coat = reflect(wo, bsdf.detail.coat_normal);
+    return by_coat.z > 0.0f ? by_coat : mirrored;
+  }
   if (!transmits(lobe.kind)) return mirrored;
   if (!refracts(lobe.kind)) return -wo;
-  const Rgb reflected = dielectric::reflectance(lobe, wo.z);
+  const Rgb reflected =
+      bsdf.layered ? dielectric::reflectance<true>(lobe, bsdf.detail, wo.z) : dielectric::reflectance(lobe, wo.z);
   const Rgb through = lobe.color * (Rgb(1) - reflected);
   const Rgb total = reflected + through;
   Vec3 wi;
@@ -57,15 +63,14 @@ RELUME_HD inline bool has_narrow(const Bsdf& bsdf) {
 RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   NarrowStep step;
   if (!feature_detail::has_narrow(sp.bsdf)) return step;
-  const float below_coat = coat_transmittance(sp.bsdf, sp.wo_local.z);
+  const LayerTransmittance layers = layer_transmittance(sp.bsdf, sp.wo_local.z);
   Rgb total(0);
   Rgb largest(0);
   float narrow = 0;
   int chosen = -1;
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
-    const float share = sp.bsdf.is_coat(i) ? 1.0f : below_coat;
-    const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * share;
+    const Rgb albedo = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
     total += albedo;
     if (!is_narrow(lobe)) continue;
     narrow += luminance(albedo);
@@ -76,7 +81,7 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   if (chosen < 0 || 2.0f * narrow <= luminance(total)) return step;
   Rgb share;
   float eta_scale = 1;
-  const Vec3 wi = feature_detail::main_direction(sp.bsdf.lobes[chosen], sp.wo_local, &share, &eta_scale);
+  const Vec3 wi = feature_detail::main_direction(sp.bsdf, chosen, sp.wo_local, &share, &eta_scale);
   step.wi = sp.frame.to_world(wi);
   step.reflected = wi.z > 0.0f;
   step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
@@ -140,7 +145,7 @@ struct FeatureTracer {
     if (alpha > kWidestReflection) return;
     Rgb share;
     float eta_scale = 1;
-    const Vec3 wi_local = feature_detail::main_direction(lobe, sp.wo_local, &share, &eta_scale);
+    const Vec3 wi_local = feature_detail::main_direction(sp.bsdf, chosen, sp.wo_local, &share, &eta_scale);
     const Vec3 wi = sp.frame.to_world(wi_local);
     if (!(glm::dot(wi, sp.ng) * wi_local.z > 0.0f)) return;
     reflection.albedo = albedo * let_through;

@@ -30,14 +30,14 @@ namespace reflection_detail {
 
 /// The specular lobe that returns the most light, or −1.
 RELUME_HD inline int main_lobe(const SurfacePoint& sp, Rgb* albedo) {
-  const float below_coat = coat_transmittance(sp.bsdf, sp.wo_local.z);
+  const LayerTransmittance layers = layer_transmittance(sp.bsdf, sp.wo_local.z);
   float most = 0;
   int chosen = -1;
   *albedo = Rgb(0);
   for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
     if (!is_specular(lobe.kind)) continue;
-    const Rgb returned = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * (sp.bsdf.is_coat(i) ? 1.0f : below_coat);
+    const Rgb returned = lobe_albedo(lobe, *sp.bsdf.tables, sp.wo_local.z) * layers.to(sp.bsdf, i);
     *albedo += returned;
     if (luminance(returned) <= most) continue;
     most = luminance(returned);

@@ -47,10 +47,10 @@ RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float na
   Demodulation d;
   float narrow = 0;
   float total = 0;
-  const float below_coat = coat_transmittance(bsdf, cos_theta_o);
+  const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta_o);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    const float share = bsdf.is_coat(i) ? 1.0f : below_coat;
+    const float share = layers.to(bsdf, i);
     const Rgb albedo = lobe_albedo(lobe, *bsdf.tables, cos_theta_o) * share;
     const bool microfacets = is_glossy(lobe.kind);
     const bool delta = is_delta(lobe.kind);

@@ -41,7 +41,9 @@ RELUME_HD inline uint32_t store_direction(const Vec3& w) {
 }
 
 /// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses small α and what refracts.
-RELUME_HD inline bool near_specular(const Lobe& lobe) { return transmits(lobe.kind) || is_narrow(lobe); }
+RELUME_HD inline bool near_specular(const Lobe& lobe) {
+  return (transmits(lobe.kind) && is_specular(lobe.kind)) || is_narrow(lobe);
+}
 
 /// One such lobe is enough, as the paper refuses materials: a smooth coat over a diffuse base mirrors the room, and the
 /// mean that is kept cannot be taken apart into both.

@@ -29,8 +29,18 @@ RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
 RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w) {
   if (!scatters_alike(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
-  if (local.z > 0.0f) return 1.0f;  // reflection: the angles are equal, and so is everything that follows from them
+  const bool tilted = sp.bsdf.layered && sp.bsdf.coat_tilted;
+  // Reflection: the angles are equal, and so is everything that follows from them.
+  if (local.z > 0.0f && !tilted) return 1.0f;
   Bsdf reversed = sp.bsdf;
+  if (local.z > 0.0f) {
+    // Either the base or the coat reflected it; the angles to the normal of the base are equal in the first case.
+    const Vec3 mirrored(-sp.wo_local.x, -sp.wo_local.y, sp.wo_local.z);
+    const Vec3 by_coat = reflect(sp.wo_local, sp.bsdf.detail.coat_normal);
+    if (length_squared(local - mirrored) < length_squared(local - by_coat)) return 1.0f;
+    prepare(reversed, local.z);
+    return reversed.lobes[0].probability / sp.bsdf.lobes[0].probability;
+  }
   for (int i = 0; i < reversed.lobe_count; ++i) reversed.lobes[i] = flipped(reversed.lobes[i]);
   prepare(reversed, -local.z);
   for (int i = 0; i < reversed.lobe_count; ++i) {
@@ -41,6 +51,22 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
     return reversed.lobes[i].probability / lobe.probability * jacobian;
   }
   return 0.0f;
+}
+
+/// Takes the directions that a BSDF holds from one local frame to another.
+RELUME_HD inline void turn_details(Bsdf& bsdf, const Frame& from, const Frame& to) {
+  if (!bsdf.layered) return;
+  if (bsdf.coat_tilted) {
+    const float side = glm::dot(from.n, to.n) < 0.0f ? -1.0f : 1.0f;
+    bsdf.detail.coat_normal = to.to_local(from.to_world(bsdf.detail.coat_normal)) * side;
+  }
+  bool anisotropic = false;
+  for (int i = 0; i < bsdf.lobe_count; ++i) anisotropic = anisotropic || bsdf.lobes[i].anisotropic;
+  if (!anisotropic) return;
+  Vec2& tangent = bsdf.detail.anisotropy.tangent;
+  const Vec3 along = to.to_local(from.to_world({tangent.x, tangent.y, 0.0f}));
+  const float length = std::sqrt(along.x * along.x + along.y * along.y);
+  if (length > 0.0f) tangent = {along.x / length, along.y / length};
 }
 
 /// The same surface with another viewer.
@@ -55,6 +81,7 @@ RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) 
   }
   other.frame = make_frame(surface_detail::visible_shading_normal(other.ns, other.ng, wo));
   other.wo_local = other.frame.to_local(wo);
+  turn_details(other.bsdf, sp.frame, other.frame);
   prepare(other.bsdf, other.wo_local.z);
   return other;
 }

@@ -1,0 +1,120 @@
+// White furnaces of the layers that make_layered_bsdf.h adds.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "materials/testing/furnace.h"
+
+namespace relume {
+namespace {
+
+using testing::albedo_by_quadrature;
+using testing::albedo_by_sampling;
+using testing::BsdfCase;
+using testing::largest_albedo_by_sampling;
+using testing::MaterialCase;
+using testing::Mean;
+using testing::Random;
+using testing::white;
+
+constexpr double kWhite = 1e-3;             // what a white furnace may miss
+constexpr double kAnisotropicError = 0.03;  // where the tables of anisotropic surfaces are used
+const std::vector<float> kRoughness{0.05f, 0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f};
+const std::vector<float> kCosines{1.0f, 0.8f, 0.5f, 0.25f, 0.1f, 0.03f};
+
+TEST(LayeredEnergy, NoLayerCreatesLight) {
+  for (MaterialCase m : testing::layered_material_list()) {
+    m.sample.base_color = Rgb(1);
+    m.sample.specular_color = Rgb(1);
+    m.layers->diffuse_transmission_color = Rgb(1);
+    if (!is_black(m.layers->sheen_color)) m.layers->sheen_color = Rgb(1);
+    const double tolerance = m.layers->anisotropy > 0.0f ? kAnisotropicError : kWhite;
+    for (const float r : {0.0f, 0.1f, 0.3f, 0.6f, 1.0f}) {
+      const BsdfCase c = testing::full_material(m, r, MicrofacetModel::ggx);
+      for (const float cos_o : {1.0f, 0.5f, 0.1f, 0.03f}) {
+        const Mean mean = largest_albedo_by_sampling(c, cos_o, 4000);
+        EXPECT_LT(mean.value, 1.0 + tolerance + 5 * mean.error) << c.name << ", cos " << cos_o;
+      }
+    }
+  }
+}
+
+/// The bound of AnisotropicEnergyTable, from both sides.
+TEST(LayeredEnergy, BrushedMetalIsNearlyWhite) {
+  double sum = 0;
+  int count = 0;
+  for (const float strength : {0.2f, 0.5f, 0.8f, 1.0f}) {
+    for (const float angle : {0.0f, 0.5f, 1.2f, 1.5f}) {
+      MaterialCase metal = white("brushed metal", 1, 0, false);
+      metal.layers.emplace();
+      metal.layers->anisotropy = strength;
+      metal.layers->anisotropy_direction = {std::cos(angle), std::sin(angle)};
+      for (const float r : kRoughness) {
+        const BsdfCase c = testing::full_material(metal, r, MicrofacetModel::ggx);
+        for (const float cos_o : kCosines) {
+          const Mean mean = albedo_by_sampling(c, cos_o, 20000);
+          EXPECT_NEAR(mean.value, 1.0, kAnisotropicError + 5 * mean.error)
+              << c.name << ", strength " << strength << ", angle " << angle << ", cos " << cos_o;
+          sum += std::fabs(mean.value - 1.0);
+          ++count;
+        }
+      }
+    }
+  }
+  EXPECT_LT(sum / count, 0.01);
+}
+
+/// Cloth over a white base returns no more than all, and loses little where the fibres take little.
+TEST(LayeredEnergy, SheenTakesWhatItReturnsFromTheBase) {
+  for (const float sheen_roughness : {0.1f, 0.3f, 0.6f, 1.0f}) {
+    MaterialCase cloth = white("cloth", 0, 0, false);
+    cloth.sample.specular = 0;
+    cloth.layers.emplace();
+    cloth.layers->sheen_roughness = sheen_roughness;
+    for (const float color : {0.3f, 1.0f}) {
+      cloth.layers->sheen_color = Rgb(color);
+      const BsdfCase c = testing::full_material(cloth, 1, MicrofacetModel::ggx);
+      for (const float cos_o : kCosines) {
+        const double albedo = albedo_by_quadrature(c, cos_o);
+        EXPECT_LT(albedo, 1.0 + 5e-3) << sheen_roughness << ", cos " << cos_o;
+        EXPECT_GT(albedo, 1.0 - 0.6 * color) << sheen_roughness << ", cos " << cos_o;
+      }
+    }
+  }
+}
+
+TEST(LayeredEnergy, DiffuseTransmissionSharesDiffuseLight) {
+  MaterialCase sheet = white("sheet", 0, 0, false);
+  sheet.sample.specular = 0;
+  sheet.layers.emplace();
+  sheet.layers->diffuse_transmission = 0.25f;
+  const Bsdf bsdf = testing::full_material(sheet, 1, MicrofacetModel::ggx).make(0.6f, true);
+  const Vec3 wo = testing::viewer(0.6f);
+  const Vec3 wi = testing::viewer(0.3f);
+  EXPECT_NEAR(eval_pdf(bsdf, wo, wi).f.x, 0.75f * kInvPi, 1e-5f);
+  EXPECT_NEAR(eval_pdf(bsdf, wo, -wi).f.x, 0.25f * kInvPi, 1e-5f);
+}
+
+TEST(LayeredEnergy, ATiltedCoatThatLiesFlatIsTheCoat) {
+  MaterialCase coated = white("coated", 0.5f, 0, false);
+  coated.sample.clearcoat = 1;
+  for (const float coat_roughness : {0.0f, 0.4f}) {
+    coated.sample.clearcoat_roughness = coat_roughness;
+    coated.layers.reset();
+    const Bsdf flat = testing::full_material(coated, 0.5f, MicrofacetModel::ggx).make(0.6f, true);
+    coated.layers.emplace();
+    coated.layers->coat_tilted = true;
+    const Bsdf tilted = testing::full_material(coated, 0.5f, MicrofacetModel::ggx).make(0.6f, true);
+    const Vec3 wo = testing::viewer(0.6f);
+    Random random(44);
+    for (int i = 0; i < 100; ++i) {
+      Vec3 wi = random.direction();
+      wi.z = std::fabs(wi.z);
+      const Rgb a = eval_pdf(flat, wo, wi).f;
+      EXPECT_LT(max_component(abs(a - eval_pdf(tilted, wo, wi).f)), 1e-4f * (1 + max_component(a)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace relume

@@ -1,0 +1,32 @@
+// Sheen: light that the fibres of cloth throw back, mostly at grazing angles ([Estevez17], KHR_materials_sheen).
+#pragma once
+
+#include "materials/lobes/lobe.h"
+#include "sampling/warp.h"
+
+namespace relume::sheen {
+
+/// Uniform over the hemisphere: the lobe is broad, and largest at the horizon, where a cosine has no samples.
+RELUME_HD inline float hemisphere_pdf() { return 0.5f * kInvPi; }
+
+/// Where fibres would return more than all light, the value is divided by the larger albedo of both directions, which
+/// keeps it reciprocal. lobe.microfacet.alpha: that of the fibres.
+RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
+  if (wi.z <= 0.0f) return {};
+  const float alpha = lobe.microfacet.alpha;
+  const float cos_m = glm::normalize(wo + wi).z;
+  const float albedo = relume::max(tables.sheen.directional(wo.z, alpha), tables.sheen.directional(wi.z, alpha));
+  return {lobe.color * (value(cos_m, wo.z, wi.z, alpha) / relume::max(albedo, 1.0f)), hemisphere_pdf()};
+}
+
+RELUME_HD inline LobeSample sample(const Vec2& u) {
+  const Vec3 wi = cone_from_square(u, 1.0f);
+  return {wi, Rgb(0), wi.z > 0.0f};
+}
+
+/// Share of light that fibres return at `cos_theta`, times lobe.color: the most that they can.
+RELUME_HD_COLD inline float albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
+  return relume::min(tables.sheen.directional(std::fabs(cos_theta), lobe.microfacet.alpha), 1.0f);
+}
+
+}  // namespace relume::sheen

@@ -1,0 +1,44 @@
+// A clearcoat with a normal of its own over a surface that is bent in another way (KHR_materials_clearcoat).
+#pragma once
+
+#include "core/frame.h"
+#include "materials/lobes/reflection.h"
+
+namespace relume::tilted_coat {
+
+/// Light falls on the surface with one cosine and on the coat with another. Dividing by the larger of the two keeps the
+/// coat reciprocal, and it never returns more than in its own frame.
+RELUME_HD inline float cosine_ratio(float cos_coat, float cos_surface) {
+  return cos_coat / relume::max(cos_coat, cos_surface);
+}
+
+RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, const Vec3& wi) {
+  if (wi.z <= 0.0f) return {};
+  const Frame frame = make_frame(detail.coat_normal);
+  const Vec3 o = frame.to_local(wo);
+  const Vec3 i = frame.to_local(wi);
+  if (o.z <= 0.0f || i.z <= 0.0f) return {};
+  LobeEval e = reflection::eval<true>(lobe, detail, o, i);
+  e.f *= cosine_ratio(o.z, wo.z) * cosine_ratio(i.z, wi.z);
+  return e;
+}
+
+RELUME_HD_COLD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
+                                        const Vec2& u) {
+  const Frame frame = make_frame(detail.coat_normal);
+  const Vec3 o = frame.to_local(wo);
+  if (o.z <= 0.0f) return {};
+  if (lobe.kind != LobeKind::specular_reflection) {
+    LobeSample s = reflection::sample<true>(lobe, detail, o, u);
+    s.wi = frame.to_world(s.wi);
+    s.valid = s.valid && s.wi.z > 0.0f;
+    return s;
+  }
+  const Vec3 wi = reflect(wo, detail.coat_normal);
+  if (wi.z <= 0.0f) return {};
+  // f cos θ, where the surface's cosine replaces the coat's.
+  const float share = cosine_ratio(o.z, wo.z) * wi.z / relume::max(o.z, wi.z);
+  return {wi, fresnel<true>(lobe, detail, o.z) * share, true};
+}
+
+}  // namespace relume::tilted_coat
