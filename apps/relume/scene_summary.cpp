@@ -87,6 +87,7 @@ SceneSummary summarize(const Scene& scene) {
   for (const Texture& texture : scene.textures) summary.texture_bytes += bytes_of(texture.texels);
   summary.texture_bytes += bytes_of(scene.environment.map);
   for (size_t i = 0; i < scene.cameras.size(); ++i) summary.cameras.push_back(camera_text(scene.cameras[i], i));
+  summary.variants = scene.variants;
   summary.animation_s = animation_end(scene);
   summary.clips = scene.clips;
   summary.environment = environment_text(scene.environment);
@@ -110,6 +111,8 @@ std::string to_text(const SceneSummary& s) {
   line("environment", s.environment);
   line("cameras", format_count(s.cameras.size()));
   for (const std::string& camera : s.cameras) line("", printable(camera));
+  if (!s.variants.empty()) line("variants", format_count(s.variants.size()));
+  for (const std::string& variant : s.variants) line("", printable(variant));
   line("animation", s.animation_s > 0 ? fmt::format("{:g} s", s.animation_s) : "none");
   for (size_t i = 0; i < s.clips.size(); ++i) line("", fmt::format("{} {}", i, printable(s.clips[i])));
   if (s.bounds_min.x <= s.bounds_max.x) {

@@ -128,6 +128,12 @@ struct JointInfluence {
   float weight = 0;    ///< not negative; those of a vertex sum to 1
 };
 
+/// The material of a mesh in one of Scene::variants.
+struct VariantMaterial {
+  Index variant = 0;
+  Index material = kNone;
+};
+
 /// Triangles with one material. Either every optional attribute array is empty or it has one entry a vertex.
 struct Mesh {
   std::string name;
@@ -138,7 +144,8 @@ struct Mesh {
   std::vector<Vec2> uv1;
   std::vector<Vec4> colors;  ///< linear RGBA, multiplies base colour and alpha
   std::vector<UVec3> triangles;
-  Index material = kNone;  ///< kNone: glTF's default material
+  Index material = kNone;                      ///< kNone: glTF's default material
+  std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep `material`
   std::vector<MorphTarget> morph_targets = {};
   int influences_per_vertex = 0;                ///< 0: no skin bends the mesh
   std::vector<JointInfluence> influences = {};  ///< as many for each vertex, in the order of the vertices
@@ -269,6 +276,7 @@ struct Scene {
   std::vector<std::string> clips;  ///< names of the animations, of which one plays or several together
   std::vector<AnimationChannel> animation;
   Environment environment;
+  std::vector<std::string> variants;                ///< names of other choices of materials (KHR_materials_variants)
   std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
   std::vector<std::string> warnings;                ///< what was ignored or repaired, one sentence each
   std::vector<std::string> notes;                   ///< what was ignored and changes nothing, one sentence each
@@ -279,6 +287,10 @@ struct Scene {
     return static_cast<Index>(nodes.size()) - 1;
   }
 };
+
+/// Gives every mesh the material that it has in the variant of that name. Throws Error (not_found) with the names that
+/// there are if there is no such variant.
+RELUME_API void choose_variant(Scene& scene, const std::string& name);
 
 /// Checks what kernels rely on: indices in range, no cycles, finite numbers, array sizes that agree. Throws
 /// Error with `place` (a file name) in its sentence. Loaders repair what they can before they call it.

@@ -55,6 +55,7 @@ Environment named_environment(const std::string& env) {
 }  // namespace
 
 void apply(const SceneOverrides& overrides, Scene& scene) {
+  if (!overrides.variant.empty()) choose_variant(scene, overrides.variant);
   Environment& environment = scene.environment;
   if (!overrides.env.empty()) environment = named_environment(overrides.env);
   environment.rotation_rad += glm::radians(overrides.env_rotation_deg);

@@ -54,7 +54,9 @@ SettingList describe(SceneOverrides& s) {
           {"env-exposure",
            &s.env_exposure,
            "Brightness of the environment: radiance times 2 to this power",
-           {.min = -64, .max = 64, .unit = "stops"}}};
+           {.min = -64, .max = 64, .unit = "stops"}},
+          {"variant", &s.variant,
+           "Name of the material variant that is shown, of those that the file has; empty: its default materials"}};
 }
 
 SettingList describe(StopSettings& s) {

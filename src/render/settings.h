@@ -22,6 +22,7 @@ struct SceneOverrides {
   std::string env;
   float env_rotation_deg = 0;  ///< about +Y, added
   float env_exposure = 0;      ///< stops
+  std::string variant;         ///< one of Scene::variants; empty: the materials that the file gives its meshes
 
   friend bool operator==(const SceneOverrides&, const SceneOverrides&) = default;
 };

@@ -98,6 +98,21 @@ std::vector<float> morph_weights(const Scene& scene, Index node, float time_s) {
   return weights;
 }
 
+void choose_variant(Scene& scene, const std::string& name) {
+  const auto found = std::find(scene.variants.begin(), scene.variants.end(), name);
+  if (found == scene.variants.end()) {
+    const std::string known = scene.variants.empty() ? "leave --variant out, it has none"
+                                                     : fmt::format("it has '{}'", fmt::join(scene.variants, "', '"));
+    throw Error(ErrorCode::not_found, fmt::format("{}: there is no variant '{}'; {}", scene.name, name, known));
+  }
+  const auto variant = static_cast<Index>(found - scene.variants.begin());
+  for (Mesh& mesh : scene.meshes) {
+    for (const VariantMaterial& choice : mesh.variants) {
+      if (choice.variant == variant) mesh.material = choice.material;
+    }
+  }
+}
+
 size_t placed_triangles(const Scene& scene) {
   size_t sum = 0;
   for (const Node& node : scene.nodes) {

@@ -88,6 +88,10 @@ class Validator {
       fail("mesh {} '{}' has attribute arrays of different lengths", i, m.name);
     if (!in_range_or_none(m.material, scene_.materials.size()))
       fail("mesh {} '{}' refers to missing material {}", i, m.name, m.material);
+    for (const VariantMaterial& choice : m.variants) {
+      if (!in_range(choice.variant, scene_.variants.size()) || !in_range(choice.material, scene_.materials.size()))
+        fail("mesh {} '{}' refers to missing variant {} or material {}", i, m.name, choice.variant, choice.material);
+    }
     for (const UVec3& t : m.triangles) {
       if (t.x >= count || t.y >= count || t.z >= count)
         fail("mesh {} '{}' has a vertex index out of range ({} vertices)", i, m.name, count);

@@ -48,9 +48,10 @@ void load_bookmarks(State& state) {
 }
 
 /// Throws Error if it cannot be read.
-Environment environment_in(const LoadedScene& loaded, const SceneOverrides& overrides) {
+Environment environment_in(const LoadedScene& loaded, SceneOverrides overrides) {
   Scene scene;
   scene.environment = loaded.scene.environment;
+  overrides.variant.clear();  // of materials
   apply(overrides, scene);
   return std::move(scene.environment);
 }

@@ -20,6 +20,7 @@ using nlohmann::json;
 /// Beside those of single material parameters.
 constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strength",
                                                  "KHR_materials_unlit",
+                                                 "KHR_materials_variants",
                                                  "KHR_texture_transform",
                                                  "KHR_texture_basisu",
                                                  "EXT_texture_webp",
@@ -33,14 +34,7 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "EXT_meshopt_compression"};
 
 /// Without these a scene looks plainer but keeps its shape: files that require them are read, with a warning.
-constexpr std::string_view kDecorativeExtensions[] = {"KHR_materials_anisotropy",
-                                                      "KHR_materials_diffuse_transmission",
-                                                      "KHR_materials_dispersion",
-                                                      "KHR_materials_iridescence",
-                                                      "KHR_materials_sheen",
-                                                      "KHR_materials_variants",
-                                                      "KHR_xmp",
-                                                      "KHR_xmp_json_ld"};
+constexpr std::string_view kDecorativeExtensions[] = {"KHR_materials_dispersion", "KHR_xmp", "KHR_xmp_json_ld"};
 
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",

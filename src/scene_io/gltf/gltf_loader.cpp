@@ -4,6 +4,7 @@
 #include "scene_io/gltf/gltf_image_light.h"
 #include "scene_io/gltf/gltf_nodes.h"
 #include "scene_io/gltf/gltf_skins.h"
+#include "scene_io/gltf/gltf_variants.h"
 
 namespace relume {
 
@@ -14,6 +15,7 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   Scene scene;
   scene.environment.kind = EnvironmentKind::automatic;
   scene.name = std::filesystem::path(place).stem().string();
+  scene.variants = gltf::variant_names(document);
   gltf::MaterialImporter materials(document, scene);
   gltf::MeshImporter meshes(document, scene, materials);
   const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);

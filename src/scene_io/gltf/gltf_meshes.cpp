@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "scene_io/gltf/gltf_skins.h"
+#include "scene_io/gltf/gltf_variants.h"
 #include "scene_io/mesh_repair.h"
 
 namespace relume::gltf {
@@ -125,6 +126,7 @@ const std::vector<Index>& MeshImporter::import(int mesh) {
     Mesh& target = scene_.meshes.emplace_back();
     target.name = name;
     target.material = materials_.import(primitive.material);
+    target.variants = import_variants(document_, primitive, scene_.variants.size(), materials_);
     requests_.push_back(&primitive);
   }
   return entry->second;

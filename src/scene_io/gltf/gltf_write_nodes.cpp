@@ -57,6 +57,7 @@ OutputJson target_names(const Mesh& mesh) {
 std::vector<int> NodeWriter::write() {
   write_cameras();
   write_lights();
+  write_variants();
   std::vector<bool> animated(scene_.nodes.size(), false);
   hides_.assign(scene_.nodes.size(), false);
   for (const AnimationChannel& channel : scene_.animation) {
@@ -226,7 +227,21 @@ OutputJson NodeWriter::primitive(const Mesh& m) {
                      {"indices", output_.add_indices(m.triangles, m.positions.size())}};
   add_morph_targets(json, m);
   if (m.material != kNone) json["material"] = m.material;
+  if (!m.variants.empty()) {
+    OutputJson mappings = OutputJson::array();
+    for (const VariantMaterial& choice : m.variants)
+      mappings.push_back({{"material", choice.material}, {"variants", {choice.variant}}});
+    json["extensions"]["KHR_materials_variants"]["mappings"] = std::move(mappings);
+  }
   return json;
+}
+
+void NodeWriter::write_variants() {
+  if (scene_.variants.empty()) return;
+  OutputJson variants = OutputJson::array();
+  for (const std::string& name : scene_.variants) variants.push_back({{"name", name}});
+  output_.root["extensions"]["KHR_materials_variants"]["variants"] = std::move(variants);
+  output_.use_extension("KHR_materials_variants");
 }
 
 void NodeWriter::add_instances(OutputJson& json, const std::vector<Transform>& instances) {

@@ -22,6 +22,7 @@ class NodeWriter {
  private:
   void write_cameras();
   void write_lights();
+  void write_variants();
   OutputJson node(size_t index, bool animated);
   void add_transform(OutputJson& json, const Node& node, bool animated);
   /// The node's mesh, once or as instances.

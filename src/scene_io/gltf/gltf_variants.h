@@ -1,0 +1,19 @@
+// KHR_materials_variants: choices of materials by name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene_io/gltf/gltf_materials.h"
+
+namespace relume::gltf {
+
+/// Names of the file's variants; those without one are numbered.
+std::vector<std::string> variant_names(const Document& document);
+
+/// Materials of a primitive in `variant_count` variants. Mappings that name other variants or missing materials are
+/// left out, with a warning.
+std::vector<VariantMaterial> import_variants(Document& document, const tinygltf::Primitive& primitive,
+                                             size_t variant_count, MaterialImporter& materials);
+
+}  // namespace relume::gltf
