@@ -55,4 +55,9 @@ void apply_material_extras(const tinygltf::Value& extras, Material& material) {
 
 std::string texture_image(const tinygltf::Value& extras) { return text(extras, "image"); }
 
+float texture_glossiness(const tinygltf::Value& extras) {
+  const tinygltf::Value* relume = object_member(extras, "relume");
+  return relume ? to_float(number_member(*relume, "glossiness", -1)) : -1.0f;
+}
+
 }  // namespace relume::gltf

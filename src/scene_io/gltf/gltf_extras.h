@@ -17,5 +17,7 @@ void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
 void apply_material_extras(const tinygltf::Value& extras, Material& material);
 /// URI of the image whose texels are too precise or too bright for glTF's own; empty: none.
 std::string texture_image(const tinygltf::Value& extras);
+/// Factor of the alpha of an image whose texels become roughness (gltf_specular_glossiness.h); negative: they do not.
+float texture_glossiness(const tinygltf::Value& extras);
 
 }  // namespace relume::gltf

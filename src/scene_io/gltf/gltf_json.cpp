@@ -11,6 +11,7 @@
 #include "files/json_parse.h"
 #include "relume/error.h"
 #include "scene/material_parameters.h"
+#include "scene_io/gltf/gltf_specular_glossiness.h"
 
 namespace relume::gltf {
 namespace {
@@ -19,6 +20,7 @@ using nlohmann::json;
 
 /// Beside those of single material parameters.
 constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strength",
+                                                 "KHR_materials_pbrSpecularGlossiness",
                                                  "KHR_materials_unlit",
                                                  "KHR_materials_variants",
                                                  "KHR_texture_transform",
@@ -202,6 +204,7 @@ PreparedJson prepare_json(std::string_view json_text, const std::string& place) 
   check_structure(root, place);
   check_required_extensions(root, place);
   PreparedJson prepared;
+  convert_specular_glossiness(root);
   prepared.buffers = take_buffers(root, place);
   prepared.images = take_images(root);
   prepared.scene_extras = scene_extras(root);

@@ -7,6 +7,7 @@
 
 #include "core/activity.h"
 #include "core/parallel.h"
+#include "core/srgb.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
 #include "scene_io/texture_decode.h"
@@ -48,6 +49,17 @@ void make_stand_in(TextureUse use, Texture& texture) {
                                              : std::vector{byte(255), byte(255), byte(255), byte(255)};
 }
 
+/// G: 1 − glossiness · alpha; B, which is metallic: 0.
+void make_roughness(float glossiness, Texture& texture) {
+  if (texture.format == PixelFormat::rgba32_float) return;
+  for (size_t i = 0; i + 3 < texture.texels.size(); i += 4) {
+    const float alpha = static_cast<float>(texture.texels[i + 3]) / 255.0f;
+    texture.texels[i + 1] = std::byte{quantise_unorm8(1.0f - glossiness * alpha)};
+    texture.texels[i] = texture.texels[i + 2] = std::byte{0};
+    texture.texels[i + 3] = std::byte{255};
+  }
+}
+
 }  // namespace
 
 Index TextureImporter::request(int texture, TextureUse use) {
@@ -59,7 +71,9 @@ Index TextureImporter::request(int texture, TextureUse use) {
   }
   const int sampler = textures[static_cast<size_t>(texture)].sampler;
   const std::vector<int> images = images_of(textures[static_cast<size_t>(texture)]);
-  const auto [entry, is_new] = known_.try_emplace({images, sampler, use}, static_cast<Index>(scene_.textures.size()));
+  const float glossiness = texture_glossiness(textures[static_cast<size_t>(texture)].extras);
+  const auto [entry, is_new] =
+      known_.try_emplace({images, sampler, use, glossiness}, static_cast<Index>(scene_.textures.size()));
   if (is_new) {
     Texture result;
     result.name = textures[static_cast<size_t>(texture)].name;
@@ -67,7 +81,7 @@ Index TextureImporter::request(int texture, TextureUse use) {
     if (sampler >= 0 && static_cast<size_t>(sampler) < document_.model.samplers.size())
       apply_sampler(document_.model.samplers[static_cast<size_t>(sampler)], result);
     scene_.textures.push_back(std::move(result));
-    requests_.push_back({images, use, texture_image(textures[static_cast<size_t>(texture)].extras)});
+    requests_.push_back({images, use, texture_image(textures[static_cast<size_t>(texture)].extras), glossiness});
   }
   return entry->second;
 }
@@ -104,6 +118,10 @@ void TextureImporter::decode(const Request& request, int image, Texture& texture
   const std::string name = image_name(document_, image);
   Texture decoded = decode_texture(*file, name, texture.format);
   if (const std::string repair = repair_texels(decoded, name, texture.format); !repair.empty()) warnings.add(repair);
+  if (request.glossiness >= 0) {
+    make_roughness(request.glossiness, decoded);
+    file = nullptr;  // it holds other texels
+  }
   texture.width = decoded.width;
   texture.height = decoded.height;
   texture.format = decoded.format;

@@ -35,6 +35,7 @@ class TextureImporter {
     std::vector<int> images;  ///< in the order of preference
     TextureUse use = TextureUse::color;
     std::string float_image;  ///< URI of what replaces the image; empty: nothing
+    float glossiness = -1;    ///< texture_glossiness()
   };
 
   /// The first image that can be read, or a stand-in.
@@ -44,8 +45,8 @@ class TextureImporter {
 
   Document& document_;
   Scene& scene_;
-  std::map<std::tuple<std::vector<int>, int, TextureUse>, Index> known_;
-  std::vector<Request> requests_;  ///< parallel to Scene::textures
+  std::map<std::tuple<std::vector<int>, int, TextureUse, float>, Index> known_;  ///< images, sampler, use, glossiness
+  std::vector<Request> requests_;                                                ///< parallel to Scene::textures
 };
 
 }  // namespace relume::gltf
