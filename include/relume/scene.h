@@ -72,8 +72,9 @@ struct Material {
 
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
-  bool double_sided = false;  ///< emission leaves from the front only unless set
-  bool unlit = false;         ///< KHR_materials_unlit: base colour is emitted, nothing is reflected
+  bool double_sided = false;     ///< emission leaves from the front only unless set
+  bool cull_back_faces = false;  ///< the camera sees through the back, as glTF asks for single-sided faces
+  bool unlit = false;            ///< KHR_materials_unlit: base colour is emitted, nothing is reflected
 
   float ior = 1.5f;             ///< KHR_materials_ior
   float specular = 1;           ///< KHR_materials_specular

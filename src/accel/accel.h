@@ -24,10 +24,15 @@ RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id)
 /// Whether anything lies on the ray before ray.t_max.
 RELUME_HD bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
+/// The same for a ray that leaves the camera, and for one that ends there. Between the camera and what it sees, faces
+/// whose back is turned to it are not there if their mesh culls back faces; all other rays meet both sides.
+RELUME_HD Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id);
+RELUME_HD bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id);
+
 /// Rays a host packet holds.
 inline constexpr int kPacketSize = 8;
 
-/// Host only: nearest hits of up to kPacketSize rays at once; pays for coherent rays.
+/// Host only: nearest hits of up to kPacketSize camera rays at once.
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
                       bool coherent);
 

@@ -67,15 +67,28 @@ Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
   return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
 }
 
-/// Accepts or rejects a hit by the surface's opacity. A hash decides, so that being called twice for one primitive
-/// does no harm.
-void opacity_filter(const RTCFilterFunctionNArguments* args) {
+/// In RTCRay::flags, of rays that leave the camera or end there.
+constexpr unsigned kFromCamera = 1;
+constexpr unsigned kToCamera = 2;
+
+/// Whether the camera at one end of a ray is behind a triangle. Where an instance mirrors, both are mirrored here.
+bool is_behind(unsigned flags, const Vec3& direction, const Corners& c) {
+  const float along = glm::dot(glm::cross(c.p1 - c.p0, c.p2 - c.p0), direction);
+  return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
+}
+
+/// Accepts or rejects a hit by culling and by the surface's opacity. A hash decides, so that being called twice for one
+/// primitive does no harm.
+void hit_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
-    if (args->valid[i] != -1) continue;
-    const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
+    const unsigned flags = geometry.mesh->culls_back_faces ? RTCRayN_flags(args->ray, args->N, i) : 0;
+    if (args->valid[i] != -1 || (flags == 0 && !geometry.mesh->needs_opacity)) continue;
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
     const Corners c = corners_of(*geometry.mesh, primitive);
+    if (is_behind(flags, direction_of(*args, i), c)) args->valid[i] = 0;
+    if (!geometry.mesh->needs_opacity) continue;
+    const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
     const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
     const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
@@ -114,11 +127,11 @@ void place(RTCGeometry node, const Mat4& to_world, bool visible = true) {
   rtcCommitGeometry(node);
 }
 
-void set_filter(RTCGeometry geometry, GeometryContext* context, bool needs_opacity) {
-  const RTCFilterFunctionN filter = needs_opacity ? opacity_filter : nullptr;
+void set_filter(RTCGeometry geometry, GeometryContext* context) {
+  const bool needed = context->mesh->needs_opacity || context->mesh->culls_back_faces;
   rtcSetGeometryUserData(geometry, context);
-  rtcSetGeometryIntersectFilterFunction(geometry, filter);
-  rtcSetGeometryOccludedFilterFunction(geometry, filter);
+  rtcSetGeometryIntersectFilterFunction(geometry, needed ? hit_filter : nullptr);
+  rtcSetGeometryOccludedFilterFunction(geometry, needed ? hit_filter : nullptr);
 }
 
 void on_error(void* message, RTCError code, const char* text) {
@@ -140,7 +153,7 @@ bool is_traceable(const Ray& ray) {
   return reach.x + reach.y + reach.z <= kMost && ray.t_max >= 0.0f;
 }
 
-RTCRay to_embree(const Ray& ray, uint32_t ray_id) {
+RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   RTCRay r;
   r.org_x = ray.origin.x;
   r.org_y = ray.origin.y;
@@ -153,12 +166,30 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id) {
   r.tfar = ray.t_max;
   r.mask = 0xffffffffu;
   r.id = ray_id;
-  r.flags = 0;
+  r.flags = flags;
   return r;
 }
 
+Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+  if (!is_traceable(ray)) return {};
+  RTCRayHit query;
+  query.ray = to_embree(ray, ray_id, flags);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  embree::intersect1(as_scene(accel), query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
+}
+
+bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
+  if (!is_traceable(ray)) return false;
+  RTCRay query = to_embree(ray, ray_id, flags);
+  embree::occluded1(as_scene(accel), query);
+  return query.tfar < 0.0f;
+}
+
 template <typename Packet>
-void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id) {
+void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id, unsigned flags) {
   packet.org_x[i] = ray.origin.x;
   packet.org_y[i] = ray.origin.y;
   packet.org_z[i] = ray.origin.z;
@@ -170,7 +201,7 @@ void fill_packet(Packet& packet, int i, const Ray& ray, uint32_t ray_id) {
   packet.tfar[i] = ray.t_max;
   packet.mask[i] = 0xffffffffu;
   packet.id[i] = ray_id;
-  packet.flags[i] = 0;
+  packet.flags[i] = flags;
 }
 
 }  // namespace
@@ -211,7 +242,7 @@ struct EmbreeAccel::State {
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
                                3 * sizeof(uint32_t), mesh.triangle_count);
-    set_filter(geometry, context, mesh.needs_opacity);
+    set_filter(geometry, context);
     rtcCommitGeometry(geometry);
     return geometry;
   }
@@ -323,14 +354,17 @@ void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<con
   state_->check();
 }
 
-void EmbreeAccel::set_needs_opacity(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity) {
+void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity,
+                              bool culls_back_faces) {
   State& s = *state_;
+  s.meshes[mesh].needs_opacity = needs_opacity;
+  s.meshes[mesh].culls_back_faces = culls_back_faces;
   for (uint32_t i = 0; i < instances.size(); ++i) {
     if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // without triangles there is no geometry
     const bool still = stands_still(instances[i], s.meshes[mesh]);
     const RTCScene owner = still ? s.still : s.mesh_scenes[mesh];
     const RTCGeometry geometry = rtcGetGeometry(owner, still ? id_of(i) : 0);
-    set_filter(geometry, &s.contexts[i], needs_opacity);
+    set_filter(geometry, &s.contexts[i]);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
     if (!still) break;  // the others share that geometry
@@ -349,22 +383,14 @@ std::string EmbreeAccel::embree_version() {
          part(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }
 
-Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  if (!is_traceable(ray)) return {};
-  RTCRayHit query;
-  query.ray = to_embree(ray, ray_id);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect1(as_scene(accel), query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
+Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return nearest_hit(accel, ray, ray_id, 0); }
+Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  return nearest_hit(accel, ray, ray_id, kFromCamera);
 }
 
-bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
-  if (!is_traceable(ray)) return false;
-  RTCRay query = to_embree(ray, ray_id);
-  embree::occluded1(as_scene(accel), query);
-  return query.tfar < 0.0f;
+bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id) { return is_blocked(accel, ray, ray_id, 0); }
+bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id) {
+  return is_blocked(accel, ray, ray_id, kToCamera);
 }
 
 void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* ray_ids, Hit* hits, int count,
@@ -374,7 +400,7 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
   for (int i = 0; i < kPacketSize; ++i) {
     valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
-    fill_packet(query.ray, i, rays[k], ray_ids[k]);
+    fill_packet(query.ray, i, rays[k], ray_ids[k], kFromCamera);
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -393,7 +419,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
   for (int i = 0; i < kPacketSize; ++i) {
     valid[i] = i < count && is_traceable(rays[i]) ? -1 : 0;
     const int k = i < count ? i : 0;
-    fill_packet(query, i, rays[k], ray_ids[k]);
+    fill_packet(query, i, rays[k], ray_ids[k], 0);
   }
   embree::occluded8(valid, as_scene(accel), query);
   for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;

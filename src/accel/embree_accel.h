@@ -35,6 +35,7 @@ struct AccelMesh {
   const uint32_t* indices = nullptr;  ///< three a triangle, into the whole array
   size_t triangle_count = 0;
   bool needs_opacity = false;
+  bool culls_back_faces = false;  ///< for the camera
   bool deforms = false;  ///< update() may find its vertices moved
 };
 
@@ -58,8 +59,9 @@ class EmbreeAccel {
   /// the more of these there are; what stands in world space costs nothing if some instance was said to move.
   void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed = {});
 
-  /// Whether hits on a mesh ask for its opacity from now on. `instances` as constructed.
-  void set_needs_opacity(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity);
+  /// Whether hits on a mesh ask for its opacity, and whether its back faces are culled, from now on. `instances` as
+  /// constructed.
+  void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity, bool culls_back_faces);
 
   AccelView view() const;
 

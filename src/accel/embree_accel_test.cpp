@@ -112,9 +112,9 @@ TEST(EmbreeAccel, OpacityComesAndGoes) {
   scene.hole = 1;
   EmbreeAccel accel = scene.build();
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
-  accel.set_needs_opacity(scene.instances[1].mesh, scene.instances, true);
+  accel.set_filters(scene.instances[1].mesh, scene.instances, true, false);
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, -1, 2}));
-  accel.set_needs_opacity(scene.instances[1].mesh, scene.instances, false);
+  accel.set_filters(scene.instances[1].mesh, scene.instances, false, false);
   EXPECT_EQ(hits_along(accel, 3), (std::vector{0, 1, 2}));
 }
 

@@ -37,6 +37,7 @@ struct MaterialData {
   bool mask = false;   ///< covered where alpha ≥ alpha_cutoff
   bool blend = false;  ///< covered with probability alpha
   bool double_sided = false;
+  bool cull_back_faces = false;  ///< the camera sees through the back; never of a body
   bool unlit = false;
   bool volume = false;   ///< the surface bounds a body: refraction and absorption
   bool uses_uv = false;  ///< any texture at all

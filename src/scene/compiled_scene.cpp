@@ -333,6 +333,7 @@ void CompiledScene::build_accel() {
     a.indices = m.triangle_count ? &triangles_[m.first_triangle].x : nullptr;
     a.triangle_count = m.triangle_count;
     a.needs_opacity = materials_[m.material].has_alpha();
+    a.culls_back_faces = materials_[m.material].cull_back_faces;
     a.deforms = m.deforms;
     meshes.push_back(a);
   }

@@ -112,14 +112,15 @@ Change CompiledScene::set_material(Index material, const Material& value) {
   }
   Material& target = source_.materials[static_cast<size_t>(material)];
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
-  const bool had_alpha = target.alpha_mode != AlphaMode::opaque;
-  const bool has_alpha = value.alpha_mode != AlphaMode::opaque;
+  const auto index = static_cast<uint32_t>(material);
+  const MaterialData before = materials_[index];
   target = value;
   build_materials();
   refresh_view();
-  for (uint32_t m = 0; m < meshes_.size() && had_alpha != has_alpha; ++m) {
-    if (meshes_[m].material == static_cast<uint32_t>(material))
-      accel_->set_needs_opacity(m, accel_instances(), has_alpha);
+  const MaterialData& now = materials_[index];
+  const bool other_filters = before.has_alpha() != now.has_alpha() || before.cull_back_faces != now.cull_back_faces;
+  for (uint32_t m = 0; m < meshes_.size() && other_filters; ++m) {
+    if (meshes_[m].material == index) accel_->set_filters(m, accel_instances(), now.has_alpha(), now.cull_back_faces);
   }
   if (!emits) return Change::materials;
   lights_.forget_textures();
@@ -230,6 +231,8 @@ void CompiledScene::refresh_view() {
   view_.layers = view_of(layers_);
   view_.absorbs =
       std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return !is_black(m.absorption); });
+  view_.culls_back_faces =
+      std::any_of(materials_.begin(), materials_.end(), [](const MaterialData& m) { return m.cull_back_faces; });
   view_.textures = textures_.views();
   view_.lights = lights_.view();
   view_.camera = camera_view_;

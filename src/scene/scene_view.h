@@ -100,8 +100,9 @@ struct SceneView {
   CameraView previous_camera;
   const EnergyTables* energy_tables = nullptr;
   AccelView accel;
-  bool absorbs = false;  ///< some material fills a body that absorbs
-  Rgb camera_medium{0};  ///< absorption at the camera, per metre: that of all bodies it stands in
+  bool absorbs = false;           ///< some material fills a body that absorbs
+  bool culls_back_faces = false;  ///< some material does
+  Rgb camera_medium{0};           ///< absorption at the camera, per metre: that of all bodies it stands in
 };
 
 }  // namespace relume

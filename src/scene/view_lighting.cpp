@@ -60,7 +60,7 @@ ViewLighting estimate_view_lighting(const SceneView& scene) {
     const Vec2 cell(static_cast<float>(pixel % kColumns) + 0.5f, static_cast<float>(pixel / kColumns) + 0.5f);
     const Vec2 film = cell / Vec2(kColumns, kRows) * scene.camera.resolution;
     const Ray ray = generate(scene.camera, film, Vec2(0.5f));
-    const Hit hit = intersect(scene.accel, ray, pixel);
+    const Hit hit = intersect_from_camera(scene.accel, ray, pixel);
     if (!hit.valid()) return;
     SurfacePoint sp;
     make_surface_point(scene, ray, hit, 0.0f, sp);

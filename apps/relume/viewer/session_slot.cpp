@@ -60,7 +60,7 @@ PickResult pick(const Session& session, const Vec2& point) {
   CameraView camera = view.camera;
   camera.lens_radius = 0;
   const Ray ray = generate(camera, point * camera.resolution, Vec2(0));
-  const Hit hit = intersect(view.accel, ray, 0);
+  const Hit hit = intersect_from_camera(view.accel, ray, 0);
   PickResult result;
   if (!hit.valid()) return result;
   result.hit = true;

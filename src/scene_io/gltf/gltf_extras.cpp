@@ -51,6 +51,9 @@ void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light) {
 
 void apply_material_extras(const tinygltf::Value& extras, Material& material) {
   if (text(extras, "microfacet_model") == "beckmann") material.microfacet_model = MicrofacetModel::beckmann;
+  const tinygltf::Value* relume = object_member(extras, "relume");
+  if (relume && relume->Has("cull_back_faces") && relume->Get("cull_back_faces").IsBool())
+    material.cull_back_faces = relume->Get("cull_back_faces").Get<bool>();
 }
 
 std::string texture_image(const tinygltf::Value& extras) { return text(extras, "image"); }

@@ -13,7 +13,7 @@ void apply_scene_extras(const Document& document, Scene& scene);
 void apply_camera_extras(const tinygltf::Value& extras, Camera& camera);
 /// The parameters of the light's type that KHR_lights_punctual does not have.
 void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
-/// "microfacet_model".
+/// "microfacet_model" and "cull_back_faces".
 void apply_material_extras(const tinygltf::Value& extras, Material& material);
 /// URI of the image whose texels are too precise or too bright for glTF's own; empty: none.
 std::string texture_image(const tinygltf::Value& extras);

@@ -64,6 +64,7 @@ void MaterialImporter::convert_core(const tinygltf::Material& source, Material& 
   m.alpha_mode = alpha_mode(source.alphaMode);
   m.alpha_cutoff = limited(source.alphaCutoff, 0, kLargest, "alpha cutoff", m.name);
   m.double_sided = source.doubleSided;
+  m.cull_back_faces = !source.doubleSided;  // glTF 2.0, §3.9.5
   if (source.occlusionTexture.index >= 0)
     document_.warnings.note("occlusion textures are ignored; occlusion is computed");
 }

@@ -136,6 +136,7 @@ OutputJson MaterialWriter::material(const Material& m) {
   add_parameters(m, extensions);
   if (!extensions.is_null()) json["extensions"] = std::move(extensions);
   if (m.microfacet_model == MicrofacetModel::beckmann) json["extras"]["relume"]["microfacet_model"] = "beckmann";
+  if (m.cull_back_faces == m.double_sided) json["extras"]["relume"]["cull_back_faces"] = m.cull_back_faces;
   return json;
 }
 

@@ -22,7 +22,7 @@ struct PrimaryHitsKernel {
     }
     Sampler sampler = index.sampler(x, y);
     const Ray ray = lone_camera_ray(camera, x, y, sampler);
-    hits[y * width + x] = intersect(accel, ray, sampler.camera_ray_id());
+    hits[y * width + x] = intersect_from_camera(accel, ray, sampler.camera_ray_id());
   }
 
   /// Packets of two rows, or of the pixels that get a sample.

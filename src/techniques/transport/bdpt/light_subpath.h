@@ -12,6 +12,7 @@ struct LightSubpath {
   SubpathWeights weights;
   uint32_t count = 0;  ///< vertices, the one on the light included
   bool from_infinity = false;
+  bool turned_away = false;  ///< a camera along the ray would look through the last vertex
 };
 
 /// First vertex and direction. False if no light can be chosen or the sample carries nothing.
@@ -54,6 +55,12 @@ struct CameraConnection {
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
 
+/// Whether a camera in direction `w` looks through the surface, because it has culled the back.
+RELUME_HD inline bool hidden_from_camera(const SceneView& scene, const SurfacePoint& sp, const Vec3& w) {
+  if (!scene.materials[sp.material].cull_back_faces) return false;
+  return (glm::dot(sp.ng, w) > 0.0f) != sp.front_face;
+}
+
 /// t = 1: light that the camera sees at `sp`, the last vertex.
 RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l,
                                                     Sampler& sampler) {
@@ -62,7 +69,7 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
   const CameraSample s = sample_wi(camera, sp.position, u_lens);
   if (!s.valid()) return {};
   const AdjointEval e = eval_adjoint(sp, s.wi);
-  if (is_black(e.f)) return {};
+  if (is_black(e.f) || hidden_from_camera(c.scene(), sp, s.wi)) return {};
   // The camera's density of finding this point per area; as importance is normalised, also the measured share.
   const float pdf_a = std::fabs(glm::dot(sp.ng, s.wi)) * s.importance / s.pdf_w;
   const float weight = c.light_only ? 1.0f : weight_of_camera_connection(l, s, e, pdf_a);
@@ -79,7 +86,9 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
 
 RELUME_HD inline void add_if_visible(const BdptContext& c, const CameraConnection& connection, const Rgb& contribution,
                                      BdptCounters& counters) {
-  if (visible(c, connection.ray, connection.ray_id, counters)) splat(c, connection.film, contribution, counters);
+  ++counters.rays;
+  if (!occluded_to_camera(c.scene().accel, connection.ray, connection.ray_id))
+    splat(c, connection.film, contribution, counters);
 }
 
 /// What is kept of a light subpath until the camera subpath is there.
@@ -141,6 +150,17 @@ RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, con
         counters);
 }
 
+/// Whether the camera sees the last vertex by way of the lens. `hit`: the nearest on the ray, the lens aside.
+RELUME_HD inline bool seen_through_lens(const BdptContext& c, const LensHit& lens, const Hit& hit, uint32_t ray_id,
+                                        const LightSubpath& l) {
+  if (!(lens.importance > 0.0f) || l.turned_away) return false;
+  if (lens.distance < hit.t) return true;
+  if (!c.scene().culls_back_faces) return false;
+  Ray ray = l.path.ray;
+  ray.t_max = lens.distance;
+  return !occluded_to_camera(c.scene().accel, ray, ray_id);
+}
+
 /// Next direction; false if the subpath ends here.
 RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const SurfacePoint& sp, LightSubpath& l,
                                              Sampler& sampler) {
@@ -148,6 +168,7 @@ RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const Surface
   BsdfSample s = c.path.directions.sample(sp, sampler, TransportMode::importance);
   if (!s.valid || !scatters_alike(sp, s.wi)) return false;
   s.weight *= adjoint_correction(sp, s.wi);
+  l.turned_away = hidden_from_camera(c.scene(), sp, s.wi);
   const float cosine = std::fabs(glm::dot(sp.ng, s.wi));
   if (s.delta) {
     l.weights.leave_delta(cosine, delta_density_ratio(sp, s.wi));
@@ -181,13 +202,15 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
     const LensHit lens_hit = lens && l.count > 1 ? meet_lens(c.scene().camera, l.path.ray) : LensHit{};
     if (l.count == max_count) {  // nothing but the lens may follow
       l.path.ray.t_max = lens_hit.distance;
-      if (lens_hit.importance > 0.0f && visible(c, l.path.ray, sampler.ray_id(), counters))
-        add_lens_hit(c, lens_hit, l, counters);
+      if (lens_hit.importance > 0.0f && !l.turned_away) {
+        ++counters.rays;
+        if (!occluded_to_camera(c.scene().accel, l.path.ray, sampler.ray_id())) add_lens_hit(c, lens_hit, l, counters);
+      }
       break;
     }
     const Hit hit = intersect(c.scene().accel, l.path.ray, sampler.ray_id());
     ++counters.rays;
-    if (lens_hit.importance > 0.0f && lens_hit.distance < hit.t) add_lens_hit(c, lens_hit, l, counters);
+    if (seen_through_lens(c, lens_hit, hit, sampler.ray_id(), l)) add_lens_hit(c, lens_hit, l, counters);
     SurfacePoint sp;
     if (!hit.valid() || !arrive(c, hit, l, sp)) break;
     sampler.start_dimension(kLightDimensions + l.count * kLightDimensionsPerVertex);

@@ -1,0 +1,78 @@
+// Faces whose back the camera sees through.
+#include <gtest/gtest.h>
+
+#include "scene/compiled_scene.h"
+#include "scene/testing/plate.h"
+
+namespace relume {
+namespace {
+
+Material culled() {
+  Material material;
+  material.cull_back_faces = true;
+  return material;
+}
+
+const Ray kFromFront{{0.1f, 0.2f, 3}, {0, 0, -1}, kInfinity};
+const Ray kFromBehind{{0.1f, 0.2f, -3}, {0, 0, 1}, kInfinity};
+
+Hit in_packet(const AccelView& accel, const Ray& ray) {
+  const uint32_t id = 1;
+  Hit hit;
+  intersect_packet(accel, &ray, &id, &hit, 1, true);
+  return hit;
+}
+
+/// The plate's front faces +Z.
+void expect_culled(const Scene& scene, const CompileOptions& options) {
+  const CompiledScene compiled(scene, options);
+  const AccelView& accel = compiled.view().accel;
+  EXPECT_TRUE(compiled.view().culls_back_faces);
+  EXPECT_TRUE(intersect_from_camera(accel, kFromFront, 1).valid());
+  EXPECT_TRUE(in_packet(accel, kFromFront).valid());
+  EXPECT_FALSE(intersect_from_camera(accel, kFromBehind, 1).valid());
+  EXPECT_FALSE(in_packet(accel, kFromBehind).valid());
+  // What travels to the camera, which is at the end of the ray.
+  EXPECT_FALSE(occluded_to_camera(accel, kFromFront, 1));
+  EXPECT_TRUE(occluded_to_camera(accel, kFromBehind, 1));
+  for (const Ray& ray : {kFromFront, kFromBehind}) {
+    EXPECT_TRUE(intersect(accel, ray, 1).valid());
+    EXPECT_TRUE(occluded(accel, ray, 1));
+  }
+}
+
+TEST(Culling, HidesBacksFromTheCameraAlone) {
+  const Scene scene = testing::plate(culled());
+  expect_culled(scene, {});
+  expect_culled(scene, {.camera = {}, .movable = {0}});
+}
+
+TEST(Culling, KnowsTheFrontOfMirroredInstances) {
+  Scene scene = testing::plate(culled());
+  scene.nodes[0].transform.scale = Vec3(-1, 1, 1);
+  expect_culled(scene, {});
+  expect_culled(scene, {.camera = {}, .movable = {0}});
+}
+
+TEST(Culling, SparesDoubleSidedMaterialsAndBodies) {
+  Material double_sided = culled();
+  double_sided.double_sided = true;
+  Material body = culled();
+  body.transmission = body.thickness = 1;
+  for (const Material& material : {double_sided, body, Material{}}) {
+    const CompiledScene compiled(testing::plate(material), {});
+    EXPECT_TRUE(intersect_from_camera(compiled.view().accel, kFromBehind, 1).valid());
+    EXPECT_FALSE(compiled.view().culls_back_faces);
+  }
+}
+
+TEST(Culling, FollowsTheMaterial) {
+  CompiledScene compiled(testing::plate(Material{}), {});
+  compiled.set_material(0, culled());
+  EXPECT_FALSE(intersect_from_camera(compiled.view().accel, kFromBehind, 1).valid());
+  compiled.set_material(0, Material{});
+  EXPECT_TRUE(intersect_from_camera(compiled.view().accel, kFromBehind, 1).valid());
+}
+
+}  // namespace
+}  // namespace relume
