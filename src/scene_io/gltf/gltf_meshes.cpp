@@ -119,7 +119,7 @@ const std::vector<Index>& MeshImporter::import(int mesh) {
   const std::string name = source.name.empty() ? fmt::format("mesh {}", mesh) : source.name;
   for (const tinygltf::Primitive& primitive : source.primitives) {
     if (!is_surface(primitive)) {
-      document_.warnings.add(fmt::format("mesh '{}': points and lines are skipped", name));
+      ++skipped_primitives_;
       continue;
     }
     entry->second.push_back(static_cast<Index>(scene_.meshes.size()));
@@ -147,6 +147,8 @@ void MeshImporter::finish() {
     if (problem) std::rethrow_exception(problem);
   }
   for (const Warnings& part : warnings) document_.warnings.add(part);
+  if (skipped_primitives_ > 0)
+    document_.warnings.add(fmt::format("points and lines are skipped ({} primitives)", skipped_primitives_));
   name_morph_targets();
   leave_out_empty_meshes();
 }

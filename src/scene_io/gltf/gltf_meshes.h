@@ -36,6 +36,7 @@ class MeshImporter {
   std::vector<const tinygltf::Primitive*> requests_;  ///< as Scene::meshes
   std::atomic<size_t> vertices_read_ = 0;
   std::atomic<size_t> deformation_bytes_ = 0;
+  size_t skipped_primitives_ = 0;  ///< points and lines
 };
 
 /// Triangles of an index list by glTF's primitive mode (triangles, strip or fan); incomplete triangles are left out.
