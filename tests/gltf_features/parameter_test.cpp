@@ -89,6 +89,54 @@ json transmission(const std::array<int, 4>& t, const json& texture) {
   return with_extension(material, "KHR_materials_transmission", extension);
 }
 
+json sheen(const json& color, double roughness) {
+  return {{"sheenColorFactor", color}, {"sheenRoughnessFactor", roughness}};
+}
+
+json sheen_color(const std::array<int, 4>& t, const json& texture) {
+  json extension = sheen({0.8 * linear_of(t[0]), 0.8 * linear_of(t[1]), 0.8 * linear_of(t[2])}, 0.7);
+  set(extension, "sheenColorTexture", texture);
+  return with_extension(dark(), "KHR_materials_sheen", extension);
+}
+
+json sheen_roughness(const std::array<int, 4>& t, const json& texture) {
+  json extension = sheen({1, 1, 1}, 0.8 * data(t[3]));
+  set(extension, "sheenRoughnessTexture", texture);
+  return with_extension(dark(), "KHR_materials_sheen", extension);
+}
+
+json film(double share, double thickness_nm) {
+  return {
+      {"iridescenceFactor", share}, {"iridescenceThicknessMinimum", 0}, {"iridescenceThicknessMaximum", thickness_nm}};
+}
+
+json iridescence(const std::array<int, 4>& t, const json& texture) {
+  json extension = film(0.8 * data(t[0]), 400);
+  set(extension, "iridescenceTexture", texture);
+  return with_extension(dark(), "KHR_materials_iridescence", extension);
+}
+
+json iridescence_thickness(const std::array<int, 4>& t, const json& texture) {
+  json extension = film(1, 700 * data(t[1]));
+  set(extension, "iridescenceThicknessTexture", texture);
+  return with_extension(dark(), "KHR_materials_iridescence", extension);
+}
+
+json diffuse_transmission(const std::array<int, 4>& t, const json& texture) {
+  json extension = {{"diffuseTransmissionFactor", 0.8 * data(t[3])}};
+  set(extension, "diffuseTransmissionTexture", texture);
+  return with_extension(matte_json(0.8), "KHR_materials_diffuse_transmission", extension);
+}
+
+/// Nothing is reflected: the light comes from behind.
+json diffuse_transmission_color(const std::array<int, 4>& t, const json& texture) {
+  json extension = {
+      {"diffuseTransmissionFactor", 1},
+      {"diffuseTransmissionColorFactor", {0.8 * linear_of(t[0]), 0.8 * linear_of(t[1]), 0.8 * linear_of(t[2])}}};
+  set(extension, "diffuseTransmissionColorTexture", texture);
+  return with_extension(matte_json(0.8), "KHR_materials_diffuse_transmission", extension);
+}
+
 /// The quarter of the square that texel `i` covers.
 json quarter(Stage& stage, size_t i) {
   const float x = static_cast<float>(i % 2);
@@ -121,6 +169,12 @@ const FeatureCase kCases[] = {
     {"Clearcoat", [](Way way) { return parameter(way, clearcoat); }},
     {"ClearcoatRoughness", [](Way way) { return parameter(way, clearcoat_roughness); }},
     {"Transmission", [](Way way) { return parameter(way, transmission); }},
+    {"SheenColor", [](Way way) { return parameter(way, sheen_color); }},
+    {"SheenRoughness", [](Way way) { return parameter(way, sheen_roughness); }},
+    {"Iridescence", [](Way way) { return parameter(way, iridescence); }},
+    {"IridescenceThickness", [](Way way) { return parameter(way, iridescence_thickness); }},
+    {"DiffuseTransmission", [](Way way) { return parameter(way, diffuse_transmission); }},
+    {"DiffuseTransmissionColor", [](Way way) { return parameter(way, diffuse_transmission_color); }},
 };
 
 class ParameterTexture : public FeatureTest {};

@@ -26,7 +26,17 @@ json rich_material(const json& texture) {
          {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.5, 1}}}},
         {"KHR_materials_ior", {{"ior", 1.4}}},
         {"KHR_materials_specular", {{"specularFactor", 0.5}}},
-        {"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}};
+        {"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", texture}}},
+        {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}, {"anisotropyTexture", texture}}},
+        {"KHR_materials_sheen", {{"sheenColorFactor", {1, 0.5, 0.2}}, {"sheenRoughnessFactor", 0.5}}},
+        {"KHR_materials_iridescence", {{"iridescenceFactor", 1}, {"iridescenceThicknessTexture", texture}}},
+        {"KHR_materials_diffuse_transmission", {{"diffuseTransmissionFactor", 0.5}}}}}};
+}
+
+json old_material(const json& texture) {
+  return {{"extensions",
+           {{"KHR_materials_pbrSpecularGlossiness",
+             {{"diffuseFactor", {0.5, 0.5, 0.5, 1}}, {"specularGlossinessTexture", texture}}}}}};
 }
 
 int rich_mesh(GltfBuilder& file) {
@@ -47,8 +57,12 @@ int rich_mesh(GltfBuilder& file) {
   normals["type"] = "VEC3";
   file.doc["bufferViews"][normals["bufferView"].get<size_t>()]["byteStride"] = 4;
   const int indices = file.accessor(std::vector<uint16_t>{0, 1, 2, 3}, 1, 5123);
-  return file.add("meshes",
-                  {{"primitives", {{{"attributes", attributes}, {"indices", indices}, {"mode", 5}, {"material", 0}}}}});
+  const json mappings = {{{"material", 0}, {"variants", {0}}}, {{"material", 1}, {"variants", {1}}}};
+  const json variants = {{"KHR_materials_variants", {{"mappings", mappings}}}};
+  return file.add(
+      "meshes",
+      {{"primitives",
+        {{{"attributes", attributes}, {"indices", indices}, {"mode", 5}, {"material", 0}, {"extensions", variants}}}}});
 }
 
 GltfBuilder rich_gltf() {
@@ -57,6 +71,8 @@ GltfBuilder rich_gltf() {
   file.add("samplers", {{"wrapS", 33071}});
   file.add("textures", {{"source", 0}, {"sampler", 0}});
   file.add("materials", rich_material({{"index", 0}}));
+  file.add("materials", old_material({{"index", 0}}));
+  file.doc["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "new"}}, {{"name", "old"}}};
   const int mesh = rich_mesh(file);
   file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
   file.doc["extensions"]["KHR_lights_punctual"]["lights"] = {

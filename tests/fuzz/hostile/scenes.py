@@ -63,7 +63,11 @@ def material(texture):
             "KHR_materials_transmission": {"transmissionFactor": 0.5, "transmissionTexture": texture},
             "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 0.5, 1]},
             "KHR_materials_ior": {"ior": 1.4}, "KHR_materials_specular": {"specularFactor": 0.5, "specularTexture": texture},
-            "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessTexture": texture},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessTexture": texture, "clearcoatNormalTexture": texture},
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 1, "anisotropyTexture": texture},
+            "KHR_materials_sheen": {"sheenColorFactor": [1, 0.5, 0.2], "sheenRoughnessFactor": 0.5, "sheenRoughnessTexture": texture},
+            "KHR_materials_iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessTexture": texture},
+            "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorTexture": texture},
         },
         "extras": {"relume": {"microfacet_model": "beckmann"}},
     }
