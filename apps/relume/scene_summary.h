@@ -22,8 +22,8 @@ struct SceneSummary {
   uint64_t instanced_triangles = 0;  ///< as often as they appear
   std::vector<std::string> cameras;
   std::vector<std::string> variants;  ///< of materials
-  float animation_s = 0;           ///< end of the longest animation
-  std::vector<std::string> clips;  ///< names of the animations
+  float animation_s = 0;              ///< end of the longest animation
+  std::vector<std::string> clips;     ///< names of the animations
   /// World bounds at time 0, of the transformed boxes of the meshes: never too small. min > max: nothing is placed.
   Vec3 bounds_min{kInfinity};
   Vec3 bounds_max{-kInfinity};

@@ -7,44 +7,15 @@
 #include <cstring>
 #include <utility>
 
-#include "accel/embree/embree.h"
+#include "accel/embree/hit_filter.h"
 #include "accel/refit_cost.h"
 #include "accel/triangle.h"
 #include "core/activity.h"
-#include "core/hash.h"
 #include "core/parallel.h"
 #include "relume/error.h"
 
 namespace relume {
 namespace {
-
-/// The node that holds all that stands still, where that has a scene of its own.
-constexpr uint32_t kStillNode = 0;
-
-/// Instance i has this number, as a node or, in world space, as a geometry: both kinds may lie in one scene.
-uint32_t id_of(uint32_t instance) { return instance + 1; }
-
-/// The instance that was hit.
-uint32_t instance_of(uint32_t geometry, uint32_t node) {
-  return (node == RTC_INVALID_GEOMETRY_ID || node == kStillNode ? geometry : node) - id_of(0);
-}
-
-/// What a filter callback knows about its geometry.
-struct GeometryContext {
-  const OpacityFunction* opacity = nullptr;
-  const AccelMesh* mesh = nullptr;
-  uint32_t id = 0;  ///< used where the geometry is not below an instance node
-};
-
-struct Corners {
-  Vec3 p0, p1, p2;
-};
-
-/// Corners of a triangle in the space of its mesh.
-Corners corners_of(const AccelMesh& mesh, uint32_t primitive) {
-  const uint32_t* index = mesh.indices + size_t{3} * primitive;
-  return {vertex_position(mesh, index[0]), vertex_position(mesh, index[1]), vertex_position(mesh, index[2])};
-}
 
 /// The hit on a triangle that the traversal has found.
 Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
@@ -56,46 +27,6 @@ Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint
   }
   const TriangleHit hit = intersect_triangle(ray.origin, ray.direction, c.p0, c.p1, c.p2);
   return {instance_index, primitive, hit.u, hit.v, hit.t};
-}
-
-/// A filter sees its ray in the space of the mesh.
-Vec3 origin_of(const RTCFilterFunctionNArguments& args, unsigned i) {
-  return {RTCRayN_org_x(args.ray, args.N, i), RTCRayN_org_y(args.ray, args.N, i), RTCRayN_org_z(args.ray, args.N, i)};
-}
-
-Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
-  return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
-}
-
-/// In RTCRay::flags, of rays that leave the camera or end there.
-constexpr unsigned kFromCamera = 1;
-constexpr unsigned kToCamera = 2;
-
-/// Whether the camera at one end of a ray is behind a triangle. Where an instance mirrors, both are mirrored here.
-bool is_behind(unsigned flags, const Vec3& direction, const Corners& c) {
-  const float along = glm::dot(glm::cross(c.p1 - c.p0, c.p2 - c.p0), direction);
-  return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
-}
-
-/// Accepts or rejects a hit by culling and by the surface's opacity. A hash decides, so that being called twice for one
-/// primitive does no harm.
-void hit_filter(const RTCFilterFunctionNArguments* args) {
-  const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
-  for (unsigned i = 0; i < args->N; ++i) {
-    const unsigned flags = geometry.mesh->culls_back_faces ? RTCRayN_flags(args->ray, args->N, i) : 0;
-    if (args->valid[i] != -1 || (flags == 0 && !geometry.mesh->needs_opacity)) continue;
-    const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
-    const Corners c = corners_of(*geometry.mesh, primitive);
-    if (is_behind(flags, direction_of(*args, i), c)) args->valid[i] = 0;
-    if (!geometry.mesh->needs_opacity) continue;
-    const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
-    const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
-    const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
-    const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
-    const bool accepted =
-        opacity >= 1.0f || (opacity > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < opacity);
-    if (!accepted) args->valid[i] = 0;
-  }
 }
 
 /// Embree takes rays into the space of an instance; what comes out must be finite there, or Embree ends the process.
@@ -125,13 +56,6 @@ void place(RTCGeometry node, const Mat4& to_world, bool visible = true) {
     rtcDisableGeometry(node);
   }
   rtcCommitGeometry(node);
-}
-
-void set_filter(RTCGeometry geometry, GeometryContext* context) {
-  const bool needed = context->mesh->needs_opacity || context->mesh->culls_back_faces;
-  rtcSetGeometryUserData(geometry, context);
-  rtcSetGeometryIntersectFilterFunction(geometry, needed ? hit_filter : nullptr);
-  rtcSetGeometryOccludedFilterFunction(geometry, needed ? hit_filter : nullptr);
 }
 
 void on_error(void* message, RTCError code, const char* text) {
@@ -277,6 +201,13 @@ struct EmbreeAccel::State {
     rtcCommitScene(owner);
   }
 
+  /// A skinned mesh has one instance, which says whether its skin mirrors it.
+  void follow_mirrors() {
+    for (const AccelInstance& instance : instances) {
+      if (meshes[instance.mesh].deforms) meshes[instance.mesh].mirrored = instance.mirrored;
+    }
+  }
+
   void add_still() {
     rtcSetSceneBuildQuality(still, RTC_BUILD_QUALITY_HIGH);
     rtcCommitScene(still);
@@ -305,6 +236,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
   s.meshes.assign(meshes.begin(), meshes.end());
   for (const AccelMesh& mesh : s.meshes) s.refit_costs.emplace_back(mesh);
   s.instances.assign(instances.begin(), instances.end());
+  s.follow_mirrors();
   s.device = new_device();
   rtcSetDeviceErrorFunction(s.device, on_error, &s.error);
   rtcSetDeviceMemoryMonitorFunction(
@@ -347,6 +279,7 @@ EmbreeAccel::~EmbreeAccel() = default;
 
 void EmbreeAccel::update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed) {
   state_->instances.assign(instances.begin(), instances.end());
+  state_->follow_mirrors();
   parallel_tasks(deformed.size(), [&](size_t i) { state_->refit(deformed[i]); });
   for (const auto& [index, node] : state_->instance_nodes)
     place(node, instances[index].to_world, instances[index].visible);

@@ -26,6 +26,7 @@ struct AccelInstance {
   bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made, unless the mesh deforms
   bool moves = false;          ///< update() may place it elsewhere, or hide it
   bool visible = true;         ///< false: rays pass
+  bool mirrored = false;       ///< in world space: its skin turns the back of its triangles to the front
 };
 
 struct AccelMesh {
@@ -36,7 +37,8 @@ struct AccelMesh {
   size_t triangle_count = 0;
   bool needs_opacity = false;
   bool culls_back_faces = false;  ///< for the camera
-  bool deforms = false;  ///< update() may find its vertices moved
+  bool deforms = false;           ///< update() may find its vertices moved
+  bool mirrored = false;          ///< follows AccelInstance::mirrored
 };
 
 /// Vertex of that number, in the space of its mesh.

@@ -250,7 +250,8 @@ std::vector<AccelInstance> CompiledScene::accel_instances() const {
     const Instance& i = instances_[k];
     Mat4 m(i.to_world.linear);
     m[3] = Vec4(i.to_world.translation, 1.0f);
-    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible});
+    result.push_back({i.mesh, m, i.in_world_space, moves_[mesh_instances_[k].node], i.visible,
+                      i.in_world_space && i.orientation < 0});
   }
   return result;
 }

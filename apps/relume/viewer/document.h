@@ -50,7 +50,7 @@ class Document {
 
   float time_s() const { return edits_.time_s.value; }
   float duration_s() const { return duration_s_; }  ///< of the clips that play
-  const std::vector<Mat4>& world() const;  ///< one a node, now
+  const std::vector<Mat4>& world() const;           ///< one a node, now
   /// Boxes of the meshes of the node and those below it, each in its own coordinates, with the matrix from there to the
   /// world; at most `most`.
   std::vector<std::pair<Box, Mat4>> boxes(Index node, size_t most) const;
@@ -79,7 +79,7 @@ class Document {
   std::vector<Box> mesh_boxes_;                     ///< in the mesh's own coordinates
   SceneEdits edits_;
   float duration_s_ = 0;
-  std::vector<AnimationChannel> playing_;  ///< as loaded: those of the clips that play
+  std::vector<AnimationChannel> playing_;                           ///< as loaded: those of the clips that play
   mutable std::map<std::pair<Index, Index>, Box> deformed_bounds_;  ///< by node and mesh, now
   mutable std::vector<Mat4> world_;
   mutable bool world_known_ = false;

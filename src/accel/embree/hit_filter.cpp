@@ -1,0 +1,55 @@
+#include "accel/embree/hit_filter.h"
+
+#include "accel/triangle.h"
+#include "core/hash.h"
+
+namespace relume {
+namespace {
+
+/// A filter sees its ray in the space of the mesh.
+Vec3 origin_of(const RTCFilterFunctionNArguments& args, unsigned i) {
+  return {RTCRayN_org_x(args.ray, args.N, i), RTCRayN_org_y(args.ray, args.N, i), RTCRayN_org_z(args.ray, args.N, i)};
+}
+
+Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
+  return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
+}
+
+/// Whether the camera at one end of a ray is behind a triangle. Where an instance mirrors, both are mirrored here.
+bool is_behind(unsigned flags, const Vec3& direction, const Corners& c, bool mirrored) {
+  const float front = mirrored ? -1.0f : 1.0f;
+  const float along = front * glm::dot(glm::cross(c.p1 - c.p0, c.p2 - c.p0), direction);
+  return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
+}
+
+/// Accepts or rejects a hit by culling and by the surface's opacity. A hash decides, so that being called twice for one
+/// primitive does no harm.
+void hit_filter(const RTCFilterFunctionNArguments* args) {
+  const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i) {
+    const unsigned flags = geometry.mesh->culls_back_faces ? RTCRayN_flags(args->ray, args->N, i) : 0;
+    if (args->valid[i] != -1 || (flags == 0 && !geometry.mesh->needs_opacity)) continue;
+    const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
+    const Corners c = corners_of(*geometry.mesh, primitive);
+    if (is_behind(flags, direction_of(*args, i), c, geometry.mesh->mirrored)) args->valid[i] = 0;
+    if (!geometry.mesh->needs_opacity) continue;
+    const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
+    const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
+    const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
+    const uint32_t ray_id = RTCRayN_id(args->ray, args->N, i);
+    const bool accepted =
+        opacity >= 1.0f || (opacity > 0.0f && to_unit_float(hash(ray_id, instance, primitive)) < opacity);
+    if (!accepted) args->valid[i] = 0;
+  }
+}
+
+}  // namespace
+
+void set_filter(RTCGeometry geometry, GeometryContext* context) {
+  const bool needed = context->mesh->needs_opacity || context->mesh->culls_back_faces;
+  rtcSetGeometryUserData(geometry, context);
+  rtcSetGeometryIntersectFilterFunction(geometry, needed ? hit_filter : nullptr);
+  rtcSetGeometryOccludedFilterFunction(geometry, needed ? hit_filter : nullptr);
+}
+
+}  // namespace relume
