@@ -47,10 +47,10 @@ Command view_command(Verbosity& verbosity) {
   const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "view",
-      .summary = "Walk through a scene in a window; change everything while it renders.",
+      .summary = "Walk around or through a scene in a window; change everything while it renders.",
       .examples =
           {
-              {"relume view scene.glb", "WASD and the mouse fly; F1 lists the keys"},
+              {"relume view scene.glb", "drag goes around or looks around, WASD flies; F1 lists the keys"},
               {"relume view city --target 15", "scale the resolution so that 15 frames a second are rendered"},
               {"relume view cornell --width 640 --height 480", "an image of fixed size"},
               {"relume view cornell --smoke 10 --screenshot window.png", "no window; for tests"},

@@ -66,6 +66,25 @@ TEST(HashGridSize, AFrameMayHaveMoreCellsThanTheTableKeeps) {
   EXPECT_EQ(grid.statistics().dropped, 0u);
 }
 
+TEST(HashGridSize, AnAbandonedFrameLeavesNeitherSamplesNorKeys) {
+  HashGrid grid(with_limit(4096), 1);
+  Backend backend(1);
+  fill(grid, 0, 200);
+  grid.end_frame(backend);
+  const HashGridStatistics before = grid.statistics();
+  fill(grid, 100, 3000);
+  grid.abandon_frame();
+  grid.adjust_size(backend);
+  EXPECT_EQ(grid.statistics().cells, before.cells);
+  EXPECT_EQ(grid.statistics().slots, before.slots);
+  const HashGridView v = grid.view(grid_camera());
+  EXPECT_EQ(std::count(v.fingerprints.begin(), v.fingerprints.end(), 0u), static_cast<ptrdiff_t>(before.slots - 200));
+  fill(grid, 0, 200);
+  grid.end_frame(backend);
+  EXPECT_EQ(grid.statistics().samples, 200u) << "of this frame alone";
+  EXPECT_EQ(grid.statistics().cells, 200u);
+}
+
 TEST(HashGridSize, DiscardsTheOldestCells) {
   HashGrid grid(with_limit(256), 1);
   Backend backend(1);
