@@ -47,7 +47,7 @@ Command view_command(Verbosity& verbosity) {
   const auto defaults = std::make_shared<AllSettings>();
   Command command{
       .name = "view",
-      .summary = "Walk around or through a scene in a window; change everything while it renders.",
+      .summary = "Explore a scene in a window; change everything while it renders.",
       .examples =
           {
               {"relume view scene.glb", "drag goes around or looks around, WASD flies; F1 lists the keys"},
