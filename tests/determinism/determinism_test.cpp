@@ -217,5 +217,33 @@ TEST(Cancellation, InTheMiddleOfAFrameLeavesNothingBehind) {
   EXPECT_GT(stopped, 0);
 }
 
+TEST(Cancellation, InTheMiddleOfAFrameTechniquesForgetIt) {
+  RenderSettings learning = settings_of({"cornell", 160, 160, true}, 2);
+  learning.denoise = DenoiseChoice::svgf;
+  RenderSettings cells = small_settings(160, 160);
+  cells.cache = CacheChoice::psf;
+  for (const RenderSettings& settings : {learning, cells}) {
+    Session whole(build("cornell"), settings);
+    Session interrupted(build("cornell"), settings);
+    int stopped = 0;
+    for (int frame = 0; frame < 12; ++frame) {
+      const double before_s = whole.statistics().render_s;
+      whole.render_frame();
+      const auto frame_s = std::chrono::duration<double>(whole.statistics().render_s - before_s);
+      std::stop_source stop;
+      std::jthread later([&] {
+        std::this_thread::sleep_for(0.07 * (frame + 1) * frame_s);
+        stop.request_stop();
+      });
+      if (!interrupted.render_frame(stop.get_token())) {
+        ++stopped;
+        interrupted.render_frame();
+      }
+      ASSERT_EQ(bits_of(interrupted), bits_of(whole)) << "frame " << frame;
+    }
+    EXPECT_GT(stopped, 0);
+  }
+}
+
 }  // namespace
 }  // namespace relume::support
