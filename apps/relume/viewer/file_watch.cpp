@@ -29,8 +29,8 @@ void FileWatch::watch(const std::vector<std::filesystem::path>& files) {
     stamps[file] = known != stamps_.end() ? known->second : stamp_of(file);
   }
   stamps_ = std::move(stamps);
-  main_ = files.empty() ? std::filesystem::path() : files.front();
-  unsettled_ = false;
+  const std::filesystem::path before = std::exchange(main_, files.empty() ? std::filesystem::path() : files.front());
+  unsettled_ = unsettled_ && before == main_;
 }
 
 bool FileWatch::changed(double now_s) {

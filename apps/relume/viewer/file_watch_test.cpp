@@ -74,6 +74,18 @@ TEST_F(FileWatchTest, KeepsWhatItKnowsOfFilesThatAreWatchedAgain) {
   EXPECT_FALSE(passes(2)) << "no longer watched";
 }
 
+TEST_F(FileWatchTest, AChangeThatSettlesOutlivesAnotherListOfFiles) {
+  write("scene.bin", "two");
+  EXPECT_FALSE(passes(0.35)) << "seen, but not for long enough";
+  watch_.watch({folder_ / "scene.gltf"});
+  EXPECT_TRUE(passes(2));
+  write("scene.bin", "three");
+  EXPECT_FALSE(passes(0.35));
+  write("other.gltf", "one");
+  watch_.watch({folder_ / "other.gltf"});
+  EXPECT_FALSE(passes(2)) << "another scene";
+}
+
 TEST(FileWatch, WithoutFilesNothingChanges) {
   FileWatch watch;
   watch.watch({});

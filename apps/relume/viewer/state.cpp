@@ -66,6 +66,15 @@ void start_loading(State& state, const std::string& name) {
   });
 }
 
+/// Those of the scene, and of the environment that replaces its own.
+void watch_files(State& state) {
+  std::vector<std::filesystem::path> files = state.document->loaded()->scene.source_files;
+  std::error_code failure;
+  const std::string& env = state.settings[0].scene.env;
+  if (std::filesystem::is_regular_file(env, failure)) files.emplace_back(env);
+  state.watch.watch(files);
+}
+
 /// The scene that is shown after this one can be gone back to, unless it has never been shown itself.
 void remember_document(State& state) {
   if (!state.previous) state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
@@ -183,7 +192,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   state.fly.speed = clamp(0.15f * size, 0.01f, 100.0f);
   state.navigation = {};
   choose_mode(state);
-  state.watch.watch(state.document->loaded()->scene.source_files);
+  watch_files(state);
   load_bookmarks(state);
   state.touch();
 }
@@ -200,7 +209,7 @@ void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
   state.document.emplace(std::move(document));
   state.picked = {};
   state.navigation.pace = {};
-  state.watch.watch(state.document->loaded()->scene.source_files);
+  watch_files(state);
   state.touch();
 }
 
@@ -216,7 +225,7 @@ void revert_document(State& state) {
   state.selection = {};
   state.flying = state.document->edits().camera.value.has_value();
   state.navigation.pace = {};
-  state.watch.watch(state.document->loaded()->scene.source_files);
+  watch_files(state);
   state.touch();
 }
 
@@ -245,6 +254,7 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
   other.render.time_s = current.render.time_s;
   other.render.width = current.render.width;
   other.render.height = current.render.height;
+  if (state.document) watch_files(state);
   state.touch();
 }
 
