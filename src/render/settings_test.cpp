@@ -133,19 +133,19 @@ TEST(Settings, ReferencePageIsUpToDate) {
 TEST(SceneOverrides, ReplaceTheEnvironment) {
   Scene scene;
   scene.environment.kind = EnvironmentKind::sun_sky;
-  apply({.env = ""}, scene);
+  apply({.env = "", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::sun_sky);
-  apply({.env = "0.5,1, 2e1"}, scene);
+  apply({.env = "0.5,1, 2e1", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::constant);
   EXPECT_EQ(scene.environment.color, Rgb(0.5f, 1, 20));
-  apply({.env = "none"}, scene);
+  apply({.env = "none", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::none);
-  apply({.env = "studio"}, scene);
+  apply({.env = "studio", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::studio);
-  apply({.env = "sun_sky"}, scene);
+  apply({.env = "sun_sky", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::sun_sky);
   EXPECT_GT(scene.environment.sun_sky.sun_scale, 0.0f);
-  apply({.env = "sky"}, scene);
+  apply({.env = "sky", .variant = {}}, scene);
   EXPECT_EQ(scene.environment.sun_sky.sun_scale, 0.0f);
 }
 
@@ -154,7 +154,7 @@ TEST(SceneOverrides, TurnAndScaleTheEnvironment) {
   scene.environment.kind = EnvironmentKind::constant;
   scene.environment.color = {1, 2, 3};
   scene.environment.rotation_rad = 0.5f;
-  apply({.env = "", .env_rotation_deg = 90, .env_exposure = 1}, scene);
+  apply({.env = "", .env_rotation_deg = 90, .env_exposure = 1, .variant = {}}, scene);
   EXPECT_EQ(scene.environment.color, Rgb(2, 4, 6));
   EXPECT_FLOAT_EQ(scene.environment.rotation_rad, 0.5f + kPi / 2);
 }
@@ -186,10 +186,10 @@ TEST(FitToCamera, ComputesWhatIsNotGiven) {
 TEST(SceneOverrides, RefuseWhatIsNoRadiance) {
   Scene scene;
   for (const char* env : {"1,2", "1,2,3,4", "1,-2,3", "1,nan,3", "1,2,inf", "1;2;3", ",,", "nowhere.exr"}) {
-    EXPECT_THROW(apply({.env = env}, scene), Error) << env;
+    EXPECT_THROW(apply({.env = env, .variant = {}}, scene), Error) << env;
   }
   EXPECT_EQ(
-      message_of([&] { apply({.env = "sky.hdr"}, scene); }),
+      message_of([&] { apply({.env = "sky.hdr", .variant = {}}, scene); }),
       "env: cannot find file 'sky.hdr'; give an existing one, a radiance such as 1,1,1, or studio, sky, sun_sky or "
       "none");
 }
