@@ -76,7 +76,7 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
         const BsdfEval e = eval_pdf(sp, w);
         return is_black(e.f) || e.pdf_forward <= 0.0f ? 0.0 : double{guide.sampler.pdf(sp, w, e)};
       };
-      constexpr double kMaxStrays = 1e-4;  // the horizon cuts bins, and quadrature misses slips of them
+      constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, and quadrature misses slips of them
       EXPECT_GT(histogram.test(chart.density(pdf), 7, 2, kMaxStrays).p_value, testing::significance())
           << c.name << (stratified ? ", stratified" : "");
     }
