@@ -265,6 +265,20 @@ struct AnimationChannel {
   Index clip = kNone;      ///< of Scene::clips; kNone: plays with each of them
 };
 
+enum class AnimatedPart : uint8_t { material, light, camera };
+
+/// Key frames of one parameter of a material, light or camera.
+struct ParameterChannel {
+  AnimatedPart part = AnimatedPart::material;
+  Index index = kNone;  ///< in Scene::materials, lights or cameras
+  std::string
+      parameter;  ///< by its key in relume JSON without unit: "roughness", "intensity", "fov_y"; "KEY_texture.offset"
+  Interpolation interpolation = Interpolation::linear;
+  std::vector<float> times;  ///< seconds, strictly increasing
+  std::vector<Vec4> values;  ///< as those of AnimationChannel; angles in radians
+  Index clip = kNone;        ///< of Scene::clips; kNone: plays with each of them
+};
+
 struct Scene {
   std::string name;
   std::vector<Texture> textures;
@@ -276,6 +290,7 @@ struct Scene {
   std::vector<Skin> skins;
   std::vector<std::string> clips;  ///< names of the animations, of which one plays or several together
   std::vector<AnimationChannel> animation;
+  std::vector<ParameterChannel> parameter_animation;
   Environment environment;
   std::vector<std::string> variants;                ///< names of other choices of materials (KHR_materials_variants)
   std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none

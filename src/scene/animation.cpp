@@ -15,12 +15,14 @@ namespace {
 glm::quat quat_from_xyzw(const Vec4& v) { return {v.w, v.x, v.y, v.z}; }
 
 /// Value of key `i` itself, without the tangents of a cubic spline.
-Vec4 key_value(const AnimationChannel& channel, size_t i) {
+template <typename Channel>
+Vec4 key_value(const Channel& channel, size_t i) {
   return channel.interpolation == Interpolation::cubic_spline ? channel.values[3 * i + 1] : channel.values[i];
 }
 
 /// glTF 2.0, appendix C: Hermite spline with tangents scaled by the interval `dt`.
-Vec4 cubic_spline(const AnimationChannel& channel, size_t i, float dt, float t) {
+template <typename Channel>
+Vec4 cubic_spline(const Channel& channel, size_t i, float dt, float t) {
   const Vec4 v0 = channel.values[3 * i + 1];
   const Vec4 b0 = channel.values[3 * i + 2] * dt;
   const Vec4 a1 = channel.values[3 * i + 3] * dt;
@@ -28,6 +30,28 @@ Vec4 cubic_spline(const AnimationChannel& channel, size_t i, float dt, float t) 
   const float t2 = t * t;
   const float t3 = t2 * t;
   return (2 * t3 - 3 * t2 + 1) * v0 + (t3 - 2 * t2 + t) * b0 + (-2 * t3 + 3 * t2) * v1 + (t3 - t2) * a1;
+}
+
+/// Value between the keys of any channel. `turns`: the values are quaternions.
+template <typename Channel>
+Vec4 value_at(const Channel& channel, float time_s, bool turns) {
+  const auto& times = channel.times;
+  if (!(time_s > times.front())) return key_value(channel, 0);  // also for NaN
+  if (time_s >= times.back()) return key_value(channel, times.size() - 1);
+  const auto next = std::upper_bound(times.begin(), times.end(), time_s);
+  const size_t i = static_cast<size_t>(next - times.begin()) - 1;
+  const float dt = times[i + 1] - times[i];
+  const float t = (time_s - times[i]) / dt;
+  switch (channel.interpolation) {
+    case Interpolation::step: return key_value(channel, i);
+    case Interpolation::cubic_spline: return cubic_spline(channel, i, dt, t);
+    case Interpolation::linear: break;
+  }
+  const Vec4 a = channel.values[i];
+  const Vec4 b = channel.values[i + 1];
+  if (!turns) return a + (b - a) * t;
+  const glm::quat q = glm::slerp(quat_from_xyzw(a), quat_from_xyzw(b), t);
+  return {q.x, q.y, q.z, q.w};
 }
 
 std::string known_clips(const Scene& scene) {
@@ -70,24 +94,10 @@ std::set<Index> chosen_clips(const Scene& scene, const std::string& choice) {
 }  // namespace
 
 Vec4 evaluate(const AnimationChannel& channel, float time_s) {
-  const auto& times = channel.times;
-  if (!(time_s > times.front())) return key_value(channel, 0);  // also for NaN
-  if (time_s >= times.back()) return key_value(channel, times.size() - 1);
-  const auto next = std::upper_bound(times.begin(), times.end(), time_s);
-  const size_t i = static_cast<size_t>(next - times.begin()) - 1;
-  const float dt = times[i + 1] - times[i];
-  const float t = (time_s - times[i]) / dt;
-  switch (channel.interpolation) {
-    case Interpolation::step: return key_value(channel, i);
-    case Interpolation::cubic_spline: return cubic_spline(channel, i, dt, t);
-    case Interpolation::linear: break;
-  }
-  const Vec4 a = channel.values[i];
-  const Vec4 b = channel.values[i + 1];
-  if (channel.property != AnimatedProperty::rotation) return a + (b - a) * t;
-  const glm::quat q = glm::slerp(quat_from_xyzw(a), quat_from_xyzw(b), t);
-  return {q.x, q.y, q.z, q.w};
+  return value_at(channel, time_s, channel.property == AnimatedProperty::rotation);
 }
+
+Vec4 evaluate(const ParameterChannel& channel, float time_s) { return value_at(channel, time_s, false); }
 
 bool is_transform(AnimatedProperty property) {
   return property == AnimatedProperty::translation || property == AnimatedProperty::rotation ||
@@ -129,11 +139,17 @@ void select_animation(Scene& scene, const std::string& choice) {
     if (c.clip != kNone && !clips.contains(c.clip)) return true;
     return !driven.emplace(c.node, c.property, c.morph_target).second;
   });
+  std::set<std::tuple<AnimatedPart, Index, std::string>> driven_parameters;
+  std::erase_if(scene.parameter_animation, [&](const ParameterChannel& c) {
+    if (c.clip != kNone && !clips.contains(c.clip)) return true;
+    return !driven_parameters.emplace(c.part, c.index, c.parameter).second;
+  });
 }
 
 float animation_end(const Scene& scene) {
   float end = 0;
   for (const AnimationChannel& channel : scene.animation) end = std::max(end, channel.times.back());
+  for (const ParameterChannel& channel : scene.parameter_animation) end = std::max(end, channel.times.back());
   return end;
 }
 

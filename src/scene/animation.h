@@ -9,6 +9,8 @@ namespace relume {
 /// first key and after the last.
 Vec4 evaluate(const AnimationChannel& channel, float time_s);
 
+Vec4 evaluate(const ParameterChannel& channel, float time_s);
+
 /// Whether the property is part of a node's transform.
 bool is_transform(AnimatedProperty property);
 

@@ -43,6 +43,7 @@ CompiledScene::CompiledScene(Scene scene, const CompileOptions& options)
   validate(source_, source_.name);
   note_clips(options.animation);
   select_animation(source_, options.animation);
+  apply_parameter_animation();
   world_ = world_matrices(source_, time_s_);  // at time 0, so that the environment does not depend on where one starts
   visible_ = visible_nodes(source_, time_s_);
   check_placement(source_, world_, source_.name);

@@ -109,6 +109,13 @@ class CompiledScene {
   void bake_static_deformations();
   /// A copy for one node, which joins deforming_.
   void append_deforming_mesh(MeshInstance& placed);
+  /// Sets what key frames drive in the source's materials, lights and cameras, before anything is built.
+  void apply_parameter_animation();
+  /// The same for a scene that is built, with what follows.
+  Change animate_parameters();
+  /// What a caller sets is no longer driven by key frames.
+  void end_parameter_animation(AnimatedPart part, Index index);
+  Change replace_material(Index material, const Material& value);
   /// Updates vertices to the joints and weights of now; returns the meshes of the view that have changed.
   std::vector<uint32_t> deform_meshes();
   void keep_previous_positions();

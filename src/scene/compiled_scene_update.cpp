@@ -37,7 +37,8 @@ void CompiledScene::end_frame() {
 Change CompiledScene::set_time(float time_s) {
   std::vector<Mat4> world = checked_world(time_s);
   time_s_ = time_s;
-  return place_everything(std::move(world));
+  const Change change = animate_parameters();
+  return change | place_everything(std::move(world));
 }
 
 Change CompiledScene::set_camera(const std::optional<CameraPose>& camera) {
@@ -89,6 +90,7 @@ Change CompiledScene::set_light(Index light, const PunctualLight& value) {
   check_index(light, source_.lights.size(), "light", source_.name);
   validate(value, source_.name);
   source_.lights[static_cast<size_t>(light)] = value;
+  end_parameter_animation(AnimatedPart::light, light);
   collect_lights();
   was_moved_ = true;
   return Change::lights;
@@ -110,6 +112,16 @@ Change CompiledScene::set_material(Index material, const Material& value) {
       throw Error(fmt::format("{}: material '{}' refers to texture {}, but the scene has {}; name another",
                               source_.name, value.name, ref->texture, source_.textures.size()));
   }
+  end_parameter_animation(AnimatedPart::material, material);
+  return replace_material(material, value);
+}
+
+void CompiledScene::end_parameter_animation(AnimatedPart part, Index index) {
+  std::erase_if(source_.parameter_animation,
+                [&](const ParameterChannel& c) { return c.part == part && c.index == index; });
+}
+
+Change CompiledScene::replace_material(Index material, const Material& value) {
   Material& target = source_.materials[static_cast<size_t>(material)];
   const bool emits = !is_black(target.emission) || !is_black(value.emission);
   const auto index = static_cast<uint32_t>(material);

@@ -92,6 +92,9 @@ class Hasher {
   Hasher& operator<<(const AnimationChannel& c) {
     return *this << c.node << c.property << c.interpolation << c.times << c.values << c.morph_target << c.clip;
   }
+  Hasher& operator<<(const ParameterChannel& c) {
+    return *this << c.part << c.index << c.parameter << c.interpolation << c.times << c.values << c.clip;
+  }
   Hasher& operator<<(const Environment& e) {
     const SunSky& s = e.sun_sky;
     *this << e.kind << e.color << e.width << e.height << e.map << e.rotation_rad << s.sun_elevation_rad
@@ -114,7 +117,7 @@ class Hasher {
 uint64_t scene_hash(const Scene& scene) {
   Hasher h;
   h << scene.textures << scene.materials << scene.meshes << scene.lights << scene.cameras << scene.nodes << scene.skins
-    << scene.clips << scene.animation << scene.environment;
+    << scene.clips << scene.animation << scene.parameter_animation << scene.environment;
   return h.value();
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "relume/error.h"
+#include "scene/animated_parameters.h"
 #include "scene/animation.h"
 #include "scene/light_parameters.h"
 #include "scene/material_parameters.h"
@@ -44,6 +45,7 @@ class Validator {
     for (size_t i = 0; i < scene_.skins.size(); ++i) check_skin(i);
     for (size_t i = 0; i < scene_.nodes.size(); ++i) check_node(i);
     for (size_t i = 0; i < scene_.animation.size(); ++i) check_channel(i);
+    for (size_t i = 0; i < scene_.parameter_animation.size(); ++i) check_parameter_channel(i);
     check_cycles();
     check_placement(scene_, world_matrices(scene_, 0), place_);
   }
@@ -183,15 +185,8 @@ class Validator {
     }
   }
 
-  void check_channel(size_t i) const {
-    const AnimationChannel& c = scene_.animation[i];
-    if (!in_range(c.node, scene_.nodes.size())) fail("animation channel {} moves missing node {}", i, c.node);
-    if (!in_range_or_none(c.clip, scene_.clips.size()))
-      fail("animation channel {} belongs to missing clip {}", i, c.clip);
-    if (c.property == AnimatedProperty::morph_weight && !has_morph_target(c))
-      fail("animation channel {} moves the missing morph target {} of node {}", i, c.morph_target, c.node);
-    if (c.property == AnimatedProperty::visible && c.interpolation != Interpolation::step)
-      fail("animation channel {} hides and shows a node between keys; it must be a step", i);
+  template <typename Channel>
+  void check_keys(size_t i, const Channel& c) const {
     const size_t per_key = c.interpolation == Interpolation::cubic_spline ? 3 : 1;
     if (c.times.empty() || c.values.size() != per_key * c.times.size())
       fail("animation channel {} has {} times but {} values", i, c.times.size(), c.values.size());
@@ -203,6 +198,27 @@ class Validator {
       if (!is_finite(c.times[k]) || (k > 0 && c.times[k] <= c.times[k - 1]))
         fail("animation channel {} has times that do not increase", i);
     }
+  }
+
+  void check_parameter_channel(size_t i) const {
+    const ParameterChannel& c = scene_.parameter_animation[i];
+    if (!has_parameter(scene_, c))
+      fail("animation channel {} drives '{}' of part {}, which does not exist", i, c.parameter, c.index);
+    if (!in_range_or_none(c.clip, scene_.clips.size()))
+      fail("animation channel {} belongs to missing clip {}", i, c.clip);
+    check_keys(i, c);
+  }
+
+  void check_channel(size_t i) const {
+    const AnimationChannel& c = scene_.animation[i];
+    if (!in_range(c.node, scene_.nodes.size())) fail("animation channel {} moves missing node {}", i, c.node);
+    if (!in_range_or_none(c.clip, scene_.clips.size()))
+      fail("animation channel {} belongs to missing clip {}", i, c.clip);
+    if (c.property == AnimatedProperty::morph_weight && !has_morph_target(c))
+      fail("animation channel {} moves the missing morph target {} of node {}", i, c.morph_target, c.node);
+    if (c.property == AnimatedProperty::visible && c.interpolation != Interpolation::step)
+      fail("animation channel {} hides and shows a node between keys; it must be a step", i);
+    check_keys(i, c);
     if (c.property != AnimatedProperty::morph_weight) return;
     const ValueRange range = value_range(c);
     if (!(std::max(std::fabs(range.low), std::fabs(range.high)) <= kMaxCoordinate))

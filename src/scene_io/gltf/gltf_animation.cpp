@@ -10,19 +10,12 @@
 #include "scene/animation.h"
 #include "scene_io/decompose.h"
 #include "scene_io/gltf/gltf_accessor.h"
+#include "scene_io/gltf/gltf_keys.h"
 #include "scene_io/gltf/gltf_nodes.h"
 #include "scene_io/gltf/gltf_value.h"
 
 namespace relume::gltf {
 namespace {
-
-bool usable(const Vec4& v) { return is_finite(Vec3(v)) && is_finite(v.w); }
-
-Interpolation interpolation_of(const std::string& name) {
-  if (name == "STEP") return Interpolation::step;
-  if (name == "CUBICSPLINE") return Interpolation::cubic_spline;
-  return Interpolation::linear;
-}
 
 /// Property of a node of the file that a channel drives.
 struct Target {
@@ -37,6 +30,13 @@ std::optional<AnimatedProperty> property_of(std::string_view path) {
   if (path == "weights") return AnimatedProperty::morph_weight;
   if (path == "extensions/KHR_node_visibility/visible") return AnimatedProperty::visible;
   return std::nullopt;
+}
+
+/// Empty for channels of glTF's core.
+std::string pointer_of(const tinygltf::AnimationChannel& channel) {
+  const auto extension = channel.target_extensions.find("KHR_animation_pointer");
+  if (channel.target_path != "pointer" || extension == channel.target_extensions.end()) return {};
+  return string_member(extension->second, "pointer");
 }
 
 /// KHR_animation_pointer: "/nodes/3/translation". Nothing for what relume does not animate.
@@ -59,8 +59,7 @@ std::optional<Target> target_of(const tinygltf::AnimationChannel& channel, Warni
   std::string path = channel.target_path;
   std::optional<Target> target;
   if (path == "pointer") {
-    const auto extension = channel.target_extensions.find("KHR_animation_pointer");
-    if (extension != channel.target_extensions.end()) path = string_member(extension->second, "pointer");
+    path = pointer_of(channel);
     target = target_of_pointer(path);
   } else if (const std::optional<AnimatedProperty> property = property_of(path)) {
     target = {channel.target_node, *property};
@@ -78,29 +77,6 @@ std::vector<Vec4> read_values(const Document& document, int accessor, AnimatedPr
   }
   for (const Vec3& v : read_vec3(document, accessor)) values.emplace_back(v, 0.0f);
   return values;
-}
-
-/// Keeps the keys whose times increase and whose values are finite; a rotation's value must have a length.
-void repair_keys(AnimationChannel& channel, const std::string& name, Warnings& warnings) {
-  const size_t per_key = channel.interpolation == Interpolation::cubic_spline ? 3 : 1;
-  const size_t value_at = per_key == 3 ? 1 : 0;
-  size_t kept = 0;
-  for (size_t i = 0; i < channel.times.size(); ++i) {
-    bool ok = is_finite(channel.times[i]) && (kept == 0 || channel.times[i] > channel.times[kept - 1]);
-    for (size_t k = 0; k < per_key; ++k) ok = ok && usable(channel.values[per_key * i + k]);
-    if (channel.property == AnimatedProperty::rotation)
-      ok = ok && glm::length(channel.values[per_key * i + value_at]) > 0;
-    if (!ok) continue;
-    channel.times[kept] = channel.times[i];
-    for (size_t k = 0; k < per_key; ++k) channel.values[per_key * kept + k] = channel.values[per_key * i + k];
-    ++kept;
-  }
-  if (kept < channel.times.size())
-    warnings.add(
-        fmt::format("animation '{}': {} key frames whose times do not increase or that are not finite are dropped",
-                    name, channel.times.size() - kept));
-  channel.times.resize(kept);
-  channel.values.resize(kept * per_key);
 }
 
 /// A node that is animated has a transform in place of a matrix.
@@ -127,8 +103,8 @@ std::vector<AnimationChannel> split_by_target(AnimationChannel whole, size_t tar
 
 class AnimationImporter {
  public:
-  AnimationImporter(Document& document, const std::vector<Index>& node_of, Scene& scene)
-      : document_(document), node_of_(node_of), scene_(scene) {}
+  AnimationImporter(Document& document, const SceneIndices& indices, Scene& scene)
+      : document_(document), indices_(indices), node_of_(indices.nodes), scene_(scene) {}
 
   void import(const tinygltf::Animation& animation) {
     const auto clip = static_cast<Index>(scene_.clips.size());
@@ -136,6 +112,10 @@ class AnimationImporter {
     scene_.clips.push_back(name_);
     driven_.clear();
     for (const tinygltf::AnimationChannel& source : animation.channels) {
+      if (const std::optional<ParameterPointer> pointer = parse_parameter_pointer(pointer_of(source))) {
+        import_parameter(document_, indices_, animation, source.sampler, *pointer, clip, name_, scene_);
+        continue;
+      }
       const std::optional<Target> target = target_of(source, document_.warnings);
       if (!target || target->node < 0) continue;  // glTF 2.0: channels without a node are to be ignored
       if (static_cast<size_t>(target->node) >= node_of_.size())
@@ -203,6 +183,7 @@ class AnimationImporter {
   }
 
   Document& document_;
+  const SceneIndices& indices_;
   const std::vector<Index>& node_of_;
   Scene& scene_;
   std::string name_;
@@ -211,8 +192,8 @@ class AnimationImporter {
 
 }  // namespace
 
-void import_animation(Document& document, const std::vector<Index>& node_of, Scene& scene) {
-  AnimationImporter importer(document, node_of, scene);
+void import_animation(Document& document, const SceneIndices& indices, Scene& scene) {
+  AnimationImporter importer(document, indices, scene);
   for (const tinygltf::Animation& animation : document.model.animations) importer.import(animation);
 }
 
@@ -233,6 +214,7 @@ void drop_missing_targets(Document& document, Scene& scene) {
 void drop_empty_clips(Scene& scene) {
   std::vector<Index> kept(scene.clips.size(), kNone);
   for (const AnimationChannel& channel : scene.animation) kept[static_cast<size_t>(channel.clip)] = 0;
+  for (const ParameterChannel& channel : scene.parameter_animation) kept[static_cast<size_t>(channel.clip)] = 0;
   std::vector<std::string> clips;
   for (size_t i = 0; i < kept.size(); ++i) {
     if (kept[i] == kNone) continue;
@@ -241,6 +223,7 @@ void drop_empty_clips(Scene& scene) {
   }
   scene.clips = std::move(clips);
   for (AnimationChannel& channel : scene.animation) channel.clip = kept[static_cast<size_t>(channel.clip)];
+  for (ParameterChannel& channel : scene.parameter_animation) channel.clip = kept[static_cast<size_t>(channel.clip)];
 }
 
 }  // namespace relume::gltf

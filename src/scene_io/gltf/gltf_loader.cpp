@@ -18,9 +18,13 @@ Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesyst
   scene.variants = gltf::variant_names(document);
   gltf::MaterialImporter materials(document, scene);
   gltf::MeshImporter meshes(document, scene, materials);
-  const std::vector<Index> node_of = gltf::import_nodes(document, scene, meshes);
-  gltf::import_skins(document, node_of, scene);
-  gltf::import_animation(document, node_of, scene);
+  gltf::PunctualImporter punctual(document);
+  gltf::SceneIndices indices{.nodes = gltf::import_nodes(document, scene, meshes, punctual),
+                             .material = [&](int i) { return materials.find(i); },
+                             .light = [&](int i) { return punctual.find_light(i); },
+                             .camera = [&](int i) { return punctual.find_camera(i); }};
+  gltf::import_skins(document, indices.nodes, scene);
+  gltf::import_animation(document, indices, scene);
   meshes.finish();
   gltf::drop_unusable_skins(document, scene);
   gltf::drop_missing_targets(document, scene);

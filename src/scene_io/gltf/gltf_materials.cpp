@@ -41,6 +41,11 @@ Index MaterialImporter::import(int material) {
   return entry->second;
 }
 
+Index MaterialImporter::find(int material) const {
+  const auto entry = known_.find(material);
+  return entry == known_.end() ? kNone : entry->second;
+}
+
 Material MaterialImporter::convert(const tinygltf::Material& source) {
   Material material;
   material.name = source.name;

@@ -16,6 +16,9 @@ class MaterialImporter {
   /// warning, for a material that does not exist.
   Index import(int material);
 
+  /// Index of a material that import() has imported; kNone for others.
+  Index find(int material) const;
+
   /// Decodes the textures of all imported materials.
   void finish() { textures_.decode_all(); }
 

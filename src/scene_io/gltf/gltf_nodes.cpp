@@ -6,7 +6,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "scene_io/gltf/gltf_accessor.h"
-#include "scene_io/gltf/gltf_punctual.h"
 #include "scene_io/gltf/gltf_skins.h"
 #include "scene_io/gltf/gltf_value.h"
 
@@ -152,14 +151,13 @@ Node convert_node(Document& document, Scene& scene, MeshImporter& meshes, Punctu
 
 }  // namespace
 
-std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes) {
+std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes, PunctualImporter& punctual) {
   const std::vector<int> parents = find_parents(document);
   if (walk(document.model, all_roots(parents)).size() != parents.size())
     document.damaged("its node tree has a cycle: a node is its own ancestor");
   const std::vector<int> order = walk(document.model, scene_roots(document, parents));
   std::vector<Index> node_of(parents.size(), kNone);
   for (size_t k = 0; k < order.size(); ++k) node_of[static_cast<size_t>(order[k])] = static_cast<Index>(k);
-  PunctualImporter punctual(document);
   scene.nodes.reserve(order.size());
   for (const int index : order) {
     Node node = convert_node(document, scene, meshes, punctual, index);

@@ -91,4 +91,14 @@ Index PunctualImporter::import_light(int light, Scene& scene) {
   return entry->second;
 }
 
+Index PunctualImporter::find_camera(int camera) const {
+  const auto entry = cameras_.find(camera);
+  return entry == cameras_.end() ? kNone : entry->second;
+}
+
+Index PunctualImporter::find_light(int light) const {
+  const auto entry = lights_.find(light);
+  return entry == lights_.end() ? kNone : entry->second;
+}
+
 }  // namespace relume::gltf

@@ -17,6 +17,10 @@ class PunctualImporter {
   /// Index in Scene::lights of light `light` of KHR_lights_punctual; kNone with a warning if it cannot be used.
   Index import_light(int light, Scene& scene);
 
+  /// Indices of those that have been imported; kNone for others.
+  Index find_camera(int camera) const;
+  Index find_light(int light) const;
+
  private:
   Document& document_;
   std::map<int, Index> cameras_;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "scene/animation.h"
+#include "scene_io/gltf/gltf_pointers.h"
 
 namespace relume::gltf {
 namespace {
@@ -65,8 +66,11 @@ void AnimationWriter::write_clip(Index clip, const std::string& name) {
     if (channel->property == AnimatedProperty::morph_weight) {
       if (morphed.insert(channel->node).second) add_morph_weights(channels, *channel);
     } else {
-      add_channel(target_of(*channel), *channel, values_of(*channel));
+      add_channel(target_of(*channel), channel->times, channel->interpolation, values_of(*channel));
     }
+  }
+  for (const ParameterChannel& channel : scene_.parameter_animation) {
+    if (channel.clip == clip || channel.clip == kNone) add_parameter(channel, clip);
   }
   if (!channels_.empty()) {
     output_.add("animations", {{"name", name}, {"channels", std::move(channels_)}, {"samplers", std::move(samplers_)}});
@@ -87,12 +91,57 @@ int AnimationWriter::values_of(const AnimationChannel& channel) {
   return output_.add_floats(flat<3>(xyz), 3, BufferTarget::none);
 }
 
-void AnimationWriter::add_channel(OutputJson target, const AnimationChannel& keys, int values) {
-  const auto [input, is_new] = inputs_.try_emplace(keys.times, 0);
-  if (is_new) input->second = output_.add_floats(keys.times, 1, BufferTarget::none, true);
+void AnimationWriter::add_channel(OutputJson target, const std::vector<float>& times, Interpolation interpolation,
+                                  int values) {
+  const auto [input, is_new] = inputs_.try_emplace(times, 0);
+  if (is_new) input->second = output_.add_floats(times, 1, BufferTarget::none, true);
   channels_.push_back({{"sampler", samplers_.size()}, {"target", std::move(target)}});
   samplers_.push_back(
-      {{"input", input->second}, {"output", values}, {"interpolation", interpolation_name(keys.interpolation)}});
+      {{"input", input->second}, {"output", values}, {"interpolation", interpolation_name(interpolation)}});
+}
+
+float AnimationWriter::written_strength(const ParameterChannel& channel) const {
+  const auto i = static_cast<size_t>(channel.index);
+  if (channel.parameter == "emission") return std::max(1.0f, max_component(scene_.materials[i].emission));
+  if (channel.parameter != "intensity") return 1;
+  const float intensity = max_component(scene_.lights[i].intensity);
+  return intensity > 0 ? intensity : 1.0f;
+}
+
+void AnimationWriter::add_parameter(const ParameterChannel& channel, Index clip) {
+  if (channel.part == AnimatedPart::material && channel.parameter == "alpha") return;  // goes with the base colour
+  const std::vector<PointerParameter>& known = pointer_parameters();
+  const auto p = std::find_if(known.begin(), known.end(), [&](const PointerParameter& candidate) {
+    return candidate.part == channel.part && candidate.parameter == channel.parameter;
+  });
+  if (p == known.end()) {
+    output_.warn(fmt::format("glTF cannot animate '{}'; its key frames are left out", channel.parameter));
+    return;
+  }
+  std::vector<float> values;
+  const float strength = written_strength(channel);
+  const ParameterChannel* alpha = p->components == 4 ? alpha_of(channel, clip) : nullptr;
+  for (size_t row = 0; row < channel.values.size(); ++row) {
+    for (int c = 0; c < std::min(p->components, 3); ++c) values.push_back(channel.values[row][c] / strength);
+    if (p->components < 4) continue;
+    const bool is_tangent = channel.interpolation == Interpolation::cubic_spline && row % 3 != 1;
+    const float rest = is_tangent ? 0.0f : scene_.materials[static_cast<size_t>(channel.index)].alpha;
+    values.push_back(alpha ? alpha->values[row].x : rest);
+  }
+  output_.use_extension("KHR_animation_pointer");
+  add_channel(
+      {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer_to(*p, channel.index)}}}}}},
+      channel.times, channel.interpolation, output_.add_floats(values, p->components, BufferTarget::none));
+}
+
+const ParameterChannel* AnimationWriter::alpha_of(const ParameterChannel& base_color, Index clip) {
+  for (const ParameterChannel& c : scene_.parameter_animation) {
+    if (c.part != AnimatedPart::material || c.index != base_color.index || c.parameter != "alpha") continue;
+    if (c.clip != clip && c.clip != kNone) continue;
+    if (c.times == base_color.times && c.interpolation == base_color.interpolation) return &c;
+    output_.warn("alpha has other key frames than its base colour; they are left out");
+  }
+  return nullptr;
 }
 
 OutputJson AnimationWriter::target_of(const AnimationChannel& channel) {
@@ -134,7 +183,7 @@ void AnimationWriter::add_morph_weights(const std::vector<const AnimationChannel
       values.push_back(!channel ? rest : together ? channel->values[row].x : evaluate(*channel, keys.times[row]).x);
     }
   }
-  add_channel(target_of(first), keys, output_.add_floats(values, 1, BufferTarget::none));
+  add_channel(target_of(first), keys.times, keys.interpolation, output_.add_floats(values, 1, BufferTarget::none));
 }
 
 }  // namespace relume::gltf

@@ -24,7 +24,13 @@ class AnimationWriter {
   std::vector<const AnimationChannel*> channels_of(Index clip) const;
   /// Accessor of the channel's values.
   int values_of(const AnimationChannel& channel);
-  void add_channel(OutputJson target, const AnimationChannel& keys, int values);
+  void add_channel(OutputJson target, const std::vector<float>& times, Interpolation interpolation, int values);
+  /// The key frames of a material, light or camera, as KHR_animation_pointer has them.
+  void add_parameter(const ParameterChannel& channel, Index clip);
+  /// The strength beside the colour that the channel drives, as it is written.
+  float written_strength(const ParameterChannel& channel) const;
+  /// Key frames of the alpha that the file keeps with those of the base colour; nullptr: none.
+  const ParameterChannel* alpha_of(const ParameterChannel& base_color, Index clip);
   OutputJson target_of(const AnimationChannel& channel);
   /// The weights of all morph targets of the channel's node, which glTF keeps in one channel.
   void add_morph_weights(const std::vector<const AnimationChannel*>& channels, const AnimationChannel& first);

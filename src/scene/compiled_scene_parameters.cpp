@@ -1,0 +1,40 @@
+// Materials, lights and cameras that key frames drive.
+#include <map>
+
+#include "scene/animated_parameters.h"
+#include "scene/compiled_scene.h"
+
+namespace relume {
+
+void CompiledScene::apply_parameter_animation() {
+  for (const ParameterChannel& c : source_.parameter_animation) {
+    const auto i = static_cast<size_t>(c.index);
+    switch (c.part) {
+      case AnimatedPart::material: apply(c, time_s_, source_.materials[i]); break;
+      case AnimatedPart::light: apply(c, time_s_, source_.lights[i]); break;
+      case AnimatedPart::camera: apply(c, time_s_, source_.cameras[i]); break;
+    }
+  }
+}
+
+Change CompiledScene::animate_parameters() {
+  if (source_.parameter_animation.empty()) return Change::none;
+  std::map<Index, Material> materials;  // those that are driven, as they were
+  for (const ParameterChannel& c : source_.parameter_animation) {
+    if (c.part == AnimatedPart::material)
+      materials.try_emplace(c.index, source_.materials[static_cast<size_t>(c.index)]);
+  }
+  apply_parameter_animation();
+  Change change = Change::none;
+  for (auto& [index, before] : materials) {
+    Material& now = source_.materials[static_cast<size_t>(index)];
+    if (same_material(now, before)) continue;
+    std::swap(now, before);  // replace_material() compares with what was there
+    change |= replace_material(index, before);
+  }
+  if (camera_node_ != kNone)
+    camera_ = source_.cameras[static_cast<size_t>(source_.nodes[static_cast<size_t>(camera_node_)].camera)];
+  return change;
+}
+
+}  // namespace relume
