@@ -14,17 +14,14 @@ namespace {
 /// bytes.
 constexpr int64_t kMostPixelsPerByte = int64_t{1} << 20;
 
-const char* reason_of(VP8StatusCode status) {
-  switch (status) {
-    case VP8_STATUS_NOT_ENOUGH_DATA: return "it is cut off";
-    case VP8_STATUS_OUT_OF_MEMORY: return "it needs more memory than there is";
-    case VP8_STATUS_UNSUPPORTED_FEATURE: return "it has a feature that is not supported";
-    default: return "its data contradict themselves";
-  }
-}
-
 [[noreturn]] void fail(const std::string& name, VP8StatusCode status) {
-  throw Error(fmt::format("{}: damaged WebP image ({}); export or copy it again", name, reason_of(status)));
+  if (status == VP8_STATUS_OUT_OF_MEMORY)
+    throw Error(fmt::format("{}: the memory does not suffice to decode the WebP image; scale it down", name));
+  if (status == VP8_STATUS_UNSUPPORTED_FEATURE)
+    throw Error(
+        fmt::format("{}: the WebP image has a feature that libwebp does not support; save it as PNG or JPEG", name));
+  const char* reason = status == VP8_STATUS_NOT_ENOUGH_DATA ? "it is cut off" : "the data are inconsistent";
+  throw Error(fmt::format("{}: damaged WebP image ({}); export or copy it again", name, reason));
 }
 
 }  // namespace

@@ -79,6 +79,13 @@ TEST(WebpMalformed, CutOffFilesAreOneSentence) {
   }
 }
 
+TEST(WebpMalformed, UnknownVersionsAreInconsistentData) {
+  std::vector<std::byte> bytes = make_webp(30, 20, gradient(30, 20));
+  constexpr size_t kVersion = 24;  // its upper three bits, behind the sizes
+  bytes[kVersion] |= std::byte{0x20};
+  EXPECT_EQ(sentence_of(bytes), "wood.webp: damaged WebP image (the data are inconsistent); export or copy it again");
+}
+
 TEST(WebpMalformed, AnimationsAreRefused) {
   std::vector<std::byte> bytes;
   for (const char c : std::string("RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x07\0\0\x07\0\0", 30))
