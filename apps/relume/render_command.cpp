@@ -20,8 +20,9 @@ std::vector<Option> declare(RenderOptions& o) {
       {{"aov", &o.aov, "Further layers of the EXR, with commas between: albedo,normal,depth,motion,variance …"},
        "LIST"},
       {{"crop", &o.crop,
-        "Render only this window of the image, with the bits that the whole image has there; an EXR keeps the size of "
-        "the whole, other files are cut"},
+        "Render only this window, bit-identical to that part of the full image; an EXR keeps the size of the full "
+        "image, "
+        "other files hold the window alone"},
        "X,Y,W,H"},
       {{"ocio", &o.ocio,
         "Show PNG, JPEG, TGA and videos through a view of an OpenColorIO configuration in place of --tone-map"},

@@ -220,7 +220,9 @@ void add_denoiser(Builder& builder, const RenderSettings& settings) {
 void check_crop(const RenderSettings& s) {
   const std::pair<bool, const char*> conflicts[] = {
       {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
-      {learns(s), "what learns from other pixels; use --lights light-tree and --guide bsdf"},
+      {s.lights == LightSelectionChoice::vlc,
+       "the visibility light cache, which other pixels fill; use --lights light-tree"},
+      {s.guide == GuideChoice::cdq, "path guiding, which learns from other pixels; use --guide bsdf"},
       {s.cache != CacheChoice::none, "a radiance cache, which other pixels fill; use --cache none"},
       {s.allocation != AllocationChoice::uniform, "adaptive sampling; use --allocation uniform"},
       {s.history == HistoryChoice::reproject, "reprojection between pixels; use --history accumulate"},

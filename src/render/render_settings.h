@@ -60,7 +60,7 @@ struct RenderSettings {
   /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
   /// name of its own.
   bool auxiliary = false;
-  /// Render these pixels only, with the bits that the whole image has there. Other pixels stay black.
+  /// Render these pixels only, bit-identical to that part of the full image. Other pixels stay black.
   PixelWindow crop;
   PathSettings path;
   LightSelectionSettings light_selection;

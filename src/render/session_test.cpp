@@ -1,8 +1,11 @@
 #include "render/session.h"
 
+#include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "builtin_scenes/builtin.h"
@@ -82,13 +85,34 @@ TEST(Session, RefusesWindowsThatItCannotRender) {
     settings.crop = crop;
     EXPECT_THROW(furnace(settings), Error) << crop.x << ' ' << crop.y;
   }
+}
+
+TEST(Session, WindowsNeedPixelsThatDoNotDependOnEachOther) {
+  RenderSettings settings = small_settings();
   settings.crop = {0, 0, 4, 4};
   EXPECT_NO_THROW(furnace(settings));
-  settings.denoise = DenoiseChoice::svgf;
-  EXPECT_THROW(furnace(settings), Error);
-  settings.denoise = DenoiseChoice::none;
-  settings.lights = LightSelectionChoice::vlc;
-  EXPECT_THROW(furnace(settings), Error);
+  const std::pair<const char*, std::function<void(RenderSettings&)>> conflicts[] = {
+      {"light paths", [](RenderSettings& s) { s.estimator = EstimatorChoice::bdpt; }},
+      {"light paths", [](RenderSettings& s) { s.estimator = EstimatorChoice::light; }},
+      {"the visibility light cache", [](RenderSettings& s) { s.lights = LightSelectionChoice::vlc; }},
+      {"path guiding", [](RenderSettings& s) { s.guide = GuideChoice::cdq; }},
+      {"a radiance cache", [](RenderSettings& s) { s.cache = CacheChoice::psf; }},
+      {"adaptive sampling", [](RenderSettings& s) { s.allocation = AllocationChoice::adaptive; }},
+      {"reprojection", [](RenderSettings& s) { s.history = HistoryChoice::reproject; }},
+      {"a denoiser", [](RenderSettings& s) { s.denoise = DenoiseChoice::svgf; }},
+      {"the firefly clamp", [](RenderSettings& s) { s.firefly.limit = 1; }},
+  };
+  for (const auto& [name, choose] : conflicts) {
+    RenderSettings chosen = settings;
+    choose(chosen);
+    try {
+      furnace(chosen);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find(fmt::format("--crop does not combine with {}", name)), 0u)
+          << error.what();
+    }
+  }
 }
 
 TEST(Session, IsAsItWasWhereATimeIsRefused) {

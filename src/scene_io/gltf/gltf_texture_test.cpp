@@ -65,7 +65,7 @@ TEST(GltfTexture, UnreadableImagesOfExtensionsFallBackToTheSource) {
     EXPECT_TRUE(mentions(scene.warnings, "the texture's other image, image 1, is read")) << scene.warnings.front();
     const Scene without = load_texture({bytes}, extensions, -1);
     EXPECT_EQ(without.textures[0].width, 1);
-    EXPECT_TRUE(mentions(without.warnings, "a stand-in of one texel replaces the texture"));
+    EXPECT_TRUE(mentions(without.warnings, "one texel of a constant value replaces the texture"));
   }
 }
 

@@ -41,7 +41,7 @@ std::vector<int> images_of(const tinygltf::Texture& texture) {
   return images;
 }
 
-void make_stand_in(TextureUse use, Texture& texture) {
+void make_constant(TextureUse use, Texture& texture) {
   const auto byte = [](int value) { return static_cast<std::byte>(value); };
   texture.width = 1;
   texture.height = 1;
@@ -143,8 +143,8 @@ void TextureImporter::decode(const Request& request, Texture& texture, Warnings&
       problem = error.what();
     }
   }
-  warnings.add(fmt::format("{}; a stand-in of one texel replaces the texture", problem));
-  make_stand_in(request.use, texture);
+  warnings.add(fmt::format("{}; one texel of a constant value replaces the texture", problem));
+  make_constant(request.use, texture);
 }
 
 void TextureImporter::decode_all() {

@@ -10,7 +10,7 @@
 
 namespace relume::gltf {
 
-/// What a texture is for; decides its pixel format and what stands in for it if it is broken.
+/// What a texture is for; decides its pixel format, and its value if it cannot be read.
 enum class TextureUse { color, data, normal };
 
 /// Name of one of the document's images, for messages.
@@ -26,8 +26,8 @@ class TextureImporter {
   /// texels come with decode_all().
   Index request(int texture, TextureUse use);
 
-  /// Decodes what was requested, in parallel. A missing or broken image becomes a stand-in of one texel, with a
-  /// warning.
+  /// Decodes what was requested, in parallel. A missing or broken image becomes one texel of a constant value,
+  /// with a warning.
   void decode_all();
 
  private:
@@ -38,7 +38,7 @@ class TextureImporter {
     float glossiness = -1;    ///< texture_glossiness()
   };
 
-  /// The first image that can be read, or a stand-in.
+  /// The first image that can be read, or one texel of a constant value.
   void decode(const Request& request, Texture& texture, Warnings& warnings) const;
   /// Throws Error or another exception for what cannot be read.
   void decode(const Request& request, int image, Texture& texture, Warnings& warnings) const;
