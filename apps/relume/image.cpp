@@ -66,7 +66,7 @@ std::vector<std::string> parse_aovs(std::string_view text, const std::vector<std
 
 Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s) {
   settings.render = render_settings(session);
-  return {
+  Metadata metadata{
       {"relume.version", kVersion},
       {"relume.scene", scene},
       {"relume.scene_hash", fmt::format("{:016x}", session.scene_hash())},
@@ -76,18 +76,21 @@ Metadata image_metadata(const Session& session, const std::string& scene, AllSet
       {"relume.timings", fmt::format(R"({{"load_s": {:.6f}, "build_s": {:.6f}, "render_s": {:.6f}}})", load_s,
                                      session.statistics().build_s, session.image_render_s())},
   };
+  const PixelWindow& crop = settings.render.crop;
+  if (!crop.empty()) metadata["relume.crop"] = fmt::format("{},{},{},{}", crop.x, crop.y, crop.width, crop.height);
+  return metadata;
 }
 
-Image cropped_image(const Session& session) {
-  const PixelWindow& crop = render_settings(session).crop;
-  Image image = session.image();
-  if (crop.empty()) return image;
-  Image part(crop.width, crop.height);
-  for (int y = 0; y < crop.height; ++y) {
-    for (int x = 0; x < crop.width; ++x) part.at(x, y) = image.at(crop.x + x, crop.y + y);
+Image part_of(const Image& image, const PixelWindow& window) {
+  if (window.empty()) return image;
+  Image part(window.width, window.height);
+  for (int y = 0; y < window.height; ++y) {
+    for (int x = 0; x < window.width; ++x) part.at(x, y) = image.at(window.x + x, window.y + y);
   }
   return part;
 }
+
+Image cropped_image(const Session& session) { return part_of(session.image(), render_settings(session).crop); }
 
 Image displayed_image(const Session& session, const Display& display, const OcioView* view) {
   const Image image = cropped_image(session);

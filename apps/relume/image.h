@@ -33,6 +33,8 @@ using Metadata = std::map<std::string, std::string>;
 /// `settings`, those of `render` are the session's own. `load_s`: what reading the scene took.
 Metadata image_metadata(const Session& session, const std::string& scene, AllSettings settings, double load_s);
 
+/// The pixels of the window; all if it is empty.
+Image part_of(const Image& image, const PixelWindow& window);
 /// The session's image; with `--crop` the window that was rendered.
 Image cropped_image(const Session& session);
 

@@ -1,11 +1,13 @@
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "command.h"
 #include "console.h"
 #include "file_roles.h"
+#include "files/atomic_file.h"
 #include "image.h"
 #include "relume/image_io.h"
 #include "relume/lab/metrics.h"
@@ -50,18 +52,44 @@ void write_flip_map(const MetricsOptions& options, const Image& a, const Image& 
   write_image(options.flip_map, color_map(map, a.width, a.height));
 }
 
+/// An image, and the window that its file stores: readers fill the rest of the image with 0.
+struct StoredImage {
+  Image image;
+  PixelWindow window;
+};
+
+StoredImage read_stored_image(const std::string& file) {
+  const std::vector<std::byte> bytes = read_file(file);
+  return {parse_image(bytes, file), stored_window(bytes, file)};
+}
+
+std::string to_text(const PixelWindow& window) {
+  if (window.empty()) return "all of it";
+  return fmt::format("the window {},{},{},{}", window.x, window.y, window.width, window.height);
+}
+
+/// The windows of both images, which have to be the same.
+std::pair<Image, Image> read_images(const MetricsOptions& options) {
+  const StoredImage a = read_stored_image(options.a);
+  const StoredImage b = read_stored_image(options.b);
+  if (a.image.width != b.image.width || a.image.height != b.image.height) {
+    throw Error(fmt::format("{} has {} x {} pixels, but {} has {} x {}; images must have the same size to be compared",
+                            options.a, a.image.width, a.image.height, options.b, b.image.width, b.image.height));
+  }
+  if (a.window != b.window) {
+    throw Error(fmt::format("{} stores {}, but {} stores {}; render both with the same --crop to compare them",
+                            options.a, to_text(a.window), options.b, to_text(b.window)));
+  }
+  return {part_of(a.image, a.window), part_of(b.image, b.window)};
+}
+
 int run_metrics(const MetricsOptions& options) {
   FileRoles roles;
   roles.reads("A", options.a);
   roles.reads("B", options.b);
   roles.writes("--flip-map", options.flip_map);
   if (!options.flip_map.empty()) check_image_file(options.flip_map, {});
-  const Image a = read_image(options.a);
-  const Image b = read_image(options.b);
-  if (a.width != b.width || a.height != b.height) {
-    throw Error(fmt::format("{} has {} x {} pixels, but {} has {} x {}; images must have the same size to be compared",
-                            options.a, a.width, a.height, options.b, b.width, b.height));
-  }
+  const auto [a, b] = read_images(options);
   const Metrics metrics = measure(options, a, b);
   if (metrics.nonfinite_a + metrics.nonfinite_b > 0) {
     warn(fmt::format("left out pixels that are not finite: {} of {}, {} of {}", metrics.nonfinite_a, options.a,

@@ -26,11 +26,13 @@ std::string to_json(const RunReport& report) {
   for (const auto& [name, seconds] : report.passes) passes.push_back({{"name", name}, {"seconds", seconds}});
   Json figures = Json::object();
   for (const auto& [name, value] : report.figures) figures[name] = value;
+  const PixelWindow& w = report.crop;
   const Json json = {
       {"version", report.version},
       {"scene", report.scene},
       {"width", report.width},
       {"height", report.height},
+      {"crop", w.empty() ? Json() : Json::array({w.x, w.y, w.width, w.height})},
       {"samples_per_pixel", Json::parse(format_samples(report.samples_per_pixel))},
       {"stopped_by", report.stopped_by},
       {"estimated_error", report.estimated_error},

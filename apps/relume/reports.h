@@ -23,6 +23,7 @@ struct RunReport {
   std::string scene;
   int width = 0;
   int height = 0;
+  PixelWindow crop;              ///< of --crop; empty: none
   double samples_per_pixel = 0;  ///< of the last image, mean over its pixels
   std::string stopped_by;        ///< "samples", "time", "error", "interrupted"
   double estimated_error = 0;    ///< of the last image; infinite below two samples

@@ -27,7 +27,8 @@ struct RELUME_API ExrFile {
   int height = 0;
   std::vector<ExrChannel> channels;
   std::map<std::string, std::string> attributes;
-  PixelWindow data_window = {};  ///< what write_exr() stores; readers see 0 elsewhere
+  /// What the file stores, within the image; empty: all of it. Channels that were read are 0 elsewhere.
+  PixelWindow data_window = {};
 
   /// nullptr if there is no channel of that name.
   const ExrChannel* find(std::string_view name) const;
@@ -62,6 +63,9 @@ RELUME_API std::vector<uint8_t> encode_png(std::span<const uint8_t> rgb, int wid
 /// off. Subsampled channels are replicated. Of the attributes, the strings. Deep files are refused.
 RELUME_API ExrFile read_exr(const std::filesystem::path& file);
 RELUME_API ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name);
+
+/// The part of an image that its file stores: ExrFile::data_window of EXR files, empty for other formats.
+RELUME_API PixelWindow stored_window(std::span<const std::byte> bytes, const std::string& name);
 
 /// 32-bit float scan lines with ZIP compression. The same contents give the same bytes.
 RELUME_API void write_exr(const std::filesystem::path& file, const ExrFile& exr);

@@ -106,7 +106,7 @@ void Comparing::read_images() {
   const ComparisonOptions& o = options();
   const RenderSettings& size = result_.reference_settings.render;
   for (const ImageContender& image : o.images) {
-    images_.push_back(read_image(image.file));
+    images_.push_back(read_whole_image(image.file));
     check_size(image.file.string(), images_.back(), size.width, size.height);
     check_finite(image.file.string(), images_.back());
   }

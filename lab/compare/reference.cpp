@@ -84,9 +84,17 @@ void save(const std::filesystem::path& file, const Image& a, const Image& b, con
 
 }  // namespace
 
+Image read_whole_image(const std::filesystem::path& file) {
+  const std::vector<std::byte> bytes = read_file(file);
+  if (const PixelWindow w = stored_window(bytes, file.string()); !w.empty())
+    throw Error(fmt::format("{}: the file stores only the window {},{},{},{} of its image; render it without --crop",
+                            file.string(), w.x, w.y, w.width, w.height));
+  return parse_image(bytes, file.string());
+}
+
 Reference read_reference(const std::filesystem::path& file) {
   Reference reference;
-  reference.image = read_image(file);
+  reference.image = read_whole_image(file);
   return reference;
 }
 

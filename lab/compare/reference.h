@@ -67,6 +67,9 @@ class ReferenceRenderer {
   std::unique_ptr<Session> session_;  ///< made when something is to be rendered
 };
 
+/// An image that is compared. Throws Error, also for an EXR that stores a window of its image: the rest is not known.
+Image read_whole_image(const std::filesystem::path& file);
+
 /// A reference made elsewhere. Throws Error.
 Reference read_reference(const std::filesystem::path& file);
 

@@ -158,5 +158,21 @@ TEST_F(ReferenceTest, AImageOfAnotherSizeIsRefused) {
   }
 }
 
+TEST_F(ReferenceTest, WindowsOfImagesAreNoReference) {
+  std::filesystem::create_directories(folder_);
+  ExrFile exr{2, 1, exr_channels(Image(2, 1)), {}};
+  write_exr(folder_ / "a.exr", exr);
+  EXPECT_EQ(read_reference(folder_ / "a.exr").image.width, 2);
+  exr.data_window = {.x = 1, .y = 0, .width = 1, .height = 1};
+  write_exr(folder_ / "a.exr", exr);
+  try {
+    read_reference(folder_ / "a.exr");
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("the file stores only the window 1,0,1,1"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace relume

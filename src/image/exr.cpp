@@ -20,6 +20,7 @@
 
 #include "files/atomic_file.h"
 #include "image/exr_header.h"
+#include "image/image_complete.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
 
@@ -79,6 +80,10 @@ std::string one_line(const char* message) {
   return text;
 }
 
+[[noreturn]] void fail_damaged(const std::string& name, const std::exception& e) {
+  throw Error(fmt::format("{}: damaged EXR file ({}); export or copy it again", name, one_line(e.what())));
+}
+
 int64_t pixel_count(const Imath::Box2i& box) {
   return (int64_t{box.max.x} - box.min.x + 1) * (int64_t{box.max.y} - box.min.y + 1);
 }
@@ -132,6 +137,15 @@ std::vector<float> over_display_window(Plane&& plane, const Imath::Box2i& data, 
       target[x - display.min.x] = plane.samples[source_row + static_cast<size_t>((x - data.min.x) / plane.x_sampling)];
   }
   return values;
+}
+
+/// The part of the display window that the data window covers; empty for all of it, and where they are disjoint.
+PixelWindow overlap(const Imath::Box2i& data, const Imath::Box2i& display) {
+  const Imath::V2i first(std::max(data.min.x, display.min.x), std::max(data.min.y, display.min.y));
+  const Imath::V2i last(std::min(data.max.x, display.max.x), std::min(data.max.y, display.max.y));
+  const bool is_whole = first == display.min && last == display.max;
+  if (is_whole || last.x < first.x || last.y < first.y) return {};
+  return {first.x - display.min.x, first.y - display.min.y, last.x - first.x + 1, last.y - first.y + 1};
 }
 
 std::map<std::string, std::string> string_attributes(const Imf::Header& header) {
@@ -198,13 +212,26 @@ ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name) {
     exr.width = display.max.x - display.min.x + 1;
     exr.height = display.max.y - display.min.y + 1;
     exr.attributes = string_attributes(file.header());
+    exr.data_window = overlap(data, display);
     for (Plane& plane : read_planes(file, data)) {
       std::string plane_name = plane.name;
       exr.channels.push_back({std::move(plane_name), over_display_window(std::move(plane), data, display)});
     }
     return exr;
   } catch (const std::exception& e) {
-    throw Error(fmt::format("{}: damaged EXR file ({}); export or copy it again", name, one_line(e.what())));
+    fail_damaged(name, e);
+  }
+}
+
+PixelWindow stored_window(std::span<const std::byte> bytes, const std::string& name) {
+  if (!detail::starts_with(bytes, "\x76\x2f\x31\x01")) return {};
+  detail::check_exr_header(bytes, name);
+  try {
+    MemoryInput input(bytes, name);
+    const Imf::InputFile file(input);
+    return overlap(file.header().dataWindow(), file.header().displayWindow());
+  } catch (const std::exception& e) {
+    fail_damaged(name, e);
   }
 }
 

@@ -135,6 +135,7 @@ TEST(Exr, WritesTheDataWindowAlone) {
   EXPECT_EQ(read.width, 4);
   EXPECT_EQ(read.height, 3);
   EXPECT_EQ(read.channels.at(0).values, (std::vector<float>{0, 0, 0, 0, 0, 6, 7, 0, 0, 10, 11, 0}));
+  EXPECT_EQ(read.data_window, exr.data_window);
   exr.data_window.x = 3;
   EXPECT_THROW(write_exr(folder / "a.exr", exr), Error);
 }
