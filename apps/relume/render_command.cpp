@@ -25,7 +25,9 @@ std::vector<Option> declare(RenderOptions& o) {
         "other files hold the window alone"},
        "X,Y,W,H"},
       {{"ocio", &o.ocio,
-        "Show PNG, JPEG, TGA and videos through a view of an OpenColorIO configuration in place of --tone-map"},
+        "Show PNG, JPEG, TGA and videos through a view of an OpenColorIO configuration in place of the tone map, also "
+        "of "
+        "one that the scene, --preset or --settings choose"},
        "CONFIG:VIEW",
        0,
        Completion::file},
@@ -80,8 +82,7 @@ Command render_command(Verbosity& verbosity) {
       .setting_groups = setting_groups(*defaults),
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run_render(*options, verbosity); },
-      .essentials = {"output", "width", "height", "spp", "time", "camera", "env", "exposure", "denoise", "frames",
-                     "preset"},
+      .essentials = {"output", "width", "height", "spp", "camera", "env", "exposure", "denoise", "frames", "preset"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

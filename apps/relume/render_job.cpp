@@ -138,7 +138,7 @@ void RenderJob::load() {
   plan_.aovs = wanted_aovs(options_, settings_.render);
   plan_.roles.reads("--env", settings_.scene.env);
   plan_.roles.reads("SCENE", scene.source_files);
-  apply(settings_.scene, scene);
+  override_scene(settings_.scene, scene, !verbosity_.quiet);
   fit_to_camera(settings_, plan_.sources, scene);
   warn_all(verbosity_, scene);
   load_s_ = now_s() - start_s;
@@ -151,6 +151,7 @@ void RenderJob::load() {
   settings_.render.crop = plan_.crop;
   build(std::move(scene));
   for (const std::string& note : session_->notes()) log_info(verbosity_, note);
+  if (plan_.ocio && !plan_.ocio->note().empty()) log_info(verbosity_, plan_.ocio->note());
   if (!options_.checkpoint.empty() && std::filesystem::exists(options_.checkpoint)) resume();
 }
 
@@ -313,6 +314,7 @@ void RenderJob::report(StopReason reason) const {
       .scene = options_.scene,
       .width = settings_.render.width,
       .height = settings_.render.height,
+      .crop = plan_.crop,
       .samples_per_pixel = session_->image_samples(),
       .stopped_by = name_of(reason),
       .estimated_error = session_->estimated_error(),

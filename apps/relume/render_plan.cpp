@@ -62,7 +62,8 @@ PixelWindow parse_window(std::string_view text, std::string_view place) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-/// nullptr if none was asked for. Throws UsageError where nothing would show it.
+/// nullptr if none was asked for. Throws UsageError where nothing would show it, or a flag asks for a tone map; those
+/// of files and presets give way.
 std::shared_ptr<const OcioView> make_ocio_view(const RenderOptions& options) {
   if (options.ocio.empty()) return nullptr;
   const std::string extension = lower_extension(options.output);
@@ -72,7 +73,11 @@ std::shared_ptr<const OcioView> make_ocio_view(const RenderOptions& options) {
   for (const auto& [name, value] : options.flags) {
     if (name == "tone-map") throw UsageError("--ocio replaces --tone-map; give one of them");
   }
-  return std::make_shared<const OcioView>(options.ocio);
+  const size_t colon = options.ocio.rfind(':');
+  if (colon == 0 || colon == options.ocio.npos || colon + 1 == options.ocio.size())
+    throw UsageError(fmt::format(
+        "--ocio is '{}', but must be a configuration and one of its views, such as config.ocio:Filmic", options.ocio));
+  return std::make_shared<const OcioView>(options.ocio.substr(0, colon), options.ocio.substr(colon + 1));
 }
 
 }  // namespace

@@ -26,4 +26,9 @@ Scene open_scene(const std::string& name, bool shows_progress) {
                   nearest.empty() ? "; `relume scenes` lists them" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+void override_scene(const SceneOverrides& overrides, Scene& scene, bool shows_progress) {
+  const PreparationProgress progress(shows_progress);
+  apply(overrides, scene);
+}
+
 }  // namespace relume::cli

@@ -25,13 +25,19 @@ struct OcioView::State {
 
 namespace {
 
-/// Where configurations have linear Rec. 709: names of ACES, Blender, Filmic and OpenColorIO's built-in ones.
-std::string linear_rec709(const ocio::ConstConfigRcPtr& config) {
+/// Where configurations have linear Rec. 709: names of ACES, Blender, Filmic and OpenColorIO's built-in ones. `note`
+/// says what replaces it.
+std::string linear_rec709(const ocio::ConstConfigRcPtr& config, const std::string& file, std::string& note) {
   for (const char* name : {"lin_rec709_srgb", "Linear Rec.709 (sRGB)", "lin_rec709", "Linear Rec.709",
                            "Utility - Linear - sRGB", "lin_srgb", "Linear sRGB", "Linear BT.709"}) {
     if (config->getColorSpace(name)) return name;
   }
-  if (config->getColorSpace(ocio::ROLE_SCENE_LINEAR)) return ocio::ROLE_SCENE_LINEAR;
+  if (const ocio::ConstColorSpaceRcPtr space = config->getColorSpace(ocio::ROLE_SCENE_LINEAR)) {
+    note = fmt::format(
+        "{} names no linear Rec. 709 colour space; radiance is taken as its role scene_linear, which is '{}'", file,
+        space->getName());
+    return ocio::ROLE_SCENE_LINEAR;
+  }
   throw Error("it has neither a linear Rec. 709 colour space nor the role scene_linear; add one of them");
 }
 
@@ -57,10 +63,10 @@ std::string one_line(std::string text) {
   return text;
 }
 
-ocio::ConstCPUProcessorRcPtr processor_for(const std::string& file, const std::string& view) {
+ocio::ConstCPUProcessorRcPtr processor_for(const std::string& file, const std::string& view, std::string& note) {
   const ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(file.c_str());
   const ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
-  transform->setSrc(linear_rec709(config).c_str());
+  transform->setSrc(linear_rec709(config, file, note).c_str());
   transform->setDisplay(display_of(config, view).c_str());
   transform->setView(view.c_str());
   return config->getProcessor(transform)->getDefaultCPUProcessor();
@@ -70,14 +76,9 @@ ocio::ConstCPUProcessorRcPtr processor_for(const std::string& file, const std::s
 
 std::string ocio_missing() { return {}; }
 
-OcioView::OcioView(std::string_view text) {
-  const size_t colon = text.rfind(':');
-  if (colon == 0 || colon == text.npos || colon + 1 == text.size())
-    throw Error(fmt::format(
-        "--ocio is '{}', but must be a configuration and one of its views, such as config.ocio:Filmic", text));
-  const std::string file(text.substr(0, colon));
+OcioView::OcioView(const std::string& file, const std::string& view) {
   try {
-    state_ = std::make_unique<const State>(State{processor_for(file, std::string(text.substr(colon + 1)))});
+    state_ = std::make_unique<const State>(State{processor_for(file, view, note_)});
   } catch (const std::exception& error) {
     throw Error(fmt::format("{}: the OpenColorIO configuration cannot be used: {}", file, one_line(error.what())));
   }
@@ -109,7 +110,7 @@ std::string ocio_missing() {
          "again, or use --tone-map";
 }
 
-OcioView::OcioView(std::string_view) { throw Error(ErrorCode::not_supported, ocio_missing()); }
+OcioView::OcioView(const std::string&, const std::string&) { throw Error(ErrorCode::not_supported, ocio_missing()); }
 
 Image OcioView::apply(const Image& radiance, float) const { return radiance; }
 

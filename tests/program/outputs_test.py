@@ -9,8 +9,7 @@ import subprocess
 import threading
 import unittest
 
-from png import png_pixels
-from program import SMALL, ProgramTest, exr_channels, exr_header, exr_strings, png_size, run, write_gltf
+from program import SMALL, ProgramTest, exr_channels, exr_strings, png_size, run, write_gltf
 
 STATS_KEYS = {"load_s", "build_s", "render_s", "samples", "paths", "rays", "nonfinite_samples", "threads", "peak_memory_bytes", "passes"}
 METRICS_KEYS = {"mse", "rel_mse", "mae", "mape", "flip", "mean_a", "mean_b"}
@@ -22,21 +21,6 @@ LAYERS = {
     "variance": ["variance.Y"],
     "heatmap": ["heatmap.Y"],
 }
-# A configuration whose view Half halves radiance.
-OCIO = """ocio_profile_version: 1
-roles: {default: lin, scene_linear: lin}
-displays:
-  screen:
-    - !<View> {name: Half, colorspace: half}
-active_displays: []
-active_views: []
-colorspaces:
-  - !<ColorSpace>
-    name: lin
-  - !<ColorSpace>
-    name: half
-    from_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
-"""
 
 
 class TevViewer(threading.Thread):
@@ -108,36 +92,6 @@ class Outputs(ProgramTest):
             self.assertIn("24 x 18", self.succeed("info", f"out.{kind}").stdout)
         self.assertEqual(len(self.files()), 6)  # and nothing temporary
         self.assertEqual(png_size(self.folder / "out.png"), (24, 18))
-
-    def test_a_window_is_cut_out_of_the_whole_image(self):
-        look = [*SMALL, "--spp", "4", "--exposure", "0"]
-        self.succeed("render", "cornell", "-o", "whole.png", *look)
-        self.succeed("render", "cornell", "-o", "part.png", *look, "--crop", "5,4,12,9")
-        _, _, channels, whole = png_pixels(self.folder / "whole.png")
-        part = png_pixels(self.folder / "part.png")
-        self.assertEqual(part, (12, 9, channels, [row[5 * channels:17 * channels] for row in whole[4:13]]))
-        self.succeed("render", "cornell", "-o", "part.exr", *look, "--crop", "5,4,12,9", "--aov", "albedo")
-        header = exr_header(self.folder / "part.exr")
-        self.assertEqual([struct.unpack("<4i", header[f"{name}Window"][1]) for name in ("data", "display")], [(5, 4, 16, 12), (0, 0, 23, 17)])
-        for window, sentence in (("5,4,12", "must be left, top, width and height"), ("5,4,20,9", "is no part of the image of 24x18 pixels")):
-            done = run("render", "cornell", "-o", "no.png", *map(str, look), "--crop", window, cwd=self.folder)
-            self.assertIn(sentence, done.stderr)
-            self.assertNotEqual(done.returncode, 0)
-        done = run("render", "cornell", "-o", "no.png", *map(str, look), "--crop", "0,0,9,9", "--denoise", "svgf", cwd=self.folder)
-        self.assertIn("--crop does not combine with a denoiser", done.stderr)
-
-    def test_a_view_of_opencolorio_replaces_the_tone_map(self):
-        (self.folder / "half.ocio").write_text(OCIO)
-        look = [*SMALL, "--spp", "2", "--exposure", "0"]
-        done = run("render", "furnace", "-o", "half.png", *map(str, look), "--env", "1,1,1", "--ocio", "half.ocio:Half", cwd=self.folder)
-        if "OpenColorIO, which was not found" in done.stderr:
-            self.skipTest(done.stderr)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        _, _, _, rows = png_pixels(self.folder / "half.png")
-        self.assertEqual(set(rows[0]), {128})  # half of the background's radiance, as the view encodes it
-        for more, sentence in ((["--ocio", "half.ocio:Filmic"], "it has Half"), (["--ocio", "half.ocio:Half", "--tone-map", "agx"], "give one of them")):
-            self.assertIn(sentence, run("render", "furnace", "-o", "no.png", *map(str, look), *more, cwd=self.folder).stderr)
-        self.assertIn("files hold radiance", run("render", "furnace", "-o", "no.exr", "--ocio", "half.ocio:Half", cwd=self.folder).stderr)
 
     def test_layers_have_conventional_names(self):
         self.succeed("render", "cornell", "-o", "out.exr", *SMALL, "--spp", "2", "--aov", ",".join(LAYERS))
