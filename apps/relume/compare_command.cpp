@@ -17,6 +17,7 @@
 #include "frame_sequence.h"
 #include "machine.h"
 #include "platform.h"
+#include "preparation_progress.h"
 #include "progress.h"
 #include "render/build_pipeline.h"
 #include "scene_source.h"
@@ -156,6 +157,15 @@ void check_timing(const CompareOptions& o) {
   }
 }
 
+/// Shows on a terminal what is built and measured. std::nullopt: interrupted.
+std::optional<Comparison> compare_with_progress(const Scene& scene, const ComparisonOptions& options,
+                                                const std::stop_token& stop, const Verbosity& verbosity) {
+  ProgressPrinter printer(!verbosity.quiet);
+  const PreparationProgress preparation(!verbosity.quiet);
+  return compare(scene, options, stop,
+                 [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
+}
+
 int run_timing(const CompareOptions& o, const ComparisonOptions& options, const Scene& scene,
                const Verbosity& verbosity) {
   std::vector<TimedContender> contenders;
@@ -163,6 +173,7 @@ int run_timing(const CompareOptions& o, const ComparisonOptions& options, const 
     contenders.push_back({contender.name, resolve_contender(contender, options.common).render});
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   ProgressPrinter printer(!verbosity.quiet);
+  const PreparationProgress preparation(!verbosity.quiet);
   const auto timings = time_frames(scene, contenders, o.timed_frames, interrupts.token(),
                                    [&](double fraction) { printer.show_stage("timing", fraction); });
   printer.clear();
@@ -181,7 +192,7 @@ Scene open_compared_scene(const CompareOptions& o, ComparisonOptions& options, c
   options.common.scene_json = scene.settings_json;
   options.common.scene_place = o.scene;
   const AllSettings common = resolve(options.common);
-  apply(common.scene, scene);
+  override_scene(common.scene, scene, !verbosity.quiet);
   AllSettings fitted = common;
   fit_to_camera(fitted, options.common, scene);
   options.common.flags.emplace_back("width", std::to_string(fitted.render.width));
@@ -204,11 +215,8 @@ int run_compare(const CompareOptions& o, const Verbosity& verbosity) {
 
   const InterruptGuard interrupts(interrupt_notice(verbosity, "this step"));
   const std::stop_token stop = interrupts.token();
-  ProgressPrinter printer(!verbosity.quiet);
   const double start_s = now_s();
-  const std::optional<Comparison> comparison = compare(
-      scene, options, stop, [&](const std::string& stage, double fraction) { printer.show_stage(stage, fraction); });
-  printer.clear();
+  const std::optional<Comparison> comparison = compare_with_progress(scene, options, stop, verbosity);
   if (!comparison) {
     log_info(verbosity, "interrupted; references are kept, and the same command continues an unfinished one");
     return kExitInterrupted;
@@ -306,8 +314,8 @@ Command compare_command(Verbosity& verbosity) {
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run_compare(*options, verbosity); },
       .folders = {kReferenceFolder},
-      .essentials = {"output", "techniques", "budget", "spp", "width", "height", "frames", "repeat", "image",
-                     "reference", "reference-spp", "timing"},
+      .essentials = {"output", "techniques", "budget", "spp", "width", "height", "frames", "image", "reference",
+                     "reference-spp"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;

@@ -52,6 +52,16 @@ std::string printable(std::string_view text) {
   return line;
 }
 
+std::string_view first_characters(std::string_view text, int columns) {
+  if (columns <= 0) return text;
+  int count = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool continues = (static_cast<unsigned char>(text[i]) & 0xc0u) == 0x80u;
+    if (!continues && ++count > columns) return text.substr(0, i);
+  }
+  return text;
+}
+
 void warn(std::string_view text) { std::fputs(fmt::format("warning: {}\n", printable(text)).c_str(), stderr); }
 
 std::vector<std::string> name_files_once(const std::vector<std::string>& sentences,

@@ -24,6 +24,9 @@ std::string interrupt_notice(const Verbosity& verbosity, std::string_view unit);
 
 /// `text` on one line: control characters, which names in damaged files may have, become \n, \t or \x1b.
 std::string printable(std::string_view text);
+/// The first `columns` characters of UTF-8 text, which is never cut within one; 0 or less: all of it. Wide characters
+/// count as one.
+std::string_view first_characters(std::string_view text, int columns);
 /// Always printed, on one line with "warning: " before it.
 void warn(std::string_view text);
 /// The first ten, and how many more there are; all with --verbose. Names each of `files` once, as name_files_once()

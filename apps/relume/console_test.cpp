@@ -19,6 +19,16 @@ TEST(Console, NamesAFileAgainAfterAnotherOne) {
   EXPECT_EQ(name_files_once({"a: one", "b: two", "a: three"}, {"a", "b"}), (Sentences{"a: one", "b: two", "a: three"}));
 }
 
+TEST(Console, CutsBetweenCharacters) {
+  const std::string text = "K\u00fcche \u6728 x";
+  EXPECT_EQ(first_characters(text, 2), "K\u00fc");
+  EXPECT_EQ(first_characters(text, 1), "K");
+  EXPECT_EQ(first_characters(text, 7), "K\u00fcche \u6728");
+  EXPECT_EQ(first_characters(text, 9), text);
+  EXPECT_EQ(first_characters(text, 90), text);
+  EXPECT_EQ(first_characters(text, 0), text);
+}
+
 TEST(Console, TellsNotesOnlyIfVerbose) {
   Scene scene;
   scene.source_files = {"a.glb"};

@@ -27,9 +27,8 @@ void PreparationProgress::show(const std::stop_token& stop, double patience_s) {
   wait(std::chrono::duration<double>(patience_s));
   std::string shown;
   while (!stop.stop_requested()) {
-    std::string line = printable(current_activity().value_or(""));
-    if (const int columns = terminal_columns() - 1; columns > 0 && line.size() > static_cast<size_t>(columns))
-      line.resize(static_cast<size_t>(columns));
+    const std::string activity = printable(current_activity().value_or(""));
+    const std::string line(first_characters(activity, terminal_columns() - 1));
     if (line != shown) {
       // Column 0, the line, and nothing behind it.
       std::fputs(fmt::format("\r{}\x1b[K", line).c_str(), stderr);

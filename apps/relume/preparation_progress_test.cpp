@@ -2,14 +2,20 @@
 
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <string>
 #include <thread>
 
 #include "core/activity.h"
+#include "files/atomic_file.h"
+#include "files/testing/temp_folder.h"
+#include "relume/image_io.h"
+#include "scene_source.h"
 
 namespace relume::cli {
 namespace {
@@ -19,8 +25,10 @@ void let_pass(int milliseconds) { std::this_thread::sleep_for(std::chrono::milli
 /// Standard error as a terminal while it lives.
 class Terminal {
  public:
-  Terminal() {
-    EXPECT_EQ(openpty(&master_, &slave_, nullptr, nullptr, nullptr), 0);
+  /// `columns` 0: of unknown width.
+  explicit Terminal(unsigned short columns = 0) {
+    const winsize size{.ws_row = 0, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+    EXPECT_EQ(openpty(&master_, &slave_, nullptr, nullptr, &size), 0);
     std::fflush(stderr);
     saved_ = dup(STDERR_FILENO);
     dup2(slave_, STDERR_FILENO);
@@ -70,6 +78,35 @@ TEST(PreparationProgress, NamesWhatTakesLongOnATerminal) {
   const std::string text = terminal.text();
   EXPECT_NE(text.find("\rdecoding textures, 1 of 12\x1b[K"), text.npos) << text;
   EXPECT_NE(text.find("\r\x1b[KEND"), text.npos) << "the line is removed";
+}
+
+TEST(PreparationProgress, CutsNamesBetweenCharacters) {
+  Terminal terminal(11);
+  {
+    const PreparationProgress progress(true, 0.01);
+    const Activity activity("loading K\u00fcche.glb");
+    let_pass(400);
+  }
+  const std::string text = terminal.text();
+  EXPECT_NE(text.find("\rloading K\u00fc\x1b[K"), text.npos) << text;
+}
+
+TEST(PreparationProgress, NamesEnvironmentMapsThatAreLoaded) {
+  const TempFolder folder;
+  write_image(folder / "whole.hdr", Image(2, 1));
+  const std::vector<std::byte> bytes = read_file(folder / "whole.hdr");
+  ASSERT_EQ(mkfifo((folder / "sky.hdr").c_str(), 0600), 0);
+  Terminal terminal;
+  const std::jthread sender([&] {
+    std::ofstream out(folder / "sky.hdr", std::ios::binary);  // waits for the reader
+    let_pass(static_cast<int>(1000 * PreparationProgress::kPatience_s) + 500);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  });
+  Scene scene;
+  override_scene({.env = (folder / "sky.hdr").string()}, scene, true);
+  EXPECT_EQ(scene.environment.kind, EnvironmentKind::map);
+  const std::string text = terminal.text();
+  EXPECT_NE(text.find("\rloading sky.hdr\x1b[K"), text.npos) << text;
 }
 
 TEST(PreparationProgress, ShowsNothingOfWhatIsQuick) {

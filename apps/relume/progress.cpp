@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "console.h"
 #include "core/clock.h"
 #include "platform.h"
 
@@ -39,9 +40,9 @@ std::string format_progress(const Progress& progress) {
 
 std::string format_progress_bar(const Progress& progress, int columns) {
   const auto filled = static_cast<int>(std::clamp(progress.fraction, 0.0, 1.0) * kBarLength);
-  std::string text = fmt::format("[{:#<{}}{: <{}}] {}", "", filled, "", kBarLength - filled, format_progress(progress));
-  if (columns > 0 && text.size() > static_cast<size_t>(columns)) text.resize(static_cast<size_t>(columns));
-  return text;
+  const std::string text =
+      fmt::format("[{:#<{}}{: <{}}] {}", "", filled, "", kBarLength - filled, format_progress(progress));
+  return std::string(first_characters(text, columns));
 }
 
 ProgressPrinter::ProgressPrinter(bool enabled) : enabled_(enabled), terminal_(is_terminal(stderr)) {}

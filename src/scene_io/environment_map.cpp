@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/activity.h"
 #include "core/vec.h"
 #include "relume/error.h"
 #include "relume/image_io.h"
@@ -26,6 +27,7 @@ void clean(std::vector<Rgb>& pixels) {
 }  // namespace
 
 void load_environment_map(const std::filesystem::path& file, Environment& environment) {
+  const Activity activity("loading " + file.filename().string());
   Image image = read_image(file);
   if (image.width < 1 || image.height < 1)
     throw Error(fmt::format("{}: the environment map has no pixels", file.string()));
