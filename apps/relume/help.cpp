@@ -122,7 +122,7 @@ std::string full_help_text(const Command& command) {
   if (command.essentials.empty()) {
     text += row("-h, --help", "Show this");
   } else {
-    text += row("-h, --help", "Show the options that most renders need") + row("--help-all", "Show this");
+    text += row("-h, --help", "Show the options that are used most") + row("--help-all", "Show this");
   }
   for (const SettingGroup& group : command.setting_groups) {
     text += fmt::format("\n{}:\n", group.title);

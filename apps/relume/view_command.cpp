@@ -62,7 +62,8 @@ Command view_command(Verbosity& verbosity) {
       .setting_flags = &options->flags,
       .run = [options, defaults, &verbosity] { return run(*options, verbosity); },
       .folders = {kBookmarkFolder},
-      .essentials = {"width", "height", "target", "camera", "env", "exposure", "denoise", "preset", "settings"},
+      .essentials = {"width", "height", "target", "camera", "env", "exposure", "denoise", "preset", "settings",
+                     "watch"},
   };
   for (Option& option : verbosity_options(verbosity)) command.options.push_back(std::move(option));
   return command;
