@@ -257,6 +257,11 @@ std::vector<Color> read_colors(Span bytes, const Header& header, const std::stri
 
 }  // namespace
 
+ImageSize bmp_size(Span bytes, const std::string& name) {
+  const Header header = read_header(bytes, name);
+  return {header.width, header.height};
+}
+
 DecodedPixels decode_bmp(Span bytes, const std::string& name) {
   constexpr int64_t kPixelBytes = 4;
   constexpr int64_t kMaxPixelsPerByte = 128;  // runs of at most 255 in two bytes

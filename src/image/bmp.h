@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "image/image_size.h"
 #include "image/stb_decode.h"
 
 namespace relume::detail {
@@ -13,5 +14,8 @@ namespace relume::detail {
 /// colour masks, run lengths (RLE4, RLE8), rows from below or from above. 32 bits a pixel without masks are RGBA, or
 /// RGB where all alpha is 0. Throws Error, which names an unsupported feature.
 DecodedPixels decode_bmp(std::span<const std::byte> bytes, const std::string& name);
+
+/// From the header. Throws Error.
+ImageSize bmp_size(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

@@ -148,6 +148,23 @@ PixelWindow overlap(const Imath::Box2i& data, const Imath::Box2i& display) {
   return {first.x - display.min.x, first.y - display.min.y, last.x - first.x + 1, last.y - first.y + 1};
 }
 
+struct Windows {
+  Imath::Box2i data;
+  Imath::Box2i display;
+};
+
+/// From the header.
+Windows read_windows(std::span<const std::byte> bytes, const std::string& name) {
+  detail::check_exr_header(bytes, name);
+  try {
+    MemoryInput input(bytes, name);
+    const Imf::InputFile file(input);
+    return {file.header().dataWindow(), file.header().displayWindow()};
+  } catch (const std::exception& e) {
+    fail_damaged(name, e);
+  }
+}
+
 std::map<std::string, std::string> string_attributes(const Imf::Header& header) {
   std::map<std::string, std::string> attributes;
   for (auto a = header.begin(); a != header.end(); ++a) {
@@ -225,14 +242,13 @@ ExrFile parse_exr(std::span<const std::byte> bytes, const std::string& name) {
 
 PixelWindow stored_window(std::span<const std::byte> bytes, const std::string& name) {
   if (!detail::starts_with(bytes, "\x76\x2f\x31\x01")) return {};
-  detail::check_exr_header(bytes, name);
-  try {
-    MemoryInput input(bytes, name);
-    const Imf::InputFile file(input);
-    return overlap(file.header().dataWindow(), file.header().displayWindow());
-  } catch (const std::exception& e) {
-    fail_damaged(name, e);
-  }
+  const Windows windows = read_windows(bytes, name);
+  return overlap(windows.data, windows.display);
+}
+
+detail::ImageSize detail::exr_size(std::span<const std::byte> bytes, const std::string& name) {
+  const Imath::Box2i display = read_windows(bytes, name).display;
+  return {int64_t{display.max.x} - display.min.x + 1, int64_t{display.max.y} - display.min.y + 1};
 }
 
 ExrFile read_exr(const std::filesystem::path& file) { return parse_exr(read_file(file), file.string()); }

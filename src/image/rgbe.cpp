@@ -26,8 +26,9 @@ class RgbeParser {
   RgbeParser(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Image parse() {
-    read_header();
-    Image image = make_image();
+    const ImageSize size = read_size();
+    check_image_size(name_, size.width, size.height, sizeof(Rgb), bytes_.size(), kMaxExpansion);
+    Image image(static_cast<int>(size.width), static_cast<int>(size.height));
     std::vector<Rgbe> row(static_cast<size_t>(image.width));
     for (int i = 0; i < image.height; ++i) {
       read_row(row);
@@ -35,6 +36,11 @@ class RgbeParser {
       for (int x = 0; x < image.width; ++x) image.at(x, y) = color_of(row[static_cast<size_t>(x)]);
     }
     return image;
+  }
+
+  ImageSize read_size() {
+    read_header();
+    return read_resolution();
   }
 
  private:
@@ -76,7 +82,7 @@ class RgbeParser {
   }
 
   /// "-Y HEIGHT +X WIDTH": rows from the top; "+Y": from the bottom.
-  Image make_image() {
+  ImageSize read_resolution() {
     const std::string text = line();
     std::string_view rest(text);
     const auto number_after = [&](std::string_view prefix) {
@@ -91,8 +97,7 @@ class RgbeParser {
     bottom_up_ = rest.starts_with("+Y ");
     const int height = number_after(bottom_up_ ? "+Y " : "-Y ");
     const int width = number_after(" +X ");
-    check_image_size(name_, width, height, sizeof(Rgb), bytes_.size(), kMaxExpansion);
-    return Image(width, height);
+    return {width, height};
   }
 
   void read_row(std::vector<Rgbe>& row) {
@@ -148,6 +153,10 @@ class RgbeParser {
 };
 
 }  // namespace
+
+ImageSize rgbe_size(std::span<const std::byte> bytes, const std::string& name) {
+  return RgbeParser(bytes, name).read_size();
+}
 
 Image parse_rgbe(std::span<const std::byte> bytes, const std::string& name) { return RgbeParser(bytes, name).parse(); }
 

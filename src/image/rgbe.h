@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "image/image_size.h"
 #include "relume/image_io.h"
 
 namespace relume::detail {
@@ -13,5 +14,8 @@ namespace relume::detail {
 /// are divided out. Own code because the packaged stb_image loops forever on images that are cut off.
 /// Throws Error.
 Image parse_rgbe(std::span<const std::byte> bytes, const std::string& name);
+
+/// From the header. Throws Error.
+ImageSize rgbe_size(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

@@ -10,9 +10,11 @@
 namespace relume::detail {
 namespace {
 
-/// A lossless image of one colour has no bits a pixel; what an encoder writes for 4096 × 4096 pixels of it has 30
-/// bytes.
-constexpr int64_t kMostPixelsPerByte = int64_t{1} << 20;
+/// A lossless image of one colour has no bits a pixel, and is accepted up to the size of large textures.
+constexpr int64_t kMostFreePixels = int64_t{4096} * 4096;
+/// Of larger ones. The longest copy, of 4096 pixels that each may hold 8 of the image, takes at least 11 bits, and
+/// lossy images need more (WebP Lossless Bitstream Specification, 4.4 and 5.2.2).
+constexpr int64_t kMostPixelsPerByte = int64_t{1} << 15;
 
 [[noreturn]] void fail(const std::string& name, VP8StatusCode status) {
   if (status == VP8_STATUS_OUT_OF_MEMORY)
@@ -28,6 +30,14 @@ constexpr int64_t kMostPixelsPerByte = int64_t{1} << 20;
 
 bool is_webp(std::span<const std::byte> bytes) { return starts_with(bytes, "RIFF") && starts_with(bytes, "WEBP", 8); }
 
+ImageSize webp_size(std::span<const std::byte> bytes, const std::string& name) {
+  WebPBitstreamFeatures features;
+  const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
+  if (const VP8StatusCode status = WebPGetFeatures(data, bytes.size(), &features); status != VP8_STATUS_OK)
+    fail(name, status);
+  return {features.width, features.height};
+}
+
 DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& name) {
   const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
   WebPDecoderConfig config;
@@ -40,7 +50,9 @@ DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& n
   DecodedPixels result;
   result.width = config.input.width;
   result.height = config.input.height;
-  check_image_size(name, result.width, result.height, 4, bytes.size(), 4 * kMostPixelsPerByte);
+  const bool is_free = int64_t{result.width} * result.height <= kMostFreePixels;
+  check_image_size(name, result.width, result.height, 4, bytes.size(),
+                   4 * (is_free ? kMostFreePixels : kMostPixelsPerByte));
   result.rgba8.resize(size_t{4} * static_cast<size_t>(result.width) * static_cast<size_t>(result.height));
   config.output.colorspace = MODE_RGBA;
   config.output.is_external_memory = 1;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "image/image_size.h"
 #include "image/stb_decode.h"
 
 namespace relume::detail {
@@ -15,5 +16,8 @@ bool is_webp(std::span<const std::byte> bytes);
 /// Decodes a still image, lossy or lossless, to 8 bits a channel; missing alpha is opaque. Throws Error for damaged
 /// files and for animations.
 DecodedPixels decode_webp(std::span<const std::byte> bytes, const std::string& name);
+
+/// From the header. Throws Error.
+ImageSize webp_size(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

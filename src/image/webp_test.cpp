@@ -69,6 +69,15 @@ TEST(Webp, AnyImageReaderTakesThem) {
   EXPECT_EQ(image.at(1, 0), Rgb(0, 1, 0));
 }
 
+TEST(WebpMalformed, SmallFilesAreNoHugeImages) {
+  for (const int size : {4096, 4097}) {
+    const std::vector<std::byte> bytes = testing::webp_header(size, size);
+    EXPECT_EQ(detail::webp_size(bytes, "t").width, size);
+    const bool is_refused = sentence_of(bytes).find("more than a file of 30 bytes can hold") != std::string::npos;
+    EXPECT_EQ(is_refused, size > 4096) << sentence_of(bytes);
+  }
+}
+
 TEST(WebpMalformed, CutOffFilesAreOneSentence) {
   const std::vector<uint8_t> rgba = gradient(30, 20);
   for (const std::vector<std::byte>& whole : {make_webp(30, 20, rgba), make_webp(30, 20, rgba, 90)}) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include <webp/encode.h>
@@ -18,6 +19,17 @@ inline std::vector<std::byte> make_webp(int width, int height, const std::vector
   std::vector<std::byte> bytes(size);
   if (size > 0) std::memcpy(bytes.data(), data, size);
   WebPFree(data);
+  return bytes;
+}
+
+/// 30 bytes: the header of a lossless image, whose data are not valid.
+inline std::vector<std::byte> webp_header(int width, int height) {
+  constexpr std::string_view kChunks("RIFF\x16\0\0\0WEBPVP8L\x0a\0\0\0\x2f", 21);
+  std::vector<std::byte> bytes;
+  for (const char c : kChunks) bytes.push_back(static_cast<std::byte>(c));
+  const uint32_t sizes = static_cast<uint32_t>(width - 1) | static_cast<uint32_t>(height - 1) << 14;
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::byte>(sizes >> (8 * i)));
+  bytes.resize(30);
   return bytes;
 }
 
