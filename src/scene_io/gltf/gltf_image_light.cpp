@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "core/parallel.h"
+#include "image/image_size.h"
 #include "scene_io/gltf/gltf_textures.h"
 #include "scene_io/gltf/gltf_value.h"
 #include "scene_io/texture_decode.h"
@@ -48,10 +49,11 @@ bool is_png(const Bytes& file) { return file.size() > 4 && std::memcmp(file.data
 Face read_face(const Document& document, int image) {
   const Bytes file = read_image_file(document, image);
   const std::string name = image_name(document, image);
+  const detail::ImageSize size = detail::read_image_size(file, name);
+  if (size.width != size.height || size.width > kLargestFace)
+    throw Error(fmt::format("{}: {}x{} pixels are no square of at most {}; scale it down", name, size.width,
+                            size.height, kLargestFace));
   const Texture texture = decode_texture(file, name, PixelFormat::rgba32_float);
-  if (texture.width != texture.height || texture.width > kLargestFace)
-    throw Error(
-        fmt::format("{}: {}x{} pixels are no square of at most {}", name, texture.width, texture.height, kLargestFace));
   Face face{texture.width, std::vector<Rgb>(texture.texels.size() / sizeof(Vec4))};
   const bool is_rgbd = is_png(file);
   for (size_t i = 0; i < face.texels.size(); ++i) {

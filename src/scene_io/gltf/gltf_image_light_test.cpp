@@ -104,6 +104,15 @@ TEST(GltfImageLight, AlphaDividesTheColoursOfPngs) {
   expect_seen(e, {1, -0.4f, 0.3f}, {5, 0, 0});
 }
 
+TEST(GltfImageLight, MidTonesAreDecodedBeforeTheyAreDivided) {
+  std::vector<Bytes> images = faces(128);
+  images[0] = face(188, 99, 20, 128);
+  const Environment e = file_with(light(), images).load().environment;
+  const float d = 128.0f / 255;
+  expect_seen(e, {1, -0.4f, 0.3f},
+              Rgb(linear_from_srgb(188.0f / 255), linear_from_srgb(99.0f / 255), linear_from_srgb(20.0f / 255)) / d);
+}
+
 TEST(GltfImageLight, MalformedOnesAreOneWarning) {
   const Bytes cut(20, std::byte{0x89});
   std::vector<std::pair<json, std::string>> cases = {
@@ -116,12 +125,17 @@ TEST(GltfImageLight, MalformedOnesAreOneWarning) {
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 6}})}}), "differ in size"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 7}})}}), "are no square"},
       {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 8}})}}), "image 8"},
+      {light({{"specularImages", json::array({{0, 1, 2, 3, 4, 9}})}}), "4096x4096 pixels are no square of at most 2048"},
       {json("text"), "it is not an object"},
   };
   std::vector<Bytes> images = faces();
   images.push_back(testing::solid_png(2, 2, 1, 2, 3, 255));
   images.push_back(testing::solid_png(4, 2, 1, 2, 3, 255));
   images.push_back(cut);
+  Bytes oversized = face(1, 2, 3);  // whose data are too few: it is not decoded
+  oversized[18] = oversized[22] = std::byte{16};
+  oversized[19] = oversized[23] = std::byte{0};
+  images.push_back(oversized);
   for (const auto& [broken, sentence] : cases) {
     const Scene scene = file_with(broken, images).load();
     EXPECT_EQ(scene.environment.kind, EnvironmentKind::automatic) << sentence;
