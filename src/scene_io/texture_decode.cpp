@@ -89,6 +89,13 @@ Texture decode_texture(std::span<const std::byte> bytes, const std::string& name
   return texture;
 }
 
+bool DecodeBudget::take(uint64_t texels, uint64_t file_bytes) {
+  file_bytes_ += file_bytes;
+  if (texels_ + texels > kFreeTexels + kTexelsPerByte * file_bytes_) return false;
+  texels_ += texels;
+  return true;
+}
+
 std::string repair_texels(Texture& texture, const std::string& name, PixelFormat wanted) {
   if (texture.format != PixelFormat::rgba32_float) return {};
   const float largest = wanted == PixelFormat::rgba8_linear ? 1.0f : kMaxRadiance;

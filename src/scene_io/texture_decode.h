@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -19,6 +20,22 @@ namespace relume {
 ///
 /// HDR and EXR always become rgba32_float; EXR alpha is the channel "A", else 1. Grey is replicated. Throws Error.
 Texture decode_texture(std::span<const std::byte> bytes, const std::string& name, PixelFormat wanted);
+
+/// Limits what the images of one scene decode to together, so that many small files do not fill the memory.
+class DecodeBudget {
+ public:
+  /// Texels of images that cost almost no bytes: 2 GiB of 8-bit texels, 32 images of 4096 × 4096.
+  static constexpr uint64_t kFreeTexels = uint64_t{1} << 29;
+  /// Further ones for each byte of the files. Textures that show something take more than an eighth of a bit a texel.
+  static constexpr uint64_t kTexelsPerByte = 64;
+
+  /// Whether an image fits, which then counts.
+  bool take(uint64_t texels, uint64_t file_bytes);
+
+ private:
+  uint64_t texels_ = 0;
+  uint64_t file_bytes_ = 0;
+};
 
 /// Makes numbers of a float texture what kernels can bear: at least 0 and at most 1 if `wanted` is rgba8_linear, which
 /// holds data and normals, else kMaxRadiance; what is not a number becomes 0. Returns a sentence about it, empty if

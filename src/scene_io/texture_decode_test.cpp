@@ -117,6 +117,18 @@ TEST(TextureDecode, GarbageIsAnErrorThatNamesTheTexture) {
   }
 }
 
+TEST(DecodeBudget, GrowsWithTheFiles) {
+  constexpr uint64_t kFree = DecodeBudget::kFreeTexels;
+  DecodeBudget budget;
+  EXPECT_TRUE(budget.take(kFree - 64, 0));
+  EXPECT_FALSE(budget.take(65, 0));
+  EXPECT_TRUE(budget.take(64, 0)) << "what does not fit takes nothing";
+  EXPECT_FALSE(budget.take(1, 0));
+  EXPECT_TRUE(budget.take(DecodeBudget::kTexelsPerByte, 1));
+  EXPECT_FALSE(budget.take(1, 0));
+  EXPECT_FALSE(DecodeBudget().take(kFree + 65, 1));
+}
+
 TEST(TextureDecode, FloatsAreMadeBearable) {
   const float nan = std::nanf("");
   for (const PixelFormat wanted : {PixelFormat::rgba8_srgb, PixelFormat::rgba8_linear}) {

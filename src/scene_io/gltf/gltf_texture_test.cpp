@@ -1,4 +1,6 @@
 // Images of glTF textures: which of several is read, and what of them is kept.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "image/ktx2/testing/ktx2_file.h"
@@ -67,6 +69,26 @@ TEST(GltfTexture, UnreadableImagesOfExtensionsFallBackToTheSource) {
     EXPECT_EQ(without.textures[0].width, 1);
     EXPECT_TRUE(mentions(without.warnings, "one texel of a constant value replaces the texture"));
   }
+}
+
+TEST(GltfTexture, ManySmallFilesOfLargeImagesExceedABudget) {
+  constexpr int kCount = 40;  // of which 32 fit, and then prove to be damaged
+  GltfBuilder file;
+  for (int i = 0; i < kCount; ++i) {
+    file.add("images", {{"uri", testing::data_uri(testing::webp_header(4096, 4096))}});
+    file.add("textures", {{"extensions", {{"EXT_texture_webp", {{"source", i}}}}}});
+    file.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+  }
+  file.add_root({{"mesh", file.add_triangle()}});
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.textures.size(), static_cast<size_t>(kCount));
+  const auto count = [&](const char* part) {
+    return std::count_if(scene.warnings.begin(), scene.warnings.end(),
+                         [&](const std::string& warning) { return warning.find(part) != warning.npos; });
+  };
+  EXPECT_EQ(count("damaged WebP image"), 32);
+  EXPECT_EQ(count("exceed what the images of a scene may decode to"), kCount - 32);
+  for (const Texture& texture : scene.textures) EXPECT_EQ(texture.width, 1);
 }
 
 TEST(GltfTexture, KeepsTheImageFile) {

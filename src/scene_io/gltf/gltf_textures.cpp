@@ -1,13 +1,15 @@
 #include "scene_io/gltf/gltf_textures.h"
 
+#include <algorithm>
 #include <exception>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "core/activity.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "image/image_size.h"
+#include "relume/image_io.h"
 #include "scene_io/gltf/gltf_extras.h"
 #include "scene_io/gltf/gltf_value.h"
 #include "scene_io/texture_decode.h"
@@ -87,6 +89,7 @@ Index TextureImporter::request(int texture, TextureUse use) {
 }
 
 std::string image_name(const Document& document, int image) {
+  if (image < 0 || static_cast<size_t>(image) >= document.images.size()) return fmt::format("image {}", image);
   const ImageEntry& entry = document.images[static_cast<size_t>(image)];
   std::string name = !entry.name.empty() ? entry.name : entry.uri;
   if (name.empty() || is_data_uri(name)) name = fmt::format("image {}", image);
@@ -110,34 +113,50 @@ Bytes read_image_file(const Document& document, int image) {
   return {view.begin(), view.end()};
 }
 
-void TextureImporter::decode(const Request& request, int image, Texture& texture, Warnings& warnings) const {
-  auto file = std::make_shared<const Bytes>(
-      request.float_image.empty()
-          ? read_image_file(document_, image)
-          : read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place)));
-  const std::string name = image_name(document_, image);
-  Texture decoded = decode_texture(*file, name, texture.format);
-  if (const std::string repair = repair_texels(decoded, name, texture.format); !repair.empty()) warnings.add(repair);
-  if (request.glossiness >= 0) {
-    make_roughness(request.glossiness, decoded);
-    file = nullptr;  // it holds other texels
+TextureImporter::ImageFile TextureImporter::read(const Request& request, int image) const {
+  ImageFile file;
+  try {
+    file.bytes = std::make_shared<const Bytes>(
+        request.float_image.empty()
+            ? read_image_file(document_, image)
+            : read_file_bytes(resolve_uri(document_.base_dir, percent_decode(request.float_image), document_.place)));
+  } catch (const std::exception& error) {
+    file.problem = error.what();
+    return file;
   }
+  try {
+    const detail::ImageSize size = detail::read_image_size(*file.bytes, image_name(document_, image));
+    const bool is_valid = std::min(size.width, size.height) > 0 && std::max(size.width, size.height) <= kMaxImageSide;
+    if (is_valid) file.texels = static_cast<uint64_t>(size.width * size.height);
+  } catch (const std::exception&) {
+    file.texels = 0;  // decoding will report what is wrong
+  }
+  return file;
+}
+
+void TextureImporter::decode(const Request& request, const ImageFile& file, const std::string& name, Texture& texture,
+                             Warnings& warnings) const {
+  if (!file.bytes) throw Error(file.problem);
+  Texture decoded = decode_texture(*file.bytes, name, texture.format);
+  if (const std::string repair = repair_texels(decoded, name, texture.format); !repair.empty()) warnings.add(repair);
+  const bool is_changed = request.glossiness >= 0;
+  if (is_changed) make_roughness(request.glossiness, decoded);
   texture.width = decoded.width;
   texture.height = decoded.height;
   texture.format = decoded.format;
   texture.texels = std::move(decoded.texels);
-  texture.file = std::move(file);
+  texture.file = is_changed ? nullptr : file.bytes;
   if (texture.name.empty()) texture.name = name;
 }
 
-void TextureImporter::decode(const Request& request, Texture& texture, Warnings& warnings) const {
+void TextureImporter::decode(const Request& request, std::span<const ImageFile> files, Texture& texture,
+                             Warnings& warnings) const {
   std::string problem = "a texture has no image in a supported format";
-  for (size_t i = 0; i < request.images.size(); ++i) {
+  for (size_t i = 0; i < files.size(); ++i) {
     try {
-      decode(request, request.images[i], texture, warnings);
-      if (i > 0)
-        warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem,
-                                 image_name(document_, request.images[i])));
+      const std::string name = files[i].bytes ? image_name(document_, request.images[i]) : "";
+      decode(request, files[i], name, texture, warnings);
+      if (i > 0) warnings.add(fmt::format("{}; the texture's other image, {}, is read", problem, name));
       return;
     } catch (const std::exception& error) {
       problem = error.what();
@@ -147,11 +166,31 @@ void TextureImporter::decode(const Request& request, Texture& texture, Warnings&
   make_constant(request.use, texture);
 }
 
+void TextureImporter::limit(std::vector<std::vector<ImageFile>>& files) const {
+  DecodeBudget budget;
+  for (size_t i = 0; i < files.size(); ++i) {
+    for (size_t k = 0; k < files[i].size(); ++k) {
+      ImageFile& file = files[i][k];
+      if (!file.bytes || budget.take(file.texels, file.bytes->size())) continue;
+      file.problem = fmt::format(
+          "{}: {} texels exceed what the images of a scene may decode to, 2^29 texels and {} for each byte of their "
+          "files; scale it down",
+          image_name(document_, requests_[i].images[k]), file.texels, DecodeBudget::kTexelsPerByte);
+      file.bytes = nullptr;
+    }
+  }
+}
+
 void TextureImporter::decode_all() {
-  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
   Activity activity("decoding textures", requests_.size());
+  std::vector<std::vector<ImageFile>> files(requests_.size());
   parallel_for(requests_.size(), [&](size_t i) {
-    decode(requests_[i], scene_.textures[i], warnings[i]);
+    for (const int image : requests_[i].images) files[i].push_back(read(requests_[i], image));
+  });
+  limit(files);
+  std::vector<Warnings> warnings(requests_.size(), Warnings(""));
+  parallel_for(requests_.size(), [&](size_t i) {
+    decode(requests_[i], files[i], scene_.textures[i], warnings[i]);
     activity.part_done();
   });
   for (const Warnings& part : warnings) document_.warnings.add(part);

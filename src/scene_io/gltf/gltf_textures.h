@@ -1,7 +1,11 @@
 // Textures of a glTF file: one for each image, sampler and pixel format in use.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <memory>
+#include <span>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -26,8 +30,8 @@ class TextureImporter {
   /// texels come with decode_all().
   Index request(int texture, TextureUse use);
 
-  /// Decodes what was requested, in parallel. A missing or broken image becomes one texel of a constant value,
-  /// with a warning.
+  /// Decodes what was requested, in parallel, within a DecodeBudget. A missing or broken image becomes one texel of a
+  /// constant value, with a warning.
   void decode_all();
 
  private:
@@ -38,10 +42,21 @@ class TextureImporter {
     float glossiness = -1;    ///< texture_glossiness()
   };
 
-  /// The first image that can be read, or one texel of a constant value.
-  void decode(const Request& request, Texture& texture, Warnings& warnings) const;
-  /// Throws Error or another exception for what cannot be read.
-  void decode(const Request& request, int image, Texture& texture, Warnings& warnings) const;
+  /// An image before it is decoded.
+  struct ImageFile {
+    std::shared_ptr<const Bytes> bytes;  ///< nullptr: it cannot be read
+    std::string problem;                 ///< why not
+    uint64_t texels = 0;                 ///< according to its header; 0: not known
+  };
+
+  ImageFile read(const Request& request, int image) const;
+  /// Drops images that exceed a DecodeBudget, in the order of the requests: which ones does not depend on threads.
+  void limit(std::vector<std::vector<ImageFile>>& files) const;
+  /// The first image that can be decoded, or one texel of a constant value. `files`: of the request's images.
+  void decode(const Request& request, std::span<const ImageFile> files, Texture& texture, Warnings& warnings) const;
+  /// Throws Error or another exception for what cannot be decoded.
+  void decode(const Request& request, const ImageFile& file, const std::string& name, Texture& texture,
+              Warnings& warnings) const;
 
   Document& document_;
   Scene& scene_;
