@@ -69,7 +69,7 @@ TEST(GltfKeptImages, LoadedAndExportedScenesLookTheSame) {
   ASSERT_TRUE(before.warnings.empty()) << before.warnings.front();
   const Image expected = picture(before);
   for (const char* name : {"b.glb", "b.gltf"}) {
-    EXPECT_TRUE(write_gltf(folder / name, before).empty()) << "nothing is lost or converted";
+    EXPECT_EQ(write_gltf(folder / name, before).size(), 1u) << "nothing is lost or converted";
     const Scene after = load_scene(folder / name);
     EXPECT_TRUE(after.warnings.empty());
     ASSERT_EQ(after.textures.size(), before.textures.size());
@@ -102,6 +102,18 @@ TEST(GltfKeptImages, FilesNameTheirFormatAndExtensions) {
   EXPECT_EQ(required, json({"EXT_texture_webp", "KHR_texture_basisu"}));
   EXPECT_EQ(gltf["textures"][1]["extensions"]["EXT_texture_webp"]["source"], 1);
   EXPECT_FALSE(gltf["textures"][1].contains("source"));
+}
+
+TEST(GltfKeptImages, ExtensionsThatOtherProgramsNeedAreOneWarning) {
+  const TempFolder folder;
+  Scene scene = textured_file(folder).load();
+  const std::vector<std::string> warnings = write_gltf(folder / "b.gltf", scene);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("other programs need EXT_texture_webp and KHR_texture_basisu to open it"),
+            std::string::npos)
+      << warnings[0];
+  for (const size_t i : {1u, 3u}) scene.textures[i].file = nullptr;
+  EXPECT_TRUE(write_gltf(folder / "c.gltf", scene).empty()) << "they are PNGs";
 }
 
 TEST(GltfKeptImages, ChangedTexelsBecomeAPng) {

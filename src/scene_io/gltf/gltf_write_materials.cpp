@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <stb_image_write.h>
 
+#include "core/parallel.h"
 #include "core/srgb.h"
 #include "files/atomic_file.h"
 #include "image/stb_decode.h"
@@ -93,16 +94,20 @@ constexpr ImageType kImageTypes[] = {
 };
 constexpr const ImageType& kPng = kImageTypes[0];
 
+/// Whether the texels are sRGB colours, as glTF has them where it expects colour.
+bool is_color(const Texture& t) { return t.format == PixelFormat::rgba8_srgb; }
+
 /// The type of the texture's file if glTF can have it and the texels are still those of the file; nullptr otherwise.
-const ImageType* kept_type(const Texture& t, bool color) {
-  if (!t.file || (t.format == PixelFormat::rgba8_srgb) != color) return nullptr;
+const ImageType* kept_type(const Texture& t) {
+  if (!t.file) return nullptr;
   try {
     const detail::ImageFormat format = detail::detect_image_format(*t.file, t.name);
     const auto* const end = std::end(kImageTypes);
     const auto* const type =
         std::find_if(std::begin(kImageTypes), end, [&](const ImageType& known) { return known.format == format; });
     if (type == end) return nullptr;
-    const Texture read = decode_texture(*t.file, t.name, color ? PixelFormat::rgba8_srgb : PixelFormat::rgba8_linear);
+    const Texture read =
+        decode_texture(*t.file, t.name, is_color(t) ? PixelFormat::rgba8_srgb : PixelFormat::rgba8_linear);
     const bool same = read.width == t.width && read.height == t.height && read.format == t.format;
     return same && read.texels == t.texels ? type : nullptr;
   } catch (const Error&) {
@@ -113,7 +118,14 @@ const ImageType* kept_type(const Texture& t, bool color) {
 }  // namespace
 
 void MaterialWriter::write() {
+  kept_types_.resize(scene_.textures.size());
+  parallel_for(kept_types_.size(), [&](size_t i) { kept_types_[i] = kept_type(scene_.textures[i]); });
   for (const Material& m : scene_.materials) output_.add("materials", material(m));
+  if (!needed_.empty())
+    output_.warn(
+        fmt::format("textures keep their WebP or KTX2 images and have no PNG or JPEG beside them; other programs need "
+                    "{} to open it",
+                    fmt::join(needed_, " and ")));
 }
 
 OutputJson MaterialWriter::material(const Material& m) {
@@ -201,11 +213,13 @@ int MaterialWriter::texture(Index index, Use use) {
   OutputJson json = OutputJson::object();
   if (!t.name.empty()) json["name"] = t.name;
   json["sampler"] = sampler(t);
-  if (const ImageType* type = kept_type(t, use == Use::color)) {
+  const ImageType* const type = kept_types_[static_cast<size_t>(index)];
+  if (type && is_color(t) == (use == Use::color)) {
     const int kept = image(t.name, std::as_bytes(std::span(*t.file)), *type, name);
     if (type->gltf_extension) {
       json["extensions"][type->gltf_extension]["source"] = kept;
       output_.use_extension(type->gltf_extension, true);
+      needed_.insert(type->gltf_extension);
     } else {
       json["source"] = kept;
     }
@@ -226,7 +240,7 @@ void MaterialWriter::add_png(OutputJson& json, const Texture& t, Use use, const 
     output_.warn(fmt::format(
         "texture '{}' has floating-point texels; they are kept in {}, and other programs see a PNG limited to [0, 1]",
         t.name, exr));
-  } else if ((t.format == PixelFormat::rgba8_srgb) != (use == Use::color)) {
+  } else if (is_color(t) != (use == Use::color)) {
     output_.warn(fmt::format("texture '{}' is converted {} sRGB, which glTF expects where it is used", t.name,
                              use == Use::color ? "to" : "from"));
   }

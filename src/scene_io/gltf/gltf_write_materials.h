@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "scene/scene.h"
 #include "scene_io/gltf/gltf_output.h"
@@ -44,6 +46,8 @@ class MaterialWriter {
   const Scene& scene_;
   Output& output_;
   std::map<std::pair<Index, Use>, int> textures_;
+  std::vector<const ImageType*> kept_types_;  ///< of the textures whose files are kept; nullptr: a PNG is made
+  std::set<std::string> needed_;              ///< extensions without which images cannot be read
 };
 
 }  // namespace relume::gltf
