@@ -95,10 +95,10 @@ struct Draft {
   Rgb emission{0};  ///< of the material
   TexelExtent extent;
   bool emits = false;
-  float power = 0;        ///< of a texture that has to share its entries
-  bool filtered = false;  ///< the weights come from mip levels
+  float weight = 0;       ///< mean luminance times area in texels, where a texture has to share its entries
+  bool filtered = false;  ///< the weights of the table come from mip levels
 
-  bool can_share() const { return emits && triangle.emission_texture >= 0 && triangle.opacity_texture < 0; }
+  bool can_share() const { return emits && triangle.emission_texture >= 0; }
 };
 
 Draft draft_of(const SceneView& geometry, const EmissiveTriangle& source,
@@ -126,8 +126,17 @@ Draft draft_of(const SceneView& geometry, const EmissiveTriangle& source,
   return draft;
 }
 
-/// The same as mean_emission() of a texture without opacity, from the mip level whose texels are as far apart as the
-/// points.
+/// The texture's alpha at a point, from a mip level. A mask counts as its coverage, which is not cut off: filtered
+/// alpha says too little of where it lies.
+float filtered_opacity(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b, int level) {
+  if (t.opacity_texture < 0) return 1;
+  const TextureView& texture = e.textures[static_cast<uint32_t>(t.opacity_texture)];
+  const float alpha =
+      texture.sample_level(interpolate_corners(t.opacity_uv, b), std::min(level, texture.level_count - 1)).w;
+  return saturate(alpha * interpolate_corners(t.alpha_factor, b));
+}
+
+/// About mean_emission(), from the mip level whose texels are as far apart as the points.
 Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint32_t index, float longest_edge) {
   constexpr int kPoints = 3;
   const TextureView& texture = e.textures[static_cast<uint32_t>(t.emission_texture)];
@@ -138,7 +147,7 @@ Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint
     for (int j = 0; j < kPoints; ++j) {
       const Vec2 u((static_cast<float>(i) + 0.5f) / kPoints, (static_cast<float>(j) + 0.5f) / kPoints);
       const Vec2 b = barycentric_in_small_triangle(t.grid, index, triangle_from_square(u));
-      sum += Rgb(texture.sample_level(interpolate_corners(t.emission_uv, b), level));
+      sum += Rgb(texture.sample_level(interpolate_corners(t.emission_uv, b), level)) * filtered_opacity(e, t, b, level);
     }
   }
   return sum / static_cast<float>(kPoints * kPoints);
@@ -147,10 +156,10 @@ Rgb filtered_emission(const TexturedEmission& e, const TexturedTriangle& t, uint
 /// What the triangles of one texture ask for together.
 struct Demand {
   double entries = 0;
-  double power = 0;
+  double weight = 0;
 };
 
-/// Entries in proportion to power, where a texture asks for too many.
+/// Entries in proportion to mean luminance times area in texels, where a texture asks for too many.
 void share_entries(const TexturedEmission& context, std::vector<Draft>& drafts) {
   std::map<int32_t, Demand> demands;
   for (const Draft& draft : drafts) {
@@ -165,15 +174,15 @@ void share_entries(const TexturedEmission& context, std::vector<Draft>& drafts) 
     TexturedTriangle whole = drafts[i].triangle;
     whole.grid = 1;
     const Rgb mean = filtered_emission(context, whole, 0, drafts[i].extent.longest_edge);
-    drafts[i].power = luminance(drafts[i].emission * mean) * drafts[i].extent.area;
+    drafts[i].weight = luminance(drafts[i].emission * mean) * drafts[i].extent.area;
   });
   for (const Draft& draft : drafts) {
-    if (is_short(draft)) demands.at(draft.triangle.emission_texture).power += static_cast<double>(draft.power);
+    if (is_short(draft)) demands.at(draft.triangle.emission_texture).weight += static_cast<double>(draft.weight);
   }
   for (Draft& draft : drafts) {
     if (!is_short(draft)) continue;
-    const double total = demands.at(draft.triangle.emission_texture).power;
-    const double entries = total > 0 ? kMostEmissionEntries * (static_cast<double>(draft.power) / total) : 0;
+    const double total = demands.at(draft.triangle.emission_texture).weight;
+    const double entries = total > 0 ? kMostEmissionEntries * (static_cast<double>(draft.weight) / total) : 0;
     const auto grid = static_cast<uint32_t>(std::sqrt(std::max(entries, 1.0)));
     draft.filtered = grid < draft.triangle.grid;
     draft.triangle.grid = std::min(grid, draft.triangle.grid);

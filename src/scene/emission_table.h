@@ -27,8 +27,9 @@ struct EmissionTable {
 inline constexpr uint32_t kMostEmissionEntries = 1u << 18;
 
 /// Tables whose entries are about a texel large. Where a texture would need more than kMostEmissionEntries, triangles
-/// get entries in proportion to their power, whose weights come from mip levels. Every place that is not black can be
-/// sampled. Uses all cores.
+/// get entries in proportion to their mean luminance times area in texels, whose weights come from mip levels.
+/// Materials that glow without an emission texture and have transparent texels are not limited. Every place that is not
+/// black can be sampled. Uses all cores.
 std::vector<EmissionTable> make_emission_tables(const SceneView& geometry, std::span<const EmissiveTriangle> triangles);
 
 }  // namespace relume
