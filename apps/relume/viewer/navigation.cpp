@@ -10,8 +10,10 @@
 namespace relume::viewer {
 namespace {
 
-constexpr float kNearest = 1e-3f;        // of the scene's extent, between camera and pivot
-constexpr float kLeastDistance = 0.05f;  // of the scene's extent, from the camera to a pivot that is chosen for it
+// Distances between camera and pivot, as shares of the scene's diagonal.
+constexpr float kNearest = 1e-3f;
+constexpr float kFarthest = 100;
+constexpr float kLeastDistance = 0.05f;  // of a pivot that is chosen straight ahead
 
 /// What the selection covers; the whole scene where nothing with a place is selected.
 Box selected_box(const State& state) {
@@ -27,15 +29,20 @@ Box selected_box(const State& state) {
   return box;
 }
 
-/// Straight ahead where a flight has led elsewhere, so that going around does not begin with a jump.
+/// Scenes of a single point have a size, too, so that the wheel does something.
+float size_of(const Box& scene) { return scene.diagonal() > 0 ? scene.diagonal() : 1.0f; }
+
+/// The present pivot if it can be seen: bookmarks and paths move the camera alone. Otherwise the middle of the scene if
+/// the scene's own camera shows it, and a point straight ahead if not.
 Vec3 pivot_of(State& state, const CameraPose& camera) {
   Navigation& n = state.navigation;
-  if (std::exchange(n.has_pivot, true)) return n.pivot;
+  const RenderSettings& render = state.settings[0].render;
+  const float aspect = static_cast<float>(render.width) / static_cast<float>(render.height);
+  if (std::exchange(n.has_pivot, true) && is_on_screen(camera, n.pivot, aspect)) return n.pivot;
   const Box box = state.document->bounds();
   n.pivot = box.empty() ? Vec3(0) : box.center();
-  if (!state.flying) return n.pivot;
-  const float distance = std::max(depth_of(camera, n.pivot), kLeastDistance * box.diagonal());
-  n.pivot = Vec3(camera.to_world[3]) - distance * glm::normalize(Vec3(camera.to_world[2]));
+  if (state.flying || !is_on_screen(camera, n.pivot, aspect))
+    n.pivot = pivot_ahead(camera, n.pivot, kLeastDistance * size_of(box));
   return n.pivot;
 }
 
@@ -43,7 +50,9 @@ void move_about_pivot(State& state, CameraPose& camera, float image_height_px) {
   Navigation& n = state.navigation;
   Vec3 pivot = pivot_of(state, camera);
   if (n.turn_px != Vec2(0)) orbit(camera, pivot, n.turn_px / image_height_px);
-  if (n.notches != 0) dolly(camera, pivot, n.notches, kNearest * state.document->bounds().diagonal());
+  if (n.notches == 0) return;
+  const float size = size_of(state.document->bounds());
+  dolly(camera, pivot, n.notches, {kNearest * size, kFarthest * size});
 }
 
 /// Returns whether anything moved.
@@ -83,7 +92,7 @@ void choose_mode(State& state) {
 void set_mode(State& state, CameraMode mode) {
   Navigation& n = state.navigation;
   n.mode_chosen = true;
-  if (std::exchange(n.mode, mode) != mode) n.has_pivot = false;
+  n.mode = mode;
   state.notify(mode == CameraMode::orbit ? "orbit: drag goes around, the wheel changes the distance"
                                          : "fly: drag looks around, the wheel changes the speed");
 }
@@ -100,7 +109,7 @@ void navigate(State& state, const Vec3& move, bool fast, float image_height_px) 
       move_about_pivot(state, camera, height_px);
       moved = true;
     }
-    if (!orbits) n.has_pivot = false;  // whoever looks around leaves it behind
+    if (!orbits && n.turn_px != Vec2(0)) n.has_pivot = false;  // the camera looks elsewhere
     if (n.pan_px != Vec2(0)) {
       pivot_of(state, camera);
       pan(camera, n.pivot, n.pan_px / height_px);

@@ -12,6 +12,13 @@ namespace {
 constexpr float kDollyStep = 0.85f;  // of the distance, for each notch of the wheel
 constexpr float kMinDepth = 1e-4f;   // of the distance to the pivot, where it lies beside or behind the camera
 
+/// A distance that was changed by `factor` and kept within the range, without a jump where it was outside before.
+float stepped(float distance, float factor, const DollyRange& range) {
+  const float wanted = distance * factor;
+  return factor < 1 ? std::min(distance, std::max(wanted, range.nearest))
+                    : std::max(distance, std::min(std::max(wanted, range.nearest), range.farthest));
+}
+
 }  // namespace
 
 float view_height(const Camera& camera, float depth) {
@@ -21,6 +28,21 @@ float view_height(const Camera& camera, float depth) {
 
 float depth_of(const CameraPose& camera, const Vec3& point) {
   return glm::dot(point - Vec3(camera.to_world[3]), -glm::normalize(Vec3(camera.to_world[2])));
+}
+
+bool is_on_screen(const CameraPose& camera, const Vec3& point, float aspect) {
+  const float depth = depth_of(camera, point);
+  if (!(depth > 0)) return false;
+  if (camera.camera.projection == Projection::panoramic) return true;
+  const float half = 0.5f * view_height(camera.camera, depth);
+  const Vec3 d = point - Vec3(camera.to_world[3]);
+  return std::fabs(glm::dot(d, glm::normalize(Vec3(camera.to_world[0])))) <= half * aspect &&
+         std::fabs(glm::dot(d, glm::normalize(Vec3(camera.to_world[1])))) <= half;
+}
+
+Vec3 pivot_ahead(const CameraPose& camera, const Vec3& point, float nearest) {
+  const float distance = std::max(depth_of(camera, point), nearest);
+  return Vec3(camera.to_world[3]) - distance * glm::normalize(Vec3(camera.to_world[2]));
 }
 
 void orbit(CameraPose& camera, const Vec3& pivot, const Vec2& turn) {
@@ -43,16 +65,16 @@ void pan(CameraPose& camera, Vec3& pivot, const Vec2& by) {
   pivot += shift;
 }
 
-void dolly(CameraPose& camera, const Vec3& pivot, float notches, float nearest) {
+void dolly(CameraPose& camera, const Vec3& pivot, float notches, const DollyRange& range) {
   const float factor = std::pow(kDollyStep, notches);
   if (camera.camera.projection == Projection::orthographic) {
-    camera.camera.half_height = std::max(camera.camera.half_height * factor, nearest);
+    camera.camera.half_height = stepped(camera.camera.half_height, factor, range);
     return;
   }
   const Vec3 from_pivot = Vec3(camera.to_world[3]) - pivot;
   const float distance = glm::length(from_pivot);
-  if (!(distance > 0) || (factor < 1 && distance <= nearest)) return;
-  camera.to_world[3] = Vec4(pivot + from_pivot * std::max(factor, nearest / distance), 1);
+  const Vec3 direction = distance > 0 ? from_pivot / distance : glm::normalize(Vec3(camera.to_world[2]));
+  camera.to_world[3] = Vec4(pivot + direction * stepped(distance, factor, range), 1);
 }
 
 void frame_box(CameraPose& camera, const Box& box, float aspect) {

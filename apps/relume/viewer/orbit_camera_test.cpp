@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kTolerance = 1e-4f;
 const Vec3 kPivot(1, 2, 3);
+constexpr DollyRange kRange{0.1f, 50};
 
 CameraPose camera_at(const Vec3& eye, const Vec3& target) {
   const Transform t = look_at(eye, target);
@@ -64,6 +65,48 @@ TEST(Orbit, StopsBeforeTheZenith) {
   EXPECT_GT(camera.to_world[1].y, 0) << "still upright";
 }
 
+/// Straight down, and with the horizon at a slant: neither may make a drag jump.
+TEST(Orbit, KeepsThePivotInPlaceWhereverUpIs) {
+  CameraPose down = camera_at(kPivot + Vec3(0, 0, 4), kPivot + Vec3(0.3f, 0.1f, 0));
+  down.to_world = glm::mat4_cast(glm::angleAxis(-0.5f * kPi, Vec3(1, 0, 0)));
+  down.to_world[3] = Vec4(kPivot + Vec3(0.3f, 4, 0.2f), 1);
+  CameraPose rolled = camera_at(kPivot + Vec3(0.5f, 1, 4), kPivot + Vec3(0.3f, 0, 0));
+  rolled.to_world *= glm::mat4_cast(glm::angleAxis(0.7f, Vec3(0, 0, 1)));
+  for (CameraPose camera : {down, rolled}) {
+    const Vec2 before = seen_at(camera, kPivot);
+    const float distance = glm::length(eye_of(camera) - kPivot);
+    for (int i = 0; i < 7; ++i) {
+      const Vec3 eye = eye_of(camera);
+      orbit(camera, kPivot, {0.05f, 0.02f});
+      EXPECT_LT(glm::length(eye_of(camera) - eye), 0.3f * distance) << i;
+      EXPECT_NEAR(glm::length(eye_of(camera) - kPivot), distance, kTolerance);
+      EXPECT_NEAR(glm::length(seen_at(camera, kPivot) - before), 0, 10 * kTolerance);
+    }
+  }
+}
+
+TEST(OnScreen, IsWhatTheImageShows) {
+  CameraPose camera = camera_at({0, 0, 4}, {0, 0, 0});
+  camera.camera.fov_y_rad = 0.5f * kPi;  // the image shows 8 by 16 metres at the origin
+  EXPECT_TRUE(is_on_screen(camera, {0, 0, 0}, 2));
+  EXPECT_TRUE(is_on_screen(camera, {7.9f, -3.9f, 0}, 2));
+  EXPECT_FALSE(is_on_screen(camera, {8.1f, 0, 0}, 2));
+  EXPECT_FALSE(is_on_screen(camera, {0, 4.1f, 0}, 2));
+  EXPECT_FALSE(is_on_screen(camera, {0, 0, 5}, 2)) << "behind the camera";
+  EXPECT_FALSE(is_on_screen(camera, {0, 0, 4}, 2)) << "at the camera";
+  camera.camera.projection = Projection::orthographic;
+  camera.camera.half_height = 1;
+  EXPECT_TRUE(is_on_screen(camera, {1.9f, 0.9f, 0}, 2));
+  EXPECT_FALSE(is_on_screen(camera, {0, 1.1f, 0}, 2));
+}
+
+TEST(PivotAhead, LiesStraightAheadEvenIfThePointDoesNot) {
+  const CameraPose camera = camera_at({0, 0, 4}, {0, 0, 0});
+  expect_near(pivot_ahead(camera, {3, 1, 1}, 0.5f), {0, 0, 1});
+  expect_near(pivot_ahead(camera, {0, 0, 9}, 0.5f), {0, 0, 3.5f});
+  expect_near(pivot_ahead(camera, {0, 0, 4}, 0.5f), {0, 0, 3.5f});
+}
+
 TEST(Pan, WhatIsAtThePivotFollowsTheMouse) {
   CameraPose camera = camera_at(kPivot + Vec3(2, 1, 4), kPivot);
   Vec3 pivot = kPivot;
@@ -75,22 +118,42 @@ TEST(Pan, WhatIsAtThePivotFollowsTheMouse) {
 
 TEST(Dolly, ChangesTheDistanceByAShareAndStopsBeforeThePivot) {
   CameraPose camera = camera_at(kPivot + Vec3(0, 0, 4), kPivot);
-  dolly(camera, kPivot, 1, 0.1f);
+  dolly(camera, kPivot, 1, kRange);
   const float nearer = glm::length(eye_of(camera) - kPivot);
   EXPECT_LT(nearer, 3.6f);
-  dolly(camera, kPivot, -1, 0.1f);
+  dolly(camera, kPivot, -1, kRange);
   expect_near(eye_of(camera), kPivot + Vec3(0, 0, 4));
-  dolly(camera, kPivot, 1000, 0.1f);
+  dolly(camera, kPivot, 1000, kRange);
   EXPECT_NEAR(glm::length(eye_of(camera) - kPivot), 0.1f, kTolerance);
-  dolly(camera, kPivot, -3, 0.1f);
+  dolly(camera, kPivot, -3, kRange);
   EXPECT_GT(glm::length(eye_of(camera) - kPivot), 0.15f) << "there is a way back";
+  dolly(camera, kPivot, -1000, kRange);
+  EXPECT_NEAR(glm::length(eye_of(camera) - kPivot), 50, kTolerance);
+}
+
+TEST(Dolly, LeavesThePivotBackwards) {
+  CameraPose camera = camera_at(kPivot, kPivot + Vec3(0, 0, -1));
+  dolly(camera, kPivot, 1, kRange);
+  expect_near(eye_of(camera), kPivot);
+  dolly(camera, kPivot, -1, kRange);
+  expect_near(eye_of(camera), kPivot + Vec3(0, 0, 0.1f));
+}
+
+TEST(Dolly, DoesNotJumpIntoTheRange) {
+  CameraPose camera = camera_at(kPivot + Vec3(0, 0, 200), kPivot);
+  dolly(camera, kPivot, -1, kRange);
+  expect_near(eye_of(camera), kPivot + Vec3(0, 0, 200));
+  dolly(camera, kPivot, 1, kRange);
+  EXPECT_NEAR(glm::length(eye_of(camera) - kPivot), 170, 0.01f);
 }
 
 TEST(Dolly, AnOrthographicCameraShowsLess) {
   CameraPose camera = camera_at(kPivot + Vec3(0, 0, 4), kPivot);
   camera.camera.projection = Projection::orthographic;
-  dolly(camera, kPivot, 2, 0.01f);
+  dolly(camera, kPivot, 2, kRange);
   EXPECT_LT(camera.camera.half_height, 0.8f);
+  dolly(camera, kPivot, -1000, kRange);
+  EXPECT_NEAR(camera.camera.half_height, 50, kTolerance);
   expect_near(eye_of(camera), kPivot + Vec3(0, 0, 4));
 }
 
