@@ -85,6 +85,57 @@ TEST(HashGridSize, AnAbandonedFrameLeavesNeitherSamplesNorKeys) {
   EXPECT_EQ(grid.statistics().cells, 200u);
 }
 
+ptrdiff_t keys_in(HashGrid& grid) {
+  const HashGridView v = grid.view(grid_camera());
+  return v.fingerprints.size - std::count(v.fingerprints.begin(), v.fingerprints.end(), 0u);
+}
+
+TEST(HashGridSize, AnAbandonedFrameWithoutNewKeysRebuildsNothing) {
+  HashGridSettings settings = with_limit(4096);
+  settings.max_age = 1;
+  HashGrid grid(settings, 1);
+  Backend backend(1);
+  fill(grid, 0, 200);
+  grid.end_frame(backend);
+  for (int frame = 0; frame < 4; ++frame) {
+    fill(grid, 100, 100);
+    grid.end_frame(backend);
+  }
+  ASSERT_EQ(grid.statistics().cells, 100u);
+  ASSERT_EQ(keys_in(grid), 200) << "evicted cells keep their slots until a rebuild";
+  for (const int count : {0, 100}) {
+    fill(grid, 100, count);
+    grid.abandon_frame();
+    grid.adjust_size(backend);
+    EXPECT_EQ(keys_in(grid), 200) << count;
+  }
+  fill(grid, 100, 50);
+  grid.end_frame(backend);
+  EXPECT_EQ(grid.statistics().samples, 50u) << "of this frame alone";
+}
+
+TEST(HashGridSize, SavesNothingOfAnAbandonedFrame) {
+  HashGrid grid(with_limit(4096), 1);
+  Backend backend(1);
+  fill(grid, 0, 200);
+  grid.end_frame(backend);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    fill(grid, 100, 1000);
+    grid.abandon_frame();
+  }
+  HashGrid loaded(with_limit(4096), 1);
+  ASSERT_TRUE(loaded.load(grid.save()));
+  EXPECT_EQ(loaded.statistics().cells, 200u);
+  EXPECT_EQ(keys_in(loaded), 200);
+  for (HashGrid* each : {&grid, &loaded}) {
+    each->adjust_size(backend);
+    fill(*each, 0, 300);
+    each->end_frame(backend);
+    EXPECT_EQ(each->statistics().samples, 300u);
+    EXPECT_EQ(each->statistics().cells, 300u);
+  }
+}
+
 TEST(HashGridSize, DiscardsTheOldestCells) {
   HashGrid grid(with_limit(256), 1);
   Backend backend(1);

@@ -187,6 +187,7 @@ void HashGrid::advance(Backend& backend, bool watched) {
 }
 
 void HashGrid::abandon_frame() {
+  has_abandoned_keys_ = has_abandoned_keys_ || counters_.made > counters_before_.made;
   counters_ = counters_before_;
   overflow_count_ = 0;
   abandoned_ = true;
@@ -196,6 +197,7 @@ void HashGrid::abandon_frame() {
 void HashGrid::drop_frame(Backend& backend) {
   abandoned_ = false;
   std::fill(sums_.begin(), sums_.end(), CellSums{});
+  if (!std::exchange(has_abandoned_keys_, false)) return std::fill(parents_.begin(), parents_.end(), kNoCell);
   rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
   --rebuilds_;  // none that a frame asked for
 }
@@ -236,7 +238,7 @@ void HashGrid::clear() {
   overflow_count_ = 0;
   counters_.made = 0;
   renumbered_ = false;
-  abandoned_ = false;
+  abandoned_ = has_abandoned_keys_ = false;
 }
 
 void HashGrid::rebuild(Backend& backend, uint32_t slots) {
@@ -293,9 +295,13 @@ HashGridStatistics HashGrid::statistics() const {
 }
 
 std::vector<std::byte> HashGrid::save() const {
-  const auto taken =
-      fingerprints_.size() - static_cast<size_t>(std::count(fingerprints_.begin(), fingerprints_.end(), 0u));
-  std::vector<std::byte> bytes(kSavedHeaderBytes + taken * kSavedCellBytes);
+  // Cells without a history are those that an abandoned frame made, or were evicted.
+  const auto is_saved = [&](size_t i) {
+    return fingerprints_[i] != 0 && !(has_abandoned_keys_ && histories_[i].empty());
+  };
+  size_t cells = 0;
+  for (size_t i = 0; i < fingerprints_.size(); ++i) cells += is_saved(i) ? 1 : 0;
+  std::vector<std::byte> bytes(kSavedHeaderBytes + cells * kSavedCellBytes);
   std::span<std::byte> rest = bytes;
   put(rest, static_cast<uint32_t>(fingerprints_.size()));
   put(rest, expected_cells_);
@@ -304,7 +310,7 @@ std::vector<std::byte> HashGrid::save() const {
   put(rest, discarded_);
   put(rest, inherited_);
   for (size_t i = 0; i < fingerprints_.size(); ++i) {
-    if (fingerprints_[i] == 0) continue;
+    if (!is_saved(i)) continue;
     put(rest, fingerprints_[i]);
     put(rest, bucket_hashes_[i]);
     put(rest, histories_[i]);

@@ -116,7 +116,8 @@ class HashGrid {
   uint64_t most_waiting_ = 0;  ///< samples, of all frames
   HashGridCounters counters_;
   HashGridCounters counters_before_;  ///< this frame
-  bool abandoned_ = false;            ///< `sums_` and `parents_` hold what a frame has left
+  bool abandoned_ = false;            ///< `sums_` and `parents_` hold samples of a frame that was abandoned
+  bool has_abandoned_keys_ = false;   ///< the table has keys that such a frame made
   HashGridCensus census_;
   uint64_t evicted_ = 0;
   uint64_t discarded_ = 0;
