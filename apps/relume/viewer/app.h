@@ -25,8 +25,8 @@ class App {
   /// cannot be shown, or a step of the script fails.
   void run();
 
-  /// Whether a scene is still being loaded, for nobody any more.
-  bool loading() const { return state_.loading.valid(); }
+  /// Whether a scene is still being loaded, which will not be shown any more.
+  bool loading() const { return state_.loading.valid() || !state_.superseded.empty(); }
 
  private:
   void frame();

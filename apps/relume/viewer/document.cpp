@@ -6,7 +6,6 @@
 #include <glm/matrix.hpp>
 
 #include "scene/animation.h"
-#include "scene/deforming_meshes.h"
 #include "scene_io/decompose.h"
 
 namespace relume::viewer {
@@ -67,6 +66,7 @@ void Document::play(const std::string& animation) {
 void Document::forget_places() {
   world_known_ = false;
   deformed_bounds_.clear();
+  joints_.reset();
 }
 
 void Document::set_transform(Index node, const Transform& transform) {
@@ -96,6 +96,7 @@ void Document::set_environment(const Environment& environment) {
   complete.height = environment_->height;
   complete.map = environment_->map;
   replace_environment(std::move(complete));
+  environment_is_set_ = true;
 }
 
 void Document::replace_environment(Environment environment) {
@@ -106,6 +107,7 @@ void Document::restore_environment() { use({loaded_, &loaded_->scene.environment
 
 void Document::use(std::shared_ptr<const Environment> environment) {
   environment_ = std::move(environment);
+  environment_is_set_ = false;
   Environment& outline = outline_.environment;
   outline.kind = environment_->kind;
   outline.color = environment_->color;
@@ -170,12 +172,10 @@ void Document::move(Index node, const Vec3& by) {
 const Box& Document::deformed_bounds(Index node, Index mesh) const {
   const auto [entry, is_new] = deformed_bounds_.try_emplace({node, mesh});
   if (is_new) {
-    Scene posed;  // as edited; the arrays of the meshes are those that were loaded
-    posed.nodes = outline_.nodes;
-    posed.skins = outline_.skins;
-    posed.animation = outline_.animation;
-    entry->second = deformed_box(posed, node, loaded_->scene.meshes[static_cast<size_t>(mesh)],
-                                 joint_matrices(posed, world()), edits_.time_s.value);
+    // Posed as edited; the arrays of the meshes are those that were loaded.
+    if (!joints_) joints_ = joint_matrices(outline_, world());
+    entry->second =
+        deformed_box(outline_, node, loaded_->scene.meshes[static_cast<size_t>(mesh)], *joints_, edits_.time_s.value);
   }
   return entry->second;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/box.h"
+#include "scene/deforming_meshes.h"
 #include "viewer/request.h"
 
 namespace relume::viewer {
@@ -39,6 +40,10 @@ class Document {
   void restore_environment();
   /// Whether it is another than the scene was loaded with.
   bool environment_is_edited() const { return environment_.get() != &loaded_->scene.environment; }
+
+  /// Repeats the edits of another reading of the same scene, for parts that have the same name and no other of their
+  /// kind has. The map of the environment stays. Returns what cannot be repeated: "material 'paint'".
+  std::vector<std::string> repeat_edits(const Document& other);
 
   /// Has the scene compiled so that the node can move. Returns whether that is news.
   bool make_movable(Index node);
@@ -76,11 +81,13 @@ class Document {
   std::shared_ptr<const LoadedScene> loaded_;
   Scene outline_;
   std::shared_ptr<const Environment> environment_;  ///< with its map
+  bool environment_is_set_ = false;                 ///< by set_environment(), since it was last replaced or restored
   std::vector<Box> mesh_boxes_;                     ///< in the mesh's own coordinates
   SceneEdits edits_;
   float duration_s_ = 0;
   std::vector<AnimationChannel> playing_;                           ///< as loaded: those of the clips that play
   mutable std::map<std::pair<Index, Index>, Box> deformed_bounds_;  ///< by node and mesh, now
+  mutable std::optional<JointMatrices> joints_;                     ///< now, once they are asked for
   mutable std::vector<Mat4> world_;
   mutable bool world_known_ = false;
 };

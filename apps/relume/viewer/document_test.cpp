@@ -8,6 +8,7 @@
 
 #include "builtin_scenes/builtin.h"
 #include "files/testing/temp_folder.h"
+#include "relume/error.h"
 #include "relume/image_io.h"
 #include "relume/scene_io.h"
 #include "scene/testing/figure.h"
@@ -130,6 +131,63 @@ TEST(Document, KeepsTheMapOfTheEnvironment) {
   document.set_environment(changed);
   EXPECT_EQ(document.edits().environment.value->map.size(), 2u);
   EXPECT_EQ(document.edits().environment.value->rotation_rad, 1);
+}
+
+// --- Reading again --------------------------------------------------------------------------------------------------
+
+TEST(RepeatEdits, FollowNamesNotIndices) {
+  Document before(small_scene());
+  before.make_movable(1);
+  before.move(1, {0, 5, 0});
+  PunctualLight lamp = before.outline().lights[0];
+  lamp.intensity = Rgb(7);
+  before.set_light(0, lamp);
+  Material paint = before.outline().materials[0];
+  paint.roughness = 0.125f;
+  before.set_material(0, paint);
+
+  auto loaded = std::make_shared<LoadedScene>(*small_scene());
+  Scene& scene = loaded->scene;
+  scene.materials.insert(scene.materials.begin(), Material{});
+  scene.materials[1].base_color_texture.texture = 3;
+  scene.meshes[0].material = 1;
+  scene.lights.insert(scene.lights.begin(), PunctualLight{});
+  scene.nodes[2].light = 1;
+  std::swap(scene.nodes[1], scene.nodes[2]);
+  Document after(loaded);
+  EXPECT_TRUE(after.repeat_edits(before).empty());
+  expect_near(after.bounds().center(), before.bounds().center());
+  EXPECT_EQ(after.edits().movable, (std::vector<Index>{2}));
+  EXPECT_EQ(after.outline().lights[1].intensity, Rgb(7));
+  EXPECT_EQ(after.outline().materials[1].roughness, 0.125f);
+  EXPECT_EQ(after.outline().materials[1].base_color_texture.texture, 3) << "as the file numbers them now";
+  EXPECT_EQ(after.edits().materials.count(0), 0u);
+}
+
+TEST(RepeatEdits, ReportWhatHasNoNameOfItsOwn) {
+  Document before(small_scene());
+  before.set_light(0, {});
+  before.set_transform(1, {});
+  auto loaded = std::make_shared<LoadedScene>(*small_scene());
+  loaded->scene.nodes[1].name = "desk";
+  Document after(loaded);
+  EXPECT_EQ(after.repeat_edits(before), (std::vector<std::string>{"object 'table'"}));
+  EXPECT_EQ(after.edits().lights.size(), 1u);
+}
+
+TEST(RepeatEdits, KeepTheEnvironmentThatWasEdited) {
+  Document before(small_scene());
+  Environment sky = before.outline().environment;
+  sky.color = {1, 2, 3};
+  before.set_environment(sky);
+  Document after(small_scene());
+  EXPECT_TRUE(after.repeat_edits(before).empty());
+  EXPECT_EQ(after.outline().environment.color, sky.color);
+  Document replaced(small_scene());
+  replaced.replace_environment(sky);
+  Document untouched(small_scene());
+  untouched.repeat_edits(replaced);
+  EXPECT_FALSE(untouched.environment_is_edited()) << "settings bring it, which count again";
 }
 
 // --- Saving -------------------------------------------------------------------------------------------------------

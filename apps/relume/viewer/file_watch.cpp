@@ -22,11 +22,13 @@ FileWatch::Stamp FileWatch::stamp_of(const std::filesystem::path& file) {
   return stamp;
 }
 
-void FileWatch::watch(const std::vector<std::filesystem::path>& files) {
+void FileWatch::watch(const std::vector<std::filesystem::path>& files, std::filesystem::file_time_type read_from) {
   std::map<std::filesystem::path, Stamp> stamps;
   for (const std::filesystem::path& file : files) {
     const auto known = stamps_.find(file);
-    stamps[file] = known != stamps_.end() ? known->second : stamp_of(file);
+    Stamp stamp = known != stamps_.end() ? known->second : stamp_of(file);
+    if (known == stamps_.end() && stamp.exists && stamp.written > read_from) stamp = {};  // what was read is older
+    stamps[file] = stamp;
   }
   stamps_ = std::move(stamps);
   const std::filesystem::path before = std::exchange(main_, files.empty() ? std::filesystem::path() : files.front());

@@ -13,8 +13,10 @@ namespace relume::viewer {
 class FileWatch {
  public:
   /// Watches these files, missing ones included, in place of those before; the first has to exist for a change to
-  /// count. A file that was watched before and has changed since the last look counts as changed.
-  void watch(const std::vector<std::filesystem::path>& files);
+  /// count. A file that was watched before and has changed since the last look counts as changed, and so does one that
+  /// was written after `read_from`, when reading them began.
+  void watch(const std::vector<std::filesystem::path>& files,
+             std::filesystem::file_time_type read_from = std::filesystem::file_time_type::max());
 
   /// Whether the files have changed since the last time that this was true. Looks at them every 0.25 s at most.
   bool changed(double now_s);

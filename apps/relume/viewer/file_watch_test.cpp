@@ -86,6 +86,18 @@ TEST_F(FileWatchTest, AChangeThatSettlesOutlivesAnotherListOfFiles) {
   EXPECT_FALSE(passes(2)) << "another scene";
 }
 
+TEST_F(FileWatchTest, SeesAChangeThatCameWhileTheFilesWereRead) {
+  const auto read_from = fs::file_time_type::clock::now() + std::chrono::seconds(writes_);
+  const std::vector<fs::path> files{folder_ / "scene.gltf", folder_ / "scene.bin"};
+  for (const bool changes : {false, true}) {
+    if (changes) write("scene.bin", "while it is read");
+    watch_ = {};
+    watch_.watch(files, read_from);
+    EXPECT_EQ(passes(2), changes);
+    EXPECT_FALSE(passes(2));
+  }
+}
+
 TEST(FileWatch, WithoutFilesNothingChanges) {
   FileWatch watch;
   watch.watch({});

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,11 +17,13 @@
 
 namespace relume::viewer {
 
-/// A scene as it was loaded. Shared by both threads, so nobody changes it.
+/// A scene as it was loaded. Shared by both threads, and never changed.
 struct LoadedScene {
   std::string name;  ///< file or built-in scene, as the user gave it
   Scene scene;
   double load_s = 0;  ///< that reading it took
+  /// When reading began: files that were written later may have been read before that.
+  std::filesystem::file_time_type read_from = std::filesystem::file_time_type::max();
 };
 
 /// A value that replaces what the scene says, and when it was last set: versions count up over all edits of a scene.

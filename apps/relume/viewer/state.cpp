@@ -5,6 +5,7 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "builtin_scenes/builtin.h"
 #include "core/clock.h"
@@ -61,18 +62,41 @@ void start_loading(State& state, const std::string& name) {
   state.loading = std::async(std::launch::async, [name] {
     cli::lower_thread_priority();
     const double start_s = now_s();
+    const auto read_from = std::filesystem::file_time_type::clock::now();
     Scene scene = cli::open_scene(name);
-    return std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene), now_s() - start_s});
+    return std::make_shared<const LoadedScene>(LoadedScene{name, std::move(scene), now_s() - start_s, read_from});
   });
 }
 
-/// Those of the scene, and of the environment that replaces its own.
+bool is_done(const std::future<std::shared_ptr<const LoadedScene>>& loading) {
+  return loading.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+/// Files of the scene, and of the environment that replaces its own.
 void watch_files(State& state) {
-  std::vector<std::filesystem::path> files = state.document->loaded()->scene.source_files;
+  const LoadedScene& loaded = *state.document->loaded();
+  std::vector<std::filesystem::path> files = loaded.scene.source_files;
   std::error_code failure;
   const std::string& env = state.settings[0].scene.env;
   if (std::filesystem::is_regular_file(env, failure)) files.emplace_back(env);
-  state.watch.watch(files);
+  state.watch.watch(files, loaded.read_from);
+}
+
+/// Takes the scene that was read, and tells the user.
+void take_loaded(State& state, std::shared_ptr<const LoadedScene> loaded) {
+  if (state.reloads) {
+    const std::vector<std::string> lost = replace_scene(state, std::move(loaded));
+    state.notify("read " + state.document->name() + " again, as it changed on disk");
+    if (!lost.empty())
+      state.notify(fmt::format("changes of {} are lost; only what has a name of its own in the file keeps them",
+                               fmt::join(lost, ", ")),
+                   true);
+  } else {
+    show_document(state, std::move(loaded), false);
+    state.notify("opened " + state.document->name());
+  }
+  const size_t warnings = state.document->loaded()->scene.warnings.size();
+  if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
 }
 
 /// The scene that is shown after this one can be gone back to, unless it has never been shown itself.
@@ -134,30 +158,29 @@ void State::notify(const std::string& text, bool problem) {
 }
 
 void open_scene(State& state, const std::string& name) {
-  if (state.loading.valid()) return state.notify("a scene is being loaded already; wait for it");
+  if (state.loading.valid() && !state.reloads) return state.notify("a scene is being loaded already; wait for it");
+  if (state.loading.valid()) {
+    state.superseded.push_back(std::move(state.loading));
+    state.reload_dropped = true;
+  }
   state.reloads = false;
   start_loading(state, name);
 }
 
 void follow_files(State& state) {
-  if (!state.watches || !state.document || state.loading.valid() || !state.watch.changed(state.now_s)) return;
+  if (!state.watches || !state.document || state.loading.valid()) return;
+  const bool dropped = std::exchange(state.reload_dropped, false);
+  if (!state.watch.changed(state.now_s) && !dropped) return;
   state.reloads = true;
   start_loading(state, state.document->name());
 }
 
 void finish_loading(State& state) {
-  if (!state.loading.valid() || state.loading.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  std::erase_if(state.superseded, is_done);
+  if (!state.loading.valid() || !is_done(state.loading)) return;
   const char* consequence = state.reloads ? "; the scene stays as it was read before" : "";
   try {
-    std::shared_ptr<const LoadedScene> loaded = state.loading.get();
-    if (state.reloads) {
-      replace_scene(state, std::move(loaded));
-      return state.notify("read " + state.document->name() + " again, as it changed on disk");
-    }
-    show_document(state, std::move(loaded), false);
-    state.notify("opened " + state.document->name());
-    const size_t warnings = state.document->loaded()->scene.warnings.size();
-    if (warnings > 0) state.notify(fmt::format("the loader has {} warnings; `relume info` lists them", warnings));
+    take_loaded(state, state.loading.get());
   } catch (const std::bad_alloc&) {
     state.notify(state.loading_name + ": not enough memory for this scene" + consequence, true);
   } catch (const std::exception& error) {
@@ -179,6 +202,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   document.set_time(settings[0].render.time_s);
   document.play(settings[0].render.animation);
 
+  state.reload_dropped = false;
   if (!first) remember_document(state);
   state.document.emplace(std::move(document));
   state.settings = settings;
@@ -197,13 +221,14 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
   state.touch();
 }
 
-void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
+std::vector<std::string> replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
   Document document(loaded);
   if (state.settings[0].scene != SceneOverrides{})
     document.replace_environment(environment_in(*loaded, state.settings[0].scene));
   document.set_time(state.document->time_s());
   play_again(state, document);
   if (const auto& camera = state.document->edits().camera.value) document.set_camera(camera);
+  std::vector<std::string> lost = document.repeat_edits(*state.document);
   if (!has_selection(state, document)) state.selection = {};
   remember_document(state);
   state.document.emplace(std::move(document));
@@ -211,6 +236,7 @@ void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
   state.navigation.pace = {};
   watch_files(state);
   state.touch();
+  return lost;
 }
 
 void revert_document(State& state) {

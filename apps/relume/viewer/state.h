@@ -79,8 +79,11 @@ struct State {
   std::optional<SceneTab> previous;  ///< shown again if the new one cannot be compiled
   std::future<std::shared_ptr<const LoadedScene>> loading;
   std::string loading_name;
-  bool reloads = false;  ///< `loading` reads the present scene again
-  bool watches = true;   ///< the scene is read again when its files change
+  /// Readings whose result is no longer wanted; std::async() waits for them where their futures are destroyed.
+  std::vector<std::future<std::shared_ptr<const LoadedScene>>> superseded;
+  bool reloads = false;         ///< `loading` reads the present scene again
+  bool reload_dropped = false;  ///< for a scene that the user has opened; done later if that cannot be read
+  bool watches = true;          ///< the scene is read again when its files change
   FileWatch watch;
 
   std::array<AllSettings, kSides> settings;
@@ -142,7 +145,8 @@ struct State {
   bool reached_goals(uint64_t request_version) const;
 };
 
-/// Starts to load a scene; the one that is shown stays until it is there.
+/// Starts to load a scene; the one that is shown stays until it has been read. Replaces a reading of the present scene,
+/// and is refused while another scene is being loaded.
 void open_scene(State& state, const std::string& name);
 
 /// Starts to read the scene again if its files have changed and are complete.
@@ -154,8 +158,9 @@ void finish_loading(State& state);
 /// Shows a scene. The first comes with its settings resolved; later ones bring the settings that their file asks for.
 void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool first);
 
-/// Shows the same scene as it was read again. Camera, settings, time and selection stay.
-void replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded);
+/// Shows the same scene as it was read again. Camera, settings, time and selection stay, and edits as far as
+/// Document::repeat_edits() can repeat them. Returns what it cannot repeat.
+std::vector<std::string> replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded);
 
 /// Goes back to the scene before, if there is one: the present one cannot be shown.
 void revert_document(State& state);

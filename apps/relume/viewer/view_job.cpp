@@ -59,6 +59,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   FileRoles roles = roles_of(options, steps);
   viewer::Window::require_display();
   const double start_s = now_s();
+  const auto read_from = std::filesystem::file_time_type::clock::now();
   // On a thread of low priority, whose children rendering uses later: the interface keeps the right of way.
   auto loading = std::async(std::launch::async, [&] {
     lower_thread_priority();
@@ -73,13 +74,13 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   if (!settings.scene.variant.empty()) choose_variant(scene, settings.scene.variant);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene);
-  viewer::LoadedScene loaded{options.scene, std::move(scene), load_s};
+  viewer::LoadedScene loaded{options.scene, std::move(scene), load_s, read_from};
   viewer::App app(options, settings, viewer::chooses_size(sources),
                   viewer::ScriptPlayer(std::move(steps), options.script),
                   std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
   app.run();
   if (app.loading()) {
-    // Nobody waits for a scene that nobody will see.
+    // A scene that is still being loaded would never be shown: do not wait for it.
     std::fflush(nullptr);
     std::_Exit(kExitDone);
   }
