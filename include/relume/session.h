@@ -49,8 +49,9 @@ class RELUME_API Session {
   Session& operator=(Session&&) noexcept;
 
   /// Renders one frame: one sample for each pixel that the allocation selects. Returns false if `stop` was requested
-  /// first; image and techniques are then as if the frame had not begun. Radiance caches finish a frame whose samples
-  /// have joined their cells.
+  /// first; image and techniques are then as if the frame had not begun, and so is everything that later frames depend
+  /// on. Buffers of a single frame, such as depth and normal, hold what that frame has written of them. Radiance caches
+  /// finish a frame whose samples have joined their cells. An exception discards histories and caches.
   bool render_frame(std::stop_token stop = {});
 
   /// Once `token` is requested, long preparation that a later frame can continue (static light lists) ends early.

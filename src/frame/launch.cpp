@@ -96,6 +96,7 @@ bool Backend::for_each_tile(std::string_view name, uint32_t width, uint32_t heig
   std::atomic<bool> complete{true};
   state_->arena.execute([&] {
     parallel_tasks(columns * rows, [&](uint32_t index) {
+      if (tile_hook_) tile_hook_();
       if (stop.stop_requested()) {
         complete.store(false, std::memory_order_relaxed);
         return;

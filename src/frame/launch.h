@@ -17,6 +17,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/hd.h"
@@ -86,6 +87,9 @@ class Backend {
                      void (*run_tile)(const void* context, const Tile& tile), const void* context,
                      const std::stop_token& stop, uint32_t tile_size = kTileSize);
 
+  /// Calls `hook` before each tile, on the thread that runs it: tests stop frames at any tile. Empty: no more.
+  void on_tile(std::function<void()> hook) { tile_hook_ = std::move(hook); }
+
   /// Runs host code whose parallel loops use the backend's threads.
   void execute(const std::function<void()>& function);
 
@@ -98,6 +102,7 @@ class Backend {
   struct State;
   std::unique_ptr<State> state_;
   std::vector<LaunchTime> times_;
+  std::function<void()> tile_hook_;
 };
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then

@@ -51,8 +51,8 @@ class Pass {
   /// from samples. Each such epoch takes random numbers that are independent of those that its structures come from.
   virtual uint32_t longest_epoch() const { return 0; }
 
-  /// Called where a frame was stopped in this pass or a later one: undoes what run() has changed beyond buffers, so
-  /// that the next frame is as if this one had never begun.
+  /// Called when a frame was stopped, or an exception left it, in this pass or a later one: undoes what run() has
+  /// changed beyond buffers, so that the next frame is as if this one had never begun.
   virtual void abandon() {}
 
   /// Whether a frame can no longer be stopped once this pass has begun, because abandon() cannot undo its changes.

@@ -106,13 +106,23 @@ void Pipeline::add_buffers(BufferTable& table) const {
 bool Pipeline::run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass) {
   FrameContext own = frame;
   for (size_t i = 0; i < passes_.size(); ++i) {
-    if (!run_pass(i, own)) {
-      for (size_t k = i + 1; k-- > 0;) passes_[k]->abandon();
-      return false;
+    bool complete = false;
+    try {
+      complete = run_pass(i, own);
+      if (complete && after_pass) after_pass(std::string(passes_[i]->declaration().name));
+    } catch (...) {
+      abandon(i);
+      throw;
     }
-    if (after_pass) after_pass(std::string(passes_[i]->declaration().name));
+    if (complete) continue;
+    abandon(i);
+    return false;
   }
   return true;
+}
+
+void Pipeline::abandon(size_t last) {
+  for (size_t i = last + 1; i-- > 0;) passes_[i]->abandon();
 }
 
 bool Pipeline::run_pass(size_t i, FrameContext& frame) {

@@ -12,7 +12,7 @@ namespace relume {
 
 class Pipeline {
  public:
-  /// Puts the pass behind the others of its stage.
+  /// Puts the pass after the others of its stage.
   void add(std::unique_ptr<Pass> pass);
 
   /// Checks that every buffer has one owner, that it exists where it is read, and that it is written by an earlier pass
@@ -23,9 +23,9 @@ class Pipeline {
   /// Adds the buffers that the passes own.
   void add_buffers(BufferTable& table) const;
 
-  /// Runs one frame, and calls `after_pass`, unless it is empty, with the name of each pass behind it. False if a stop
-  /// was requested first: passes have then undone their changes, except those of buffers. Throws std::logic_error where
-  /// a pass accesses a buffer that it does not declare.
+  /// Runs one frame, and calls `after_pass`, unless it is empty, with the name of each pass after it has run. False if
+  /// a stop was requested first. Passes have then undone their changes, except those of buffers; so they have when an
+  /// exception leaves a pass. Throws std::logic_error where a pass accesses a buffer that it does not declare.
   bool run(const FrameContext& frame, const std::function<void(const std::string&)>& after_pass = {});
 
   /// The shortest of the passes that learn; 0: none does.
@@ -45,6 +45,7 @@ class Pipeline {
 
  private:
   bool run_pass(size_t i, FrameContext& frame);
+  void abandon(size_t last);  ///< pass `last` and those before it
 
   std::vector<std::unique_ptr<Pass>> passes_;
   std::vector<std::unique_ptr<BufferAccess>> access_;  ///< of each pass

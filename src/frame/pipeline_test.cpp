@@ -83,6 +83,18 @@ TEST_F(PipelineTest, UndoesTheChangesOfAnAbandonedFrameLastFirst) {
   EXPECT_EQ(log_, "prepare trace -trace -prepare ");
 }
 
+TEST_F(PipelineTest, UndoesTheChangesOfAFrameThatAnExceptionLeaves) {
+  struct Fail final : Pass {
+    PassDeclaration declaration() const override { return {.name = "fail", .stage = Stage::trace}; }
+    bool run(const FrameContext&) override { throw std::runtime_error("no memory"); }
+  };
+  add({.name = "prepare", .stage = Stage::prepare});
+  pipeline_.add(std::make_unique<Fail>());
+  add({.name = "present", .stage = Stage::present});
+  EXPECT_THROW(run(), std::runtime_error);
+  EXPECT_EQ(log_, "prepare -prepare ");
+}
+
 TEST_F(PipelineTest, StopsNoMoreOnceAPassHasCommitted) {
   std::stop_source stop;
   add({.name = "commits", .stage = Stage::resolve});
@@ -103,7 +115,7 @@ TEST_F(PipelineTest, StopsNoMoreOnceAPassHasCommitted) {
   EXPECT_EQ(log_, "-commits ");
 }
 
-TEST_F(PipelineTest, StopsLateWhereAPassBehindTheImageCan) {
+TEST_F(PipelineTest, StopsLateIfAPassAfterTheImageCan) {
   add({.name = "trace"});
   add({.name = "present", .stage = Stage::present});
   EXPECT_FALSE(pipeline_.stops_late());

@@ -87,8 +87,8 @@ bool Session::render_frame(std::stop_token stop) {
   try {
     complete = complete && s.passes.pipeline.run(s.frame(stop), s.pass_hook);
   } catch (...) {
-    // Passes before the one that failed have added to the image: what there is of it is not the mean of its samples.
-    s.buffers->swap();
+    s.undo_frame(kept, may_lose_image);
+    // Without copies of the buffers, and after passes that cannot undo their changes, the image is no mean of samples.
     s.edit(Change::settings);
     throw;
   }
@@ -99,9 +99,7 @@ bool Session::render_frame(std::stop_token stop) {
     s.changes = Change::none;
     s.counters.previous_time_s = s.counters.time_s;
   } else {
-    s.buffers->swap();
-    if (kept) s.backend->execute([&] { s.buffers->restore(); });
-    if (may_lose_image) s.show_kept_image();
+    s.undo_frame(kept, may_lose_image);
   }
   s.statistics.render_s += now_s() - start_s;
   return complete;
@@ -261,8 +259,12 @@ void Session::load_checkpoint(const std::filesystem::path& file) {
 
 struct SessionAccess {
   static const Session::State& state(const Session& session) { return *session.state_; }
+  static Session::State& state(Session& session) { return *session.state_; }
 };
 
+void on_tile(Session& session, std::function<void()> hook) {
+  SessionAccess::state(session).backend->on_tile(std::move(hook));
+}
 const RenderSettings& render_settings(const Session& session) { return SessionAccess::state(session).settings; }
 const CompiledScene& compiled_scene(const Session& session) { return *SessionAccess::state(session).scene; }
 const BufferTable& buffer_table(const Session& session) { return *SessionAccess::state(session).buffers; }

@@ -1,6 +1,7 @@
 // What the library itself, its program and its tests see of a session.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "frame/pass.h"
@@ -17,5 +18,7 @@ const CompiledScene& compiled_scene(const Session& session);
 const BufferTable& buffer_table(const Session& session);
 /// The passes that fill them.
 std::vector<PassDeclaration> pass_declarations(const Session& session);
+/// Calls `hook` before each tile of a launch (Backend::on_tile()), until the number of threads changes.
+void on_tile(Session& session, std::function<void()> hook);
 
 }  // namespace relume

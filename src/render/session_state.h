@@ -141,6 +141,13 @@ struct Session::State {
     kept_image.clear();
   }
 
+  /// Goes back to before a frame that was stopped, or that an exception has left. `kept`: the buffers were, by keep().
+  void undo_frame(bool kept, bool may_lose_image) {
+    buffers->swap();
+    if (kept) backend->execute([&] { buffers->restore(); });
+    if (may_lose_image) show_kept_image();
+  }
+
   void edit(Change change) {
     changes |= change;
     edited = edited || change != Change::none;
@@ -242,7 +249,7 @@ struct Session::State {
   RemovedParts removed;
   bool has_other_parts = false;  ///< than the scene that the session was constructed with
   std::function<void(const std::string&)> pass_hook;
-  std::vector<Rgb> kept_image;  ///< where its buffers are cleared or replaced
+  std::vector<Rgb> kept_image;  ///< shown while buffers are empty
   bool shows_kept_image = false;
   mutable Statistics statistics;
   double image_begun_s = 0;  ///< statistics.render_s when the image began

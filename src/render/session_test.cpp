@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <limits>
+#include <stdexcept>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -48,6 +50,30 @@ TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
     if (auxiliary) {
       EXPECT_NEAR(session.aov("albedo").front().values[6 * 16 + 8], 1, 0.01) << "of the sphere, in the middle";
     }
+  }
+}
+
+// As where memory ends in a pass.
+TEST(Session, AFrameThatAnExceptionLeavesIsUndone) {
+  RenderSettings settings = small_settings();
+  settings.denoise = DenoiseChoice::svgf;
+  settings.cache = CacheChoice::psf;
+  Session session = furnace(settings);
+  std::stop_source stop;  // which is never requested; with it buffers are copied
+  for (const PassDeclaration& pass : pass_declarations(session)) {
+    for (int i = 0; i < 3; ++i) session.render_frame(stop.get_token());
+    const Image before = session.image();
+    session.on_pass([&](const std::string& name) {
+      if (name == pass.name) throw std::runtime_error("no memory");
+    });
+    EXPECT_THROW(session.render_frame(stop.get_token()), std::runtime_error) << pass.name;
+    EXPECT_EQ(session.image().pixels, before.pixels) << pass.name;
+    EXPECT_THROW(session.render_frame(), std::runtime_error) << pass.name;
+    session.on_pass({});
+    EXPECT_EQ(session.frames_since_change(), 0u) << pass.name;
+    session.render_frame();
+    EXPECT_EQ(session.kept_samples(), 1) << pass.name;
+    EXPECT_NEAR(mean_luminance(session.image()), 1, 0.1) << pass.name;
   }
 }
 
