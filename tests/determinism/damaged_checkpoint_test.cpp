@@ -30,7 +30,7 @@ class DamagedCheckpoint : public ::testing::TestWithParam<int> {
     const std::string bytes = fuzz::contents(file_);
     return bytes.substr(0, bytes.size() - sizeof(uint64_t));
   }
-  /// Whether the checkpoint was taken; two frames are rendered behind it.
+  /// Whether the checkpoint was taken; two frames are rendered after it.
   bool goes_on(const std::string& checkpoint) const {
     std::ofstream(file_, std::ios::binary) << checkpoint << fuzz::checksum(checkpoint);
     Session session = fuzz::checkpoint_session(GetParam());

@@ -2,6 +2,7 @@
 // number of threads and after a resume. No choice of a slot is left out.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <stop_token>
 #include <string>
@@ -39,8 +40,28 @@ class TechniqueDeterminism : public ::testing::TestWithParam<DeterminismCheck> {
       session.render_frame();
     }
   }
-  /// Begins a frame that is stopped behind the pass of that number. Returns whether it was, or had become complete.
-  static bool abandon(Session& session, size_t pass) {
+  /// Renders a frame and counts the tiles that all its passes launch.
+  static size_t count_tiles(Session& session, int frame) {
+    std::atomic<size_t> tiles = 0;
+    on_tile(session, [&] { ++tiles; });
+    render(session, frame, frame + 1);
+    on_tile(session, {});
+    return tiles;
+  }
+  /// Begins a frame and requests a stop once `tiles` of its tiles have begun. Returns whether it was stopped; false: it
+  /// is complete.
+  static bool abandon_at_tile(Session& session, size_t tiles) {
+    std::stop_source stop;
+    std::atomic<size_t> begun = 0;
+    on_tile(session, [&] {
+      if (begun++ == tiles) stop.request_stop();
+    });
+    const bool complete = session.render_frame(stop.get_token());
+    on_tile(session, {});
+    return !complete;
+  }
+  /// The same after the pass of that number.
+  static bool abandon_after_pass(Session& session, size_t pass) {
     std::stop_source stop;
     size_t done = 0;
     session.on_pass([&](const std::string&) {
@@ -63,32 +84,65 @@ TEST_P(TechniqueDeterminism, AnyNumberOfThreads) {
   EXPECT_EQ(frames(5), one);
 }
 
-TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNothingBehind) {
+// Each frame is abandoned twice: at a tile, a later one from frame to frame, and after a pass.
+TEST_P(TechniqueDeterminism, AbandonedFramesLeaveNoTrace) {
   Session whole = session(2);
   Session interrupted = session(2);
   const size_t passes = pass_declarations(whole).size();
-  size_t abandoned = 0;
+  size_t at_tiles = 0;
+  size_t after_passes = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
-    render(whole, frame, frame + 1);
+    const size_t tiles = count_tiles(whole, frame);
     if (frame % GetParam().frames_of_an_image == 0)
       interrupted.set_time(0.05f * static_cast<float>(frame / GetParam().frames_of_an_image));
-    if (abandon(interrupted, static_cast<size_t>(frame) % passes)) {
-      ++abandoned;
-      interrupted.render_frame();
+    const auto number = static_cast<size_t>(frame);
+    const bool at_tile = abandon_at_tile(interrupted, number * tiles / kFrames);
+    const bool after_pass = at_tile && abandon_after_pass(interrupted, number % passes);
+    if (after_pass) interrupted.render_frame();
+    at_tiles += at_tile ? 1 : 0;
+    after_passes += after_pass ? 1 : 0;
+    ASSERT_EQ(bits_of(interrupted), bits_of(whole)) << "frame " << frame;
+  }
+  EXPECT_GT(at_tiles, 3u);
+  EXPECT_GT(after_passes, 3u);
+}
+
+TEST_P(TechniqueDeterminism, EditsAfterAnAbandonedFrameAreAsWithoutIt) {
+  Session whole = session(2);
+  Session interrupted = session(2);
+  const CameraPose camera = whole.camera();
+  for (int frame = 0; frame < 9; ++frame) {
+    const size_t tiles = count_tiles(whole, frame);
+    render(interrupted, frame, frame + 1);
+    if (!abandon_at_tile(interrupted, tiles * static_cast<size_t>(frame + 1) / 12)) whole.render_frame();
+    for (Session* each : {&whole, &interrupted}) {
+      CameraPose moved = camera;
+      moved.to_world[3].x += 0.02f * static_cast<float>(frame);
+      Environment light;
+      light.kind = EnvironmentKind::constant;
+      light.color = Rgb(0.1f * static_cast<float>(frame));
+      if (frame % 3 == 1) each->set_camera(moved);
+      if (frame % 3 == 2) each->set_environment(light);
+      each->render_frame();
     }
     ASSERT_EQ(bits_of(interrupted), bits_of(whole)) << "frame " << frame;
   }
-  EXPECT_GT(abandoned, 3u);
 }
 
-TEST_P(TechniqueDeterminism, ResumedBehindAnAbandonedFrameEqualsUninterrupted) {
+TEST_P(TechniqueDeterminism, ResumedAfterAnAbandonedFrameEqualsUninterrupted) {
   const std::filesystem::path file = checkpoint_file("abandoned_" + std::string(GetParam().name));
   Session whole = session(2);
-  render(whole, 0, 13);
+  render(whole, 0, 12);
+  const size_t tiles = count_tiles(whole, 12);
   {
     Session first = session(2);
     render(first, 0, 13);
-    abandon(first, 1);
+    bool stopped = false;
+    for (const size_t share : {2u, 3u, 6u}) {  // a stop that comes too late completes the frame
+      stopped = stopped || abandon_at_tile(first, tiles / share);
+      if (!stopped) whole.render_frame();
+    }
+    EXPECT_TRUE(stopped);
     first.save_checkpoint(file);
   }
   Session second = session(2);
