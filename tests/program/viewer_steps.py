@@ -1,9 +1,11 @@
 """Scripts for a hidden viewer, and what they are tried on."""
 
+import base64
 import json
 import os
 import pathlib
 import re
+import struct
 import subprocess
 
 from png import png_pixels
@@ -42,6 +44,32 @@ def cube_ply(half):
     return "\n".join(lines) + "\n"
 
 
+def animated_gltf():
+    """A triangle with two animations as glTF: `turn`, of 20 s, and `rise`, of 3 s."""
+    arrays = [("VEC3", [0, 0, 0, 1, 0, 0, 0, 1, 0]), ("SCALAR", [0, 20]), ("VEC4", [0, 0, 0, 1, 0, 1, 0, 0]),
+              ("SCALAR", [0, 3]), ("VEC3", [0, 0, 0, 0, 1, 0])]
+    sizes = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+    data, views, accessors = b"", [], []
+    for kind, values in arrays:
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": 4 * len(values)})
+        count = len(values) // sizes[kind]
+        accessors.append({"bufferView": len(accessors), "componentType": 5126, "count": count, "type": kind,
+                          "min": [min(values[i::sizes[kind]]) for i in range(sizes[kind])],
+                          "max": [max(values[i::sizes[kind]]) for i in range(sizes[kind])]})
+        data += struct.pack(f"<{len(values)}f", *values)
+
+    def animation(name, path, times):
+        return {"name": name, "channels": [{"sampler": 0, "target": {"node": 0, "path": path}}],
+                "samplers": [{"input": times, "output": times + 1}]}
+
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    return json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": "sail"}],
+        "materials": [{"doubleSided": True}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "animations": [animation("turn", "rotation", 1), animation("rise", "translation", 3)],
+        "buffers": [{"uri": uri, "byteLength": len(data)}], "bufferViews": views, "accessors": accessors})
+
+
 def length(v):
     return sum(x * x for x in v) ** 0.5
 
@@ -61,7 +89,7 @@ class Viewer(ProgramTest):
         return [json.loads(line) for line in done.stdout.splitlines()]
 
     def view_while(self, scene, script, actions):
-        """As view(), with one of the actions done behind each of the first reports."""
+        """As view(), with one of the actions done after each of the first reports."""
         (self.folder / "steps.txt").write_text(script)
         command = [PROGRAM, "view", str(scene), "--smoke", "1", "--script", "steps.txt", "--threads", "1", "--width", "240", "--height", "180"]
         environment = dict(os.environ, XDG_STATE_HOME=str(self.folder / "state"))

@@ -74,7 +74,7 @@ nlohmann::json frame_report(const ViewerFrame& frame) {
   return result;
 }
 
-/// At once: whoever reads along wants to see how far it got.
+/// Flushes each line, so that readers of a pipe follow the script.
 void print(const std::string& line) {
   std::puts(line.c_str());
   std::fflush(stdout);
@@ -158,6 +158,9 @@ std::string App::report() const {
                  {"split_at", state_.split_at},
                  {"recording", state_.path.recording},
                  {"playing", state_.path.playing},
+                 {"animating", state_.animating},
+                 {"clips", state_.document->outline().clips},
+                 {"animation_s", state_.document->duration_s()},
                  {"path_s", state_.path.path.duration_s()},
                  {"speed", state_.fly.speed},
                  {"orbits", state_.navigation.mode == CameraMode::orbit},
