@@ -1,4 +1,5 @@
-// How soon a camera that moves shows, in processor time of one thread: what other programs do does not count.
+// How soon a move of the camera or a changed setting shows, in processor time of one thread: what other programs do
+// does not count.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +23,11 @@ namespace {
 using testing::kPatience_ms;
 using testing::Stage;
 
-// On two cores a frame is there in about half of that, which leaves time to the interface.
+// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz).
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double kSoon_s = 3;
 #else
-constexpr double kSoon_s = 0.1;
+constexpr double kSoon_s = 0.072;
 #endif
 
 double processor_time_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -49,13 +50,17 @@ class Latency : public ::testing::TestWithParam<std::string> {
     const double start_s = processor_time_s();
     for (int i = 0; i < kPatience_ms && processor_time_s() < start_s + into_s; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_GE(processor_time_s(), start_s + into_s) << "no frame is being rendered";
   }
 
-  /// Processor time from a move of the camera to the frame that shows it.
-  double move() {
-    CameraPose camera = stage_.thread.frame(0)->camera;
+  void move_camera() {
+    CameraPose camera = stage_.document.edits().camera.value.value_or(stage_.thread.frame(0)->camera);
     camera.to_world[3] += 0.01f * camera.to_world[0];
     stage_.document.set_camera(camera);
+  }
+
+  /// Processor time from the request for a change to the frame that shows it.
+  double answer() {
     const double start_s = processor_time_s();
     stage_.post();
     const auto frame = stage_.next();
@@ -66,16 +71,41 @@ class Latency : public ::testing::TestWithParam<std::string> {
   Stage stage_;
 };
 
-TEST_P(Latency, AMoveBehindARestShowsAtOnce) {
+TEST_P(Latency, AMoveOrASettingAfterARestShowsAtOnce) {
   stage_.post();
   ASSERT_TRUE(stage_.next());
   double longest_s = 0;
   for (const double into_s : {0.2, 0.9}) {
     rest(into_s);
-    longest_s = std::max(longest_s, move());
+    ASSERT_FALSE(HasFatalFailure());
+    move_camera();
+    longest_s = std::max(longest_s, answer());
   }
+  rest(0.5);
+  ASSERT_FALSE(HasFatalFailure());
+  ++stage_.settings[0].render.path.max_bounces;
+  longest_s = std::max(longest_s, answer());
   RecordProperty("longest_ms", static_cast<int>(1000 * longest_s));
   EXPECT_LT(longest_s, kSoon_s);
+}
+
+// A flight holds the frame rate, so its frames take longer than the first one. No step may wait for more than the frame
+// in progress, which is finished, and its own.
+TEST_P(Latency, AStepOfAFlightShowsWithTheNextFrame) {
+  stage_.post();
+  ASSERT_TRUE(stage_.next());
+  double longest_s = 0;
+  double frame_s = 0;
+  for (int step = 0; step < 5; ++step) {
+    move_camera();
+    stage_.post();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));  // until its frame is being rendered
+    move_camera();
+    longest_s = std::max(longest_s, answer());
+    frame_s = std::max(frame_s, stage_.thread.frame(0)->seconds);
+  }
+  RecordProperty("longest_ms", static_cast<int>(1000 * longest_s));
+  EXPECT_LT(longest_s, 3 * frame_s);
 }
 
 /// Built-in scenes, and Sponza where RELUME_SCENES names a folder that has it.
