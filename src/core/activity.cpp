@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-// Whoever shows activities runs on a thread of its own, which those that work do not know.
+// Activities are shown by another thread than those that work.
 std::mutex g_mutex;
 std::vector<const Activity*> g_activities;
 

@@ -1,4 +1,4 @@
-// What long preparations are doing, for whoever shows it to a user.
+// Names of the long preparations in progress, for displays of progress.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@ namespace relume {
 /// A step of preparation while it lives, such as "decoding textures". Steps may begin within others.
 class Activity {
  public:
-  /// `parts`: how many part_done() will count; 0: nobody counts.
+  /// `parts`: how many part_done() will count; 0: they are not counted.
   explicit Activity(std::string name, size_t parts = 0);
   ~Activity();
   Activity(const Activity&) = delete;

@@ -171,15 +171,15 @@ IVec2 RenderThread::choose_size(bool rest) const {
   const RenderSettings& render = request_.settings[0].render;
   const IVec2 full(render.width, render.height);
   if (!request_.resolution_policy.hold_rate || rest) return full;
-  return rested_ ? resolution_.answer_size(full) : resolution_.size(full);
+  return rested_ ? resolution_.first_frame_size(full) : resolution_.size(full);
 }
 
 void RenderThread::note_size(const IVec2& size, double seconds, bool rest) {
   const ResolutionPolicy& policy = request_.resolution_policy;
   const IVec2 full(request_.settings[0].render.width, request_.settings[0].render.height);
   resolution_.measured(seconds, size);
-  const bool answers = std::exchange(rested_, rest);
-  if (policy.hold_rate && !rest && !answers)
+  const bool is_first = std::exchange(rested_, rest);
+  if (policy.hold_rate && !rest && !is_first)
     resolution_.frame_done(seconds, 1.0 / static_cast<double>(policy.target_hz), full);
 }
 

@@ -31,12 +31,12 @@ class RenderThread {
   /// Ends rendering, after the tasks that were asked for. Nothing is rendered after that.
   void stop();
 
-  /// Calls `hook` on the rendering thread whenever a frame is there. Call before the first request.
+  /// Calls `hook` on the rendering thread after each frame. Call before the first request.
   void on_frame(std::function<void()> hook) { frame_hook_ = std::move(hook); }
 
   /// Replaces the request. A frame that only refines an image that is no longer wanted is abandoned, and so is the
   /// large one at rest; the first frame after a change never is, so that an image follows every stream of changes. Only
-  /// its preparation ends early. Behind a rest it is small, to show at once.
+  /// its preparation ends early. After a rest it is small, to show at once.
   void post(RenderRequest request);
 
   /// Done with side A's session and the scene that it renders, which need not be the one of the newest request.

@@ -41,12 +41,12 @@ IVec2 ResolutionControl::size(const IVec2& full) const {
   return scaled(full, max(scale_of(step_), smallest_scale(full)));
 }
 
-IVec2 ResolutionControl::answer_size(const IVec2& full) const {
+IVec2 ResolutionControl::first_frame_size(const IVec2& full) const {
   const IVec2 usual = size(full);
-  const double pixels = std::max(kAnswer_s / std::max(pixel_s_, 1e-12), kAnswerPixels);
+  const double pixels = std::max(kFirstFrameBudget_s / std::max(pixel_s_, 1e-12), kFirstFramePixels);
   const double scale = std::sqrt(pixels / (double{1} * full.x * full.y));
-  const IVec2 answer = scaled(full, static_cast<float>(std::min(scale, 1.0)));
-  return answer.x < usual.x ? answer : usual;
+  const IVec2 small = scaled(full, static_cast<float>(std::min(scale, 1.0)));
+  return small.x < usual.x ? small : usual;
 }
 
 void ResolutionControl::measured(double seconds, const IVec2& size) {

@@ -9,9 +9,9 @@ namespace relume::viewer {
 inline constexpr int kMinWidth = 320;
 inline constexpr int kMinHeight = 180;
 
-/// What the first frame behind a rest may take, seconds, and the pixels that it has at least.
-inline constexpr double kAnswer_s = 0.035;
-inline constexpr double kAnswerPixels = 96 * 54;
+/// Time that the first frame after a rest may take, seconds, and the pixels that it has at least.
+inline constexpr double kFirstFrameBudget_s = 0.035;
+inline constexpr double kFirstFramePixels = 96 * 54;
 
 /// Holds the time a frame takes near a budget. The scale goes in steps and with hysteresis, because every change of
 /// size costs techniques their history. Begins at the smallest size, so that slow machines respond from the first frame
@@ -21,9 +21,9 @@ class ResolutionControl {
   /// Size to render at.
   IVec2 size(const IVec2& full) const;
 
-  /// Size of the first frame behind a rest, which is to show at once: no larger than size(), and as small as pixels of
-  /// the frames so far ask for.
-  IVec2 answer_size(const IVec2& full) const;
+  /// Size of the first frame after a rest: no larger than size(), and small enough for kFirstFrameBudget_s, going by
+  /// the time that a pixel of the latest frame took.
+  IVec2 first_frame_size(const IVec2& full) const;
 
   /// Takes note of what a frame of any size cost.
   void measured(double seconds, const IVec2& size);

@@ -56,23 +56,23 @@ TEST(ResolutionControl, OneSlowFrameChangesNothing) {
   EXPECT_EQ(control.size(kFull), kFull);
 }
 
-TEST(ResolutionControl, AnswersWithASizeThatTakesNoLongerThanAnAnswerMay) {
+TEST(ResolutionControl, TheFirstFrameAfterARestKeepsToItsBudget) {
   ResolutionControl control;
   const double s_per_pixel = 5e-6;  // eight times as long for the smallest size
   render(control, kFull, s_per_pixel, 8);
   control.measured(s_per_pixel * 1280 * 720, kFull);
-  const IVec2 answer = control.answer_size(kFull);
-  EXPECT_NEAR(answer.x * answer.y * s_per_pixel, kAnswer_s, 0.02 * kAnswer_s);
-  EXPECT_NEAR(static_cast<double>(answer.x) / answer.y, 16.0 / 9, 0.02);
+  const IVec2 first = control.first_frame_size(kFull);
+  EXPECT_NEAR(first.x * first.y * s_per_pixel, kFirstFrameBudget_s, 0.02 * kFirstFrameBudget_s);
+  EXPECT_NEAR(static_cast<double>(first.x) / first.y, 16.0 / 9, 0.02);
   control.measured(1000, kFull);
-  EXPECT_NEAR(control.answer_size(kFull).x * control.answer_size(kFull).y, kAnswerPixels, 100);
+  EXPECT_NEAR(control.first_frame_size(kFull).x * control.first_frame_size(kFull).y, kFirstFramePixels, 100);
 }
 
-TEST(ResolutionControl, AnswersWithTheUsualSizeWhereThatIsFastEnough) {
+TEST(ResolutionControl, TheFirstFrameAfterARestHasTheUsualSizeIfThatIsFastEnough) {
   ResolutionControl control;
-  EXPECT_EQ(control.answer_size(kFull), control.size(kFull)) << "nothing is known yet";
+  EXPECT_EQ(control.first_frame_size(kFull), control.size(kFull)) << "nothing is known yet";
   control.measured(1e-9 * 1280 * 720, kFull);
-  EXPECT_EQ(control.answer_size(kFull), control.size(kFull));
+  EXPECT_EQ(control.first_frame_size(kFull), control.size(kFull));
 }
 
 TEST(ResolutionControl, NeverGoesBelowTheSmallestSize) {

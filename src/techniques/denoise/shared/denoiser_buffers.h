@@ -43,7 +43,7 @@ class ReflectingFrames {
  public:
   /// Call once in each frame in which light is kept apart.
   void begin_frame(const FrameContext& frame);
-  /// Undoes that, where the frame is abandoned.
+  /// Undoes that when the frame is abandoned.
   void abandon_frame();
 
   bool now() const { return now_; }

@@ -70,7 +70,7 @@ class HashGrid {
     advance(backend, watched);
     adjust_size(backend);
   }
-  /// Call where a frame ends before advance(): its samples are forgotten, by the next adjust_size().
+  /// Call when a frame ends before advance(): the next adjust_size() forgets its samples.
   void abandon_frame();
   /// Forgets everything.
   void clear();
