@@ -103,7 +103,9 @@ TEST(PreparationProgress, NamesEnvironmentMapsThatAreLoaded) {
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   });
   Scene scene;
-  override_scene({.env = (folder / "sky.hdr").string()}, scene, true);
+  SceneOverrides overrides;
+  overrides.env = (folder / "sky.hdr").string();
+  override_scene(overrides, scene, true);
   EXPECT_EQ(scene.environment.kind, EnvironmentKind::map);
   const std::string text = terminal.text();
   EXPECT_NE(text.find("\rloading sky.hdr\x1b[K"), text.npos) << text;
