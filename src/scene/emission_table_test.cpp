@@ -99,7 +99,8 @@ TEST(EmissionTable, MaskedMaterialsShareEntriesToo) {
   EXPECT_LE(e.entries.size, kMostEmissionEntries + e.triangles.size);
   for (const TexturedTriangle& t : e.triangles) {
     const bool bright = t.emission_uv[0].x < 0.5f / kEdge && t.emission_uv[0].y < 0.5f / kEdge;
-    if (bright) EXPECT_NEAR(luminance(t.mean_emission), 0.75, 0.1) << "the mask leaves its wider half";
+    if (!bright) continue;
+    EXPECT_NEAR(luminance(t.mean_emission), 0.75, 0.1) << "the mask leaves its wider half";
   }
 }
 
