@@ -2,6 +2,8 @@
 // side of wo. `f` excludes the cosine; densities are per solid angle of wi.
 #pragma once
 
+#include <cstddef>
+
 #include "materials/lobes/dielectric.h"
 #include "materials/lobes/lambert.h"
 #include "materials/lobes/reflection.h"
@@ -33,15 +35,16 @@ struct BsdfSample {
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
 
-/// Lobes of one surface point, ready for wo.
+/// Lobes of one surface point, ready for wo. Those of make_bsdf() fit before kPlainBsdfBytes; what follows is neither
+/// written nor read for them.
 struct Bsdf {
-  Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
-  int lobe_count;
-  float coat;        ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
-  float sheen;       ///< largest component of the colour of the sheen, which lies over all lobes behind it; 0: none
-  bool layered;      ///< by make_layered_bsdf(): lobes and layers may need what only it fills
-  bool coat_tilted;  ///< the coat has the normal detail.coat_normal
   const EnergyTables* tables;
+  int lobe_count;
+  float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
+  bool layered;           ///< uses `sheen` and `detail`, which only make_layered_bsdf() sets
+  bool coat_tilted;       ///< layered: the coat has the normal detail.coat_normal
+  Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
+  float sheen;            ///< largest component of the sheen's colour, above all lobes after it; 0: none
   InterfaceDetail detail;
 
   RELUME_HD bool empty() const { return lobe_count == 0; }
@@ -51,7 +54,12 @@ struct Bsdf {
   RELUME_HD int sheen_lobe() const { return has_coat() ? 1 : 0; }  ///< if has_sheen()
 };
 
-/// Takes all lobes out.
+/// Lobes that make_bsdf() adds at most: coat, reflection, multiple reflection, diffuse base, transmission.
+inline constexpr int kMaxPlainLobes = 5;
+inline constexpr size_t kPlainBsdfBytes = 320;
+static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= kPlainBsdfBytes);
+
+/// Removes all lobes.
 RELUME_HD inline void clear(Bsdf& bsdf) {
   bsdf.lobe_count = 0;
   bsdf.coat = 0;
@@ -76,10 +84,10 @@ RELUME_HD inline bool has_non_delta(const Bsdf& bsdf) {
   return false;
 }
 
-/// Value and density of a lobe; zero for delta lobes. `kLayered`: bsdf.layered.
+/// Value and density of lobe i, as it is in `bsdf` or flipped; zero for delta lobes. `kLayered`: bsdf.layered.
 template <bool kLayered>
-RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, int i, const Vec3& wo, const Vec3& wi, TransportMode mode) {
-  const Lobe& lobe = bsdf.lobes[i];
+RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, const Vec3& wo, const Vec3& wi,
+                                    TransportMode mode) {
   const InterfaceDetail& detail = bsdf.detail;
   switch (lobe.kind) {
     case LobeKind::lambert: return lambert::eval(lobe, wi);
@@ -159,7 +167,7 @@ RELUME_HD inline float sheen_transmittance(const Bsdf& bsdf, float cos_theta) {
   return 1.0f - bsdf.sheen * sheen::albedo(bsdf.lobes[bsdf.sheen_lobe()], *bsdf.tables, cos_theta);
 }
 
-/// What the layers above each lobe let through.
+/// Transmittance of the layers above a lobe.
 struct LayerTransmittance {
   float below_coat;
   float below_sheen;
@@ -194,32 +202,6 @@ RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const 
   return t;
 }
 
-/// Sampling weight of each lobe for a direction at `cos_theta`; their sum is returned.
-RELUME_HD inline float lobe_weights(const Bsdf& bsdf, float cos_theta, float weights[kMaxLobes]) {
-  const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta);
-  float sum = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i) {
-    weights[i] = luminance(lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)) * layers.to(bsdf, i);
-    sum += weights[i];
-  }
-  return sum;
-}
-
-/// Fills the lobes' sampling probabilities for wo. A BSDF that reflects nothing loses its lobes.
-RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
-  if (bsdf.lobe_count == 1) {
-    bsdf.lobes[0].probability = 1.0f;
-    return;
-  }
-  float weights[kMaxLobes];
-  const float sum = lobe_weights(bsdf, cos_theta_o, weights);
-  if (!(sum > 0.0f)) {
-    bsdf.lobe_count = 0;
-    return;
-  }
-  for (int i = 0; i < bsdf.lobe_count; ++i) bsdf.lobes[i].probability = weights[i] / sum;
-}
-
 /// The lobe as seen from the other side of the interface.
 RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   Lobe other = lobe;
@@ -227,14 +209,46 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
+/// Which side of the surface a direction is on, as seen by the viewer of the BSDF.
+enum class Side : uint8_t { same, other };
+
+/// Probability with which a viewer at `cos_theta` on that side samples each lobe. False: nothing is reflected.
+RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
+  if (bsdf.lobe_count == 1) {
+    probabilities[0] = 1.0f;
+    return true;
+  }
+  const LayerTransmittance layers = layer_transmittance(bsdf, cos_theta);
+  float sum = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Rgb reflected = side == Side::same ? lobe_albedo(bsdf.lobes[i], *bsdf.tables, cos_theta)
+                                             : lobe_albedo(flipped(bsdf.lobes[i]), *bsdf.tables, cos_theta);
+    probabilities[i] = luminance(reflected) * layers.to(bsdf, i);
+    sum += probabilities[i];
+  }
+  if (!(sum > 0.0f)) return false;
+  for (int i = 0; i < bsdf.lobe_count; ++i) probabilities[i] /= sum;
+  return true;
+}
+
+/// Fills the lobes' sampling probabilities for wo. A BSDF that reflects nothing loses its lobes.
+RELUME_HD inline void prepare(Bsdf& bsdf, float cos_theta_o) {
+  float probabilities[kMaxLobes];
+  if (!lobe_probabilities(bsdf, cos_theta_o, Side::same, probabilities)) bsdf.lobe_count = 0;
+  for (int i = 0; i < bsdf.lobe_count; ++i) bsdf.lobes[i].probability = probabilities[i];
+}
+
 namespace bsdf_detail {
 
-/// Density of `to` in the mixture of all lobes, as seen from `from`.
+/// reverse_pdf() by lobes with these probabilities.
 template <bool kLayered>
-RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const Vec3& from, const Vec3& to) {
+RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const float probabilities[kMaxLobes], const Vec3& from,
+                                   const Vec3& to, Side side) {
   float pdf = 0;
-  for (int i = 0; i < bsdf.lobe_count; ++i)
-    pdf += bsdf.lobes[i].probability * eval_lobe<kLayered>(bsdf, i, from, to, TransportMode::radiance).pdf_w;
+  for (int i = 0; i < bsdf.lobe_count; ++i) {
+    const Lobe lobe = side == Side::same ? bsdf.lobes[i] : flipped(bsdf.lobes[i]);
+    pdf += probabilities[i] * eval_lobe<kLayered>(bsdf, lobe, i, from, to, TransportMode::radiance).pdf_w;
+  }
   return pdf;
 }
 
@@ -242,14 +256,13 @@ RELUME_HD inline float mixture_pdf(const Bsdf& bsdf, const Vec3& from, const Vec
 
 /// pdf_w with which wo would be sampled by a viewer at wi, whose lobes have probabilities of their own.
 RELUME_HD inline float reverse_pdf(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
-  const bool same_side = wi.z > 0.0f;
-  Bsdf reversed = bsdf;
-  for (int i = 0; i < reversed.lobe_count && !same_side; ++i) reversed.lobes[i] = flipped(bsdf.lobes[i]);
-  prepare(reversed, std::fabs(wi.z));
-  const Vec3 from = same_side ? wi : -wi;
-  const Vec3 to = same_side ? wo : -wo;
-  return bsdf.layered ? bsdf_detail::mixture_pdf<true>(reversed, from, to)
-                      : bsdf_detail::mixture_pdf<false>(reversed, from, to);
+  const Side side = wi.z > 0.0f ? Side::same : Side::other;
+  float probabilities[kMaxLobes];
+  if (!lobe_probabilities(bsdf, std::fabs(wi.z), side, probabilities)) return 0.0f;
+  const Vec3 from = side == Side::same ? wi : -wi;
+  const Vec3 to = side == Side::same ? wo : -wo;
+  return bsdf.layered ? bsdf_detail::mixture_pdf<true>(bsdf, probabilities, from, to, side)
+                      : bsdf_detail::mixture_pdf<false>(bsdf, probabilities, from, to, side);
 }
 
 /// The most frequent surface by far; worth a shorter way through.
@@ -265,7 +278,7 @@ RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, 
   const LayerTransmittance layers = layer_transmittance<kLayered>(bsdf, wo, wi);
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    const LobeEval e = eval_lobe<kLayered>(bsdf, i, wo, wi, mode);
+    const LobeEval e = eval_lobe<kLayered>(bsdf, lobe, i, wo, wi, mode);
     result.f += e.f * (lobe.weight * layers.to(bsdf, i));
     result.pdf_forward += lobe.probability * e.pdf_w;
   }
@@ -302,7 +315,7 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
     if (!is_specular(lobe.kind)) continue;
-    const LobeEval e = eval_lobe<kLayered>(bsdf, i, wo, wi, TransportMode::radiance);
+    const LobeEval e = eval_lobe<kLayered>(bsdf, lobe, i, wo, wi, TransportMode::radiance);
     f += e.f * (lobe.weight * layers.to(bsdf, i));
   }
   return f;

@@ -32,29 +32,28 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
   const bool tilted = sp.bsdf.layered && sp.bsdf.coat_tilted;
   // Reflection: the angles are equal, and so is everything that follows from them.
   if (local.z > 0.0f && !tilted) return 1.0f;
-  Bsdf reversed = sp.bsdf;
+  float probabilities[kMaxLobes];
   if (local.z > 0.0f) {
     // Either the base or the coat reflected it; the angles to the normal of the base are equal in the first case.
     const Vec3 mirrored(-sp.wo_local.x, -sp.wo_local.y, sp.wo_local.z);
     const Vec3 by_coat = reflect(sp.wo_local, sp.bsdf.detail.coat_normal);
     if (length_squared(local - mirrored) < length_squared(local - by_coat)) return 1.0f;
-    prepare(reversed, local.z);
-    return reversed.lobes[0].probability / sp.bsdf.lobes[0].probability;
+    if (!lobe_probabilities(sp.bsdf, local.z, Side::same, probabilities)) return 0.0f;
+    return probabilities[0] / sp.bsdf.lobes[0].probability;
   }
-  for (int i = 0; i < reversed.lobe_count; ++i) reversed.lobes[i] = flipped(reversed.lobes[i]);
-  prepare(reversed, -local.z);
-  for (int i = 0; i < reversed.lobe_count; ++i) {
+  if (!lobe_probabilities(sp.bsdf, -local.z, Side::other, probabilities)) return 0.0f;
+  for (int i = 0; i < sp.bsdf.lobe_count; ++i) {
     const Lobe& lobe = sp.bsdf.lobes[i];
     if (!is_delta(lobe.kind) || !transmits(lobe.kind)) continue;
     // Solid angles change by η² cos θ from one side to the other ([Veach97], §5.2).
     const float jacobian = sp.wo_local.z / (sqr(lobe.eta) * -local.z);
-    return reversed.lobes[i].probability / lobe.probability * jacobian;
+    return probabilities[i] / lobe.probability * jacobian;
   }
   return 0.0f;
 }
 
-/// Takes the directions that a BSDF holds from one local frame to another.
-RELUME_HD inline void turn_details(Bsdf& bsdf, const Frame& from, const Frame& to) {
+/// Transforms the directions in a BSDF from one local frame to another.
+RELUME_HD inline void transform_to_frame(Bsdf& bsdf, const Frame& from, const Frame& to) {
   if (!bsdf.layered) return;
   if (bsdf.coat_tilted) {
     const float side = glm::dot(from.n, to.n) < 0.0f ? -1.0f : 1.0f;
@@ -81,7 +80,7 @@ RELUME_HD inline SurfacePoint seen_from(const SurfacePoint& sp, const Vec3& wo) 
   }
   other.frame = make_frame(surface_detail::visible_shading_normal(other.ns, other.ng, wo));
   other.wo_local = other.frame.to_local(wo);
-  turn_details(other.bsdf, sp.frame, other.frame);
+  transform_to_frame(other.bsdf, sp.frame, other.frame);
   prepare(other.bsdf, other.wo_local.z);
   return other;
 }
