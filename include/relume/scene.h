@@ -146,7 +146,8 @@ struct Mesh {
   std::vector<Vec4> colors;  ///< linear RGBA, multiplies base colour and alpha
   std::vector<UVec3> triangles;
   Index material = kNone;                      ///< kNone: glTF's default material
-  std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep `material`
+  std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep the default
+  std::optional<Index> default_material = {};  ///< `material` where no variant is chosen; empty: `material` itself
   std::vector<MorphTarget> morph_targets = {};
   int influences_per_vertex = 0;                ///< 0: no skin bends the mesh
   std::vector<JointInfluence> influences = {};  ///< as many for each vertex, in the order of the vertices
@@ -304,8 +305,8 @@ struct Scene {
   }
 };
 
-/// Gives every mesh the material that it has in the variant of that name. Throws Error (not_found) with the names that
-/// there are if there is no such variant.
+/// Gives every mesh its material in the variant of that name, or its default material where `name` is empty or the
+/// variant has none for it. Throws Error (not_found) with the names of all variants if there is no such variant.
 RELUME_API void choose_variant(Scene& scene, const std::string& name);
 
 /// Checks what kernels rely on: indices in range, no cycles, finite numbers, array sizes that agree. Throws

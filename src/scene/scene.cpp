@@ -100,13 +100,17 @@ std::vector<float> morph_weights(const Scene& scene, Index node, float time_s) {
 
 void choose_variant(Scene& scene, const std::string& name) {
   const auto found = std::find(scene.variants.begin(), scene.variants.end(), name);
-  if (found == scene.variants.end()) {
-    const std::string known = scene.variants.empty() ? "leave --variant out, it has none"
-                                                     : fmt::format("it has '{}'", fmt::join(scene.variants, "', '"));
+  if (found == scene.variants.end() && !name.empty()) {
+    const std::string known = scene.variants.empty()
+                                  ? "it has no variants, choose none"
+                                  : fmt::format("choose one of '{}'", fmt::join(scene.variants, "', '"));
     throw Error(ErrorCode::not_found, fmt::format("{}: there is no variant '{}'; {}", scene.name, name, known));
   }
   const auto variant = static_cast<Index>(found - scene.variants.begin());
   for (Mesh& mesh : scene.meshes) {
+    if (mesh.variants.empty()) continue;
+    if (!mesh.default_material) mesh.default_material = mesh.material;
+    mesh.material = *mesh.default_material;
     for (const VariantMaterial& choice : mesh.variants) {
       if (choice.variant == variant) mesh.material = choice.material;
     }

@@ -90,6 +90,8 @@ class Validator {
       fail("mesh {} '{}' has attribute arrays of different lengths", i, m.name);
     if (!in_range_or_none(m.material, scene_.materials.size()))
       fail("mesh {} '{}' refers to missing material {}", i, m.name, m.material);
+    if (m.default_material && !in_range_or_none(*m.default_material, scene_.materials.size()))
+      fail("mesh {} '{}' refers to missing default material {}", i, m.name, *m.default_material);
     for (const VariantMaterial& choice : m.variants) {
       if (!in_range(choice.variant, scene_.variants.size()) || !in_range(choice.material, scene_.materials.size()))
         fail("mesh {} '{}' refers to missing variant {} or material {}", i, m.name, choice.variant, choice.material);

@@ -170,9 +170,26 @@ TEST(GltfVariants, ReplaceMaterials) {
   EXPECT_EQ(color_of(scene), Rgb(0, 0, 1));
   choose_variant(scene, "lawn");
   EXPECT_EQ(color_of(scene), Rgb(0, 1, 0));
-  EXPECT_NE(error_of([&] { choose_variant(scene, "city"); }).find("it has 'meadow', 'sea', 'lawn'"), std::string::npos);
+  EXPECT_NE(error_of([&] { choose_variant(scene, "city"); }).find("one of 'meadow', 'sea', 'lawn'"), std::string::npos);
   Scene plain;
-  EXPECT_NE(error_of([&] { choose_variant(plain, "city"); }).find("leave --variant out"), std::string::npos);
+  EXPECT_NE(error_of([&] { choose_variant(plain, "city"); }).find("it has no variants"), std::string::npos);
+}
+
+TEST(GltfVariants, KeepTheDefaultMaterial) {
+  GltfBuilder file = painted();
+  json& mappings = file.doc["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"];
+  mappings = {{{"material", 1}, {"variants", {0}}}};
+  Scene scene = file.load();
+  choose_variant(scene, "meadow");
+  EXPECT_EQ(color_of(scene), Rgb(0, 1, 0));
+  const SceneFolder folder;
+  write_gltf(folder.path() / "a.gltf", scene);
+  EXPECT_EQ(color_of(load_scene(folder.path() / "a.gltf")), Rgb(1, 0, 0));
+  choose_variant(scene, "sea");  // which has no material for it
+  EXPECT_EQ(color_of(scene), Rgb(1, 0, 0));
+  choose_variant(scene, "meadow");
+  choose_variant(scene, "");
+  EXPECT_EQ(color_of(scene), Rgb(1, 0, 0));
 }
 
 TEST(GltfVariants, AreWritten) {

@@ -226,7 +226,8 @@ OutputJson NodeWriter::primitive(const Mesh& m) {
   OutputJson json = {{"attributes", std::move(attributes)},
                      {"indices", output_.add_indices(m.triangles, m.positions.size())}};
   add_morph_targets(json, m);
-  if (m.material != kNone) json["material"] = m.material;
+  const Index material = m.default_material.value_or(m.material);
+  if (material != kNone) json["material"] = material;
   if (!m.variants.empty()) {
     OutputJson mappings = OutputJson::array();
     for (const VariantMaterial& choice : m.variants)
