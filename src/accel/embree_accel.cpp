@@ -94,13 +94,16 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   return r;
 }
 
+/// For rays with these flags.
+embree::QueryOptions options_of(unsigned flags) { return {false, flags == 0 ? nullptr : culling_filter}; }
+
 Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return {};
   RTCRayHit query;
   query.ray = to_embree(ray, ray_id, flags);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect1(as_scene(accel), query);
+  embree::intersect1(as_scene(accel), query, options_of(flags));
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
 }
@@ -108,7 +111,7 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
 bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return false;
   RTCRay query = to_embree(ray, ray_id, flags);
-  embree::occluded1(as_scene(accel), query);
+  embree::occluded1(as_scene(accel), query, options_of(flags));
   return query.tfar < 0.0f;
 }
 
@@ -160,23 +163,23 @@ struct EmbreeAccel::State {
                 "'; try a smaller scene, or free some memory");
   }
 
-  RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
+  RTCGeometry new_triangles(RTCScene owner, const AccelMesh& mesh, GeometryContext* context) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0,
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
                                3 * sizeof(uint32_t), mesh.triangle_count);
-    set_filter(geometry, context);
+    set_filter(owner, geometry, context);
     rtcCommitGeometry(geometry);
     return geometry;
   }
 
   RTCScene new_mesh_scene(const AccelMesh& mesh, GeometryContext* context) const {
     RTCScene result = rtcNewScene(device);
-    RTCGeometry geometry = new_triangles(mesh, context);
     // Embree refits only in dynamic scenes of low quality. It then builds the BVH of the geometry with medium quality.
+    if (mesh.deforms) rtcSetSceneFlags(result, RTC_SCENE_FLAG_DYNAMIC);
+    RTCGeometry geometry = new_triangles(result, mesh, context);
     if (mesh.deforms) {
-      rtcSetSceneFlags(result, RTC_SCENE_FLAG_DYNAMIC);
       rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
       rtcCommitGeometry(geometry);
     }
@@ -260,7 +263,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     if (mesh.triangle_count == 0 || (stands_still(instance, mesh) && !instance.visible)) continue;
     s.contexts[i] = {&s.opacity, &s.meshes[instance.mesh], id_of(i)};
     if (stands_still(instance, mesh)) {
-      RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
+      RTCGeometry geometry = s.new_triangles(s.still, mesh, &s.contexts[i]);
       rtcAttachGeometryByID(s.still, geometry, id_of(i));
       rtcReleaseGeometry(geometry);
       continue;
@@ -297,7 +300,7 @@ void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> inst
     const bool still = stands_still(instances[i], s.meshes[mesh]);
     const RTCScene owner = still ? s.still : s.mesh_scenes[mesh];
     const RTCGeometry geometry = rtcGetGeometry(owner, still ? id_of(i) : 0);
-    set_filter(geometry, &s.contexts[i]);
+    set_filter(owner, geometry, &s.contexts[i]);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
     if (!still) break;  // the others share that geometry
@@ -337,7 +340,7 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  embree::intersect8(valid, as_scene(accel), query, coherent);
+  embree::intersect8(valid, as_scene(accel), query, {coherent, culling_filter});
   for (int i = 0; i < count; ++i) {
     hits[i] =
         query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID
@@ -354,7 +357,7 @@ void occluded_packet(const AccelView& accel, const Ray* rays, const uint32_t* ra
     const int k = i < count ? i : 0;
     fill_packet(query, i, rays[k], ray_ids[k], 0);
   }
-  embree::occluded8(valid, as_scene(accel), query);
+  embree::occluded8(valid, as_scene(accel), query, {});
   for (int i = 0; i < count; ++i) result[i] = query.tfar[i] < 0.0f;
 }
 

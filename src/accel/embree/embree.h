@@ -9,48 +9,94 @@
 
 namespace relume::embree {
 
+/// Options of a query beyond its rays.
+struct QueryOptions {
+  bool coherent = false;                ///< the rays begin close to each other and have similar directions
+  RTCFilterFunctionN filter = nullptr;  ///< asked about hits on the geometries of enable_query_filter()
+};
+
 #if RTC_VERSION_MAJOR >= 4
 
-inline void intersect1(RTCScene scene, RTCRayHit& query) { rtcIntersect1(scene, &query); }
-inline void occluded1(RTCScene scene, RTCRay& query) { rtcOccluded1(scene, &query); }
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query) { rtcOccluded8(valid, scene, &query); }
+/// Lets the filters of queries see the hits on a geometry, which `scene` holds. Both must be committed afterwards.
+inline void enable_query_filter(RTCScene scene, RTCGeometry geometry, bool enabled) {
+  rtcSetGeometryEnableFilterFunctionFromArguments(geometry, enabled);
+  if (enabled) rtcSetSceneFlags(scene, rtcGetSceneFlags(scene) | RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+}
 
-/// `coherent`: the rays begin close to each other and have similar directions.
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, bool coherent) {
+template <typename Arguments>
+void apply(const QueryOptions& options, Arguments& arguments) {
+  if (options.coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.filter = options.filter;
+}
+
+inline RTCIntersectArguments intersect_arguments(const QueryOptions& options) {
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  apply(options, arguments);
+  return arguments;
+}
+
+inline RTCOccludedArguments occluded_arguments(const QueryOptions& options) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  apply(options, arguments);
+  return arguments;
+}
+
+inline void intersect1(RTCScene scene, RTCRayHit& query, const QueryOptions& options) {
+  RTCIntersectArguments arguments = intersect_arguments(options);
+  rtcIntersect1(scene, &query, &arguments);
+}
+
+inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options) {
+  RTCOccludedArguments arguments = occluded_arguments(options);
+  rtcOccluded1(scene, &query, &arguments);
+}
+
+inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, const QueryOptions& options) {
+  RTCIntersectArguments arguments = intersect_arguments(options);
   rtcIntersect8(valid, scene, &query, &arguments);
+}
+
+inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const QueryOptions& options) {
+  RTCOccludedArguments arguments = occluded_arguments(options);
+  rtcOccluded8(valid, scene, &query, &arguments);
 }
 
 #else
 
-inline RTCIntersectContext make_context() {
+/// Lets the filters of queries see the hits on a geometry, which `scene` holds. Both must be committed afterwards.
+/// Embree 3 then shows them all geometries of the scene.
+inline void enable_query_filter(RTCScene scene, RTCGeometry, bool enabled) {
+  if (enabled) rtcSetSceneFlags(scene, rtcGetSceneFlags(scene) | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+}
+
+inline RTCIntersectContext make_context(const QueryOptions& options) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  if (options.coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.filter = options.filter;
   return context;
 }
 
-inline void intersect1(RTCScene scene, RTCRayHit& query) {
-  RTCIntersectContext context = make_context();
+inline void intersect1(RTCScene scene, RTCRayHit& query, const QueryOptions& options) {
+  RTCIntersectContext context = make_context(options);
   rtcIntersect1(scene, &context, &query);
 }
 
-inline void occluded1(RTCScene scene, RTCRay& query) {
-  RTCIntersectContext context = make_context();
+inline void occluded1(RTCScene scene, RTCRay& query, const QueryOptions& options) {
+  RTCIntersectContext context = make_context(options);
   rtcOccluded1(scene, &context, &query);
 }
 
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query) {
-  RTCIntersectContext context = make_context();
-  rtcOccluded8(valid, scene, &context, &query);
+inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, const QueryOptions& options) {
+  RTCIntersectContext context = make_context(options);
+  rtcIntersect8(valid, scene, &context, &query);
 }
 
-/// `coherent`: the rays begin close to each other and have similar directions.
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& query, bool coherent) {
-  RTCIntersectContext context = make_context();
-  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid, scene, &context, &query);
+inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const QueryOptions& options) {
+  RTCIntersectContext context = make_context(options);
+  rtcOccluded8(valid, scene, &context, &query);
 }
 
 #endif

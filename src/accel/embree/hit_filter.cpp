@@ -22,17 +22,14 @@ bool is_behind(unsigned flags, const Vec3& direction, const Corners& c, bool mir
   return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
 }
 
-/// Accepts or rejects a hit by culling and by the surface's opacity. A hash decides, so that being called twice for one
-/// primitive does no harm.
-void hit_filter(const RTCFilterFunctionNArguments* args) {
+/// Accepts or rejects a hit by the surface's opacity. A hash decides, so that being called twice for one primitive does
+/// no harm.
+void opacity_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
-    const unsigned flags = geometry.mesh->culls_back_faces ? RTCRayN_flags(args->ray, args->N, i) : 0;
-    if (args->valid[i] != -1 || (flags == 0 && !geometry.mesh->needs_opacity)) continue;
+    if (args->valid[i] != -1) continue;
     const uint32_t primitive = RTCHitN_primID(args->hit, args->N, i);
     const Corners c = corners_of(*geometry.mesh, primitive);
-    if (is_behind(flags, direction_of(*args, i), c, geometry.mesh->mirrored)) args->valid[i] = 0;
-    if (!geometry.mesh->needs_opacity) continue;
     const uint32_t instance = instance_of(geometry.id, RTCHitN_instID(args->hit, args->N, i, 0));
     const TriangleHit hit = intersect_triangle(origin_of(*args, i), direction_of(*args, i), c.p0, c.p1, c.p2);
     const float opacity = geometry.opacity->function(geometry.opacity->context, instance, primitive, hit.u, hit.v);
@@ -45,11 +42,21 @@ void hit_filter(const RTCFilterFunctionNArguments* args) {
 
 }  // namespace
 
-void set_filter(RTCGeometry geometry, GeometryContext* context) {
-  const bool needed = context->mesh->needs_opacity || context->mesh->culls_back_faces;
+void culling_filter(const RTCFilterFunctionNArguments* args) {
+  const AccelMesh& mesh = *static_cast<const GeometryContext*>(args->geometryUserPtr)->mesh;
+  if (!mesh.culls_back_faces) return;
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] != -1) continue;
+    const Corners c = corners_of(mesh, RTCHitN_primID(args->hit, args->N, i));
+    if (is_behind(RTCRayN_flags(args->ray, args->N, i), direction_of(*args, i), c, mesh.mirrored)) args->valid[i] = 0;
+  }
+}
+
+void set_filter(RTCScene scene, RTCGeometry geometry, GeometryContext* context) {
   rtcSetGeometryUserData(geometry, context);
-  rtcSetGeometryIntersectFilterFunction(geometry, needed ? hit_filter : nullptr);
-  rtcSetGeometryOccludedFilterFunction(geometry, needed ? hit_filter : nullptr);
+  rtcSetGeometryIntersectFilterFunction(geometry, context->mesh->needs_opacity ? opacity_filter : nullptr);
+  rtcSetGeometryOccludedFilterFunction(geometry, context->mesh->needs_opacity ? opacity_filter : nullptr);
+  embree::enable_query_filter(scene, geometry, context->mesh->culls_back_faces);
 }
 
 }  // namespace relume

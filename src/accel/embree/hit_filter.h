@@ -38,7 +38,11 @@ inline Corners corners_of(const AccelMesh& mesh, uint32_t primitive) {
 inline constexpr unsigned kFromCamera = 1;
 inline constexpr unsigned kToCamera = 2;
 
-/// Has Embree ask about the hits on a geometry where its mesh needs that.
-void set_filter(RTCGeometry geometry, GeometryContext* context);
+/// Filter of queries whose rays have one of these flags: culls back faces. Only they pay for it.
+void culling_filter(const RTCFilterFunctionNArguments* args);
+
+/// Has Embree ask about the hits on a geometry of `scene` where its mesh needs that: all queries about opacity, those
+/// with culling_filter() about culling. Both must be committed afterwards.
+void set_filter(RTCScene scene, RTCGeometry geometry, GeometryContext* context);
 
 }  // namespace relume
