@@ -19,8 +19,8 @@ RELUME_HD inline void add_sheen(Bsdf& bsdf, const LayerSample& l) {
 }
 
 /// Fills bsdf.detail.anisotropy (KHR_materials_anisotropy: α along the tangent goes to 1 with the square of the
-/// strength). Returns the microfacets whose width is the geometric mean of both; plain ones where nothing is stretched.
-RELUME_HD inline Microfacet stretch(Bsdf& bsdf, const LayerSample& l, const Microfacet& plain) {
+/// strength). Returns the microfacets whose width is the geometric mean of both; `plain` without anisotropy.
+RELUME_HD inline Microfacet fill_anisotropy(Bsdf& bsdf, const LayerSample& l, const Microfacet& plain) {
   if (!(l.anisotropy > 0.0f)) return plain;
   AnisotropicGgx& mf = bsdf.detail.anisotropy;
   mf.strength = l.anisotropy;
@@ -48,7 +48,7 @@ struct LayeredBase {
         m(sample),
         l(layers),
         shares(base_shares(sample, material)),
-        microfacet(stretch(target, layers, {material.microfacet_model, sqr(sample.roughness)})),
+        microfacet(fill_anisotropy(target, layers, {material.microfacet_model, sqr(sample.roughness)})),
         anisotropic(layers.anisotropy > 0.0f),
         f0{shares.dielectric_f0, sample.base_color},
         f90(shares.dielectric_f90),
@@ -56,8 +56,8 @@ struct LayeredBase {
     if (!film) return;
     bsdf.detail.film = {l.iridescence,        l.iridescence_ior, l.iridescence_thickness_nm,
                         shares.dielectric_f0, m.specular,        m.base_color};
-    f0[0] = film_f0_bound(bsdf.detail.film, FilmBase::dielectric);
-    f0[1] = film_f0_bound(bsdf.detail.film, FilmBase::metal);
+    if (m.metallic < 1.0f) f0[0] = film_f0_bound(bsdf.detail.film, FilmBase::dielectric);
+    if (m.metallic > 0.0f) f0[1] = film_f0_bound(bsdf.detail.film, FilmBase::metal);
     f90 = Rgb(1);
   }
 

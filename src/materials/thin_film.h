@@ -5,7 +5,7 @@
 
 namespace relume {
 
-/// What lies below a film.
+/// Material under the film.
 enum class FilmBase : uint8_t { none, dielectric, metal };
 
 /// A film, and the reflectances that the two kinds of base would have without it.
@@ -41,8 +41,8 @@ RELUME_HD inline Rgb interference(float path_nm, const Rgb& shift) {
 /// Below this the film fades out: two orders of interference do not add up to the bare base.
 inline constexpr float kFadingThickness = 0.03f;  // nm
 
-/// Reflectance of film and base at `cos_theta` ≥ 0 in the air outside. In [0, 1], where the colour leaves the gamut,
-/// too.
+/// Reflectance of film and base at `cos_theta` ≥ 0 in the air outside. Clamped to [0, 1]; the colour may leave the
+/// gamut.
 RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rgb& base_f0, float cos_theta) {
   const float fade = saturate(thickness_nm / kFadingThickness);
   const float eta = lerp(1.0f, ior, fade * fade * (3.0f - 2.0f * fade));
@@ -82,18 +82,29 @@ RELUME_HD_COLD inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, 
   return bare + (covered - bare) * film.weight;
 }
 
-/// An F0 with which Schlick's curve to 1 lies nowhere below film_reflectance(). What lies below the surface gets what
-/// this curve leaves, so that the sum never exceeds the light that arrives.
-RELUME_HD inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
+/// An F0 with which Schlick's curve to 1 lies above film_reflectance(), or at most 2e-3 below it for films of up to
+/// 2000 nm. What lies below the surface gets what this curve leaves.
+RELUME_HD_COLD inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
+  constexpr int kAngles = 20;
+  constexpr float kLowestCosine = 0.005f;
+  constexpr float kMargin = 4e-3f;  // what peaks between the angles, fitted by parabolas, may rise above them
   Rgb bound(0);
-  constexpr int kAngles = 8;
+  Rgb before(0);
+  Rgb last(0);
   for (int i = 0; i < kAngles; ++i) {
-    const float cos_theta = 1.0f - 0.9f * static_cast<float>(i) / (kAngles - 1);
-    const Rgb reflected = film_reflectance(film, base, cos_theta);
+    const float cos_theta = lerp(1.0f, kLowestCosine, static_cast<float>(i) / (kAngles - 1));
     const float grazing = pow5(1.0f - cos_theta);
-    bound = glm::max(bound, (reflected - Rgb(grazing)) / (1.0f - grazing));
+    const Rgb now = (film_reflectance(film, base, cos_theta) - Rgb(grazing)) / (1.0f - grazing);
+    bound = glm::max(bound, now);
+    for (int c = 0; c < 3 && i >= 2; ++c) {
+      const float bend = before[c] - 2.0f * last[c] + now[c];
+      const bool peaks = last[c] >= before[c] && last[c] >= now[c] && bend < 0.0f;
+      if (peaks) bound[c] = relume::max(bound[c], last[c] - sqr(before[c] - now[c]) / (8.0f * bend));
+    }
+    before = last;
+    last = now;
   }
-  return bound;
+  return glm::min(bound + Rgb(kMargin), Rgb(1));
 }
 
 }  // namespace relume
