@@ -33,10 +33,10 @@ std::vector<float> build() {
   using sheen::kTableSize;
   std::vector<float> albedo(kTableSize * kTableSize);
   parallel_for(kTableSize, [&](uint32_t row) {
-    const float r = energy_grid::r_from_row(static_cast<float>(row) / (kTableSize - 1));
+    const float alpha = sheen::alpha_from_row(static_cast<float>(row) / (kTableSize - 1));
     for (uint32_t column = 0; column < kTableSize; ++column) {
       const float s = std::fmax(static_cast<float>(column) / (kTableSize - 1), 1e-2f);
-      albedo[row * kTableSize + column] = integrate(s * s, relume::max(r * r, kMinSheenAlpha));
+      albedo[row * kTableSize + column] = integrate(s * s, alpha);
     }
   });
   return albedo;

@@ -6,8 +6,8 @@
 
 namespace relume {
 
-/// Smaller α are raised to this: their fibres glow within a fraction of a degree of the horizon.
-inline constexpr float kMinSheenAlpha = 0.01f;
+/// Smaller α are raised to this, whose fibres glow within 1° of the horizon only.
+inline constexpr float kMinSheenAlpha = 1e-4f;
 
 namespace sheen {
 
@@ -37,17 +37,25 @@ RELUME_HD inline float value(float cos_m, float cos_o, float cos_i, float alpha)
 }
 
 inline constexpr uint32_t kTableSize = 48;
+inline constexpr float kFirstRow = 0.1f;  ///< fourth root of kMinSheenAlpha
+
+/// Rows lie over the fourth root of α.
+RELUME_HD inline float row_from_alpha(float alpha) {
+  return (std::sqrt(std::sqrt(alpha)) - kFirstRow) * (1.0f / (1.0f - kFirstRow));
+}
+RELUME_HD inline float alpha_from_row(float y) { return sqr(sqr(lerp(kFirstRow, 1.0f, y))); }
 
 }  // namespace sheen
 
-/// Directional albedo of white fibres; above 1 where thin ones are seen edge-on. Look-ups are within 5e-3 of it.
+/// Directional albedo of white fibres; above 1 where thin ones are seen edge-on. Look-ups are within 5e-3 of it, below
+/// α = 0.001 within 0.01 where it is less than 1/2, and within 8 % beyond.
 struct SheenEnergyTable {
-  View<const float> albedo;  ///< kTableSize² entries over √α and √cos θ; empty: not built
+  View<const float> albedo;  ///< kTableSize² entries over rows and √cos θ; empty: not built
 
   RELUME_HD float directional(float cos_theta, float alpha) const {
     using sheen::kTableSize;
     const energy_grid::Cell x = energy_grid::cell(safe_sqrt(cos_theta), kTableSize);
-    const energy_grid::Cell y = energy_grid::cell(energy_grid::row_from_r(std::sqrt(alpha)), kTableSize);
+    const energy_grid::Cell y = energy_grid::cell(sheen::row_from_alpha(alpha), kTableSize);
     const float* row = &albedo[y.index * kTableSize + x.index];
     const float low = lerp(row[0], row[1], x.fraction);
     const float high = lerp(row[kTableSize], row[kTableSize + 1], x.fraction);

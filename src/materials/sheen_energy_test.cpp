@@ -28,6 +28,19 @@ double albedo(float cos_o, float alpha) {
   return sum;
 }
 
+/// Against [Estevez17], eq. 2, §3 and table 1, evaluated apart in double precision.
+TEST(SheenEnergy, ValuesAreThoseOfThePaper) {
+  struct Case {
+    float alpha, cos_o, cos_i, cos_m;
+    double value;
+  };
+  for (const Case& c : {Case{0.1f, 0.3f, 0.8f, 0.7f, 0.0127142249}, Case{0.1f, 0.05f, 0.2f, 0.4f, 0.5881532863},
+                        Case{0.5f, 0.3f, 0.8f, 0.7f, 0.1027801185}, Case{0.5f, 0.9f, 0.6f, 0.95f, 0.0161235256},
+                        Case{1.0f, 0.05f, 0.2f, 0.4f, 0.6914865087}, Case{1.0f, 0.9f, 0.6f, 0.95f, 0.0437722769}}) {
+    EXPECT_NEAR(sheen::value(c.cos_m, c.cos_o, c.cos_i, c.alpha), c.value, 1e-4 * c.value) << c.alpha;
+  }
+}
+
 TEST(SheenEnergy, LookUpsMatchQuadrature) {
   const SheenEnergyTable table = sheen_energy_table();
   for (const float alpha : {0.012f, 0.03f, 0.1f, 0.3f, 0.7f, 1.0f}) {
@@ -38,8 +51,20 @@ TEST(SheenEnergy, LookUpsMatchQuadrature) {
   }
 }
 
-/// [Estevez17], eq. 2: normals of unit density over the projected hemisphere.
-TEST(SheenEnergy, NormalsCoverTheSurface) {
+/// Fibres of very small α glow only within 1° of the horizon, so the table is coarser there.
+TEST(SheenEnergy, ThinFibresMatchQuadrature) {
+  const SheenEnergyTable table = sheen_energy_table();
+  for (const float alpha : {kMinSheenAlpha, 3e-4f, 8e-4f}) {
+    for (const float cos_o : {1.0f, 0.3f, 0.1f, 0.05f, 0.02f, 0.01f}) {
+      const double expected = albedo(cos_o, alpha);
+      EXPECT_NEAR(table.directional(cos_o, alpha), expected, 0.01 + 0.08 * expected) << alpha << ", cos " << cos_o;
+    }
+  }
+  EXPECT_LT(table.directional(0.1f, kMinSheenAlpha), 1e-3f);
+}
+
+/// ∫ D cos θ = 1 ([Estevez17], eq. 2).
+TEST(SheenEnergy, NormalsAreNormalized) {
   for (const float alpha : {0.02f, 0.2f, 1.0f}) {
     double sum = 0;
     constexpr int kSteps = 20000;
