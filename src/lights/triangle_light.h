@@ -18,7 +18,7 @@ struct TriangleLight {
   float area;    ///< m²
   float error;   ///< bound of the rounding of where rays meet it, metres
   Rgb radiance;  ///< emitted where the texture is white, below the coat
-  float coat;    ///< weight of a clearcoat over it
+  float coat;    ///< weight of a clearcoat over it, where its texture is white
   uint32_t instance;
   uint32_t primitive;
   int32_t textured;  ///< index into TexturedEmission::triangles, or −1
@@ -43,8 +43,10 @@ struct TexturedTriangle {
   float alpha_cutoff;
   bool mask;
   uint32_t grid;
-  uint32_t first_entry;  ///< of grid² entries
-  Rgb mean_emission;     ///< texture mean, without the light's radiance
+  uint32_t first_entry;       ///< of grid² entries
+  Rgb mean_emission;          ///< texture mean, without the light's radiance
+  int32_t coat_texture = -1;  ///< weight of the clearcoat over it, in red; −1: none
+  Vec2 coat_uv[3];
 };
 
 /// Everything that textured emitters share.
@@ -77,6 +79,12 @@ RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const Textured
   }
   value *= t.mask ? (alpha >= t.alpha_cutoff ? 1.0f : 0.0f) : saturate(alpha);
   return value;
+}
+
+/// Weight of the clearcoat at a point, relative to the light's.
+RELUME_HD inline float textured_coat(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
+  if (t.coat_texture < 0) return 1.0f;
+  return e.textures[static_cast<uint32_t>(t.coat_texture)].sample_level(interpolate_corners(t.coat_uv, b), 0).x;
 }
 
 /// Small triangles are numbered row by row; row r has 2(grid − r) − 1 of them, upright and inverted in turn.
@@ -132,7 +140,11 @@ RELUME_HD inline float pdf_area(const TriangleLight& light, const TexturedEmissi
 RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const TexturedEmission& e, const Vec2& b,
                                       float cos_theta) {
   Rgb radiance = light.radiance;
-  if (light.coat > 0.0f) radiance *= emission_below_coat(light.coat, cos_theta);
+  if (light.coat > 0.0f) {
+    const float share =
+        light.textured < 0 ? 1.0f : textured_coat(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
+    radiance *= emission_below_coat(light.coat * share, cos_theta);
+  }
   if (light.textured < 0) return radiance;
   return radiance * textured_emission(e, e.triangles[static_cast<uint32_t>(light.textured)], b);
 }
@@ -193,6 +205,7 @@ RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEm
   return {pdf_area(light, e, on_light.barycentric), pdf_w};
 }
 
+/// Watts; where the coat has a texture, as if that were white.
 RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e) {
   const Rgb mean = light.textured < 0 ? Rgb(1) : e.triangles[static_cast<uint32_t>(light.textured)].mean_emission;
   const float below_coat = 1.0f - light.coat * (0.04f + 0.96f / 21.0f);  // the mean of emission_below_coat()

@@ -48,7 +48,7 @@ struct MaterialData {
 };
 
 /// Share of emission that a smooth clearcoat over it lets through at `cos_theta` to the geometric normal
-/// (KHR_materials_clearcoat). Lights and the paths that meet them both use it, so it knows of no texture.
+/// (KHR_materials_clearcoat). Lights and the paths that meet them both use it, with the same `clearcoat`.
 RELUME_HD inline float emission_below_coat(float clearcoat, float cos_theta) {
   return 1.0f - clearcoat * (0.04f + 0.96f * pow5(saturate(1.0f - std::fabs(cos_theta))));
 }

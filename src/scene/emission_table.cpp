@@ -119,6 +119,8 @@ Draft draft_of(const SceneView& geometry, const EmissiveTriangle& source,
     const float vertex_alpha = mesh.has_colors ? geometry.colors[mesh.first_color + index[k]].w : 1.0f;
     t.alpha_factor[k] = material.has_alpha() ? material.alpha * vertex_alpha : 1.0f;
   }
+  t.coat_texture = material.clearcoat > 0.0f ? material.clearcoat_texture.texture : -1;
+  transformed_uvs(geometry, mesh, index, material.clearcoat_texture, t.coat_uv);
   t.alpha_cutoff = material.alpha_cutoff;
   t.mask = material.mask;
   draft.extent = texel_extent({{}, {}, geometry.textures}, t);
@@ -215,7 +217,8 @@ EmissionTable table_of(const TexturedEmission& context, const Draft& draft) {
 }  // namespace
 
 bool has_textured_emission(const MaterialData& material) {
-  return material.emissive() && (material.emission_texture.used() || material.has_alpha());
+  const bool textured_coat = material.clearcoat > 0.0f && material.clearcoat_texture.used();
+  return material.emissive() && (material.emission_texture.used() || material.has_alpha() || textured_coat);
 }
 
 std::vector<EmissionTable> make_emission_tables(const SceneView& geometry,

@@ -9,6 +9,7 @@
 
 namespace relume {
 
+/// Whether a texture modulates the emission, its opacity, or the clearcoat over it.
 bool has_textured_emission(const MaterialData& material);
 
 /// A triangle of a mesh with textured emission.

@@ -235,14 +235,16 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
 
 /// Radiance that the surface emits at `cos_front` to its geometric normal.
 RELUME_HD_INLINE Rgb emission_at(const SceneView& scene, const MaterialData& material, const Uv& uv, float cos_front) {
+  // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
+  const auto unfiltered = [&](const TextureUse& use) {
+    return scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0);
+  };
   Rgb emission = material.emission;
-  if (material.emission_texture.used()) {
-    // Unfiltered, as light sampling sees it: the two strategies must weight the same function.
-    const TextureUse& use = material.emission_texture;
-    emission *=
-        Rgb(scene.textures[static_cast<uint32_t>(use.texture)].sample_level(use.transform(uv.uv[use.uv_set]), 0));
+  if (material.emission_texture.used()) emission *= Rgb(unfiltered(material.emission_texture));
+  if (material.clearcoat > 0.0f) {
+    const float share = material.clearcoat_texture.used() ? unfiltered(material.clearcoat_texture).x : 1.0f;
+    emission *= emission_below_coat(material.clearcoat * share, cos_front);
   }
-  if (material.clearcoat > 0.0f) emission *= emission_below_coat(material.clearcoat, cos_front);
   return emission;
 }
 

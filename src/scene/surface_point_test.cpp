@@ -273,6 +273,22 @@ TEST(SurfacePoint, TextureLevelsFollowTheSetInUse) {
   }
 }
 
+TEST(SurfacePoint, CoatsDimEmissionAsTheirTexturesSay) {
+  TexturedSquare square(checkered(64));
+  square.mesh().uv0 = TexturedSquare::uv(1);
+  square.material().emission = Rgb(2);
+  square.material().clearcoat = 1;
+  square.material().clearcoat_texture.texture = 0;
+  const CompiledScene compiled(square.scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
+  const LightsView& lights = compiled.view().lights;
+  for (const auto& [x, below_coat] : {std::pair{-0.5f, 0.96f}, std::pair{0.5f, 1.0f}}) {
+    const SurfacePoint sp = square.seen_at({x, 0.5f}, 0);
+    EXPECT_NEAR(sp.emission.x, 2 * below_coat, 1e-5f);
+    const TriangleLight& light = lights.lights[sp.light].triangle;
+    EXPECT_NEAR(emitted_radiance(light, lights.textured, sp.barycentric, 1).x, 2 * below_coat, 1e-5f);
+  }
+}
+
 /// Tilts every normal towards growing u.
 Texture tilt_along_u() {
   Texture t;
