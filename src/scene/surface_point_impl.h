@@ -213,7 +213,9 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
   LayerSample l = sample_layers(data, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
   const Vec3 ns = interpolated_normal(mesh, instance, t, front);
   if (l.anisotropy > 0.0f) {
-    const TangentFrame frame = tangent_frame(scene, mesh, data.anisotropy_texture, instance, t, g, ns);
+    // Along the coordinates of the normal texture, where there is one (KHR_materials_anisotropy).
+    const TextureUse& coordinates = material.normal_texture.used() ? material.normal_texture : data.anisotropy_texture;
+    const TangentFrame frame = tangent_frame(scene, mesh, coordinates, instance, t, g, ns);
     const Vec3 along =
         shading.to_local(frame.tangent * l.anisotropy_direction.x + frame.bitangent * l.anisotropy_direction.y);
     const float length = std::sqrt(along.x * along.x + along.y * along.y);

@@ -321,5 +321,54 @@ TEST(SurfacePoint, DerivedTangentsFollowTheCoordinatesInUse) {
   EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
 }
 
+/// In world space, of a square's point, by the anisotropy of its material.
+Vec3 highlight_direction(const TexturedSquare& square) {
+  const SurfacePoint sp = square.seen_at({0.3f, 0.4f}, 0);
+  const Vec2 tangent = sp.bsdf.detail.anisotropy.tangent;
+  const Vec3 along = sp.frame.to_world({tangent.x, tangent.y, 0});
+  return along * (along.x + along.y < 0 ? -1.0f : 1.0f);  // its sign does not matter
+}
+
+TEST(SurfacePoint, AnisotropyTurnsCounterclockwise) {
+  TexturedSquare square(checkered(2));
+  square.mesh().uv0 = TexturedSquare::uv(1);  // u grows along +X, v along −Y: the bitangent is +Y
+  square.material().anisotropy = 0.5f;
+  square.material().metallic = 1;
+  for (const float angle : {0.0f, 0.3f, kPi / 2}) {
+    square.material().anisotropy_rotation_rad = angle;
+    EXPECT_LT(glm::distance(highlight_direction(square), Vec3(std::cos(angle), std::sin(angle), 0)), 1e-4f) << angle;
+  }
+}
+
+/// Directions in red and green turn like the tangents of the mesh, blue scales the strength.
+TEST(SurfacePoint, AnisotropyHasATexture) {
+  Texture along_bitangent;
+  along_bitangent.name = "along the bitangent";
+  along_bitangent.width = along_bitangent.height = 1;
+  along_bitangent.format = PixelFormat::rgba8_linear;
+  for (const int code : {128, 255, 51, 255}) along_bitangent.texels.push_back(static_cast<std::byte>(code));
+  TexturedSquare square(along_bitangent);
+  square.mesh().uv0 = TexturedSquare::uv(1);
+  square.material().anisotropy = 0.5f;
+  square.material().anisotropy_texture.texture = 0;
+  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(0, 1, 0)), 0.01f);
+  EXPECT_NEAR(square.seen_at({0.3f, 0.4f}, 0).bsdf.detail.anisotropy.strength, 0.1f, 1e-4f);
+}
+
+TEST(SurfacePoint, AnisotropyFollowsTheNormalTexture) {
+  Texture flat;
+  flat.name = "flat";
+  flat.width = flat.height = 1;
+  flat.format = PixelFormat::rgba8_linear;
+  for (const int code : {128, 128, 255, 255}) flat.texels.push_back(static_cast<std::byte>(code));
+  TexturedSquare square(flat);
+  square.mesh().uv0 = TexturedSquare::uv(1);
+  square.mesh().uv1 = {Vec2(1, 1), Vec2(1, 0), Vec2(0, 0), Vec2(0, 1)};  // u grows along −Y
+  square.material().anisotropy = 0.5f;
+  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(1, 0, 0)), 1e-4f);
+  square.material().normal_texture = {.texture = 0, .uv_set = 1};
+  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(0, 1, 0)), 0.02f);
+}
+
 }  // namespace
 }  // namespace relume

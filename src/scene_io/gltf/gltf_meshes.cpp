@@ -149,8 +149,22 @@ void MeshImporter::finish() {
   for (const Warnings& part : warnings) document_.warnings.add(part);
   if (skipped_primitives_ > 0)
     document_.warnings.add(fmt::format("points and lines are skipped ({} primitives)", skipped_primitives_));
+  warn_of_lost_anisotropy();
   name_morph_targets();
   leave_out_empty_meshes();
+}
+
+void MeshImporter::warn_of_lost_anisotropy() {
+  for (const Mesh& mesh : scene_.meshes) {
+    if (mesh.material == kNone || !mesh.tangents.empty()) continue;
+    const Material& m = scene_.materials[static_cast<size_t>(mesh.material)];
+    const TextureRef& coordinates = m.normal_texture.used() ? m.normal_texture : m.anisotropy_texture;
+    if (!(m.anisotropy > 0.0f) || !(coordinates.uv_set == 0 ? mesh.uv0 : mesh.uv1).empty()) continue;
+    document_.warnings.add(
+        fmt::format("mesh '{}' has an anisotropic material but neither tangents nor texture coordinates {}; it is "
+                    "rendered without anisotropy, export either of them",
+                    mesh.name, coordinates.uv_set));
+  }
 }
 
 void MeshImporter::name_morph_targets() {

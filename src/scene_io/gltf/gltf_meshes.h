@@ -26,6 +26,7 @@ class MeshImporter {
   void convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings);
   void count_vertices(size_t count);
   void count_deformation(size_t bytes);
+  void warn_of_lost_anisotropy();
   void name_morph_targets();
   void leave_out_empty_meshes();
 
