@@ -100,7 +100,7 @@ RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, c
     case LobeKind::thin_transmission: return thin_transmission::eval<kLayered>(lobe, detail, wo, wi);
     case LobeKind::sheen: return kLayered ? sheen::eval(lobe, *bsdf.tables, wo, wi) : LobeEval{};
     case LobeKind::diffuse_transmission:
-      return kLayered ? diffuse_transmission::eval(lobe, detail, *bsdf.tables, wo, wi) : LobeEval{};
+      return kLayered ? diffuse_transmission::eval(lobe, detail, *bsdf.tables, wo, wi, mode) : LobeEval{};
     case LobeKind::specular_reflection:
     case LobeKind::smooth_dielectric:
     case LobeKind::null: return {};
@@ -329,12 +329,11 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
                       : bsdf_detail::eval_specular<false>(bsdf, wo, wi);
 }
 
-/// Factor 1/η² in the value of the BSDF for directions on the viewer's other side; 1 where nothing refracts.
+/// Factor 1/η² in the value of the BSDF for directions on the viewer's other side, which all lobes share.
 RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     const Lobe& lobe = bsdf.lobes[i];
-    if (refracts(lobe.kind) && !is_delta(lobe.kind))
-      return dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+    if (is_rough_transmission(lobe.kind)) return transport_scale(lobe.eta, TransportMode::radiance);
   }
   return 1.0f;
 }
@@ -354,7 +353,7 @@ RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, flo
   const LobeSample s = sample_lobe<kLayered>(bsdf, i, wo, u_side, u, mode);
   if (!s.valid) return {};
   BsdfSample result;
-  if (refracts(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = dielectric::transport_scale(lobe.eta, mode);
+  if (transmits(lobe.kind) && s.wi.z < 0.0f) result.eta_scale = transport_scale(lobe.eta, mode);
   result.wi = s.wi;
   result.delta = is_delta(lobe.kind);
   if (result.delta) {

@@ -40,12 +40,12 @@ TEST(LayeredEnergy, NoLayerCreatesLight) {
 }
 
 /// The bound of AnisotropicEnergyTable, from both sides.
-TEST(LayeredEnergy, BrushedMetalIsNearlyWhite) {
+TEST(LayeredEnergy, AnisotropicMetalIsNearlyWhite) {
   double sum = 0;
   int count = 0;
   for (const float strength : {0.2f, 0.5f, 0.8f, 1.0f}) {
     for (const float angle : {0.0f, 0.5f, 1.2f, 1.5f}) {
-      MaterialCase metal = white("brushed metal", 1, 0, false);
+      MaterialCase metal = white("anisotropic metal", 1, 0, false);
       metal.layers.emplace();
       metal.layers->anisotropy = strength;
       metal.layers->anisotropy_direction = {std::cos(angle), std::sin(angle)};
@@ -95,7 +95,28 @@ TEST(LayeredEnergy, DiffuseTransmissionSharesDiffuseLight) {
   EXPECT_NEAR(eval_pdf(bsdf, wo, -wi).f.x, 0.25f * kInvPi, 1e-5f);
 }
 
-TEST(LayeredEnergy, ATiltedCoatThatLiesFlatIsTheCoat) {
+/// Light that enters a medium diffusely and leaves it by refraction has the factors 1/η² and η².
+TEST(LayeredEnergy, DiffuseTransmissionScalesLikeRefraction) {
+  MaterialCase m = white("diffusely transmitting glass", 0, 0.5f, true);
+  m.layers.emplace();
+  m.layers->diffuse_transmission = 1;
+  for (const bool front_face : {true, false}) {
+    const Bsdf bsdf = testing::full_material(m, 0, MicrofacetModel::ggx).make(0.6f, front_face);
+    const float expected = front_face ? 1 / sqr(m.ior) : sqr(m.ior);
+    EXPECT_FLOAT_EQ(refraction_eta_scale(bsdf), expected);
+    const Vec3 wo = testing::viewer(0.6f);
+    const Vec3 wi = -testing::viewer(0.3f);
+    EXPECT_NEAR(eval_pdf(bsdf, wo, wi).f.x, expected * eval_pdf(bsdf, wo, wi, TransportMode::importance).f.x, 1e-5f);
+    Random random(46);
+    for (int i = 0; i < 200; ++i) {
+      const float u_lobe = random.next();
+      const BsdfSample s = sample(bsdf, wo, u_lobe, random.next_2d());
+      if (s.valid && s.transmitted()) EXPECT_FLOAT_EQ(s.eta_scale, expected);
+    }
+  }
+}
+
+TEST(LayeredEnergy, ACoatWithTheNormalOfItsBaseIsTheCoat) {
   MaterialCase coated = white("coated", 0.5f, 0, false);
   coated.sample.clearcoat = 1;
   for (const float coat_roughness : {0.0f, 0.4f}) {

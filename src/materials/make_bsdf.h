@@ -51,6 +51,11 @@ RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float 
 /// Whether refraction bends light visibly. Where it does not, microfacets do nothing, and half vectors are rounding.
 RELUME_HD inline bool bends(const MaterialData& material) { return std::fabs(material.ior - 1.0f) > 1e-3f; }
 
+/// Index beyond the surface over that on the viewer's side, of a material with a volume.
+RELUME_HD inline float relative_index(const MaterialData& material, bool front_face) {
+  return front_face ? material.ior : 1.0f / material.ior;
+}
+
 RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
                                         const Rgb& f0, const Rgb& f90, float weight, bool front_face,
                                         const Microfacet& microfacet) {
@@ -58,7 +63,7 @@ RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, con
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
   const LobeKind passing = microfacet.smooth() ? LobeKind::null : LobeKind::thin_transmission;
   Lobe& lobe = material.volume ? add(bsdf, refracting, interface) : add(bsdf, passing, microfacet);
-  if (material.volume) lobe.eta = front_face ? material.ior : 1.0f / material.ior;
+  if (material.volume) lobe.eta = relative_index(material, front_face);
   lobe.color = m.base_color;
   lobe.f0 = f0;
   lobe.f90 = f90;

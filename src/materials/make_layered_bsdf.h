@@ -77,9 +77,11 @@ struct LayeredBase {
     if (lobe) lobe->anisotropic = anisotropic;
   }
 
-  RELUME_HD void add_diffuse(LobeKind kind, const Rgb& color) const {
+  /// `eta`: of Lobe.
+  RELUME_HD void add_diffuse(LobeKind kind, const Rgb& color, float eta) const {
     if (is_black(color)) return;
     Lobe& lobe = add(bsdf, kind, microfacet);
+    lobe.eta = eta;
     lobe.color = color;
     lobe.f0 = f0[0];
     lobe.f90 = f90;
@@ -115,9 +117,10 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   base.add_reflection(FilmBase::dielectric, base.f0[0], base.f90, shares.interface_share);
   base.add_reflection(FilmBase::metal, base.f0[1], Rgb(1), m.metallic);
   base.add_multiple_reflection(tables);
-  base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)));
+  base.add_diffuse(LobeKind::covered_lambert, m.base_color * (shares.diffuse * (1.0f - l.diffuse_transmission)), 1.0f);
   base.add_diffuse(LobeKind::diffuse_transmission,
-                   l.diffuse_transmission_color * (shares.diffuse * l.diffuse_transmission));
+                   l.diffuse_transmission_color * (shares.diffuse * l.diffuse_transmission),
+                   material.volume ? relative_index(material, front_face) : 1.0f);
   if (shares.transparent > 0.0f) {
     Lobe& lobe = add_transmission(bsdf, m, material, base.f0[0], base.f90, shares.transparent, front_face,
                                   {material.microfacet_model, sqr(m.roughness)});

@@ -5,11 +5,6 @@
 
 namespace relume::dielectric {
 
-/// Radiance is compressed into a smaller solid angle where it enters a denser medium; importance is not.
-RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
-  return mode == TransportMode::radiance ? 1.0f / (eta * eta) : 1.0f;
-}
-
 /// Reflectance at `cos_i`: exact for lobe.f0 = f0_from_ior(η) and lobe.f90 = 1. KHR_materials_specular may lower both;
 /// the curve then goes from the one to the other as the exact one does. Total internal reflection stays total.
 RELUME_HD inline Rgb reflectance(const Lobe& lobe, float cos_i) {
@@ -102,7 +97,7 @@ RELUME_HD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& deta
   Vec3 wi;
   if (!refract(wo, n, lobe.eta, &wi)) return {};
   const Rgb transmitted = lobe.color * (Rgb(1) - reflected) / (1.0f - p);
-  return {wi, transmitted * dielectric::transport_scale(lobe.eta, mode), true};
+  return {wi, transmitted * transport_scale(lobe.eta, mode), true};
 }
 
 }  // namespace relume::smooth_dielectric

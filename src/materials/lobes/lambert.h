@@ -18,15 +18,15 @@ RELUME_HD inline LobeSample sample(const Vec2& u) { return {cosine_hemisphere_fr
 
 namespace relume::covered_lambert {
 
-/// Directional albedo of the cover.
-RELUME_HD inline Rgb cover_albedo(const Lobe& lobe, const EnergyShares& shares) {
+/// Directional albedo of the interface.
+RELUME_HD inline Rgb interface_albedo(const Lobe& lobe, const EnergyShares& shares) {
   return lobe.f0 * (shares.total - shares.grazing) + lobe.f90 * shares.grazing;
 }
 
-/// The share of light that gets through the cover from direction `cos_theta`.
+/// The share of light that gets through the interface from direction `cos_theta`.
 RELUME_HD inline Rgb transmitted(const Lobe& lobe, const EnergyTable& table, float cos_theta) {
   const float r = std::sqrt(lobe.microfacet.alpha);
-  return Rgb(1) - cover_albedo(lobe, table.directional_shares(cos_theta, r));
+  return Rgb(1) - interface_albedo(lobe, table.directional_shares(cos_theta, r));
 }
 
 /// The value of diffuse reflection below an interface that lets `through_o` and `through_i` of light pass, and
@@ -40,13 +40,13 @@ RELUME_HD inline LobeEval below(const Lobe& lobe, const Rgb& through_o, const Rg
 
 RELUME_HD_COLD inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf, const EnergyTables& tables,
                                                 const Vec3& wo, const Vec3& wi) {
-  const auto through = [&](const EnergyShares& shares) { return Rgb(1) - cover_albedo(lobe, shares); };
+  const auto through = [&](const EnergyShares& shares) { return Rgb(1) - interface_albedo(lobe, shares); };
   return below(lobe, through(tables.anisotropic.directional_shares(mf, wo)),
                through(tables.anisotropic.directional_shares(mf, wi)), through(tables.anisotropic.average_shares(mf)),
                wi.z);
 }
 
-/// f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − E_avg): reciprocal, and cover plus base reflect all light if ρ = 1
+/// f = ρ/π · (1 − E(wo)) (1 − E(wi)) / (1 − E_avg): reciprocal, and interface plus base reflect all light if ρ = 1
 /// ([Kulla17], the energy-conserving diffuse).
 template <bool kLayered>
 RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
@@ -54,7 +54,7 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
   if (wi.z <= 0.0f) return {};
   if (kLayered && lobe.anisotropic) return eval_anisotropic(lobe, detail.anisotropy, tables, wo, wi);
   const EnergyTable& table = tables.of(lobe.microfacet.model);
-  const Rgb average = Rgb(1) - cover_albedo(lobe, table.average_shares(std::sqrt(lobe.microfacet.alpha)));
+  const Rgb average = Rgb(1) - interface_albedo(lobe, table.average_shares(std::sqrt(lobe.microfacet.alpha)));
   return below(lobe, transmitted(lobe, table, wo.z), transmitted(lobe, table, wi.z), average, wi.z);
 }
 
@@ -62,10 +62,14 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 
 namespace relume::diffuse_transmission {
 
-/// The value of covered_lambert, mirrored to the other side; both sides have the cover.
+/// The value of covered_lambert, mirrored to the other side; both sides have the interface. Scaled like refraction
+/// where the other side is a medium, so that light that enters in one way and leaves in the other is neither gained nor
+/// lost.
 RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
-                                    const Vec3& wo, const Vec3& wi) {
-  return covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, -wi.z});
+                                    const Vec3& wo, const Vec3& wi, TransportMode mode) {
+  LobeEval e = covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, -wi.z});
+  e.f *= transport_scale(lobe.eta, mode);
+  return e;
 }
 
 RELUME_HD inline LobeSample sample(const Vec2& u) {

@@ -75,6 +75,12 @@ inline constexpr float kNarrowAlpha = 0.01f;
 /// Which way radiance flows. Refraction scales radiance, not importance ([Veach97], §5.2).
 enum class TransportMode : uint8_t { radiance, importance };
 
+/// Radiance is compressed into a smaller solid angle where it enters a denser medium; importance is not. `eta`: of
+/// Lobe.
+RELUME_HD inline float transport_scale(float eta, TransportMode mode) {
+  return mode == TransportMode::radiance ? 1.0f / (eta * eta) : 1.0f;
+}
+
 /// No member has a default: a surface point holds several lobes, and clearing them would cost more than a ray.
 struct Lobe {
   LobeKind kind;
@@ -83,7 +89,7 @@ struct Lobe {
   bool anisotropic;  ///< of layered BSDFs: the microfacets are those of InterfaceDetail; `microfacet` is their
                      ///< geometric mean
   Microfacet microfacet;
-  float eta;          ///< dielectric: index beyond over index on wo's side
+  float eta;          ///< of what transmits: index beyond over index on wo's side
   Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
   Rgb f0;             ///< reflectance from the front; of covers: of the cover; below a film: film_f0_bound()
   Rgb f90;            ///< and at grazing angles
@@ -96,12 +102,11 @@ RELUME_HD constexpr bool is_narrow(const Lobe& lobe) {
   return is_delta(lobe.kind) || (is_glossy(lobe.kind) && lobe.microfacet.alpha < kNarrowAlpha);
 }
 
-/// What the lobes of anisotropic, iridescent or coated surfaces share beyond Lobe; one a BSDF, filled where a lobe
-/// needs it.
+/// Parameters that the lobes of a layered BSDF share; filled where a lobe needs them.
 struct InterfaceDetail {
   AnisotropicGgx anisotropy;
   ThinFilm film;
-  Vec3 coat_normal;  ///< unit, local: of a clearcoat that does not lie as the surface below it
+  Vec3 coat_normal;  ///< unit, local: of a clearcoat that differs from the base normal
 };
 
 /// Fresnel's term of lobes that reflect off the outside. `kLayered`, here and in the functions of lobes: of a layered

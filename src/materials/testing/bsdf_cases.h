@@ -71,6 +71,7 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
           case LobeKind::sheen: cases.push_back(single_lobe(kind, "sheen", r, model)); break;
           case LobeKind::diffuse_transmission:
             cases.push_back(single_lobe(kind, "diffuse transmission", r, model));
+            cases.push_back(single_lobe(kind, "diffuse transmission into a medium", r, model, 1.5f));
             break;
           case LobeKind::specular_reflection:
           case LobeKind::smooth_dielectric:
@@ -167,15 +168,15 @@ inline std::vector<MaterialCase> layered_material_list() {
       list.push_back(std::move(m));
     }
   };
-  const auto brushed = [](float strength, const Vec2& direction) {
+  const auto anisotropic = [](float strength, const Vec2& direction) {
     return [=](MaterialCase&, LayerSample& l) {
       l.anisotropy = strength;
       l.anisotropy_direction = direction;
     };
   };
-  add("metal", "brushed", brushed(0.7f, {0.6f, 0.8f}));
-  add("half metal", "slightly brushed", brushed(0.3f, {1, 0}));
-  add("coated plastic", "brushed", brushed(1.0f, {-0.8f, 0.6f}));
+  add("metal", "anisotropic", anisotropic(0.7f, {0.6f, 0.8f}));
+  add("half metal", "slightly anisotropic", anisotropic(0.3f, {1, 0}));
+  add("coated plastic", "anisotropic", anisotropic(1.0f, {-0.8f, 0.6f}));
   const auto velvet = [](MaterialCase&, LayerSample& l) {
     l.sheen_color = Rgb(0.9f, 0.5f, 0.2f);
     l.sheen_roughness = 0.6f;
@@ -185,29 +186,41 @@ inline std::vector<MaterialCase> layered_material_list() {
     velvet(m, l);
     l.sheen_roughness = 0.1f;
   });
-  const auto filmy = [](MaterialCase&, LayerSample& l) {
+  const auto iridescent = [](MaterialCase&, LayerSample& l) {
     l.iridescence = 0.8f;
     l.iridescence_thickness_nm = 350;
   };
   for (const char* base : {"metal", "plastic", "glass", "thin wall", "half metal", "tinted glass"})
-    add(base, "iridescent", filmy);
-  add("metal", "brushed iridescent", [&](MaterialCase& m, LayerSample& l) {
-    filmy(m, l);
-    brushed(0.5f, {0, 1})(m, l);
+    add(base, "iridescent", iridescent);
+  const auto film = [](float ior, float thickness_nm) {
+    return [=](MaterialCase&, LayerSample& l) {
+      l.iridescence = 1;
+      l.iridescence_ior = ior;
+      l.iridescence_thickness_nm = thickness_nm;
+    };
+  };
+  add("plastic", "very thin film,", film(1.3f, 80));
+  add("plastic", "thick film,", film(1.3f, 960));
+  add("tinted specular", "dense film,", film(2.2f, 250));
+  add("metal", "anisotropic iridescent", [&](MaterialCase& m, LayerSample& l) {
+    iridescent(m, l);
+    anisotropic(0.5f, {0, 1})(m, l);
   });
-  const auto leaf = [](MaterialCase&, LayerSample& l) {
+  const auto diffuse_transmission = [](MaterialCase&, LayerSample& l) {
     l.diffuse_transmission = 0.4f;
     l.diffuse_transmission_color = Rgb(0.3f, 0.9f, 0.1f);
   };
-  for (const char* base : {"plastic", "diffuse", "half thin wall"}) add(base, "leafy", leaf);
-  const auto tilted = [](MaterialCase&, LayerSample& l) {
+  for (const char* base : {"plastic", "diffuse", "half thin wall", "milky glass"})
+    add(base, "diffusely transmitting", diffuse_transmission);
+  const auto own_coat_normal = [](MaterialCase&, LayerSample& l) {
     l.coat_tilted = true;
     l.coat_normal = glm::normalize(Vec3(0.2f, -0.1f, 1));
   };
-  for (const char* base : {"coated metal", "coated plastic", "coated glass"}) add(base, "tilted", tilted);
+  for (const char* base : {"coated metal", "coated plastic", "coated glass"})
+    add(base, "own coat normal,", own_coat_normal);
   add("coated plastic", "layered", [&](MaterialCase& m, LayerSample& l) {
-    for (const auto& change :
-         std::vector<std::function<void(MaterialCase&, LayerSample&)>>{velvet, filmy, leaf, tilted})
+    for (const auto& change : std::vector<std::function<void(MaterialCase&, LayerSample&)>>{
+             velvet, iridescent, diffuse_transmission, own_coat_normal})
       change(m, l);
   });
   return list;
@@ -222,10 +235,10 @@ inline std::vector<BsdfCase> material_cases(const std::vector<float>& roughnesse
     }
   }
   for (const MaterialCase& m : layered_material_list()) {
-    constexpr float kSmoothestBrushed = 0.15f;  // narrower streaks are beyond quadrature
+    constexpr float kSmoothestAnisotropic = 0.15f;  // narrower highlights are beyond quadrature
     for (const float r : roughnesses) {
-      const bool brushed = m.layers->anisotropy > 0.0f;
-      cases.push_back(full_material(m, brushed ? std::fmax(r, kSmoothestBrushed) : r, MicrofacetModel::ggx));
+      const bool anisotropic = m.layers->anisotropy > 0.0f;
+      cases.push_back(full_material(m, anisotropic ? std::fmax(r, kSmoothestAnisotropic) : r, MicrofacetModel::ggx));
     }
   }
   return cases;

@@ -43,7 +43,7 @@ RELUME_HD inline Vec3 main_direction(const Bsdf& bsdf, int i, const Vec3& wo, Rg
   Vec3 wi;
   if (dielectric::reflection_probability(reflected) <= 0.5f && refract(wo, Vec3(0, 0, 1), lobe.eta, &wi)) {
     for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? through[c] / total[c] : 0.0f;
-    *eta_scale = dielectric::transport_scale(lobe.eta, TransportMode::radiance);
+    *eta_scale = transport_scale(lobe.eta, TransportMode::radiance);
     return wi;
   }
   for (int c = 0; c < 3; ++c) (*share)[c] = total[c] > 0.0f ? reflected[c] / total[c] : 0.0f;
