@@ -179,10 +179,21 @@ const EnergyTables& energy_tables() {
   return tables;
 }
 
-const EnergyTables& layered_energy_tables() {
-  static const EnergyTables tables{energy_tables().ggx, energy_tables().beckmann, anisotropic_energy_table(),
-                                   sheen_energy_table()};
-  return tables;
+const EnergyTables& layered_energy_tables(const LayerTables& needed) {
+  const EnergyTables& plain = energy_tables();
+  if (needed.anisotropic && needed.sheen) {
+    static const EnergyTables both{plain.ggx, plain.beckmann, anisotropic_energy_table(), sheen_energy_table()};
+    return both;
+  }
+  if (needed.anisotropic) {
+    static const EnergyTables anisotropic{plain.ggx, plain.beckmann, anisotropic_energy_table(), {}};
+    return anisotropic;
+  }
+  if (needed.sheen) {
+    static const EnergyTables sheen{plain.ggx, plain.beckmann, {}, sheen_energy_table()};
+    return sheen;
+  }
+  return plain;
 }
 
 }  // namespace relume

@@ -55,7 +55,14 @@ struct EnergyTables {
 
 /// The tables, integrated by quadrature once a process; thread-safe.
 const EnergyTables& energy_tables();
-/// The same with those of anisotropic surfaces and of sheen, for scenes that have such.
-const EnergyTables& layered_energy_tables();
+
+/// Layers that have tables of their own.
+struct LayerTables {
+  bool anisotropic = true;
+  bool sheen = true;
+};
+
+/// The same with those that `needed` names; the others are empty. Each is integrated where it is first needed.
+const EnergyTables& layered_energy_tables(const LayerTables& needed = {});
 
 }  // namespace relume

@@ -91,8 +91,8 @@ struct LayeredBase {
 
 }  // namespace bsdf_assembly
 
-/// As make_bsdf(), with `l` in addition; `tables` are layered_energy_tables(). Transmission through rough interfaces is
-/// isotropic.
+/// As make_bsdf(), with `l` in addition; `tables` are layered_energy_tables() with those of the material's layers.
+/// Transmission through rough interfaces is isotropic.
 RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, const LayerSample& l,
                                         const MaterialData& material, const EnergyTables& tables, float cos_theta_o,
                                         bool front_face) {

@@ -182,5 +182,16 @@ TEST(EnergyTables, AreExactForSmoothSurfaces) {
   EXPECT_NEAR(table.average_shares(0.01f).grazing, 1.0 / 21.0, 1e-7);
 }
 
+TEST(EnergyTables, HoldTheLayersThatAreNeeded) {
+  for (const bool anisotropic : {true, false}) {
+    for (const bool sheen : {true, false}) {
+      const EnergyTables& tables = layered_energy_tables({anisotropic, sheen});
+      EXPECT_EQ(tables.anisotropic.directional.size > 0, anisotropic);
+      EXPECT_EQ(tables.sheen.albedo.size > 0, sheen);
+      EXPECT_EQ(tables.ggx.directional.data, energy_tables().ggx.directional.data);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace relume

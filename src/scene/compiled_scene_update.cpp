@@ -249,7 +249,10 @@ void CompiledScene::refresh_view() {
   view_.lights = lights_.view();
   view_.camera = camera_view_;
   view_.previous_camera = previous_camera_view_;
-  view_.energy_tables = layers_.empty() ? &energy_tables() : &layered_energy_tables();
+  view_.energy_tables = &layered_energy_tables(
+      {.anisotropic = std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return l.anisotropy > 0; }),
+       .sheen =
+           std::any_of(layers_.begin(), layers_.end(), [](const LayerData& l) { return !is_black(l.sheen_color); })});
   if (!accel_ || edited_) return;  // it lacks what was added; commit_edits() comes back here
   // A closed body is left in every direction; a lone sheet of glass, or a gap that a ray slips through, in one.
   const auto around = [&](const Vec3& w) { return absorption_around(view_, {camera_view_.position, w, kInfinity}); };
