@@ -119,7 +119,7 @@ TEST(GltfLayers, ConvertSpecularGlossiness) {
   EXPECT_EQ(m.metallic, 0.0f);
   EXPECT_NEAR(m.roughness, 0.3f, 1e-6f);
   EXPECT_EQ(m.alpha, 0.75f);
-  EXPECT_LT(glm::distance(m.base_color, 0.5f * Rgb(0.5f, 0.25f, 1)), 1e-6f);
+  EXPECT_LT(glm::distance(m.base_color, Rgb(0.5f, 0.25f, 1)), 1e-6f);
   const float f0 = 0.04f;  // of an index of refraction of 1.5
   EXPECT_EQ(m.ior, 1.5f);
   EXPECT_LT(glm::distance(f0 * m.specular_color, Rgb(0.04f, 0.2f, 0.5f)), 1e-6f);
@@ -142,6 +142,21 @@ TEST(GltfLayers, ConvertTexturesOfSpecularGlossiness) {
     EXPECT_EQ(specular.format, PixelFormat::rgba8_srgb);
     EXPECT_EQ(std::to_integer<int>(specular.texels[0]), 9);
   }
+}
+
+TEST(GltfLayers, ConvertSpecularGlossinessAlikeWithAndWithoutTextures) {
+  GltfBuilder file;
+  const int white = add_texture(file, 255, 255);
+  json members = {{"diffuseFactor", {0.5, 0.25, 1, 1}}, {"specularFactor", {0.1, 0.2, 0.5}}, {"glossinessFactor", 0.7}};
+  file.add_triangle_with_material(specular_glossiness(members));
+  members["specularGlossinessTexture"] = {{"index", white}};
+  file.add_triangle_with_material(specular_glossiness(members));
+  const Scene scene = file.load();
+  EXPECT_EQ(scene.materials[0].base_color, scene.materials[1].base_color);
+  EXPECT_EQ(scene.materials[0].specular_color, scene.materials[1].specular_color);
+  const Texture& roughness =
+      scene.textures.at(static_cast<size_t>(scene.materials[1].metallic_roughness_texture.texture));
+  EXPECT_NEAR(std::to_integer<int>(roughness.texels[1]) / 255.0, scene.materials[0].roughness, 1.0 / 255);
 }
 
 /// A triangle that is red, and green or blue in variants.

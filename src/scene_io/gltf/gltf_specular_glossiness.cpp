@@ -39,7 +39,6 @@ int roughness_texture(json& root, const json& info, double glossiness) {
 }
 
 void convert(json& root, json& material, const json& source) {
-  json diffuse = numbers(source, "diffuseFactor", 4);
   json f0 = numbers(source, "specularFactor", 3);
   const double glossiness = std::clamp(number(source, "glossinessFactor", 1), 0.0, 1.0);
   const auto info = source.find("specularGlossinessTexture");
@@ -53,15 +52,11 @@ void convert(json& root, json& material, const json& source) {
       pbr["metallicRoughnessTexture"] = *info;
       pbr["metallicRoughnessTexture"]["index"] = texture;
     }
-  } else {
-    // The diffuse part gets what the largest channel of F0 leaves. With a texture the interface itself sees to that.
-    const double left =
-        1 - std::clamp(std::max({f0[0].get<double>(), f0[1].get<double>(), f0[2].get<double>()}), 0.0, 1.0);
-    for (size_t c = 0; c < 3; ++c) diffuse[c] = diffuse[c].get<double>() * left;
   }
   for (json& channel : f0) channel = channel.get<double>() / kDefaultF0;
   specular["specularColorFactor"] = std::move(f0);
-  pbr["baseColorFactor"] = std::move(diffuse);
+  // Not scaled by 1 − max F0, which a texture may give: the interface alone attenuates the diffuse part.
+  pbr["baseColorFactor"] = numbers(source, "diffuseFactor", 4);
   if (const auto texture = source.find("diffuseTexture"); texture != source.end()) pbr["baseColorTexture"] = *texture;
   material["pbrMetallicRoughness"] = std::move(pbr);
   material["extensions"]["KHR_materials_specular"] = std::move(specular);

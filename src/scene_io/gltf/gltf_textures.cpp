@@ -1,6 +1,7 @@
 #include "scene_io/gltf/gltf_textures.h"
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "core/activity.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "core/vec.h"
 #include "image/image_size.h"
 #include "relume/image_io.h"
 #include "scene_io/gltf/gltf_extras.h"
@@ -53,7 +55,15 @@ void make_constant(TextureUse use, Texture& texture) {
 
 /// G: 1 − glossiness · alpha; B, which is metallic: 0.
 void make_roughness(float glossiness, Texture& texture) {
-  if (texture.format == PixelFormat::rgba32_float) return;
+  if (texture.format == PixelFormat::rgba32_float) {
+    for (size_t i = 0; i + sizeof(Vec4) <= texture.texels.size(); i += sizeof(Vec4)) {
+      Vec4 texel;
+      std::memcpy(&texel, &texture.texels[i], sizeof texel);
+      texel = {0, 1.0f - glossiness * saturate(texel.w), 0, 1};
+      std::memcpy(&texture.texels[i], &texel, sizeof texel);
+    }
+    return;
+  }
   for (size_t i = 0; i + 3 < texture.texels.size(); i += 4) {
     const float alpha = static_cast<float>(texture.texels[i + 3]) / 255.0f;
     texture.texels[i + 1] = std::byte{quantise_unorm8(1.0f - glossiness * alpha)};
