@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/compiled_scene.h"
+#include "scene/testing/figure.h"
 #include "scene/testing/plate.h"
 
 namespace relume {
@@ -54,12 +55,51 @@ TEST(Culling, KnowsTheFrontOfMirroredInstances) {
   expect_culled(scene, {.camera = {}, .movable = {0}});
 }
 
-TEST(Culling, SparesDoubleSidedMaterialsAndBodies) {
+/// From outside, a closed tube shows its near side; from within, nothing, whether its joints mirror it or not.
+TEST(Culling, KnowsTheFrontOfSkins) {
+  const Ray from_outside{{0.03f, 1.1f, 3}, {0, 0, -1}, kInfinity};
+  const Ray from_within{{0.03f, 1.1f, 0}, {0, 0, -1}, kInfinity};
+  for (const bool moves : {false, true}) {
+    for (const float mirror : {1.0f, -1.0f}) {
+      Scene scene = testing::figure({.swing_rad = 0});
+      scene.materials[0] = culled();
+      if (!moves) scene.animation.clear();
+      scene.nodes[static_cast<size_t>(scene.skins[0].joints[0])].transform.scale.x = mirror;
+      CompiledScene compiled(scene, {});
+      for (const float time_s : {0.0f, 0.5f}) {
+        if (moves) compiled.set_time(time_s);
+        const AccelView& accel = compiled.view().accel;
+        const Hit hit = intersect_from_camera(accel, from_outside, 1);
+        ASSERT_TRUE(hit.valid()) << "moves " << moves << ", scale " << mirror << ", s " << time_s;
+        EXPECT_LT(hit.t, 3.0f) << "moves " << moves << ", scale " << mirror << ", s " << time_s;
+        EXPECT_FALSE(intersect_from_camera(accel, from_within, 1).valid())
+            << "moves " << moves << ", scale " << mirror << ", s " << time_s;
+        EXPECT_TRUE(intersect(accel, from_within, 1).valid());
+      }
+    }
+  }
+}
+
+/// A blended surface is asked about its opacity, too.
+TEST(Culling, CombinesWithOpacity) {
+  Material clear = culled();
+  clear.alpha_mode = AlphaMode::blend;
+  for (const float alpha : {0.0f, 1.0f}) {
+    clear.alpha = alpha;
+    const CompiledScene compiled(testing::plate(clear), {});
+    const AccelView& accel = compiled.view().accel;
+    EXPECT_EQ(intersect_from_camera(accel, kFromFront, 1).valid(), alpha == 1);
+    EXPECT_FALSE(intersect_from_camera(accel, kFromBehind, 1).valid());
+    EXPECT_EQ(intersect(accel, kFromBehind, 1).valid(), alpha == 1);
+  }
+}
+
+TEST(Culling, SparesDoubleSidedMaterialsAndVolumes) {
   Material double_sided = culled();
   double_sided.double_sided = true;
-  Material body = culled();
-  body.transmission = body.thickness = 1;
-  for (const Material& material : {double_sided, body, Material{}}) {
+  Material volume = culled();
+  volume.transmission = volume.thickness = 1;
+  for (const Material& material : {double_sided, volume, Material{}}) {
     const CompiledScene compiled(testing::plate(material), {});
     EXPECT_TRUE(intersect_from_camera(compiled.view().accel, kFromBehind, 1).valid());
     EXPECT_FALSE(compiled.view().culls_back_faces);
