@@ -15,11 +15,11 @@
 #define RELUME_HD_INLINE [[gnu::always_inline]] inline
 #endif
 
-// The same, never inlined: for what few surfaces need, so that it does not spoil the code of the others.
+// The same, never inlined: for what few surfaces need. Keeps the inlined common path small.
 #if defined(__CUDACC__)
-#define RELUME_HD_COLD __host__ __device__ __noinline__
+#define RELUME_HD_NOINLINE __host__ __device__ __noinline__
 #else
-#define RELUME_HD_COLD [[gnu::noinline, gnu::cold]]
+#define RELUME_HD_NOINLINE [[gnu::noinline]]
 #endif
 
 // True while compiling code that runs on the device. Only src/accel, src/frame and the atomics of

@@ -32,7 +32,7 @@ struct AnisotropicEnergyTable {
   View<const Vec2> directional;  ///< (total, grazing) by row, strength, azimuth, column; empty: not built
   View<const Vec2> average;      ///< by row, strength: 2 ∫ (…) cos θ d cos θ over all azimuths
 
-  RELUME_HD_COLD EnergyShares directional_shares(const AnisotropicGgx& mf, const Vec3& w) const {
+  RELUME_HD_NOINLINE EnergyShares directional_shares(const AnisotropicGgx& mf, const Vec3& w) const {
     using namespace anisotropic_grid;
     const Vec3 t = mf.to_tangent(w);
     const float length = std::sqrt(t.x * t.x + t.y * t.y);
@@ -59,7 +59,7 @@ struct AnisotropicEnergyTable {
     return {value.x, value.y};
   }
 
-  RELUME_HD_COLD EnergyShares average_shares(const AnisotropicGgx& mf) const {
+  RELUME_HD_NOINLINE EnergyShares average_shares(const AnisotropicGgx& mf) const {
     using namespace anisotropic_grid;
     const energy_grid::Cell y = energy_grid::cell(energy_grid::row_from_r(std::sqrt(mf.alpha_b)), kRows);
     const energy_grid::Cell x = energy_grid::cell(mf.strength, kStrengths);

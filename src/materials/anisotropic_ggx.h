@@ -38,7 +38,7 @@ struct AnisotropicGgx {
   RELUME_HD float g2(const Vec3& wo, const Vec3& wi) const { return 1.0f / (1.0f + lambda(wo) + lambda(wi)); }
 
   /// A normal that is visible from `wo` (z > 0): the isotropic ones of α = 1 in the stretched space ([Dupuy23]).
-  RELUME_HD_COLD Vec3 sample(const Vec3& wo, const Vec2& u) const {
+  RELUME_HD_NOINLINE Vec3 sample(const Vec3& wo, const Vec2& u) const {
     const Vec3 t = to_tangent(wo);
     const Vec3 stretched = glm::normalize(Vec3(t.x * alpha_t, t.y * alpha_b, t.z));
     const Vec3 m = Microfacet{MicrofacetModel::ggx, 1.0f}.sample(stretched, u);

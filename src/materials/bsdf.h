@@ -287,8 +287,8 @@ RELUME_HD inline BsdfEval eval_pdf_of_mixture(const Bsdf& bsdf, const Vec3& wo, 
 }
 
 template <bool kReverse>
-RELUME_HD_COLD inline BsdfEval eval_pdf_of_layers(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
-                                                  TransportMode mode) {
+RELUME_HD_NOINLINE inline BsdfEval eval_pdf_of_layers(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi,
+                                                      TransportMode mode) {
   return eval_pdf_of_mixture<kReverse, true>(bsdf, wo, wi, mode);
 }
 
@@ -372,8 +372,8 @@ RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, flo
   return result;
 }
 
-RELUME_HD_COLD inline BsdfSample sample_layers(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
-                                               TransportMode mode) {
+RELUME_HD_NOINLINE inline BsdfSample sample_layers(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
+                                                   TransportMode mode) {
   return sample_mixture<true>(bsdf, wo, u_lobe, u, mode);
 }
 

@@ -73,7 +73,7 @@ RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rg
 }  // namespace thin_film
 
 /// Reflectance at `cos_theta` ≥ 0 outside of a surface that the film covers in part.
-RELUME_HD_COLD inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, float cos_theta) {
+RELUME_HD_NOINLINE inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, float cos_theta) {
   const bool metal = base == FilmBase::metal;
   const Rgb f0 = metal ? film.metal_f0 : film.dielectric_f0;
   const Rgb bare = fresnel_schlick(f0, Rgb(metal ? 1.0f : film.dielectric_f90), cos_theta);
@@ -84,7 +84,7 @@ RELUME_HD_COLD inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, 
 
 /// An F0 with which Schlick's curve to 1 lies above film_reflectance(), or at most 2e-3 below it for films of up to
 /// 2000 nm. What lies below the surface gets what this curve leaves.
-RELUME_HD_COLD inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
+RELUME_HD_NOINLINE inline Rgb film_f0_bound(const ThinFilm& film, FilmBase base) {
   constexpr int kAngles = 20;
   constexpr float kLowestCosine = 0.005f;
   constexpr float kMargin = 4e-3f;  // what peaks between the angles, fitted by parabolas, may rise above them

@@ -38,8 +38,8 @@ RELUME_HD inline LobeEval below(const Lobe& lobe, const Rgb& through_o, const Rg
   return {f, cosine_hemisphere_pdf(cos_i)};
 }
 
-RELUME_HD_COLD inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf, const EnergyTables& tables,
-                                                const Vec3& wo, const Vec3& wi) {
+RELUME_HD_NOINLINE inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf,
+                                                    const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
   const auto through = [&](const EnergyShares& shares) { return Rgb(1) - interface_albedo(lobe, shares); };
   return below(lobe, through(tables.anisotropic.directional_shares(mf, wo)),
                through(tables.anisotropic.directional_shares(mf, wi)), through(tables.anisotropic.average_shares(mf)),
@@ -65,8 +65,8 @@ namespace relume::diffuse_transmission {
 /// The value of covered_lambert, mirrored to the other side; both sides have the interface. Scaled like refraction
 /// where the other side is a medium, so that light that enters in one way and leaves in the other is neither gained nor
 /// lost.
-RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
-                                    const Vec3& wo, const Vec3& wi, TransportMode mode) {
+RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
+                                        const Vec3& wo, const Vec3& wi, TransportMode mode) {
   LobeEval e = covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, -wi.z});
   e.f *= transport_scale(lobe.eta, mode);
   return e;

@@ -6,8 +6,8 @@
 namespace relume::reflection {
 
 /// eval() off anisotropic microfacets with normal `m`.
-RELUME_HD_COLD inline LobeEval eval_anisotropic(const AnisotropicGgx& mf, const Rgb& reflected, const Vec3& wo,
-                                                const Vec3& wi, const Vec3& m) {
+RELUME_HD_NOINLINE inline LobeEval eval_anisotropic(const AnisotropicGgx& mf, const Rgb& reflected, const Vec3& wo,
+                                                    const Vec3& wi, const Vec3& m) {
   return {reflected * (mf.d(m) * mf.g2(wo, wi) / (4.0f * wo.z * wi.z)), mf.pdf(wo, m) / (4.0f * glm::dot(wo, m))};
 }
 
@@ -49,8 +49,8 @@ RELUME_HD inline Rgb color(const Rgb& f0, const Rgb& f90, float average_albedo) 
   return f_avg * f_avg * average_albedo / (Rgb(1) - f_avg * (1.0f - average_albedo));
 }
 
-RELUME_HD_COLD inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf, const EnergyTables& tables,
-                                                const Vec3& wo, const Vec3& wi) {
+RELUME_HD_NOINLINE inline LobeEval eval_anisotropic(const Lobe& lobe, const AnisotropicGgx& mf,
+                                                    const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
   const float missing_o = 1.0f - tables.anisotropic.directional_shares(mf, wo).total;
   const float missing_i = 1.0f - tables.anisotropic.directional_shares(mf, wi).total;
   const float missing_avg = 1.0f - tables.anisotropic.average_shares(mf).total;

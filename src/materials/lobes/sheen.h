@@ -11,7 +11,7 @@ RELUME_HD inline float hemisphere_pdf() { return 0.5f * kInvPi; }
 
 /// Where fibres would return more than all light, the value is divided by the larger albedo of both directions, which
 /// keeps it reciprocal. lobe.microfacet.alpha: that of the fibres.
-RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
+RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const EnergyTables& tables, const Vec3& wo, const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   const float alpha = lobe.microfacet.alpha;
   const float cos_m = glm::normalize(wo + wi).z;
@@ -25,7 +25,7 @@ RELUME_HD inline LobeSample sample(const Vec2& u) {
 }
 
 /// Share of light that fibres return at `cos_theta`, times lobe.color: the most that they can.
-RELUME_HD_COLD inline float albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
+RELUME_HD_NOINLINE inline float albedo(const Lobe& lobe, const EnergyTables& tables, float cos_theta) {
   return relume::min(tables.sheen.directional(std::fabs(cos_theta), lobe.microfacet.alpha), 1.0f);
 }
 

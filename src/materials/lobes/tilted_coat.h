@@ -12,7 +12,8 @@ RELUME_HD inline float cosine_ratio(float cos_coat, float cos_surface) {
   return cos_coat / relume::max(cos_coat, cos_surface);
 }
 
-RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo, const Vec3& wi) {
+RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
+                                        const Vec3& wi) {
   if (wi.z <= 0.0f) return {};
   const Frame frame = make_frame(detail.coat_normal);
   const Vec3 o = frame.to_local(wo);
@@ -23,8 +24,8 @@ RELUME_HD_COLD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& det
   return e;
 }
 
-RELUME_HD_COLD inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
-                                        const Vec2& u) {
+RELUME_HD_NOINLINE inline LobeSample sample(const Lobe& lobe, const InterfaceDetail& detail, const Vec3& wo,
+                                            const Vec2& u) {
   const Frame frame = make_frame(detail.coat_normal);
   const Vec3 o = frame.to_local(wo);
   if (o.z <= 0.0f) return {};
