@@ -103,7 +103,7 @@ struct Material {
   TextureRef iridescence_texture;            ///< R
   float iridescence_ior = 1.3f;              ///< of the film
   float iridescence_thickness_min_nm = 100;  ///< where the thickness texture is 0
-  float iridescence_thickness_nm = 400;      ///< where it is 1, and without one
+  float iridescence_thickness_nm = 400;      ///< where it is 1; also used without a texture
   TextureRef iridescence_thickness_texture;  ///< G
   float diffuse_transmission = 0;            ///< KHR_materials_diffuse_transmission
   TextureRef diffuse_transmission_texture;   ///< A

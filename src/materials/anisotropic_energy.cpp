@@ -35,13 +35,13 @@ Vec2 integrate(const AnisotropicGgx& mf, const Vec3& wo) {
   return {static_cast<float>(std::fmin(total / kCount, 1.0)), static_cast<float>(grazing / kCount)};
 }
 
-/// Inverse of place_of_azimuth, by bisection: radians.
+/// Inverse of azimuth_coordinate, by bisection: radians.
 float azimuth_at(float place, float stretch) {
   float low = 0;
   float high = 0.5f * kPi;
   for (int i = 0; i < 30; ++i) {
     const float middle = 0.5f * (low + high);
-    (place_of_azimuth(std::cos(middle), std::sin(middle), stretch) < place ? low : high) = middle;
+    (azimuth_coordinate(std::cos(middle), std::sin(middle), stretch) < place ? low : high) = middle;
   }
   return 0.5f * (low + high);
 }

@@ -20,14 +20,15 @@ RELUME_HD inline float projected_alpha(float alpha_t, float alpha_b, float cos_p
   return std::sqrt(sqr(alpha_t * cos_phi) + sqr(alpha_b * sin_phi));
 }
 
-/// The albedo changes fastest across the tangent: the mean of φ and of its stretched twin, from 0 to 1.
-RELUME_HD inline float place_of_azimuth(float cos_phi, float sin_phi, float stretch) {
+/// The albedo changes fastest across the tangent: the mean of φ and of φ in the space where both widths are equal,
+/// from 0 to 1.
+RELUME_HD inline float azimuth_coordinate(float cos_phi, float sin_phi, float stretch) {
   return (std::atan2(sin_phi, cos_phi) + std::atan2(sin_phi, cos_phi * stretch)) * kInvPi;
 }
 
 }  // namespace anisotropic_grid
 
-/// View of the tables. Look-ups are within 0.03 of the albedo for cos θ ≥ 0.01, in the mean within 0.003.
+/// View of the tables. Look-ups are within 0.03 of the albedo for cos θ ≥ 0.03, in the mean within 0.01.
 struct AnisotropicEnergyTable {
   View<const Vec2> directional;  ///< (total, grazing) by row, strength, azimuth, column; empty: not built
   View<const Vec2> average;      ///< by row, strength: 2 ∫ (…) cos θ d cos θ over all azimuths
@@ -42,7 +43,7 @@ struct AnisotropicEnergyTable {
     const energy_grid::Cell cells[4] = {
         energy_grid::cell(energy_grid::row_from_r(std::sqrt(mf.alpha_b)), kRows),
         energy_grid::cell(mf.strength, kStrengths),
-        energy_grid::cell(place_of_azimuth(cos_phi, sin_phi, mf.alpha_t / mf.alpha_b), kAzimuths),
+        energy_grid::cell(azimuth_coordinate(cos_phi, sin_phi, mf.alpha_t / mf.alpha_b), kAzimuths),
         energy_grid::cell(energy_grid::column_from_cosine(std::fabs(t.z), r), kColumns)};
     constexpr uint32_t kSizes[4] = {kRows, kStrengths, kAzimuths, kColumns};
     Vec2 value(0);

@@ -1,5 +1,5 @@
 // GGX whose width differs along a tangent direction and across it, in the local frame of microfacet.h ([Heitz14],
-// §5.3): brushed metal, hair, satin.
+// §5.3): as of brushed metal, hair, satin.
 #pragma once
 
 #include "materials/microfacet.h"

@@ -372,8 +372,8 @@ RELUME_HD inline BsdfSample sample_mixture(const Bsdf& bsdf, const Vec3& wo, flo
   return result;
 }
 
-RELUME_HD_NOINLINE inline BsdfSample sample_layers(const Bsdf& bsdf, const Vec3& wo, float u_lobe, const Vec2& u,
-                                                   TransportMode mode) {
+RELUME_HD_NOINLINE inline BsdfSample sample_layered_mixture(const Bsdf& bsdf, const Vec3& wo, float u_lobe,
+                                                            const Vec2& u, TransportMode mode) {
   return sample_mixture<true>(bsdf, wo, u_lobe, u, mode);
 }
 
@@ -386,7 +386,7 @@ RELUME_HD inline BsdfSample sample(const Bsdf& bsdf, const Vec3& wo, float u_lob
     const Vec3 wi = cosine_hemisphere_from_square(u);
     return {wi, bsdf.lobes[0].color, cosine_hemisphere_pdf(wi.z), 1.0f, 1.0f, false, wi.z > 0.0f};
   }
-  if (bsdf.layered) return bsdf_detail::sample_layers(bsdf, wo, u_lobe, u, mode);
+  if (bsdf.layered) return bsdf_detail::sample_layered_mixture(bsdf, wo, u_lobe, u, mode);
   return bsdf_detail::sample_mixture<false>(bsdf, wo, u_lobe, u, mode);
 }
 

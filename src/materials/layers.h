@@ -28,7 +28,7 @@ struct LayerData {
   TextureUse diffuse_transmission_color_texture;
   TextureUse clearcoat_normal_texture;
 
-  bool coat_tilted = false;  ///< the clearcoat is not bent as the surface below it
+  bool coat_tilted = false;  ///< the clearcoat has normals of its own
 };
 
 /// The parameters at one point, textures applied, and the directions that they need in the frame of the point.

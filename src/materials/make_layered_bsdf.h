@@ -30,7 +30,7 @@ RELUME_HD inline Microfacet fill_anisotropy(Bsdf& bsdf, const LayerSample& l, co
   return {MicrofacetModel::ggx, std::sqrt(mf.alpha_t * mf.alpha_b)};
 }
 
-/// Adds the base of `shares` and what covers it.
+/// Adds the base of `shares` and the interface over it.
 struct LayeredBase {
   Bsdf& bsdf;
   const MaterialSample& m;

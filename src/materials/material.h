@@ -37,9 +37,9 @@ struct MaterialData {
   bool mask = false;   ///< covered where alpha ≥ alpha_cutoff
   bool blend = false;  ///< covered with probability alpha
   bool double_sided = false;
-  bool cull_back_faces = false;  ///< the camera sees through the back; never of a body
+  bool cull_back_faces = false;  ///< the camera sees through the back; never of a volume
   bool unlit = false;
-  bool volume = false;   ///< the surface bounds a body: refraction and absorption
+  bool volume = false;   ///< the surface bounds a medium: refraction and absorption
   bool uses_uv = false;  ///< any texture at all
   int32_t layers = -1;   ///< index into SceneView::layers; −1: none
 

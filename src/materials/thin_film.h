@@ -10,7 +10,7 @@ enum class FilmBase : uint8_t { none, dielectric, metal };
 
 /// A film, and the reflectances that the two kinds of base would have without it.
 struct ThinFilm {
-  float weight;  ///< share of the surface that it covers
+  float weight;  ///< share of the surface with the film
   float ior;
   float thickness_nm;
   Rgb dielectric_f0;
@@ -72,7 +72,7 @@ RELUME_HD inline Rgb covered_reflectance(float ior, float thickness_nm, const Rg
 
 }  // namespace thin_film
 
-/// Reflectance at `cos_theta` ≥ 0 outside of a surface that the film covers in part.
+/// Reflectance at `cos_theta` ≥ 0 outside of a surface with the film over a part of it.
 RELUME_HD_NOINLINE inline Rgb film_reflectance(const ThinFilm& film, FilmBase base, float cos_theta) {
   const bool metal = base == FilmBase::metal;
   const Rgb f0 = metal ? film.metal_f0 : film.dielectric_f0;

@@ -39,7 +39,7 @@ void copy_parameters(const Material& m, Data& data) {
   });
 }
 
-/// Whether the clearcoat has other normals than what it covers.
+/// Whether the clearcoat's normals differ from those of its base.
 bool coat_is_tilted(const Material& m) {
   if (!(m.clearcoat > 0.0f)) return false;
   const TextureRef& base = m.normal_texture;

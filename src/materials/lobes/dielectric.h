@@ -1,4 +1,4 @@
-// The interface of a transparent body: reflection and refraction, rough ([Walter07]) or smooth.
+// The interface of a transparent medium: reflection and refraction, rough ([Walter07]) or smooth.
 #pragma once
 
 #include "materials/lobes/lobe.h"

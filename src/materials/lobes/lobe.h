@@ -91,7 +91,7 @@ struct Lobe {
   Microfacet microfacet;
   float eta;          ///< of what transmits: index beyond over index on wo's side
   Rgb color;          ///< diffuse albedo; tint of what is transmitted; multiple_reflection: F_ms of [Kulla17]
-  Rgb f0;             ///< reflectance from the front; of covers: of the cover; below a film: film_f0_bound()
+  Rgb f0;             ///< reflectance from the front; below an interface: of that; below a film: film_f0_bound()
   Rgb f90;            ///< and at grazing angles
   float weight;       ///< share of the mixture that this lobe stands for
   float probability;  ///< with which sampling chooses this lobe

@@ -1,4 +1,4 @@
-// A clearcoat with a normal of its own over a surface that is bent in another way (KHR_materials_clearcoat).
+// A clearcoat whose normal differs from that of its base (KHR_materials_clearcoat).
 #pragma once
 
 #include "core/frame.h"

@@ -226,7 +226,8 @@ TEST(GltfVariants, ThatDoNotExistAreLeftOut) {
   mappings.push_back(5);
   const Scene scene = file.load();
   EXPECT_EQ(scene.meshes[0].variants.size(), 3u);
-  EXPECT_TRUE(mentions(scene.warnings, "a variant that does not exist"));
+  EXPECT_TRUE(mentions(scene.warnings, "for variant 7, but the file has 3"));
+  EXPECT_TRUE(mentions(scene.warnings, "variants with material 50, which does not exist"));
 }
 
 TEST(GltfPrimitives, PointsAndLinesAreSkippedWithOneNote) {

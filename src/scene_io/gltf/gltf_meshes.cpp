@@ -126,7 +126,7 @@ const std::vector<Index>& MeshImporter::import(int mesh) {
     Mesh& target = scene_.meshes.emplace_back();
     target.name = name;
     target.material = materials_.import(primitive.material);
-    target.variants = import_variants(document_, primitive, scene_.variants.size(), materials_);
+    target.variants = import_variants(document_, primitive, name, scene_.variants.size(), materials_);
     requests_.push_back(&primitive);
   }
   return entry->second;

@@ -29,18 +29,26 @@ std::vector<std::string> variant_names(const Document& document) {
 }
 
 std::vector<VariantMaterial> import_variants(Document& document, const tinygltf::Primitive& primitive,
-                                             size_t variant_count, MaterialImporter& materials) {
+                                             const std::string& mesh, size_t variant_count,
+                                             MaterialImporter& materials) {
   std::vector<VariantMaterial> result;
   for (const tinygltf::Value& mapping : elements(primitive.extensions, "mappings")) {
     if (!mapping.IsObject() || !mapping.Has("variants") || !mapping.Get("variants").IsArray()) continue;
-    const Index material = materials.import(integer_member(mapping, "material", -1));
+    const int number = integer_member(mapping, "material", -1);
+    if (number < 0 || static_cast<size_t>(number) >= document.model.materials.size()) {
+      document.warnings.add(fmt::format(
+          "mesh '{}' has variants with material {}, which does not exist; they keep the default", mesh, number));
+      continue;
+    }
+    const Index material = materials.import(number);
     for (const tinygltf::Value& variant : mapping.Get("variants").Get<tinygltf::Value::Array>()) {
       const int index = variant.IsInt() ? variant.GetNumberAsInt() : -1;
-      if (material == kNone || index < 0 || static_cast<size_t>(index) >= variant_count) {
-        document.warnings.add("a mesh has a material for a variant that does not exist, or none; it is left out");
+      if (index >= 0 && static_cast<size_t>(index) < variant_count) {
+        result.push_back({index, material});
         continue;
       }
-      result.push_back({index, material});
+      document.warnings.add(fmt::format("mesh '{}' has a material for variant {}, but the file has {}; it is left out",
+                                        mesh, index, variant_count));
     }
   }
   return result;

@@ -11,9 +11,10 @@ namespace relume::gltf {
 /// Names of the file's variants; those without one are numbered.
 std::vector<std::string> variant_names(const Document& document);
 
-/// Materials of a primitive in `variant_count` variants. Mappings that name other variants or missing materials are
-/// left out, with a warning.
+/// Materials of a primitive of `mesh` in `variant_count` variants. Mappings that name other variants or missing
+/// materials are left out, with a warning.
 std::vector<VariantMaterial> import_variants(Document& document, const tinygltf::Primitive& primitive,
-                                             size_t variant_count, MaterialImporter& materials);
+                                             const std::string& mesh, size_t variant_count,
+                                             MaterialImporter& materials);
 
 }  // namespace relume::gltf
