@@ -23,11 +23,10 @@ struct BsdfEval {
 
 struct BsdfSample {
   Vec3 wi{0};
-  Rgb weight{0};    ///< f · |cos θ| / pdf; zero: the path ends
-  float pdf_w = 0;  ///< density of the whole mixture; meaningless for delta
-  float alpha = 1;  ///< width of the lobe that was chosen (diffuse: 1), for ray cones
-  float eta_scale =
-      1;  ///< factor 1/η² that refraction has put into `weight`; says nothing of how much light is carried
+  Rgb weight{0};        ///< f · |cos θ| / pdf; zero: the path ends
+  float pdf_w = 0;      ///< density of the whole mixture; meaningless for delta
+  float alpha = 1;      ///< width of the lobe that was chosen (diffuse: 1), for ray cones
+  float eta_scale = 1;  ///< factor 1/η² of refraction in `weight`, apart from how much light it carries
   bool delta = false;
   bool valid = false;
   float guide_pdf_w = 0;  ///< density of the path guide alone, where one shares in `pdf_w`
@@ -35,8 +34,8 @@ struct BsdfSample {
   RELUME_HD bool transmitted() const { return wi.z < 0.0f; }
 };
 
-/// Lobes of one surface point, ready for wo. Those of make_bsdf() fit before kPlainBsdfBytes; what follows is neither
-/// written nor read for them.
+/// Lobes of one surface point, ready for wo. Those of make_bsdf() fit into the first 320 bytes; what follows is
+/// neither written nor read for them.
 struct Bsdf {
   const EnergyTables* tables;
   int lobe_count;
@@ -56,8 +55,7 @@ struct Bsdf {
 
 /// Lobes that make_bsdf() adds at most: coat, reflection, multiple reflection, diffuse base, transmission.
 inline constexpr int kMaxPlainLobes = 5;
-inline constexpr size_t kPlainBsdfBytes = 320;
-static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= kPlainBsdfBytes);
+static_assert(offsetof(Bsdf, lobes) + kMaxPlainLobes * sizeof(Lobe) <= 320);
 
 /// Removes all lobes.
 RELUME_HD inline void clear(Bsdf& bsdf) {
@@ -209,8 +207,7 @@ RELUME_HD inline Lobe flipped(const Lobe& lobe) {
   return other;
 }
 
-/// Which side of the surface a direction is on, as seen by the viewer of the BSDF.
-enum class Side : uint8_t { same, other };
+enum class Side : uint8_t { same, other };  ///< of the surface, as seen by the viewer of a BSDF
 
 /// Probability with which a viewer at `cos_theta` on that side samples each lobe. False: nothing is reflected.
 RELUME_HD inline bool lobe_probabilities(const Bsdf& bsdf, float cos_theta, Side side, float probabilities[kMaxLobes]) {
@@ -332,8 +329,8 @@ RELUME_HD inline Rgb eval_specular(const Bsdf& bsdf, const Vec3& wo, const Vec3&
 /// Factor 1/η² in the value of the BSDF for directions on the viewer's other side, which all lobes share.
 RELUME_HD inline float refraction_eta_scale(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
-    const Lobe& lobe = bsdf.lobes[i];
-    if (is_rough_transmission(lobe.kind)) return transport_scale(lobe.eta, TransportMode::radiance);
+    if (!is_rough_transmission(bsdf.lobes[i].kind)) continue;
+    return transport_scale(bsdf.lobes[i].eta, TransportMode::radiance);
   }
   return 1.0f;
 }

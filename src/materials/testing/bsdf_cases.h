@@ -156,17 +156,41 @@ inline std::vector<MaterialCase> material_list() {
   return list;
 }
 
+using LayerChange = std::function<void(MaterialCase&, LayerSample&)>;
+
+/// The material of that name, with a layer.
+inline void add_layered(std::vector<MaterialCase>& list, const std::string& base, const std::string& name,
+                        const LayerChange& change) {
+  for (MaterialCase m : material_list()) {
+    if (m.name != base) continue;
+    m.name = name + " " + base;
+    m.layers.emplace();
+    change(m, *m.layers);
+    list.push_back(std::move(m));
+  }
+}
+
+inline LayerChange film(float weight, float ior, float thickness_nm) {
+  return [=](MaterialCase&, LayerSample& l) {
+    l.iridescence = weight;
+    l.iridescence_ior = ior;
+    l.iridescence_thickness_nm = thickness_nm;
+  };
+}
+
+inline void add_iridescent(std::vector<MaterialCase>& list) {
+  for (const char* base : {"metal", "plastic", "glass", "thin wall", "half metal", "tinted glass"})
+    add_layered(list, base, "iridescent", film(0.8f, 1.3f, 350));
+  add_layered(list, "plastic", "very thin film,", film(1, 1.3f, 80));
+  add_layered(list, "plastic", "thick film,", film(1, 1.3f, 960));
+  add_layered(list, "tinted specular", "dense film,", film(1, 2.2f, 250));
+}
+
 /// The same with the layers of make_layered_bsdf.h, each alone and several together.
 inline std::vector<MaterialCase> layered_material_list() {
   std::vector<MaterialCase> list;
-  const auto add = [&](const std::string& base, const std::string& name, const auto& change) {
-    for (MaterialCase m : material_list()) {
-      if (m.name != base) continue;
-      m.name = name + " " + base;
-      m.layers.emplace();
-      change(m, *m.layers);
-      list.push_back(std::move(m));
-    }
+  const auto add = [&](const std::string& base, const std::string& name, const LayerChange& change) {
+    add_layered(list, base, name, change);
   };
   const auto anisotropic = [](float strength, const Vec2& direction) {
     return [=](MaterialCase&, LayerSample& l) {
@@ -182,28 +206,13 @@ inline std::vector<MaterialCase> layered_material_list() {
     l.sheen_roughness = 0.6f;
   };
   for (const char* base : {"plastic", "coated plastic", "half thin wall"}) add(base, "velvet", velvet);
-  add("diffuse", "thin-haired", [&](MaterialCase& m, LayerSample& l) {
+  add("diffuse", "velvet of thin fibres on", [&](MaterialCase& m, LayerSample& l) {
     velvet(m, l);
     l.sheen_roughness = 0.1f;
   });
-  const auto iridescent = [](MaterialCase&, LayerSample& l) {
-    l.iridescence = 0.8f;
-    l.iridescence_thickness_nm = 350;
-  };
-  for (const char* base : {"metal", "plastic", "glass", "thin wall", "half metal", "tinted glass"})
-    add(base, "iridescent", iridescent);
-  const auto film = [](float ior, float thickness_nm) {
-    return [=](MaterialCase&, LayerSample& l) {
-      l.iridescence = 1;
-      l.iridescence_ior = ior;
-      l.iridescence_thickness_nm = thickness_nm;
-    };
-  };
-  add("plastic", "very thin film,", film(1.3f, 80));
-  add("plastic", "thick film,", film(1.3f, 960));
-  add("tinted specular", "dense film,", film(2.2f, 250));
+  add_iridescent(list);
   add("metal", "anisotropic iridescent", [&](MaterialCase& m, LayerSample& l) {
-    iridescent(m, l);
+    film(0.8f, 1.3f, 350)(m, l);
     anisotropic(0.5f, {0, 1})(m, l);
   });
   const auto diffuse_transmission = [](MaterialCase&, LayerSample& l) {
@@ -219,8 +228,8 @@ inline std::vector<MaterialCase> layered_material_list() {
   for (const char* base : {"coated metal", "coated plastic", "coated glass"})
     add(base, "own coat normal,", own_coat_normal);
   add("coated plastic", "layered", [&](MaterialCase& m, LayerSample& l) {
-    for (const auto& change : std::vector<std::function<void(MaterialCase&, LayerSample&)>>{
-             velvet, iridescent, diffuse_transmission, own_coat_normal})
+    for (const auto& change :
+         std::vector<LayerChange>{velvet, film(0.8f, 1.3f, 350), diffuse_transmission, own_coat_normal})
       change(m, l);
   });
   return list;
