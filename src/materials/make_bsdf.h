@@ -17,7 +17,7 @@ RELUME_HD inline Lobe& add(Bsdf& bsdf, LobeKind kind, const Microfacet& microfac
   return lobe;
 }
 
-/// Below this mean share of light what bounces between microfacets is left out. So small because at grazing angles a
+/// Below this mean share of light multiple scattering is left out. So small because at grazing angles a
 /// hundred times the mean is missing.
 inline constexpr float kNegligibleMultipleScattering = 1e-5f;
 
@@ -37,8 +37,8 @@ RELUME_HD inline Lobe& add_reflection(Bsdf& bsdf, const Rgb& f0, const Rgb& f90,
   return lobe;
 }
 
-/// What bounces between the microfacets of a metal. `average`: mean albedo of single scattering for F = 1. Null where
-/// that is negligible.
+/// Multiple scattering between the microfacets of a metal. `average`: mean albedo of single scattering for F = 1. Null
+/// where that is negligible.
 RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float metallic, float average,
                                                const Microfacet& microfacet) {
   const Rgb color = multiple_reflection::color(f0, Rgb(1), average) * metallic;

@@ -13,7 +13,7 @@ enum class LobeKind : uint8_t {
   lambert,               ///< diffuse reflection
   covered_lambert,       ///< diffuse reflection below a dielectric interface
   reflection,            ///< single scattering off microfacets
-  multiple_reflection,   ///< what bounces between microfacets
+  multiple_reflection,   ///< multiple scattering between microfacets
   specular_reflection,   ///< delta reflection
   dielectric,            ///< rough interface: reflection and refraction
   smooth_dielectric,     ///< delta reflection and refraction

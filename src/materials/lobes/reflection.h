@@ -1,4 +1,4 @@
-// Reflection off microfacets: single scattering, what bounces between them, and the delta limit.
+// Reflection off microfacets: single and multiple scattering, and the delta limit.
 #pragma once
 
 #include "materials/lobes/lobe.h"
