@@ -4,12 +4,12 @@
 
 #include <cstddef>
 
+#include "materials/lobes/coat_with_normal.h"
 #include "materials/lobes/dielectric.h"
 #include "materials/lobes/lambert.h"
 #include "materials/lobes/reflection.h"
 #include "materials/lobes/sheen.h"
 #include "materials/lobes/thin_transmission.h"
-#include "materials/lobes/tilted_coat.h"
 
 namespace relume {
 
@@ -41,7 +41,7 @@ struct Bsdf {
   int lobe_count;
   float coat;             ///< weight of the clearcoat over lobes 1 …; lobe 0 is then the coat itself
   bool layered;           ///< uses `sheen` and `detail`, which only make_layered_bsdf() sets
-  bool coat_tilted;       ///< layered: the coat has the normal detail.coat_normal
+  bool coat_has_normal;   ///< layered: the coat has the normal detail.coat_normal
   Lobe lobes[kMaxLobes];  ///< the first lobe_count are valid
   float sheen;            ///< largest component of the sheen's colour, above all lobes after it; 0: none
   InterfaceDetail detail;
@@ -91,7 +91,7 @@ RELUME_HD inline LobeEval eval_lobe(const Bsdf& bsdf, const Lobe& lobe, int i, c
     case LobeKind::lambert: return lambert::eval(lobe, wi);
     case LobeKind::covered_lambert: return covered_lambert::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
     case LobeKind::reflection:
-      if (kLayered && bsdf.coat_tilted && bsdf.is_coat(i)) return tilted_coat::eval(lobe, detail, wo, wi);
+      if (kLayered && bsdf.coat_has_normal && bsdf.is_coat(i)) return coat_with_normal::eval(lobe, detail, wo, wi);
       return reflection::eval<kLayered>(lobe, detail, wo, wi);
     case LobeKind::multiple_reflection: return multiple_reflection::eval<kLayered>(lobe, detail, *bsdf.tables, wo, wi);
     case LobeKind::dielectric: return dielectric::eval<kLayered>(lobe, detail, wo, wi, mode);
@@ -112,7 +112,7 @@ RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo,
                                         TransportMode mode) {
   const Lobe& lobe = bsdf.lobes[i];
   const InterfaceDetail& detail = bsdf.detail;
-  if (kLayered && bsdf.coat_tilted && bsdf.is_coat(i)) return tilted_coat::sample(lobe, detail, wo, u);
+  if (kLayered && bsdf.coat_has_normal && bsdf.is_coat(i)) return coat_with_normal::sample(lobe, detail, wo, u);
   switch (lobe.kind) {
     case LobeKind::lambert:
     case LobeKind::covered_lambert:
@@ -189,9 +189,9 @@ template <bool kLayered>
 RELUME_HD_INLINE LayerTransmittance layer_transmittance(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
   LayerTransmittance t{1.0f, 1.0f};
   if (bsdf.has_coat()) {
-    const bool tilted = kLayered && bsdf.coat_tilted;
-    const float cos_o = tilted ? glm::dot(wo, bsdf.detail.coat_normal) : wo.z;
-    const float cos_i = tilted ? glm::dot(wi, bsdf.detail.coat_normal) : wi.z;
+    const bool own_normal = kLayered && bsdf.coat_has_normal;
+    const float cos_o = own_normal ? glm::dot(wo, bsdf.detail.coat_normal) : wo.z;
+    const float cos_i = own_normal ? glm::dot(wi, bsdf.detail.coat_normal) : wi.z;
     t.below_coat = coat_transmittance(bsdf, cos_o) * coat_transmittance(bsdf, cos_i);
   }
   t.below_sheen = t.below_coat;

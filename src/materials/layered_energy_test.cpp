@@ -125,15 +125,15 @@ TEST(LayeredEnergy, ACoatWithTheNormalOfItsBaseIsTheCoat) {
     coated.layers.reset();
     const Bsdf flat = testing::full_material(coated, 0.5f, MicrofacetModel::ggx).make(0.6f, true);
     coated.layers.emplace();
-    coated.layers->coat_tilted = true;
-    const Bsdf tilted = testing::full_material(coated, 0.5f, MicrofacetModel::ggx).make(0.6f, true);
+    coated.layers->coat_has_normal = true;
+    const Bsdf own_normal = testing::full_material(coated, 0.5f, MicrofacetModel::ggx).make(0.6f, true);
     const Vec3 wo = testing::viewer(0.6f);
     Random random(44);
     for (int i = 0; i < 100; ++i) {
       Vec3 wi = random.direction();
       wi.z = std::fabs(wi.z);
       const Rgb a = eval_pdf(flat, wo, wi).f;
-      EXPECT_LT(max_component(abs(a - eval_pdf(tilted, wo, wi).f)), 1e-4f * (1 + max_component(a)));
+      EXPECT_LT(max_component(abs(a - eval_pdf(own_normal, wo, wi).f)), 1e-4f * (1 + max_component(a)));
     }
   }
 }

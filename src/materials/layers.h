@@ -28,7 +28,7 @@ struct LayerData {
   TextureUse diffuse_transmission_color_texture;
   TextureUse clearcoat_normal_texture;
 
-  bool coat_tilted = false;  ///< the clearcoat has normals of its own
+  bool coat_has_normal = false;  ///< the clearcoat has normals of its own
 };
 
 /// The parameters at one point, textures applied, and the directions that they need in the frame of the point.
@@ -43,8 +43,8 @@ struct LayerSample {
   float iridescence_thickness_nm = 400;
   float diffuse_transmission = 0;
   Rgb diffuse_transmission_color{1};
-  bool coat_tilted = false;
-  Vec3 coat_normal{0, 0, 1};  ///< unit, if coat_tilted
+  bool coat_has_normal = false;
+  Vec3 coat_normal{0, 0, 1};  ///< unit, if coat_has_normal
 };
 
 /// `fetch(use)` looks a texture up at that point.

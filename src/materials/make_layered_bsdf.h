@@ -100,7 +100,7 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   clear(bsdf);
   bsdf.layered = true;
   bsdf.sheen = 0;
-  bsdf.coat_tilted = false;
+  bsdf.coat_has_normal = false;
   bsdf.tables = &tables;
   for (Lobe& lobe : bsdf.lobes) {
     lobe.film = FilmBase::none;
@@ -108,7 +108,7 @@ RELUME_HD inline void make_layered_bsdf(Bsdf& bsdf, const MaterialSample& m, con
   }
   if (m.clearcoat > 0.0f) {
     add_clearcoat(bsdf, m, material.microfacet_model);
-    bsdf.coat_tilted = l.coat_tilted;
+    bsdf.coat_has_normal = l.coat_has_normal;
     bsdf.detail.coat_normal = l.coat_normal;
   }
   add_sheen(bsdf, l);

@@ -40,7 +40,7 @@ void copy_parameters(const Material& m, Data& data) {
 }
 
 /// Whether the clearcoat's normals differ from those of its base.
-bool coat_is_tilted(const Material& m) {
+bool has_own_coat_normal(const Material& m) {
   if (!(m.clearcoat > 0.0f)) return false;
   const TextureRef& base = m.normal_texture;
   const TextureRef& coat = m.clearcoat_normal_texture;
@@ -87,9 +87,9 @@ MaterialData material_data(const Material& m) {
 std::optional<LayerData> layer_data(const Material& m) {
   LayerData d;
   copy_parameters(m, d);
-  d.coat_tilted = coat_is_tilted(m);
+  d.coat_has_normal = has_own_coat_normal(m);
   const bool visible = d.anisotropy > 0.0f || !is_black(d.sheen_color) || d.iridescence > 0.0f ||
-                       d.diffuse_transmission > 0.0f || d.coat_tilted;
+                       d.diffuse_transmission > 0.0f || d.coat_has_normal;
   return visible ? std::optional(d) : std::nullopt;
 }
 

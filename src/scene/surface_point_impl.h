@@ -223,8 +223,8 @@ RELUME_HD inline LayerSample layers_at(const SceneView& scene, const MeshView& m
     l.anisotropy = usable ? l.anisotropy : 0.0f;  // without a direction
     if (usable) l.anisotropy_direction = {along.x / length, along.y / length};
   }
-  l.coat_tilted = data.coat_tilted;
-  if (data.coat_tilted) {
+  l.coat_has_normal = data.coat_has_normal;
+  if (data.coat_has_normal) {
     Vec3 coat = ns;
     if (data.clearcoat_normal_texture.used()) {
       coat = mapped_normal(scene, mesh, data.clearcoat_normal_texture, data.clearcoat_normal_scale, instance, t, g, uv,

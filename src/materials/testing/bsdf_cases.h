@@ -222,7 +222,7 @@ inline std::vector<MaterialCase> layered_material_list() {
   for (const char* base : {"plastic", "diffuse", "half thin wall", "milky glass"})
     add(base, "diffusely transmitting", diffuse_transmission);
   const auto own_coat_normal = [](MaterialCase&, LayerSample& l) {
-    l.coat_tilted = true;
+    l.coat_has_normal = true;
     l.coat_normal = glm::normalize(Vec3(0.2f, -0.1f, 1));
   };
   for (const char* base : {"coated metal", "coated plastic", "coated glass"})

@@ -30,7 +30,7 @@ RELUME_HD inline Vec3 main_direction(const Bsdf& bsdf, int i, const Vec3& wo, Rg
   const Vec3 mirrored(-wo.x, -wo.y, wo.z);
   *share = Rgb(1);
   *eta_scale = 1.0f;
-  if (bsdf.layered && bsdf.coat_tilted && bsdf.is_coat(i)) {
+  if (bsdf.layered && bsdf.coat_has_normal && bsdf.is_coat(i)) {
     const Vec3 by_coat = reflect(wo, bsdf.detail.coat_normal);
     return by_coat.z > 0.0f ? by_coat : mirrored;
   }

@@ -29,9 +29,9 @@ RELUME_HD inline float other_sides_pdf(const SurfacePoint& sp, const Vec3& w) {
 RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w) {
   if (!scatters_alike(sp, w)) return 0.0f;
   const Vec3 local = sp.frame.to_local(w);
-  const bool tilted = sp.bsdf.layered && sp.bsdf.coat_tilted;
+  const bool own_normal = sp.bsdf.layered && sp.bsdf.coat_has_normal;
   // Reflection: the angles are equal, and so is everything that follows from them.
-  if (local.z > 0.0f && !tilted) return 1.0f;
+  if (local.z > 0.0f && !own_normal) return 1.0f;
   float probabilities[kMaxLobes];
   if (local.z > 0.0f) {
     // Either the base or the coat reflected it; the angles to the normal of the base are equal in the first case.
@@ -55,7 +55,7 @@ RELUME_HD inline float delta_density_ratio(const SurfacePoint& sp, const Vec3& w
 /// Transforms the directions in a BSDF from one local frame to another.
 RELUME_HD inline void transform_to_frame(Bsdf& bsdf, const Frame& from, const Frame& to) {
   if (!bsdf.layered) return;
-  if (bsdf.coat_tilted) {
+  if (bsdf.coat_has_normal) {
     const float side = glm::dot(from.n, to.n) < 0.0f ? -1.0f : 1.0f;
     bsdf.detail.coat_normal = to.to_local(from.to_world(bsdf.detail.coat_normal)) * side;
   }

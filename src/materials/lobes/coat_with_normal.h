@@ -4,7 +4,7 @@
 #include "core/frame.h"
 #include "materials/lobes/reflection.h"
 
-namespace relume::tilted_coat {
+namespace relume::coat_with_normal {
 
 /// Light falls on the surface with one cosine and on the coat with another. Dividing by the larger of the two keeps the
 /// coat reciprocal, and it never returns more than in its own frame.
@@ -42,4 +42,4 @@ RELUME_HD_NOINLINE inline LobeSample sample(const Lobe& lobe, const InterfaceDet
   return {wi, fresnel<true>(lobe, detail, o.z) * share, true};
 }
 
-}  // namespace relume::tilted_coat
+}  // namespace relume::coat_with_normal
