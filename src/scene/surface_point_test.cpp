@@ -6,12 +6,16 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "scene/compiled_scene.h"
+#include "scene/testing/textured_square.h"
 #include "testing/random.h"
 
 namespace relume {
 namespace {
 
+using testing::checkered;
+using testing::one_texel;
 using testing::Random;
+using testing::TexturedSquare;
 
 /// A bumpy patch with every attribute.
 Mesh patch(Random& random) {
@@ -214,52 +218,6 @@ TEST(SurfacePoint, MotionRemembersThePreviousPlace) {
   EXPECT_NEAR(sp.position.y, sp.previous_position.y, 1e-6f);
 }
 
-/// A square of 2 m in z = 0 with one texture on it; texture coordinates as the test wants them.
-struct TexturedSquare {
-  Scene scene;
-
-  explicit TexturedSquare(Texture texture) {
-    scene.name = "square";
-    scene.textures.push_back(std::move(texture));
-    Material material;
-    material.metallic = 0;
-    scene.materials.push_back(material);
-    Mesh mesh;
-    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.material = 0;
-    scene.meshes.push_back(mesh);
-    Node node;
-    node.meshes = {0};
-    scene.add_node(node);
-  }
-
-  /// Coordinates that cover the square once, v downwards, multiplied.
-  static std::vector<Vec2> uv(float scale) { return {Vec2(0, scale), Vec2(scale), Vec2(scale, 0), Vec2(0)}; }
-  Mesh& mesh() { return scene.meshes[0]; }
-  Material& material() { return scene.materials[0]; }
-
-  SurfacePoint seen_at(const Vec2& p, float cone_width) const {
-    const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
-    const Ray ray{Vec3(p, 1), Vec3(0, 0, -1), kInfinity};
-    SurfacePoint sp;
-    make_surface_point(compiled.view(), ray, intersect(compiled.view().accel, ray, 0), cone_width, sp);
-    return sp;
-  }
-};
-
-Texture checkered(int size) {
-  Texture t;
-  t.name = "checkered";
-  t.width = t.height = size;
-  t.format = PixelFormat::rgba8_linear;
-  for (int i = 0; i < size * size; ++i) {
-    const auto code = static_cast<std::byte>((i % size < size / 2) == (i / size < size / 2) ? 255 : 0);
-    t.texels.insert(t.texels.end(), {code, code, code, std::byte{255}});
-  }
-  return t;
-}
-
 TEST(SurfacePoint, TextureLevelsFollowTheSetInUse) {
   // The other set repeats 2000 times: its footprint would select the coarsest level, which is grey.
   for (const int used : {0, 1}) {
@@ -273,34 +231,8 @@ TEST(SurfacePoint, TextureLevelsFollowTheSetInUse) {
   }
 }
 
-TEST(SurfacePoint, CoatsDimEmissionAsTheirTexturesSay) {
-  TexturedSquare square(checkered(64));
-  square.mesh().uv0 = TexturedSquare::uv(1);
-  square.material().emission = Rgb(2);
-  square.material().clearcoat = 1;
-  square.material().clearcoat_texture.texture = 0;
-  const CompiledScene compiled(square.scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
-  const LightsView& lights = compiled.view().lights;
-  for (const auto& [x, below_coat] : {std::pair{-0.5f, 0.96f}, std::pair{0.5f, 1.0f}}) {
-    const SurfacePoint sp = square.seen_at({x, 0.5f}, 0);
-    EXPECT_NEAR(sp.emission.x, 2 * below_coat, 1e-5f);
-    const TriangleLight& light = lights.lights[sp.light].triangle;
-    EXPECT_NEAR(emitted_radiance(light, lights.textured, sp.barycentric, 1).x, 2 * below_coat, 1e-5f);
-  }
-}
-
-/// Tilts every normal towards growing u.
-Texture tilt_along_u() {
-  Texture t;
-  t.name = "tilt";
-  t.width = t.height = 1;
-  t.format = PixelFormat::rgba8_linear;
-  for (const int code : {204, 128, 230, 255}) t.texels.push_back(static_cast<std::byte>(code));
-  return t;
-}
-
 TEST(SurfacePoint, DerivedTangentsFollowTheCoordinatesInUse) {
-  TexturedSquare square(tilt_along_u());
+  TexturedSquare square(one_texel({204, 128, 230, 255}));  // tilts every normal towards growing u
   square.mesh().uv0 = TexturedSquare::uv(1);
   square.material().normal_texture.texture = 0;
   const Vec3 tilted = square.seen_at({0.3f, 0.4f}, 0).frame.n;
@@ -319,55 +251,6 @@ TEST(SurfacePoint, DerivedTangentsFollowTheCoordinatesInUse) {
   EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
   square.mesh().uv0.clear();
   EXPECT_LT(glm::length(normal() - Vec3(tilted.y, -tilted.x, tilted.z)), 1e-4f);
-}
-
-/// In world space, of a square's point, by the anisotropy of its material.
-Vec3 highlight_direction(const TexturedSquare& square) {
-  const SurfacePoint sp = square.seen_at({0.3f, 0.4f}, 0);
-  const Vec2 tangent = sp.bsdf.detail.anisotropy.tangent;
-  const Vec3 along = sp.frame.to_world({tangent.x, tangent.y, 0});
-  return along * (along.x + along.y < 0 ? -1.0f : 1.0f);  // its sign does not matter
-}
-
-TEST(SurfacePoint, AnisotropyTurnsCounterclockwise) {
-  TexturedSquare square(checkered(2));
-  square.mesh().uv0 = TexturedSquare::uv(1);  // u grows along +X, v along −Y: the bitangent is +Y
-  square.material().anisotropy = 0.5f;
-  square.material().metallic = 1;
-  for (const float angle : {0.0f, 0.3f, kPi / 2}) {
-    square.material().anisotropy_rotation_rad = angle;
-    EXPECT_LT(glm::distance(highlight_direction(square), Vec3(std::cos(angle), std::sin(angle), 0)), 1e-4f) << angle;
-  }
-}
-
-/// Directions in red and green turn like the tangents of the mesh, blue scales the strength.
-TEST(SurfacePoint, AnisotropyHasATexture) {
-  Texture along_bitangent;
-  along_bitangent.name = "along the bitangent";
-  along_bitangent.width = along_bitangent.height = 1;
-  along_bitangent.format = PixelFormat::rgba8_linear;
-  for (const int code : {128, 255, 51, 255}) along_bitangent.texels.push_back(static_cast<std::byte>(code));
-  TexturedSquare square(along_bitangent);
-  square.mesh().uv0 = TexturedSquare::uv(1);
-  square.material().anisotropy = 0.5f;
-  square.material().anisotropy_texture.texture = 0;
-  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(0, 1, 0)), 0.01f);
-  EXPECT_NEAR(square.seen_at({0.3f, 0.4f}, 0).bsdf.detail.anisotropy.strength, 0.1f, 1e-4f);
-}
-
-TEST(SurfacePoint, AnisotropyFollowsTheNormalTexture) {
-  Texture flat;
-  flat.name = "flat";
-  flat.width = flat.height = 1;
-  flat.format = PixelFormat::rgba8_linear;
-  for (const int code : {128, 128, 255, 255}) flat.texels.push_back(static_cast<std::byte>(code));
-  TexturedSquare square(flat);
-  square.mesh().uv0 = TexturedSquare::uv(1);
-  square.mesh().uv1 = {Vec2(1, 1), Vec2(1, 0), Vec2(0, 0), Vec2(0, 1)};  // u grows along −Y
-  square.material().anisotropy = 0.5f;
-  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(1, 0, 0)), 1e-4f);
-  square.material().normal_texture = {.texture = 0, .uv_set = 1};
-  EXPECT_LT(glm::distance(highlight_direction(square), Vec3(0, 1, 0)), 0.02f);
 }
 
 }  // namespace

@@ -106,8 +106,9 @@ json sheen_roughness(const std::array<int, 4>& t, const json& texture) {
 }
 
 json film(double share, double thickness_nm) {
-  return {
-      {"iridescenceFactor", share}, {"iridescenceThicknessMinimum", 0}, {"iridescenceThicknessMaximum", thickness_nm}};
+  return {{"iridescenceFactor", share},
+          {"iridescenceThicknessMinimum", 200},
+          {"iridescenceThicknessMaximum", thickness_nm}};
 }
 
 json iridescence(const std::array<int, 4>& t, const json& texture) {
@@ -117,7 +118,7 @@ json iridescence(const std::array<int, 4>& t, const json& texture) {
 }
 
 json iridescence_thickness(const std::array<int, 4>& t, const json& texture) {
-  json extension = film(1, 700 * data(t[1]));
+  json extension = film(1, 200 + 500 * data(t[1]));
   set(extension, "iridescenceThicknessTexture", texture);
   return with_extension(dark(), "KHR_materials_iridescence", extension);
 }

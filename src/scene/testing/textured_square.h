@@ -1,0 +1,69 @@
+// A square with a texture, for tests of what surface points make of it.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "scene/compiled_scene.h"
+#include "scene/surface_point.h"
+
+namespace relume::testing {
+
+/// A square of 2 m in z = 0 with one texture on it; texture coordinates as the test wants them.
+struct TexturedSquare {
+  Scene scene;
+
+  explicit TexturedSquare(Texture texture) {
+    scene.name = "square";
+    scene.textures.push_back(std::move(texture));
+    Material material;
+    material.metallic = 0;
+    scene.materials.push_back(material);
+    Mesh mesh;
+    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.material = 0;
+    scene.meshes.push_back(mesh);
+    Node node;
+    node.meshes = {0};
+    scene.add_node(node);
+  }
+
+  /// Coordinates that cover the square once, v downwards, multiplied.
+  static std::vector<Vec2> uv(float scale) { return {Vec2(0, scale), Vec2(scale), Vec2(scale, 0), Vec2(0)}; }
+  Mesh& mesh() { return scene.meshes[0]; }
+  Material& material() { return scene.materials[0]; }
+
+  SurfacePoint seen_at(const Vec2& p, float cone_width) const {
+    const CompiledScene compiled(scene, CompileOptions{.camera = {}, .width = 16, .height = 16});
+    const Ray ray{Vec3(p, 1), Vec3(0, 0, -1), kInfinity};
+    SurfacePoint sp;
+    make_surface_point(compiled.view(), ray, intersect(compiled.view().accel, ray, 0), cone_width, sp);
+    return sp;
+  }
+};
+
+/// Black and white quarters.
+inline Texture checkered(int size) {
+  Texture t;
+  t.name = "checkered";
+  t.width = t.height = size;
+  t.format = PixelFormat::rgba8_linear;
+  for (int i = 0; i < size * size; ++i) {
+    const auto code = static_cast<std::byte>((i % size < size / 2) == (i / size < size / 2) ? 255 : 0);
+    t.texels.insert(t.texels.end(), {code, code, code, std::byte{255}});
+  }
+  return t;
+}
+
+inline Texture one_texel(const std::array<int, 4>& codes) {
+  Texture t;
+  t.name = "one texel";
+  t.width = t.height = 1;
+  t.format = PixelFormat::rgba8_linear;
+  for (const int code : codes) t.texels.push_back(static_cast<std::byte>(code));
+  return t;
+}
+
+}  // namespace relume::testing
