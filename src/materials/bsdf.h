@@ -124,7 +124,7 @@ RELUME_HD inline LobeSample sample_lobe(const Bsdf& bsdf, int i, const Vec3& wo,
     case LobeKind::smooth_dielectric: return smooth_dielectric::sample<kLayered>(lobe, detail, wo, u_side, mode);
     case LobeKind::null: return null_transmission::sample<kLayered>(lobe, detail, wo);
     case LobeKind::sheen: return sheen::sample(u);
-    case LobeKind::diffuse_transmission: return diffuse_transmission::sample(u);
+    case LobeKind::diffuse_transmission: return diffuse_transmission::sample(lobe, u_side, u);
   }
   return {};
 }

@@ -117,6 +117,23 @@ TEST(LayeredEnergy, DiffuseTransmissionScalesLikeRefraction) {
   }
 }
 
+/// From within a medium, what does not pass is reflected.
+TEST(LayeredEnergy, DiffuseTransmissionOutOfAMediumLosesNothing) {
+  MaterialCase m = white("medium", 0, 0, true);
+  m.sample.specular = 0;
+  m.layers.emplace();
+  m.layers->diffuse_transmission = 1;
+  for (const bool front_face : {true, false}) {
+    const Bsdf bsdf = testing::full_material(m, 1, MicrofacetModel::ggx).make(0.6f, front_face);
+    const Vec3 wo = testing::viewer(0.6f);
+    const Vec3 wi = testing::viewer(0.3f);
+    const float reflected = eval_pdf(bsdf, wo, wi, TransportMode::importance).f.x;
+    const float passed = eval_pdf(bsdf, wo, -wi, TransportMode::importance).f.x;
+    EXPECT_NEAR(reflected + passed, kInvPi, 1e-5f);
+    EXPECT_NEAR(passed, front_face ? kInvPi : kInvPi / sqr(m.ior), 1e-5f);
+  }
+}
+
 TEST(LayeredEnergy, ACoatWithTheNormalOfItsBaseIsTheCoat) {
   MaterialCase coated = white("coated", 0.5f, 0, false);
   coated.sample.clearcoat = 1;

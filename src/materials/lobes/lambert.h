@@ -62,19 +62,25 @@ RELUME_HD inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, 
 
 namespace relume::diffuse_transmission {
 
-/// The value of covered_lambert, mirrored to the other side; both sides have the interface. Scaled like refraction
-/// where the other side is a medium, so that light that enters in one way and leaves in the other is neither gained nor
-/// lost.
+/// Share of light that passes. From within a medium 1 − η² is reflected diffusely: more than η² of a Lambertian
+/// distribution does not fit into the hemisphere outside, so that only this is reciprocal ([Veach97], eq. 5.14).
+RELUME_HD inline float passing_share(const Lobe& lobe) { return relume::min(sqr(lobe.eta), 1.0f); }
+
+/// The value of covered_lambert by the share of each side; both sides have the interface. What passes is scaled like
+/// refraction, so that light that enters in one way and leaves in the other is neither gained nor lost.
 RELUME_HD_NOINLINE inline LobeEval eval(const Lobe& lobe, const InterfaceDetail& detail, const EnergyTables& tables,
                                         const Vec3& wo, const Vec3& wi, TransportMode mode) {
-  LobeEval e = covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, -wi.z});
-  e.f *= transport_scale(lobe.eta, mode);
+  const bool passes = wi.z < 0.0f;
+  const float share = passes ? passing_share(lobe) : 1.0f - passing_share(lobe);
+  LobeEval e = covered_lambert::eval<true>(lobe, detail, tables, wo, {wi.x, wi.y, std::fabs(wi.z)});
+  e.f *= passes ? share * transport_scale(lobe.eta, mode) : share;
+  e.pdf_w *= share;
   return e;
 }
 
-RELUME_HD inline LobeSample sample(const Vec2& u) {
+RELUME_HD inline LobeSample sample(const Lobe& lobe, float u_side, const Vec2& u) {
   const Vec3 up = cosine_hemisphere_from_square(u);
-  return {{up.x, up.y, -up.z}, Rgb(0), true};
+  return {{up.x, up.y, u_side < passing_share(lobe) ? -up.z : up.z}, Rgb(0), true};
 }
 
 }  // namespace relume::diffuse_transmission

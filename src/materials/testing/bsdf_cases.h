@@ -71,7 +71,6 @@ inline std::vector<BsdfCase> lobe_cases(const std::vector<float>& roughnesses) {
           case LobeKind::sheen: cases.push_back(single_lobe(kind, "sheen", r, model)); break;
           case LobeKind::diffuse_transmission:
             cases.push_back(single_lobe(kind, "diffuse transmission", r, model));
-            cases.push_back(single_lobe(kind, "diffuse transmission into a medium", r, model, 1.5f));
             break;
           case LobeKind::specular_reflection:
           case LobeKind::smooth_dielectric:
@@ -221,6 +220,10 @@ inline std::vector<MaterialCase> layered_material_list() {
   };
   for (const char* base : {"plastic", "diffuse", "half thin wall", "milky glass"})
     add(base, "diffusely transmitting", diffuse_transmission);
+  add("diffuse", "medium below", [&](MaterialCase& m, LayerSample& l) {
+    diffuse_transmission(m, l);
+    m.volume = true;
+  });
   const auto own_coat_normal = [](MaterialCase&, LayerSample& l) {
     l.coat_has_normal = true;
     l.coat_normal = glm::normalize(Vec3(0.2f, -0.1f, 1));
