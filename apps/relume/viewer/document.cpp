@@ -21,12 +21,15 @@ Scene outline_of(const Scene& scene) {
   outline.nodes = scene.nodes;
   outline.skins = scene.skins;
   outline.clips = scene.clips;
+  outline.variants = scene.variants;
   outline.environment = scene.environment;
   outline.environment.map.clear();
   for (const Mesh& mesh : scene.meshes) {
     Mesh& copy = outline.meshes.emplace_back();
     copy.name = mesh.name;
     copy.material = mesh.material;
+    copy.variants = mesh.variants;
+    copy.default_material = mesh.default_material;
   }
   return outline;
 }
@@ -62,6 +65,8 @@ void Document::play(const std::string& animation) {
   duration_s_ = animation_end(outline_);
   forget_places();
 }
+
+void Document::choose_variant(const std::string& name) { relume::choose_variant(outline_, name); }
 
 void Document::forget_places() {
   world_known_ = false;

@@ -28,6 +28,9 @@ class Document {
   void set_time(float time_s);
   /// Plays these clips, as select_animation() takes them. Throws Error, before anything changes, if there is none such.
   void play(const std::string& animation);
+  /// Gives meshes their materials in that variant; empty: the defaults. Throws Error, before anything changes, if there
+  /// is none of that name.
+  void choose_variant(const std::string& name);
   /// Places a node below its parent; its own animation ends with that.
   void set_transform(Index node, const Transform& transform);
   void set_light(Index light, const PunctualLight& value);

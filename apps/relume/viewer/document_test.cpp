@@ -108,6 +108,19 @@ TEST(Document, PlaysTheChosenClip) {
                            [](const AnimationChannel& channel) { return channel.node == 1; }));
 }
 
+TEST(Document, ShowsTheChosenVariant) {
+  Scene scene = testing::figure();
+  scene.materials.emplace_back();
+  scene.variants = {"red"};
+  scene.meshes[0].variants = {{0, 1}};
+  Document document(std::make_shared<const LoadedScene>(LoadedScene{"figure", std::move(scene), 0}));
+  document.choose_variant("red");
+  EXPECT_EQ(document.outline().meshes[0].material, 1);
+  EXPECT_THROW(document.choose_variant("blue"), Error);
+  document.choose_variant("");
+  EXPECT_EQ(document.outline().meshes[0].material, 0);
+}
+
 TEST(Document, EditsCarryRisingVersions) {
   Document document(small_scene());
   document.set_light(0, {});

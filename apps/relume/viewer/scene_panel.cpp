@@ -91,6 +91,24 @@ void draw_clips(State& state) {
   ImGui::EndCombo();
 }
 
+/// Chooses among the variants of a file's materials.
+void draw_variants(State& state) {
+  const std::vector<std::string>& variants = state.document->outline().variants;
+  if (variants.empty()) return;
+  heading("Variant");
+  const std::string& chosen = state.settings[0].scene.variant;
+  const auto choose = [&](const std::string& choice) { change_setting(state, 0, "variant", choice); };
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##variant", chosen.empty() ? "default" : chosen.c_str())) return;
+  if (ImGui::Selectable("default", chosen.empty())) choose("");
+  for (size_t i = 0; i < variants.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::Selectable(variants[i].c_str(), variants[i] == chosen)) choose(variants[i]);
+    ImGui::PopID();
+  }
+  ImGui::EndCombo();
+}
+
 void draw_time(State& state) {
   const float end = state.document->duration_s();
   if (!(end > 0)) return;
@@ -119,6 +137,7 @@ void draw_scene_panel(State& state) {
   draw_open(state);
   ImGui::BeginChild("scene");
   draw_selection(state);
+  draw_variants(state);
   draw_time(state);
   draw_environment(state);
   heading("Contents");

@@ -12,11 +12,14 @@ void SessionSlot::compile(const RenderRequest& request, const RenderSettings& se
   // Compiling lights a scene that has no light, so it has to know the environment that counts.
   const Edit<std::shared_ptr<const Environment>>& environment = request.edits.environment;
   if (environment.version > 0) scene.environment = *environment.value;
+  const std::string& variant = request.settings[0].scene.variant;
+  choose_variant(scene, variant);
   Session fresh(std::move(scene), settings, request.edits.movable);
   environment_ = environment.version;
   session_ = std::move(fresh);
   scene_ = request.scene;
   movable_ = request.edits.movable;
+  variant_ = variant;
   applied_ = 0;
 }
 
@@ -45,7 +48,8 @@ void SessionSlot::update(const RenderRequest& request, int side, const IVec2& si
   settings.auxiliary = needs_auxiliary(settings, request.buffer);
   // Time passes through set_time(), so that an animation does not count as another setting.
   if (request.edits.time_s.version > 0) settings.time_s = request.edits.time_s.value;
-  const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable;
+  const bool compiled = session_ && scene_ == request.scene && movable_ == request.edits.movable &&
+                        variant_ == request.settings[0].scene.variant;
   if (compiled) apply(request.edits);
   if (!compiled || !session_->set_settings(settings)) {
     compile(request, settings);

@@ -28,6 +28,7 @@ class SessionSlot {
   std::optional<Session> session_;
   std::shared_ptr<const LoadedScene> scene_;
   std::vector<Index> movable_;
+  std::string variant_;       ///< that it was compiled with
   uint64_t applied_ = 0;      ///< newest edit that the session has taken on
   uint64_t environment_ = 0;  ///< edit of the environment that it was compiled with
 };

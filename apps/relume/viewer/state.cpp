@@ -48,12 +48,16 @@ void load_bookmarks(State& state) {
   }
 }
 
+SceneOverrides of_environment(SceneOverrides overrides) {
+  overrides.variant.clear();  // of materials
+  return overrides;
+}
+
 /// Throws Error if it cannot be read.
-Environment environment_in(const LoadedScene& loaded, SceneOverrides overrides) {
+Environment environment_in(const LoadedScene& loaded, const SceneOverrides& overrides) {
   Scene scene;
   scene.environment = loaded.scene.environment;
-  overrides.variant.clear();  // of materials
-  apply(overrides, scene);
+  apply(of_environment(overrides), scene);
   return std::move(scene.environment);
 }
 
@@ -104,12 +108,18 @@ void remember_document(State& state) {
   if (!state.previous) state.previous = {std::move(*state.document), state.settings, state.path, state.fly.speed};
 }
 
-/// Plays the clips in `document` that have played so far, or the first if it has none of these names.
+/// Plays the clips in `document` that have played so far, and shows the variant; the first and the default materials if
+/// it has none of these names.
 void play_again(State& state, Document& document) {
   try {
     document.play(state.settings[0].render.animation);
   } catch (const Error&) {
     for (AllSettings& side : state.settings) side.render.animation.clear();
+  }
+  try {
+    document.choose_variant(state.settings[0].scene.variant);
+  } catch (const Error&) {
+    for (AllSettings& side : state.settings) side.scene.variant.clear();
   }
 }
 
@@ -195,12 +205,15 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
     for (AllSettings& side : settings) {
       side = settings_in_scene(side, loaded->scene.settings_json, loaded->name);
       side.render.animation.clear();
+      side.scene.variant.clear();
     }
   }
   Document document(loaded);
-  if (settings[0].scene != SceneOverrides{}) document.replace_environment(environment_in(*loaded, settings[0].scene));
+  if (of_environment(settings[0].scene) != SceneOverrides{})
+    document.replace_environment(environment_in(*loaded, settings[0].scene));
   document.set_time(settings[0].render.time_s);
   document.play(settings[0].render.animation);
+  document.choose_variant(settings[0].scene.variant);
 
   state.reload_dropped = false;
   if (!first) remember_document(state);
@@ -223,7 +236,7 @@ void show_document(State& state, std::shared_ptr<const LoadedScene> loaded, bool
 
 std::vector<std::string> replace_scene(State& state, std::shared_ptr<const LoadedScene> loaded) {
   Document document(loaded);
-  if (state.settings[0].scene != SceneOverrides{})
+  if (of_environment(state.settings[0].scene) != SceneOverrides{})
     document.replace_environment(environment_in(*loaded, state.settings[0].scene));
   document.set_time(state.document->time_s());
   play_again(state, document);
@@ -261,8 +274,10 @@ void take_settings(State& state, int side, const AllSettings& wanted) {
   if (state.document) find_camera(state.document->outline(), wanted.render.camera);
   if (state.document && wanted.render.animation != current.render.animation)
     state.document->play(wanted.render.animation);
-  if (wanted.scene != current.scene && state.document) {
-    if (wanted.scene == SceneOverrides{}) {
+  if (state.document && wanted.scene.variant != current.scene.variant)
+    state.document->choose_variant(wanted.scene.variant);
+  if (of_environment(wanted.scene) != of_environment(current.scene) && state.document) {
+    if (of_environment(wanted.scene) == SceneOverrides{}) {
       state.document->restore_environment();
     } else {
       state.document->replace_environment(environment_in(*state.document->loaded(), wanted.scene));

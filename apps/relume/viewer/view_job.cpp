@@ -71,7 +71,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   const AllSettings settings = viewer::resolve_start(sources);
   roles.reads("SCENE", scene.source_files);
   roles.reads("--env", settings.scene.env);
-  if (!settings.scene.variant.empty()) choose_variant(scene, settings.scene.variant);
+  choose_variant(scene, settings.scene.variant);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene);
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s, read_from};
