@@ -96,22 +96,22 @@ uint64_t QueryLog::replay(RTCScene scene, size_t begin, size_t end) const {
       hit.ray = singles_[query.index];
       hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      embree::intersect1(scene, hit);
+      embree::intersect1(scene, hit, {});
       sum += found(hit);
     } else if (!query.packet) {
       RTCRay ray = singles_[query.index];
-      embree::occluded1(scene, ray);
+      embree::occluded1(scene, ray, {});
       sum += found(ray);
     } else if (!query.occlusion) {
       const Packet& packet = packets_[query.index];
       RTCRayHit8 hits;
       hits.ray = packet.rays;
       for (int k = 0; k < 8; ++k) hits.hit.geomID[k] = hits.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-      embree::intersect8(packet.valid, scene, hits, query.coherent);
+      embree::intersect8(packet.valid, scene, hits, {.coherent = query.coherent});
       sum += found(packet.valid, hits);
     } else {
       RTCRay8 rays = packets_[query.index].rays;
-      embree::occluded8(packets_[query.index].valid, scene, rays);
+      embree::occluded8(packets_[query.index].valid, scene, rays, {});
       sum += found(packets_[query.index].valid, rays);
     }
   }

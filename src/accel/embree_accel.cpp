@@ -95,7 +95,10 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
 }
 
 /// For rays with these flags.
-embree::QueryOptions options_of(unsigned flags) { return {false, flags == 0 ? nullptr : culling_filter}; }
+embree::QueryOptions options_of(RTCScene scene, unsigned flags, bool coherent = false) {
+  const bool culls = flags != 0 && embree::takes_query_filter(scene);
+  return {coherent, culls ? culling_filter : nullptr};
+}
 
 Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return {};
@@ -103,7 +106,7 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
   query.ray = to_embree(ray, ray_id, flags);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree::intersect1(as_scene(accel), query, options_of(flags));
+  embree::intersect1(as_scene(accel), query, options_of(as_scene(accel), flags));
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return hit_on(accel, ray, instance_of(query.hit.geomID, query.hit.instID[0]), query.hit.primID);
 }
@@ -111,7 +114,7 @@ Hit nearest_hit(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigne
 bool is_blocked(const AccelView& accel, const Ray& ray, uint32_t ray_id, unsigned flags) {
   if (!is_traceable(ray)) return false;
   RTCRay query = to_embree(ray, ray_id, flags);
-  embree::occluded1(as_scene(accel), query, options_of(flags));
+  embree::occluded1(as_scene(accel), query, options_of(as_scene(accel), flags));
   return query.tfar < 0.0f;
 }
 
@@ -147,6 +150,7 @@ struct EmbreeAccel::State {
   std::vector<RefitCost> refit_costs;  ///< by mesh
   std::vector<AccelInstance> instances;
   OpacityFunction opacity;
+  bool culls = false;  ///< some mesh culls its back faces
 
   ~State() {
     if (still && still != scene) rtcReleaseScene(still);
@@ -163,22 +167,45 @@ struct EmbreeAccel::State {
                 "'; try a smaller scene, or free some memory");
   }
 
-  RTCGeometry new_triangles(RTCScene owner, const AccelMesh& mesh, GeometryContext* context) const {
+  RTCSceneFlags flags_of(bool dynamic) const {
+    return (dynamic ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE) |
+           (culls ? embree::kQueryFilterFlag : RTC_SCENE_FLAG_NONE);
+  }
+
+  RTCScene new_scene(bool dynamic = false) const {
+    RTCScene result = rtcNewScene(device);
+    rtcSetSceneFlags(result, flags_of(dynamic));
+    return result;
+  }
+
+  /// From now on some mesh culls its back faces.
+  void start_culling() {
+    culls = true;
+    for (size_t mesh = 0; mesh < mesh_scenes.size(); ++mesh) {
+      if (!mesh_scenes[mesh]) continue;
+      rtcSetSceneFlags(mesh_scenes[mesh], flags_of(meshes[mesh].deforms));
+      rtcCommitScene(mesh_scenes[mesh]);
+    }
+    rtcSetSceneFlags(still, flags_of(false));
+    if (still != scene) rtcCommitScene(still);
+    rtcSetSceneFlags(scene, flags_of(false));
+  }
+
+  RTCGeometry new_triangles(const AccelMesh& mesh, GeometryContext* context) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions, 0,
                                mesh.position_stride, mesh.vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices, 0,
                                3 * sizeof(uint32_t), mesh.triangle_count);
-    set_filter(owner, geometry, context);
+    set_filter(geometry, context);
     rtcCommitGeometry(geometry);
     return geometry;
   }
 
   RTCScene new_mesh_scene(const AccelMesh& mesh, GeometryContext* context) const {
-    RTCScene result = rtcNewScene(device);
     // Embree refits only in dynamic scenes of low quality. It then builds the BVH of the geometry with medium quality.
-    if (mesh.deforms) rtcSetSceneFlags(result, RTC_SCENE_FLAG_DYNAMIC);
-    RTCGeometry geometry = new_triangles(result, mesh, context);
+    RTCScene result = new_scene(mesh.deforms);
+    RTCGeometry geometry = new_triangles(mesh, context);
     if (mesh.deforms) {
       rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
       rtcCommitGeometry(geometry);
@@ -250,10 +277,11 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
       },
       &s.bytes);
   const Activity activity("building the acceleration structure");
-  s.scene = rtcNewScene(s.device);
+  s.culls = std::any_of(meshes.begin(), meshes.end(), [](const AccelMesh& mesh) { return mesh.culls_back_faces; });
+  s.scene = s.new_scene();
   const bool anything_moves =
       std::any_of(instances.begin(), instances.end(), [&](const auto& i) { return i.moves || meshes[i.mesh].deforms; });
-  s.still = anything_moves ? rtcNewScene(s.device) : s.scene;
+  s.still = anything_moves ? s.new_scene() : s.scene;
   // Instances of one mesh share its scene; the context of instance i is contexts[i].
   s.contexts.resize(instances.size());
   s.mesh_scenes.resize(meshes.size(), nullptr);
@@ -263,7 +291,7 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     if (mesh.triangle_count == 0 || (stands_still(instance, mesh) && !instance.visible)) continue;
     s.contexts[i] = {&s.opacity, &s.meshes[instance.mesh], id_of(i)};
     if (stands_still(instance, mesh)) {
-      RTCGeometry geometry = s.new_triangles(s.still, mesh, &s.contexts[i]);
+      RTCGeometry geometry = s.new_triangles(mesh, &s.contexts[i]);
       rtcAttachGeometryByID(s.still, geometry, id_of(i));
       rtcReleaseGeometry(geometry);
       continue;
@@ -295,12 +323,13 @@ void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> inst
   State& s = *state_;
   s.meshes[mesh].needs_opacity = needs_opacity;
   s.meshes[mesh].culls_back_faces = culls_back_faces;
+  if (culls_back_faces && !s.culls) s.start_culling();
   for (uint32_t i = 0; i < instances.size(); ++i) {
     if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // without triangles there is no geometry
     const bool still = stands_still(instances[i], s.meshes[mesh]);
     const RTCScene owner = still ? s.still : s.mesh_scenes[mesh];
     const RTCGeometry geometry = rtcGetGeometry(owner, still ? id_of(i) : 0);
-    set_filter(owner, geometry, &s.contexts[i]);
+    set_filter(geometry, &s.contexts[i]);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
     if (!still) break;  // the others share that geometry
@@ -340,7 +369,7 @@ void intersect_packet(const AccelView& accel, const Ray* rays, const uint32_t* r
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  embree::intersect8(valid, as_scene(accel), query, {coherent, culling_filter});
+  embree::intersect8(valid, as_scene(accel), query, options_of(as_scene(accel), kFromCamera, coherent));
   for (int i = 0; i < count; ++i) {
     hits[i] =
         query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID

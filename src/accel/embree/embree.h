@@ -17,10 +17,12 @@ struct QueryOptions {
 
 #if RTC_VERSION_MAJOR >= 4
 
-/// Lets the filters of queries see the hits on a geometry, which `scene` holds. Both must be committed afterwards.
-inline void enable_query_filter(RTCScene scene, RTCGeometry geometry, bool enabled) {
+/// The flag of scenes whose hits the filters of queries may see. Every scene below the one that is asked needs it.
+inline constexpr RTCSceneFlags kQueryFilterFlag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+
+/// Lets the filters of queries see the hits on a geometry, which must be committed afterwards.
+inline void enable_query_filter(RTCGeometry geometry, bool enabled) {
   rtcSetGeometryEnableFilterFunctionFromArguments(geometry, enabled);
-  if (enabled) rtcSetSceneFlags(scene, rtcGetSceneFlags(scene) | RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
 }
 
 template <typename Arguments>
@@ -65,11 +67,11 @@ inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const Qu
 
 #else
 
-/// Lets the filters of queries see the hits on a geometry, which `scene` holds. Both must be committed afterwards.
-/// Embree 3 then shows them all geometries of the scene.
-inline void enable_query_filter(RTCScene scene, RTCGeometry, bool enabled) {
-  if (enabled) rtcSetSceneFlags(scene, rtcGetSceneFlags(scene) | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-}
+/// The flag of scenes whose hits the filters of queries may see. Every scene below the one that is asked needs it.
+inline constexpr RTCSceneFlags kQueryFilterFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+
+/// Embree 3 shows the filters of queries all geometries of a scene.
+inline void enable_query_filter(RTCGeometry, bool) {}
 
 inline RTCIntersectContext make_context(const QueryOptions& options) {
   RTCIntersectContext context;
@@ -100,5 +102,8 @@ inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const Qu
 }
 
 #endif
+
+/// Whether queries of the scene may have a filter. Embree 3 ends the process at one where the flag is missing.
+inline bool takes_query_filter(RTCScene scene) { return (rtcGetSceneFlags(scene) & kQueryFilterFlag) != 0; }
 
 }  // namespace relume::embree

@@ -52,11 +52,11 @@ void culling_filter(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-void set_filter(RTCScene scene, RTCGeometry geometry, GeometryContext* context) {
+void set_filter(RTCGeometry geometry, GeometryContext* context) {
   rtcSetGeometryUserData(geometry, context);
   rtcSetGeometryIntersectFilterFunction(geometry, context->mesh->needs_opacity ? opacity_filter : nullptr);
   rtcSetGeometryOccludedFilterFunction(geometry, context->mesh->needs_opacity ? opacity_filter : nullptr);
-  embree::enable_query_filter(scene, geometry, context->mesh->culls_back_faces);
+  embree::enable_query_filter(geometry, context->mesh->culls_back_faces);
 }
 
 }  // namespace relume

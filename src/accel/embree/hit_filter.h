@@ -41,8 +41,8 @@ inline constexpr unsigned kToCamera = 2;
 /// Filter of queries whose rays have one of these flags: culls back faces. Only they pay for it.
 void culling_filter(const RTCFilterFunctionNArguments* args);
 
-/// Has Embree ask about the hits on a geometry of `scene` where its mesh needs that: all queries about opacity, those
-/// with culling_filter() about culling. Both must be committed afterwards.
-void set_filter(RTCScene scene, RTCGeometry geometry, GeometryContext* context);
+/// Has Embree ask opacity_filter() about the hits on a geometry whose mesh needs it, and queries with culling_filter()
+/// about culling. The geometry must be committed afterwards.
+void set_filter(RTCGeometry geometry, GeometryContext* context);
 
 }  // namespace relume
