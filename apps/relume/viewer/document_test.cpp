@@ -179,7 +179,7 @@ TEST(RepeatEdits, FollowNamesNotIndices) {
 
 TEST(RepeatEdits, ReportWhatHasNoNameOfItsOwn) {
   Document before(small_scene());
-  before.set_light(0, {});
+  before.set_light(0, {.name = "lamp", .type = PunctualType::spot});
   before.set_transform(1, {});
   auto loaded = std::make_shared<LoadedScene>(*small_scene());
   loaded->scene.nodes[1].name = "desk";

@@ -23,12 +23,16 @@ namespace {
 using testing::kPatience_ms;
 using testing::Stage;
 
-// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz).
+/// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz). Other machines may be slower
+/// than those that the promise is for, and their caches shared with other tests.
+double soon_s() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double kSoon_s = 3;
+  return 3;
 #else
-constexpr double kSoon_s = 0.072;
+  const char* quiet = std::getenv("RELUME_QUIET_MACHINE");
+  return quiet && std::string(quiet) == "1" ? 0.072 : 0.25;
 #endif
+}
 
 double processor_time_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -86,7 +90,7 @@ TEST_P(Latency, AMoveOrASettingAfterARestShowsAtOnce) {
   ++stage_.settings[0].render.path.max_bounces;
   longest_s = std::max(longest_s, answer());
   RecordProperty("longest_ms", static_cast<int>(1000 * longest_s));
-  EXPECT_LT(longest_s, kSoon_s);
+  EXPECT_LT(longest_s, soon_s());
 }
 
 // A flight holds the frame rate, so its frames take longer than the first one. No step may wait for more than the frame

@@ -77,9 +77,8 @@ TEST(GltfTexture, ManySmallFilesOfLargeImagesExceedABudget) {
   for (int i = 0; i < kCount; ++i) {
     file.add("images", {{"uri", testing::data_uri(testing::webp_header(4096, 4096))}});
     file.add("textures", {{"extensions", {{"EXT_texture_webp", {{"source", i}}}}}});
-    file.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+    file.add_triangle_with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
   }
-  file.add_root({{"mesh", file.add_triangle()}});
   const Scene scene = file.load();
   ASSERT_EQ(scene.textures.size(), static_cast<size_t>(kCount));
   const auto count = [&](const char* part) {
