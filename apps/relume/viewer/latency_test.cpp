@@ -23,8 +23,8 @@ namespace {
 using testing::kPatience_ms;
 using testing::Stage;
 
-/// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz). Other machines may be slower
-/// than those that the promise is for, and their caches shared with other tests.
+/// Of the 100 ms until a change shows, a frame of the interface takes up to 28 (1 / 36 Hz). Other machines may be
+/// slower than those that the promise is for, and their caches shared with other tests.
 double soon_s() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return 3;
