@@ -1,4 +1,4 @@
-// A square with a texture, for tests of what surface points make of it.
+// A square with a texture, for tests of surface points.
 #pragma once
 
 #include <array>
@@ -7,27 +7,17 @@
 
 #include "scene/compiled_scene.h"
 #include "scene/surface_point.h"
+#include "scene/testing/plate.h"
 
 namespace relume::testing {
 
 /// A square of 2 m in z = 0 with one texture on it; texture coordinates as the test wants them.
 struct TexturedSquare {
-  Scene scene;
+  Scene scene = plate();
 
   explicit TexturedSquare(Texture texture) {
-    scene.name = "square";
     scene.textures.push_back(std::move(texture));
-    Material material;
-    material.metallic = 0;
-    scene.materials.push_back(material);
-    Mesh mesh;
-    mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    mesh.material = 0;
-    scene.meshes.push_back(mesh);
-    Node node;
-    node.meshes = {0};
-    scene.add_node(node);
+    scene.materials[0].metallic = 0;
   }
 
   /// Coordinates that cover the square once, v downwards, multiplied.
