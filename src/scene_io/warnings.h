@@ -24,7 +24,7 @@ class Warnings {
     }
   }
 
-  /// For Scene::notes: something is ignored that path tracing computes, or that nobody sees.
+  /// For Scene::notes: ignored input that does not change the image, or that path tracing computes itself.
   void note(const std::string& sentence) {
     if (notes_.size() < kMaxWarnings && seen_.insert(sentence).second) notes_.push_back(sentence);
   }

@@ -17,8 +17,8 @@ inline constexpr std::array<std::string_view, 10> kEssentialSettings = {
 /// finds all.
 bool matches(const Setting& setting, std::string_view query);
 
-/// Makes a number automatic, or fixes it at `present`, the value that it has by itself just now. Nothing changes where
-/// it is so already.
+/// Switches a number to automatic, or to the fixed value `present`, the current automatic one. Does nothing if it is in
+/// that mode already.
 void set_automatic(const OptionalNumberRef& number, bool automatic, float present);
 
 }  // namespace relume::viewer

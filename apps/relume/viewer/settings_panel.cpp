@@ -86,7 +86,7 @@ struct RowContext {
   float exposure;               ///< that the automatic one has now
 };
 
-/// A box for the word, and the number beside it. `present`: what the number is by itself.
+/// A checkbox for the automatic value, and the number beside it. `present`: the current automatic value.
 bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits& traits, float present) {
   bool automatic = !number.value->has_value();
   const bool changed = ImGui::Checkbox(std::string(number.word).c_str(), &automatic);

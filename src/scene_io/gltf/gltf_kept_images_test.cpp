@@ -1,4 +1,4 @@
-// Export keeps image files whose texels nobody has changed.
+// Exports write unchanged textures as their original image files.
 #include <gtest/gtest.h>
 
 #include "files/atomic_file.h"
