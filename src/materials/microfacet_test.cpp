@@ -185,7 +185,8 @@ TEST(EnergyTables, AreExactForSmoothSurfaces) {
 TEST(EnergyTables, HoldTheLayersThatAreNeeded) {
   for (const bool anisotropic : {true, false}) {
     for (const bool sheen : {true, false}) {
-      const EnergyTables& tables = layered_energy_tables({anisotropic, sheen});
+      const LayerTables needed{anisotropic, sheen};
+      const EnergyTables& tables = layered_energy_tables(needed);
       EXPECT_EQ(tables.anisotropic.directional.size > 0, anisotropic);
       EXPECT_EQ(tables.sheen.albedo.size > 0, sheen);
       EXPECT_EQ(tables.ggx.directional.data, energy_tables().ggx.directional.data);

@@ -42,7 +42,7 @@ inline Texture checkered(int size) {
   t.format = PixelFormat::rgba8_linear;
   for (int i = 0; i < size * size; ++i) {
     const auto code = static_cast<std::byte>((i % size < size / 2) == (i / size < size / 2) ? 255 : 0);
-    t.texels.insert(t.texels.end(), {code, code, code, std::byte{255}});
+    for (const std::byte value : {code, code, code, std::byte{255}}) t.texels.push_back(value);
   }
   return t;
 }
