@@ -21,7 +21,6 @@ Figure::Figure() {
     matrices[static_cast<size_t>(16 * joint + 13)] = static_cast<float>(-joint);
   }
   const int bind = file.accessor(matrices, 16, 5126);
-  file.doc["accessors"][static_cast<size_t>(bind)]["type"] = "MAT4";
   skin = file.add("skins", {{"name", "bones"}, {"joints", {lower, upper}}, {"inverseBindMatrices", bind}});
   node = file.add_root({{"name", "body"}, {"mesh", mesh}, {"skin", skin}});
 }

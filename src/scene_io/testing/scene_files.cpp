@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <fstream>
+#include <stdexcept>
 
+#include <fmt/format.h>
 #include <stb_image_write.h>
 #include <unistd.h>
 
@@ -12,8 +14,14 @@ namespace relume::testing {
 namespace {
 
 const char* type_name(int components) {
-  constexpr const char* kNames[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-  return kNames[components - 1];
+  switch (components) {
+    case 1: return "SCALAR";
+    case 2: return "VEC2";
+    case 3: return "VEC3";
+    case 4: return "VEC4";
+    case 16: return "MAT4";
+    default: throw std::invalid_argument(fmt::format("no accessor has {} components", components));
+  }
 }
 
 void append_u32(Bytes& bytes, uint32_t value) {

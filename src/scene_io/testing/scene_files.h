@@ -56,7 +56,7 @@ class GltfBuilder {
     return add_view(bytes);
   }
 
-  /// Accessor on a view of its own. `components` 1: SCALAR.
+  /// Accessor with its own view. `components`: 1 to 4, or 16 for MAT4.
   template <typename T>
   int accessor(const std::vector<T>& values, int components, int component_type, bool normalized = false) {
     return add_accessor(view(values), values.size() / static_cast<size_t>(components), components, component_type,
