@@ -9,6 +9,7 @@
 #include "builtin_scenes/builtin.h"
 #include "files/extension.h"
 #include "image.h"
+#include "ocio_option.h"
 #include "render/build_pipeline.h"
 #include "render/session.h"
 #include "render/stop_criteria.h"
@@ -35,7 +36,7 @@ FileRoles roles_of(const RenderOptions& options, const std::vector<std::filesyst
   FileRoles roles;
   roles.reads("SCENE", options.scene);
   roles.reads("--settings", options.settings_file);
-  roles.reads("--ocio", options.ocio.substr(0, options.ocio.rfind(':')));
+  roles.reads("--ocio", ocio_config(options.ocio));
   for (const std::filesystem::path& file : files) roles.writes("-o", file);
   roles.writes("--stats", options.stats);
   roles.writes("--resume", options.checkpoint);
@@ -62,22 +63,12 @@ PixelWindow parse_window(std::string_view text, std::string_view place) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
-/// nullptr if none was asked for. Throws UsageError where nothing would show it, or a flag asks for a tone map; those
-/// of files and presets give way.
-std::shared_ptr<const OcioView> make_ocio_view(const RenderOptions& options) {
-  if (options.ocio.empty()) return nullptr;
+/// Throws UsageError if the output holds radiance, which no view changes.
+void check_ocio_output(const RenderOptions& options) {
   const std::string extension = lower_extension(options.output);
-  if (extension == ".exr" || extension == ".hdr")
-    throw UsageError(fmt::format("{}: --ocio is for displayed images, and {} files hold radiance; write a PNG",
-                                 options.output, extension));
-  for (const auto& [name, value] : options.flags) {
-    if (name == "tone-map") throw UsageError("--ocio replaces --tone-map; give one of them");
-  }
-  const size_t colon = options.ocio.rfind(':');
-  if (colon == 0 || colon == options.ocio.npos || colon + 1 == options.ocio.size())
-    throw UsageError(fmt::format(
-        "--ocio is '{}', but must be a configuration and one of its views, such as config.ocio:Filmic", options.ocio));
-  return std::make_shared<const OcioView>(options.ocio.substr(0, colon), options.ocio.substr(colon + 1));
+  if (options.ocio.empty() || (extension != ".exr" && extension != ".hdr")) return;
+  throw UsageError(fmt::format("{}: --ocio is for displayed images, and {} files hold radiance; write a PNG",
+                               options.output, extension));
 }
 
 }  // namespace
@@ -97,7 +88,8 @@ RenderPlan make_plan(const RenderOptions& options) {
   }
   plan.roles = roles_of(options, plan.files);
   plan.crop = parse_window(options.crop, "--crop");
-  plan.ocio = make_ocio_view(options);
+  check_ocio_output(options);
+  plan.ocio = make_ocio_view(options.ocio, options.flags);
   plan.sources = {.preset = options.preset, .file = options.settings_file, .flags = options.flags};
   const RenderSettings settings = resolve(plan.sources).render;
   plan.threads = settings.threads;

@@ -18,6 +18,12 @@ std::vector<Option> declare(ViewOptions& o) {
        "FILE",
        0,
        Completion::file},
+      {{"ocio", &o.ocio,
+        "Show the image, and write PNG, through a view of an OpenColorIO configuration in place of the tone map, "
+        "whatever the scene, --preset or --settings choose"},
+       "CONFIG:VIEW",
+       0,
+       Completion::file},
       {{"target", &o.target_hz, "Rendered frames a second to hold by scaling the resolution", {.min = 1, .max = 240}}},
       {{"watch", &o.watch, "Read the scene again when its files change, with the same camera and settings"}},
       {{"smoke", &o.smoke, "Show no window, render this many frames, print a report as JSON and end", {.min = 0}}},

@@ -5,24 +5,9 @@ import json
 import struct
 import unittest
 
+from ocio import HALF_VIEW, is_missing
 from png import png_pixels
 from program import SMALL, ProgramTest, exr_header, exr_strings, run
-
-# A configuration whose view Half halves radiance.
-OCIO = """ocio_profile_version: 1
-roles: {default: lin, scene_linear: lin}
-displays:
-  screen:
-    - !<View> {name: Half, colorspace: half}
-active_displays: []
-active_views: []
-colorspaces:
-  - !<ColorSpace>
-    name: lin
-  - !<ColorSpace>
-    name: half
-    from_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
-"""
 
 
 class Images(ProgramTest):
@@ -56,10 +41,10 @@ class Images(ProgramTest):
         self.assertIn("--crop does not combine with a denoiser", done.stderr)
 
     def test_a_view_of_opencolorio_replaces_the_tone_map(self):
-        (self.folder / "half.ocio").write_text(OCIO)
+        (self.folder / "half.ocio").write_text(HALF_VIEW)
         look = [*SMALL, "--spp", "2", "--exposure", "0"]
         done = run("render", "furnace", "-o", "half.png", *map(str, look), "--env", "1,1,1", "--ocio", "half.ocio:Half", cwd=self.folder)
-        if "OpenColorIO, which was not found" in done.stderr:
+        if is_missing(done):
             self.skipTest(done.stderr)
         self.assertEqual(done.returncode, 0, done.stderr)
         _, _, _, rows = png_pixels(self.folder / "half.png")

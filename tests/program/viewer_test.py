@@ -10,6 +10,8 @@ import sys
 import unittest
 
 import display
+from ocio import HALF_VIEW, is_missing
+from png import png_pixels
 from program import PROGRAM, SMALL, exr_strings, run
 from viewer_steps import Viewer, combination_table, cube_ply, steps_to
 
@@ -285,6 +287,25 @@ class Settings(Viewer):
         keys = "key f12 1\nkey f12 1\nkey f12 1\n"
         self.view("cornell", f"frames 1\nset width 900\nset height 700\nset max-bounces 8\n{keys}", frames=2)
         self.assertEqual([name for name in self.files() if name.endswith(".png")], [f"relume-cornell-{i:04}.png" for i in (1, 2, 3)])
+
+    def test_a_view_of_opencolorio_replaces_the_tone_map(self):
+        (self.folder / "half.ocio").write_text(HALF_VIEW)
+        (self.folder / "agx.json").write_text('{"tone-map": "agx", "exposure": 0}')
+        (self.folder / "steps.txt").write_text("frames 1\nsave image.png\nframes 1\nscreenshot dark.png\nset exposure 1\nframes 1\nscreenshot window.png\n")
+        view = ["view", "furnace", "--env", "1,1,1", "--width", 240, "--height", 180, "--threads", 1, "--settings", "agx.json"]
+        done = run(*view, "--smoke", 1, "--script", "steps.txt", "--ocio", "half.ocio:Half", cwd=self.folder)
+        if is_missing(done):
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("radiance is taken as its role scene_linear, which is 'lin'", done.stderr)
+        self.assertEqual(set(png_pixels(self.folder / "image.png")[3][0]), {128})
+        for file, value in (("dark.png", 128), ("window.png", 255)):  # a stop brighter: all of the background's radiance
+            self.assertAlmostEqual(png_pixels(self.folder / file)[3][100][3], value, delta=1, msg=file)
+        for more, code, sentence in ((["half.ocio"], 2, "must be a configuration and one of its views"), (["half.ocio:Filmic"], 1, "it has Half"),
+                                     (["half.ocio:Half", "--tone-map", "agx"], 2, "give one of them"), (["none.ocio:Half"], 1, "none.ocio")):
+            done = run(*view, "--smoke", 1, "--ocio", *more, cwd=self.folder)
+            self.assertIn(sentence, done.stderr)
+            self.assertEqual(done.returncode, code, more)
 
     def test_a_goal_ends_it_too(self):
         report = self.view("cornell", "", "--width", 240, "--height", 180, "--spp", 4, frames=20)[-1]

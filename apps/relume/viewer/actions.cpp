@@ -58,14 +58,14 @@ std::filesystem::path free_name(const std::string& document, const std::string& 
 void post_image(State& state, std::function<std::filesystem::path()> name) {
   AllSettings shown = state.settings[0];
   shown.output.exposure = shown.output.exposure.value_or(state.automatic_exposure[0]);
-  state.renderer->post_task([name = std::move(name), settings = std::move(shown), renderer = state.renderer](
-                                const Session& session, const LoadedScene& scene) {
+  state.renderer->post_task([name = std::move(name), settings = std::move(shown), renderer = state.renderer,
+                             ocio = state.ocio](const Session& session, const LoadedScene& scene) {
     const std::filesystem::path file = name();
     std::vector<std::string> aovs;
     if (lower_extension(file) == ".exr") aovs = Session::aov_names(render_settings(session));
     const cli::Metadata metadata = cli::image_metadata(session, scene.name, settings, scene.load_s);
     const Display display = display_for(settings.output, session.image().pixels, session.in_studio());
-    cli::write_image(file, session, display, aovs, metadata);
+    cli::write_image(file, session, display, aovs, metadata, ocio.get());
     const std::string samples = cli::format_samples(session.kept_samples());
     renderer->add_notice({false, fmt::format("wrote {}; its pixels keep {} samples", file.string(), samples)});
   });

@@ -34,7 +34,7 @@ IVec2 window_size(const AllSettings& settings, bool fixed_size) {
 }  // namespace
 
 App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixed_size, ScriptPlayer script,
-         std::shared_ptr<const LoadedScene> scene)
+         std::shared_ptr<const LoadedScene> scene, std::shared_ptr<const OcioView> ocio)
     : options_(options),
       smoke_(options.smoke > 0),
       window_(window_size(settings, fixed_size).x, window_size(settings, fixed_size).y, "relume " + scene->name,
@@ -43,6 +43,7 @@ App::App(const cli::ViewOptions& options, const AllSettings& settings, bool fixe
   state_.renderer = &renderer_;
   renderer_.on_frame([this] { window_.hurry(); });
   state_.settings = {settings, settings};
+  state_.ocio = std::move(ocio);
   state_.follow_window = !fixed_size;
   state_.resolution_policy.target_hz = options.target_hz;
   state_.watches = options.watch;

@@ -4,17 +4,12 @@
 #include <cmath>
 #include <string>
 
-#include "core/srgb.h"
 #include "relume/error.h"
+#include "viewer/display_table.h"
 
 namespace relume::viewer {
 namespace {
 
-// The tone curves exist once, in framebuffer/tone_map.h. The shader reads them from a table over the logarithm of
-// radiance, fine enough that an error stays below one of 255 steps.
-constexpr int kCurveSize = 48;
-constexpr float kCurveMinEv = -12;
-constexpr float kCurveMaxEv = 8;
 constexpr int kPaletteSize = 256;
 
 constexpr const char* kVertexShader = R"(#version 330 core
@@ -26,13 +21,13 @@ void main() {
 
 constexpr const char* kFragmentShader = R"(#version 330 core
 uniform sampler2D values;
-uniform sampler3D curve;
+uniform sampler3D table;
 uniform sampler2D palette;
 uniform int mode;
 uniform int channel;
 uniform float scale;
 uniform vec2 range;
-uniform vec3 curve_ev;  // minimum, maximum, size
+uniform vec3 table_ev;  // minimum, maximum, size
 out vec4 color;
 
 vec3 srgb_from_linear(vec3 c) {
@@ -41,8 +36,8 @@ vec3 srgb_from_linear(vec3 c) {
 
 vec3 to_display(vec3 radiance) {
   vec3 ev = log2(max(radiance * scale, vec3(1e-9)));
-  vec3 t = clamp((ev - curve_ev.x) / (curve_ev.y - curve_ev.x), 0.0, 1.0);
-  return texture(curve, (t * (curve_ev.z - 1.0) + 0.5) / curve_ev.z).rgb;
+  vec3 t = clamp((ev - table_ev.x) / (table_ev.y - table_ev.x), 0.0, 1.0);
+  return texture(table, (t * (table_ev.z - 1.0) + 0.5) / table_ev.z).rgb;
 }
 
 void main() {
@@ -110,7 +105,7 @@ Rgb palette_color(float t) {
 
 DisplayShader::DisplayShader() : program_(link()) {
   glGenVertexArrays(1, &vertex_array_);
-  curve_ = make_texture(GL_TEXTURE_3D, GL_LINEAR);
+  table_ = make_texture(GL_TEXTURE_3D, GL_LINEAR);
   palette_ = make_texture(GL_TEXTURE_2D, GL_LINEAR);
   std::vector<Rgb> colors;
   for (int i = 0; i < kPaletteSize; ++i)
@@ -124,29 +119,20 @@ DisplayShader::DisplayShader() : program_(link()) {
 DisplayShader::~DisplayShader() {
   glDeleteSamplers(1, &nearest_);
   glDeleteTextures(1, &palette_);
-  glDeleteTextures(1, &curve_);
+  glDeleteTextures(1, &table_);
   glDeleteVertexArrays(1, &vertex_array_);
   glDeleteProgram(program_);
 }
 
-void DisplayShader::use_tone_map(ToneMap curve) {
+void DisplayShader::use_table(const DisplayTransform& wish) {
   glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_3D, curve_);
-  if (curve_of_ == static_cast<int>(curve)) return;
-  curve_of_ = static_cast<int>(curve);
-  std::array<float, kCurveSize> radiance;
-  for (int i = 0; i < kCurveSize; ++i) {
-    const float t = static_cast<float>(i) / (kCurveSize - 1);
-    radiance[static_cast<size_t>(i)] = i == 0 ? 0.0f : std::exp2(lerp(kCurveMinEv, kCurveMaxEv, t));
-  }
-  std::vector<Rgb> table;
-  table.reserve(kCurveSize * kCurveSize * kCurveSize);
-  for (const float b : radiance) {
-    for (const float g : radiance) {
-      for (const float r : radiance) table.push_back(srgb_from_linear(tone_map(curve, 0, Rgb(r, g, b))));
-    }
-  }
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, kCurveSize, kCurveSize, kCurveSize, 0, GL_RGB, GL_FLOAT, table.data());
+  glBindTexture(GL_TEXTURE_3D, table_);
+  if (table_of_ == std::pair(wish.ocio, wish.tone_map)) return;
+  table_of_ = {wish.ocio, wish.tone_map};
+  const DisplayTable table = wish.ocio ? display_table(*wish.ocio) : display_table(wish.tone_map);
+  table_size_ = table.size;
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB32F, table.size, table.size, table.size, 0, GL_RGB, GL_FLOAT,
+               table.colors.data());
 }
 
 GlImage::GlImage() {
@@ -188,14 +174,14 @@ bool GlImage::to_display(DisplayShader& display_shader, const DisplayTransform& 
   glUseProgram(display_shader.program_);
   const auto uniform = [&](const char* name) { return glGetUniformLocation(display_shader.program_, name); };
   glUniform1i(uniform("values"), 0);
-  glUniform1i(uniform("curve"), 1);
+  glUniform1i(uniform("table"), 1);
   glUniform1i(uniform("palette"), 2);
   glUniform1i(uniform("mode"), static_cast<int>(wish.mode));
   glUniform1i(uniform("channel"), wish.channel);
   glUniform1f(uniform("scale"), std::exp2(wish.exposure));
   glUniform2f(uniform("range"), wish.range.x, wish.range.y);
-  glUniform3f(uniform("curve_ev"), kCurveMinEv, kCurveMaxEv, static_cast<float>(kCurveSize));
-  display_shader.use_tone_map(wish.tone_map);
+  display_shader.use_table(wish);
+  glUniform3f(uniform("table_ev"), kTableMinEv, kTableMaxEv, static_cast<float>(display_shader.table_size_));
   glActiveTexture(GL_TEXTURE2);
   glBindTexture(GL_TEXTURE_2D, display_shader.palette_);
   glActiveTexture(GL_TEXTURE0);

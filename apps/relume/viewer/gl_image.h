@@ -2,11 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/vec.h"
 #include "framebuffer/tone_map.h"
 #include "viewer/gl.h"
+
+namespace relume {
+class OcioView;
+}  // namespace relume
 
 namespace relume::viewer {
 
@@ -21,7 +27,8 @@ enum class DisplayMode : int {
 struct DisplayTransform {
   DisplayMode mode = DisplayMode::radiance;
   ToneMap tone_map = ToneMap::agx;
-  float exposure = 0;  ///< stops
+  const OcioView* ocio = nullptr;  ///< replaces `tone_map`, which is then always the same; nullptr: none
+  float exposure = 0;              ///< stops
   Vec2 range{0, 1};
   int channel = 0;  ///< of false_color; -1: length of the vector
   bool operator==(const DisplayTransform&) const = default;
@@ -31,7 +38,7 @@ struct DisplayTransform {
 /// saturation 1). Display-encoded.
 Rgb palette_color(float t);
 
-/// Shader, tone curves and palette, shared by all images. Needs a current context for as long as it lives.
+/// Shader, display table and palette, shared by all images. Needs a current context for as long as it lives.
 class DisplayShader {
  public:
   DisplayShader();
@@ -43,14 +50,16 @@ class DisplayShader {
 
  private:
   friend class GlImage;
-  void use_tone_map(ToneMap tone_map);
+  /// Binds the table of the tone map or OpenColorIO view.
+  void use_table(const DisplayTransform& wish);
 
   GLuint program_ = 0;
   GLuint vertex_array_ = 0;
-  GLuint curve_ = 0;    ///< 3D: encoded radiance to display colour
+  GLuint table_ = 0;    ///< 3D: DisplayTable
   GLuint palette_ = 0;  ///< 2D, one row
   GLuint nearest_ = 0;  ///< sampler
-  int curve_of_ = -1;
+  int table_size_ = 0;
+  std::optional<std::pair<const OcioView*, ToneMap>> table_of_;
 };
 
 class GlImage {

@@ -84,7 +84,15 @@ struct RowContext {
   const AllSettings& settings;
   const SettingList& standard;  ///< what "reset" goes back to
   float exposure;               ///< that the automatic one has now
+  bool ocio;                    ///< an OpenColorIO view replaces the tone map
 };
+
+/// Why the setting has no effect, as a sentence; empty if it has one.
+std::string why_inactive(const RowContext& context, const Setting& setting) {
+  if (context.ocio && setting.name == "tone-map") return "The view of --ocio replaces it.";
+  const std::string choice = takes_effect_with(context.settings, setting.name);
+  return choice.empty() ? choice : "Takes effect with " + choice + ".";
+}
 
 /// A checkbox for the automatic value, and the number beside it. `present`: the current automatic value.
 bool optional_number_widget(const OptionalNumberRef& number, const SettingTraits& traits, float present) {
@@ -113,14 +121,14 @@ std::string help_of(const Setting& setting, const Setting& standard, const std::
                                  to_string(standard).empty() ? "empty" : to_string(standard));
   if (setting.traits.resets_history) text += "\nA change drops what earlier frames have accumulated.";
   if (setting.traits.biases) text += "\nSome values change the expected image.";
-  if (!inactive.empty()) text += "\nTakes effect with " + inactive + ".";
+  if (!inactive.empty()) text += "\n" + inactive;
   return text;
 }
 
 /// One line: name, widget, and on a right click the default.
 bool setting_row(const RowContext& context, const Setting& setting) {
   const Setting& standard = *find_setting(context.standard, setting.name);
-  const std::string inactive = takes_effect_with(context.settings, setting.name);
+  const std::string inactive = why_inactive(context, setting);
   const bool differs = load(setting) != load(standard);
   ImGui::PushID(setting.name.c_str());
   ImGui::TableNextRow();
@@ -247,7 +255,8 @@ void draw_settings_panel(State& state) {
   AllSettings wanted = state.settings[static_cast<size_t>(state.edited_side)];
   const SettingList standard = describe(state.defaults);
   draw_search(state, standard.size());
-  const RowContext context{wanted, standard, state.automatic_exposure[static_cast<size_t>(state.edited_side)]};
+  const RowContext context{wanted, standard, state.automatic_exposure[static_cast<size_t>(state.edited_side)],
+                           state.ocio != nullptr};
   ImGui::BeginChild("settings");
   std::vector<SettingGroup> groups = setting_groups(wanted);
   bool changed = false;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "framebuffer/ocio_view.h"
 #include "viewer/camera_path.h"
 #include "viewer/document.h"
 #include "viewer/file_watch.h"
@@ -94,6 +95,7 @@ struct State {
   bool follow_window = true;  ///< the image's size is that of its place in the window
   bool paused = false;
   ResolutionPolicy resolution_policy;
+  std::shared_ptr<const OcioView> ocio;  ///< shows the image in place of the tone map; nullptr: the tone map
 
   std::string buffer;
   Inspector inspector;

@@ -11,6 +11,7 @@
 #include "file_roles.h"
 #include "files/atomic_file.h"
 #include "image.h"
+#include "ocio_option.h"
 #include "platform.h"
 #include "render/settings.h"
 #include "scene_source.h"
@@ -34,6 +35,7 @@ FileRoles roles_of(const ViewOptions& options, const std::vector<viewer::ScriptS
   roles.reads("SCENE", options.scene);
   roles.reads("--settings", options.settings_file);
   roles.reads("--script", options.script);
+  roles.reads("--ocio", ocio_config(options.ocio));
   roles.writes("--screenshot", options.screenshot);
   for (const viewer::ScriptStep& step : steps) {
     if (step.verb != "save" && step.verb != "save-view" && step.verb != "screenshot") continue;
@@ -57,6 +59,7 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   if (!options.screenshot.empty()) check_image_file(options.screenshot, {});
   std::vector<viewer::ScriptStep> steps = load_script(options.script);
   FileRoles roles = roles_of(options, steps);
+  std::shared_ptr<const OcioView> ocio = make_ocio_view(options.ocio, options.flags);
   viewer::Window::require_display();
   const double start_s = now_s();
   const auto read_from = std::filesystem::file_time_type::clock::now();
@@ -74,10 +77,11 @@ int run_view(const ViewOptions& options, const Verbosity& verbosity) {
   choose_variant(scene, settings.scene.variant);
   const double load_s = now_s() - start_s;
   warn_all(verbosity, scene);
+  if (ocio && !ocio->note().empty()) log_info(verbosity, ocio->note());
   viewer::LoadedScene loaded{options.scene, std::move(scene), load_s, read_from};
   viewer::App app(options, settings, viewer::chooses_size(sources),
                   viewer::ScriptPlayer(std::move(steps), options.script),
-                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)));
+                  std::make_shared<const viewer::LoadedScene>(std::move(loaded)), std::move(ocio));
   app.run();
   if (app.loading()) {
     // A scene that is still being loaded would never be shown: do not wait for it.

@@ -13,6 +13,7 @@ struct ViewOptions {
   std::string scene = "cornell";
   std::string preset;
   std::string settings_file;
+  std::string ocio;        ///< "CONFIG:VIEW"; empty: the tone map
   std::string script;      ///< file of steps; empty: none
   std::string screenshot;  ///< of the window, at the end; empty: none
   int smoke = 0;           ///< frames to render without showing a window; 0: an ordinary window

@@ -58,7 +58,8 @@ DisplayTransform Viewport::display_transform(const State& state, int side) const
   const ViewerFrame* frame = state.frames[static_cast<size_t>(side)].get();
   const bool in_studio = frame != nullptr && frame->in_studio;
   const Display display = display_for(settings.output, state.automatic_exposure[static_cast<size_t>(side)], in_studio);
-  d.tone_map = display.tone_map;
+  d.ocio = state.ocio.get();
+  if (!d.ocio) d.tone_map = display.tone_map;
   d.exposure = display.exposure;
   return d;
 }
