@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -59,6 +58,13 @@ void RenderThread::post_task(Task task) {
   const std::lock_guard lock(mutex_);
   tasks_.push_back(std::move(task));
   wake_.notify_one();
+}
+
+std::optional<double> RenderThread::compiling_since_s() const {
+  for (const SessionSlot& slot : slots_) {
+    if (const std::optional<double> since_s = slot.compiling_since_s()) return since_s;
+  }
+  return std::nullopt;
 }
 
 std::shared_ptr<const ViewerFrame> RenderThread::frame(int side) const {

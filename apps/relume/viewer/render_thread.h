@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 #include <utility>
@@ -43,6 +44,10 @@ class RenderThread {
   using Task = std::function<void(const Session&, const LoadedScene&)>;
   /// Asks for something to be done between two frames, once there is an image: it may take as long as it likes.
   void post_task(Task task);
+
+  /// When the compilation in progress began, of a new scene or again after an edit, by now_s(); std::nullopt without
+  /// one.
+  std::optional<double> compiling_since_s() const;
 
   /// The newest frame of a side; nullptr before the first.
   std::shared_ptr<const ViewerFrame> frame(int side) const;

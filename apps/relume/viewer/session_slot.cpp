@@ -2,11 +2,34 @@
 
 #include <algorithm>
 
+#include "core/clock.h"
 #include "viewer/inspect.h"
 
 namespace relume::viewer {
+namespace {
+
+/// Holds a value until the end of the scope.
+class ScopedValue {
+ public:
+  ScopedValue(std::atomic<double>& target, double value) : target_(target), before_(target.exchange(value)) {}
+  ~ScopedValue() { target_ = before_; }
+  ScopedValue(const ScopedValue&) = delete;
+  ScopedValue& operator=(const ScopedValue&) = delete;
+
+ private:
+  std::atomic<double>& target_;
+  double before_;
+};
+
+}  // namespace
+
+std::optional<double> SessionSlot::compiling_since_s() const {
+  const double since_s = compiling_since_s_;
+  return since_s == kNotCompiling ? std::nullopt : std::optional(since_s);
+}
 
 void SessionSlot::compile(const RenderRequest& request, const RenderSettings& settings) {
+  const ScopedValue compiling(compiling_since_s_, now_s());
   // The old session stays until the new one stands: a scene that cannot be compiled leaves everything as it was.
   Scene scene = request.scene->scene;
   // Compiling lights a scene that has no light, so it has to know the environment that counts.

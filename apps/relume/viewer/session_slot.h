@@ -1,6 +1,7 @@
 // One side of the viewer: a session that follows requests.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,12 +17,17 @@ class SessionSlot {
   /// as it was.
   void update(const RenderRequest& request, int side, const IVec2& size);
 
+  /// When the compilation in progress began, by now_s(); std::nullopt without one. On any thread.
+  std::optional<double> compiling_since_s() const;
+
   void close() { session_.reset(); }
   Session* session() { return session_ ? &*session_ : nullptr; }
   const Session* session() const { return session_ ? &*session_ : nullptr; }
   const std::shared_ptr<const LoadedScene>& scene() const { return scene_; }
 
  private:
+  static constexpr double kNotCompiling = -1;
+
   void compile(const RenderRequest& request, const RenderSettings& settings);
   void apply(const SceneEdits& edits);
 
@@ -31,6 +37,7 @@ class SessionSlot {
   std::string variant_;       ///< that it was compiled with
   uint64_t applied_ = 0;      ///< newest edit that the session has taken on
   uint64_t environment_ = 0;  ///< edit of the environment that it was compiled with
+  std::atomic<double> compiling_since_s_ = kNotCompiling;
 };
 
 /// What lies under a point of the image, (0, 0) its top left corner and (1, 1) the opposite one.

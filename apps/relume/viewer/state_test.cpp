@@ -9,9 +9,14 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "builtin_scenes/builtin.h"
+#include "core/clock.h"
 #include "files/testing/temp_folder.h"
 #include "relume/scene_io.h"
+#include "viewer/preparation_lines.h"
+#include "viewer/render_thread.h"
 
 namespace relume::viewer {
 namespace {
@@ -93,6 +98,42 @@ TEST_F(StateTest, AReloadKeepsEditsOrNamesThem) {
   EXPECT_EQ(state_.document->outline().environment.color, light.color);
   const bool kept = state_.document->edits().materials.size() == 1;
   EXPECT_NE(kept, said("are lost"));
+}
+
+TEST(PreparationLines, ASceneThatIsCompiledAgainIsNamed) {
+  State state;
+  RenderThread renderer;
+  state.renderer = &renderer;
+  Scene water = find_builtin_scene("cornell-water")->build();  // takes a while
+  show_document(state, std::make_shared<const LoadedScene>(LoadedScene{"cornell-water", std::move(water)}), true);
+  for (AllSettings& side : state.settings) {
+    side.render.width = 32;
+    side.render.height = 24;
+    side.render.threads = 1;
+  }
+  const auto lines_before_frame_of = [&](uint64_t version) {
+    std::vector<std::string> seen;
+    renderer.post(make_request(state, version, version));
+    for (;;) {
+      state.frames[0] = renderer.frame(0);
+      if (state.frame() && state.frame()->request_version >= version) return seen;
+      state.now_s = now_s() + 1;  // later than a moment after any beginning
+      for (std::string& line : preparation_lines(state)) seen.push_back(std::move(line));
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+  };
+  const auto is_compiling = [](const std::string& line) { return line.starts_with("compiling cornell-water ..."); };
+  const auto first = lines_before_frame_of(1);
+  EXPECT_FALSE(first.empty());
+  EXPECT_TRUE(std::all_of(first.begin(), first.end(), is_compiling));
+  EXPECT_TRUE(preparation_lines(state).empty());
+  change_setting(state, 0, "max-bounces", "1");
+  EXPECT_TRUE(lines_before_frame_of(2).empty()) << "nothing is compiled";
+  change_setting(state, 0, "texture-filter", "encoded");
+  const auto again = lines_before_frame_of(3);
+  EXPECT_FALSE(again.empty());
+  EXPECT_TRUE(std::all_of(again.begin(), again.end(), is_compiling));
+  EXPECT_TRUE(preparation_lines(state).empty());
 }
 
 }  // namespace

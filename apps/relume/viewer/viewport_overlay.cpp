@@ -1,14 +1,13 @@
 // What the viewport writes over the image.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
-#include "core/activity.h"
 #include "reports.h"
 #include "viewer/inspect.h"
+#include "viewer/preparation_lines.h"
 #include "viewer/theme.h"
 #include "viewer/viewport.h"
 
@@ -41,16 +40,6 @@ std::string status_of(const State& state, const ViewerFrame& frame) {
   return text;
 }
 
-/// "compiling mine ...", with the step that is in progress.
-std::string preparation_line(const char* what, const std::string& scene) {
-  std::optional<std::string> step = current_activity();
-  if (step && step->starts_with(what)) step.reset();  // the same, with the name of the file
-  return fmt::format("{} {} ...{}", what, scene, step ? "  " + *step : "");
-}
-
-/// Whether no frame shows the present scene yet.
-bool is_compiling(const State& state) { return !state.frame() || state.frame()->scene != state.document->loaded(); }
-
 }  // namespace
 
 void Viewport::draw_overlay(const State& state) const {
@@ -61,12 +50,8 @@ void Viewport::draw_overlay(const State& state) const {
     label(list, at, status_of(state, *frame));
     at.y += line;
   }
-  if (is_compiling(state)) {
-    label(list, at, preparation_line("compiling", state.document->name()), kAccent);
-    at.y += line;
-  }
-  if (state.loading.valid()) {
-    label(list, at, preparation_line("loading", state.loading_name), kAccent);
+  for (const std::string& text : preparation_lines(state)) {
+    label(list, at, text, kAccent);
     at.y += line;
   }
   if (state.path.recording) {
