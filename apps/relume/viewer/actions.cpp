@@ -223,11 +223,15 @@ void finish_pick(State& state) {
 
 Index selected_node(const State& state) {
   const Selection& selection = state.selection;
-  if (selection.kind == Selected::node) return selection.index;
+  if (selection.kind == Selected::node) return state.document->mover(selection.index).node;
   return selection.kind == Selected::light ? state.document->node_of_light(selection.index) : kNone;
 }
 
 void drag_selection(State& state, const Vec2& delta) {
+  if (state.selection.kind == Selected::node) {
+    if (const Mover mover = state.document->mover(state.selection.index); mover.node == kNone)
+      return state.notify(mover.problem, true);
+  }
   const CameraPose camera = current_camera(state);
   const float depth = selection_depth(state, camera);
   if (!(depth > 0)) return;

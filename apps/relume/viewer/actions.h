@@ -41,7 +41,8 @@ void pick_at(State& state, const Vec2& point, bool focus);
 /// Takes the answer.
 void finish_pick(State& state);
 
-/// The node that places what is selected; kNone for what has no place.
+/// The node that places what is selected, which for a skinned mesh is Document::mover(); kNone for what has no place or
+/// cannot be moved.
 Index selected_node(const State& state);
 
 /// Shows the buffer "directions" for a point of the image, if a technique fills it; else a message says what would.

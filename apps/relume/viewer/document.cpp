@@ -197,7 +197,7 @@ void Document::for_each_box(Index node, const F& f) const {
 
 std::vector<std::pair<Box, Mat4>> Document::boxes(Index node, size_t most) const {
   std::vector<std::pair<Box, Mat4>> result;
-  const std::vector<bool> wanted = below(node);
+  const std::vector<bool> wanted = carried(node);
   for (size_t i = 0; i < wanted.size() && result.size() < most; ++i) {
     if (!wanted[i]) continue;
     for_each_box(static_cast<Index>(i), [&](const Box& box, const Mat4& to_world) {
@@ -213,7 +213,7 @@ void Document::add_bounds(Index node, Box& sum) const {
 
 Box Document::bounds(Index node) const {
   Box sum;
-  const std::vector<bool> wanted = below(node);
+  const std::vector<bool> wanted = carried(node);
   for (size_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i]) add_bounds(static_cast<Index>(i), sum);
   }

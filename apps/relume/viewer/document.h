@@ -14,6 +14,12 @@
 
 namespace relume::viewer {
 
+/// The node whose motion moves the meshes of another one.
+struct Mover {
+  Index node = kNone;
+  std::string problem;  ///< why there is none, for the user; empty if there is one
+};
+
 class Document {
  public:
   explicit Document(std::shared_ptr<const LoadedScene> loaded);
@@ -51,6 +57,13 @@ class Document {
   /// Has the scene compiled so that the node can move. Returns whether that is news.
   bool make_movable(Index node);
 
+  /// The node itself, except for a skinned mesh, which follows its joints alone: then the nearest common ancestor of
+  /// the joints, or the first node above it that no animation moves. A figure keeps its animation while it is moved.
+  Mover mover(Index node) const;
+
+  /// The node's name, or "node 3" without one.
+  std::string node_name(Index node) const;
+
   /// Where the node is now, below its parent.
   Transform transform(Index node) const;
   /// Moves a node by a vector in world space.
@@ -59,10 +72,11 @@ class Document {
   float time_s() const { return edits_.time_s.value; }
   float duration_s() const { return duration_s_; }  ///< of the clips that play
   const std::vector<Mat4>& world() const;           ///< one a node, now
-  /// Boxes of the meshes of the node and those below it, each in its own coordinates, with the matrix from there to the
-  /// world; at most `most`.
+  /// Boxes of the meshes that the node carries, each in its own coordinates, with the matrix from there to the world;
+  /// at most `most`. A node carries its own meshes, those of the nodes below it, and skinned ones with a joint among
+  /// these.
   std::vector<std::pair<Box, Mat4>> boxes(Index node, size_t most) const;
-  /// Of the meshes of the node and those below it; empty without any.
+  /// Of the meshes that the node carries; empty without any.
   Box bounds(Index node) const;
   Box bounds() const;
   /// The first node that carries the light; kNone if there is none.
@@ -70,7 +84,10 @@ class Document {
   bool has_environment_map() const { return !environment_->map.empty(); }
 
  private:
-  std::vector<bool> below(Index ancestor) const;  ///< by node: whether it is the ancestor or stems from it
+  std::vector<bool> below(Index ancestor) const;    ///< by node: whether it is the ancestor or stems from it
+  std::vector<bool> carried(Index ancestor) const;  ///< by node: whether the ancestor carries its meshes
+  bool has_skinned_mesh(Index node) const;
+  bool has_animated_transform(Index node) const;  ///< in any clip, unless an edit has ended that
   void use(std::shared_ptr<const Environment> environment);
   void add_bounds(Index node, Box& sum) const;  ///< of its own meshes
   /// A mesh of the node as it is deformed now; in the world if it is skinned, else in the mesh's own coordinates.

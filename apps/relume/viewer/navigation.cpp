@@ -18,7 +18,7 @@ constexpr float kLeastDistance = 0.05f;  // of a pivot that is chosen straight a
 /// What the selection covers; the whole scene where nothing with a place is selected.
 Box selected_box(const State& state) {
   const Document& document = *state.document;
-  const Index node = selected_node(state);
+  const Index node = state.selection.kind == Selected::node ? state.selection.index : selected_node(state);
   if (node == kNone) return document.bounds();
   Box box = document.bounds(node);
   if (!box.empty()) return box;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "scene/scene.h"
+#include "scene/testing/figure.h"
 #include "viewer/actions.h"
 #include "viewer/state.h"
 
@@ -116,6 +117,43 @@ TEST(Navigation, TheWheelStaysWithinSightOfTheScene) {
   for (int i = 0; i < 200; ++i) stage.wheel(3);
   EXPECT_GT(stage.distance(), 0);
   EXPECT_LT(stage.distance(), 0.01f * diagonal);
+}
+
+/// A figure that is bent after a second, in place of the plate.
+struct FigureStage : Stage {
+  explicit FigureStage(Scene scene) {
+    state.document.emplace(std::make_shared<const LoadedScene>(LoadedScene{"figure", std::move(scene)}));
+    auto frame = std::make_shared<ViewerFrame>(*state.frames[0]);
+    frame->scene = state.document->loaded();
+    state.frames[0] = std::move(frame);
+    state.selection = {Selected::node, 0};
+  }
+};
+
+TEST(Navigation, AFigureIsFramedAsItIsBent) {
+  FigureStage stage(testing::figure());  // which nothing can move
+  frame_selection(stage.state);
+  const Vec3 straight = stage.state.navigation.pivot;
+  stage.state.document->set_time(1);
+  frame_selection(stage.state);
+  EXPECT_EQ(stage.state.navigation.pivot, stage.state.document->bounds(0).center());
+  EXPECT_GT(glm::length(stage.state.navigation.pivot - straight), 0.1f);
+}
+
+TEST(Navigation, AFigureIsDraggedByItsJointsOrRefusesWithAMessage) {
+  FigureStage refused(testing::figure());
+  EXPECT_EQ(selected_node(refused.state), kNone);
+  drag_selection(refused.state, {0.1f, 0});
+  EXPECT_TRUE(refused.state.document->edits().nodes.empty());
+  ASSERT_EQ(refused.state.toasts.size(), 1u);
+  EXPECT_NE(refused.state.toasts[0].text.find("is animated"), std::string::npos);
+
+  Scene scene = testing::figure();
+  scene.nodes[1].parent = scene.add_node(Node());
+  FigureStage stage(std::move(scene));
+  const Vec3 before = stage.state.document->bounds(0).center();
+  drag_selection(stage.state, {0.1f, 0});
+  EXPECT_GT(glm::length(stage.state.document->bounds(0).center() - before), 0.01f);
 }
 
 }  // namespace

@@ -33,6 +33,21 @@ void draw_transform(State& state, Index node) {
   state.touch();
 }
 
+void draw_dim(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, kTextDim);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+/// Places the node that moves the object, which for a skinned mesh is another one.
+void draw_object(State& state, Index node) {
+  const Mover mover = state.document->mover(node);
+  if (mover.node == kNone) return draw_dim(mover.problem);
+  draw_transform(state, mover.node);
+  if (mover.node == node) return;
+  draw_dim(fmt::format("Places '{}', which carries the joints of this skin.", state.document->node_name(mover.node)));
+}
+
 void draw_light(State& state, Index index) {
   PunctualLight light = state.document->outline().lights[static_cast<size_t>(index)];
   bool changed = radiant_widget("intensity", light.intensity, type_of(light).unit);
@@ -133,10 +148,7 @@ void draw_environment(State& state) {
 void draw_selection(State& state) {
   const Selection selection = state.selection;
   if (selection.kind == Selected::nothing) {
-    ImGui::PushStyleColor(ImGuiCol_Text, kTextDim);
-    ImGui::TextWrapped("Click something in the image, or choose from the lists below, to change it.");
-    ImGui::PopStyleColor();
-    return;
+    return draw_dim("Click something in the image, or choose from the lists below, to change it.");
   }
   const Scene& scene = state.document->outline();
   const auto at = static_cast<size_t>(selection.index);
@@ -147,7 +159,7 @@ void draw_selection(State& state) {
   heading(
       fmt::format("{} {}", kKinds[static_cast<int>(selection.kind)], name.empty() ? std::to_string(at) : name).c_str());
   ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
-  if (selection.kind == Selected::node) draw_transform(state, selection.index);
+  if (selection.kind == Selected::node) draw_object(state, selection.index);
   if (selection.kind == Selected::light) draw_light(state, selection.index);
   if (selection.kind == Selected::material) draw_material(state, selection.index);
   ImGui::PopItemWidth();
