@@ -49,21 +49,19 @@ RELUME_HD inline Lobe* add_multiple_reflection(Bsdf& bsdf, const Rgb& f0, float 
 }
 
 /// Whether refraction bends light visibly. Where it does not, microfacets do nothing, and half vectors are rounding.
-RELUME_HD inline bool bends(const MaterialData& material) { return std::fabs(material.ior - 1.0f) > 1e-3f; }
+RELUME_HD inline bool bends(float ior) { return std::fabs(ior - 1.0f) > 1e-3f; }
 
 /// Index beyond the surface over that on the viewer's side, of a material with a volume.
-RELUME_HD inline float relative_index(const MaterialData& material, bool front_face) {
-  return front_face ? material.ior : 1.0f / material.ior;
-}
+RELUME_HD inline float relative_index(float ior, bool front_face) { return front_face ? ior : 1.0f / ior; }
 
 RELUME_HD inline Lobe& add_transmission(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
                                         const Rgb& f0, const Rgb& f90, float weight, bool front_face,
                                         const Microfacet& microfacet) {
-  const Microfacet interface { microfacet.model, bends(material) ? microfacet.alpha : 0.0f };
+  const Microfacet interface { microfacet.model, bends(m.ior) ? microfacet.alpha : 0.0f };
   const LobeKind refracting = interface.smooth() ? LobeKind::smooth_dielectric : LobeKind::dielectric;
   const LobeKind passing = microfacet.smooth() ? LobeKind::null : LobeKind::thin_transmission;
   Lobe& lobe = material.volume ? add(bsdf, refracting, interface) : add(bsdf, passing, microfacet);
-  if (material.volume) lobe.eta = relative_index(material, front_face);
+  if (material.volume) lobe.eta = relative_index(m.ior, front_face);
   lobe.color = m.base_color;
   lobe.f0 = f0;
   lobe.f90 = f90;
@@ -130,7 +128,8 @@ RELUME_HD inline void add_layers(Bsdf& bsdf, const MaterialSample& m, const Mate
 
 /// Lobes for a point seen at `cos_theta_o` > 0. The dielectric part of the material is an interface over a diffuse base
 /// or, by the share `transmission`, over a transparent one; metallic blends towards a metal whose F0 is the base
-/// colour.
+/// colour. Light is refracted with the index of `m`; the reflectance at normal incidence is that of `material`, the
+/// same at all wavelengths.
 RELUME_HD inline void make_bsdf(Bsdf& bsdf, const MaterialSample& m, const MaterialData& material,
                                 const EnergyTables& tables, float cos_theta_o, bool front_face) {
   using namespace bsdf_assembly;

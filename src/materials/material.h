@@ -1,6 +1,7 @@
 // Materials as kernels see them; relume/scene.h documents the meaning of each parameter.
 #pragma once
 
+#include "materials/dispersion.h"
 #include "materials/fresnel.h"
 #include "materials/microfacet.h"
 #include "materials/texture.h"
@@ -17,7 +18,8 @@ struct MaterialData {
   float alpha_cutoff = 0.5f;
   Rgb specular_color{1};
   float specular = 1;
-  float ior = 1.5f;
+  float ior = 1.5f;      ///< at the line d
+  float dispersion = 0;  ///< 20 over the Abbe number; 0 where nothing is refracted
   float transmission = 0;
   Rgb absorption{0};  ///< per metre, inside
   float clearcoat = 0;
@@ -60,20 +62,22 @@ struct MaterialSample {
   float roughness = 1;
   float specular = 1;
   Rgb specular_color{1};
+  float ior = 1.5f;  ///< at the wavelength of the path
   float transmission = 0;
   float clearcoat = 0;
   float clearcoat_roughness = 0;
 };
 
-/// `fetch(use)` looks a texture up at that point.
+/// `fetch(use)` looks a texture up at that point. `wavelength_nm`: of the path, or kNoWavelength.
 template <typename Fetch>
-RELUME_HD_INLINE MaterialSample sample_material(const MaterialData& m, const Fetch& fetch) {
+RELUME_HD_INLINE MaterialSample sample_material(const MaterialData& m, float wavelength_nm, const Fetch& fetch) {
   MaterialSample s;
   s.base_color = m.base_color;
   s.metallic = m.metallic;
   s.roughness = m.roughness;
   s.specular = m.specular;
   s.specular_color = m.specular_color;
+  s.ior = index_at(m.ior, m.dispersion, wavelength_nm);
   s.transmission = m.transmission;
   s.clearcoat = m.clearcoat;
   s.clearcoat_roughness = m.clearcoat_roughness;

@@ -89,11 +89,14 @@ struct MaterialCase {
   bool volume = false;
   float ior = 1.5f;
   std::optional<LayerSample> layers = {};
+  float dispersion = 0;
+  float wavelength_nm = kNoWavelength;
 };
 
 inline BsdfCase full_material(const MaterialCase& m, float roughness, MicrofacetModel model) {
   MaterialSample sample = m.sample;
   sample.roughness = roughness;
+  sample.ior = index_at(m.ior, m.dispersion, m.wavelength_nm);
   MaterialData data;
   data.volume = m.volume;
   data.ior = m.ior;
@@ -102,7 +105,7 @@ inline BsdfCase full_material(const MaterialCase& m, float roughness, Microfacet
   if (sample.clearcoat > 0.0f && sample.clearcoat_roughness > 0.1f)
     alpha = std::fmin(alpha, sqr(sample.clearcoat_roughness));
   return {m.name + ", r " + std::to_string(roughness).substr(0, 4) + ", " + to_string(model), alpha,
-          m.volume ? m.ior : 1.0f, [=](float cos_theta_o, bool front_face) {
+          m.volume ? sample.ior : 1.0f, [=](float cos_theta_o, bool front_face) {
             Bsdf bsdf{};
             if (m.layers) {
               make_layered_bsdf(bsdf, sample, *m.layers, data, layered_energy_tables(), cos_theta_o, front_face);
@@ -111,6 +114,17 @@ inline BsdfCase full_material(const MaterialCase& m, float roughness, Microfacet
             }
             return bsdf;
           }};
+}
+
+/// Glasses at both ends of the range of wavelengths.
+inline void add_dispersive(std::vector<MaterialCase>& list) {
+  constexpr float kFlint = 20.0f / 30.0f;
+  MaterialSample clear;
+  clear.metallic = 0;
+  clear.transmission = 1;
+  list.push_back({"violet in glass", clear, true, 1.7f, {}, kFlint, kShortestWavelength});
+  list.push_back({"red in glass", clear, true, 1.7f, {}, kFlint, kLongestWavelength});
+  list.push_back({"red without refraction", clear, true, 1.7f, {}, 1000, kLongestWavelength});
 }
 
 /// What glTF can say: metals, plastics, glass, walls, coats, and what lies between.
@@ -152,6 +166,7 @@ inline std::vector<MaterialCase> material_list() {
   list.push_back(tinted);
   list.push_back(gilded);
   list.push_back({"air", sample(blue, 0, 1), true, 1.0f});
+  add_dispersive(list);
   return list;
 }
 
