@@ -76,7 +76,8 @@ struct Material {
   bool cull_back_faces = false;  ///< the camera sees through the back, as glTF asks for single-sided faces
   bool unlit = false;            ///< KHR_materials_unlit: base colour is emitted, nothing is reflected
 
-  float ior = 1.5f;             ///< KHR_materials_ior
+  float ior = 1.5f;             ///< KHR_materials_ior; at the line d, 587.56 nm
+  float dispersion = 0;         ///< KHR_materials_dispersion: 20 over the Abbe number; needs a thickness
   float specular = 1;           ///< KHR_materials_specular
   TextureRef specular_texture;  ///< A
   Rgb specular_color{1};

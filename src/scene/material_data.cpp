@@ -76,6 +76,7 @@ MaterialData material_data(const Material& m) {
   d.mask = m.alpha_mode == AlphaMode::mask;
   d.blend = m.alpha_mode == AlphaMode::blend;
   d.volume = m.thickness > 0.0f && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f);
+  if (!d.volume || d.transmission == 0.0f || d.ior == 1.0f) d.dispersion = 0.0f;
   d.cull_back_faces = m.cull_back_faces && !m.double_sided && !d.volume;
   if (d.volume && is_finite(m.attenuation_distance) && m.attenuation_distance > 0.0f) {
     for (int c = 0; c < 3; ++c)

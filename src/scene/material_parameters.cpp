@@ -13,6 +13,7 @@ constexpr std::string_view kAlphaModes[] = {"opaque", "mask", "blend"};
 constexpr std::string_view kMicrofacetModels[] = {"ggx", "beckmann"};
 
 constexpr const char* kIor = "KHR_materials_ior";
+constexpr const char* kDispersion = "KHR_materials_dispersion";
 constexpr const char* kSpecular = "KHR_materials_specular";
 constexpr const char* kTransmission = "KHR_materials_transmission";
 constexpr const char* kVolume = "KHR_materials_volume";
@@ -106,6 +107,15 @@ const std::array kParameters = {
                       .kernel_range = {.low = 1},
                       .gltf = {kIor, "ior"},
                       .widget = {Kind::number, "ior", "Index of refraction", 3}},
+    MaterialParameter{.key = "dispersion",
+                      .name = "dispersion",
+                      .member = &M::dispersion,
+                      .kernel = &D::dispersion,
+                      .range = kPositive,
+                      .kernel_range = {0, 1000},
+                      .gltf = {kDispersion, "dispersion"},
+                      .widget = {Kind::number, "dispersion", "20 over the Abbe number; of refraction into a medium", 2},
+                      .meaning = "`dispersion` of KHR_materials_dispersion: 20 over the Abbe number"},
     MaterialParameter{.key = "specular",
                       .name = "specular",
                       .member = &M::specular,

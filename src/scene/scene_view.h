@@ -102,6 +102,7 @@ struct SceneView {
   AccelView accel;
   bool absorbs = false;           ///< some material fills a body that absorbs
   bool culls_back_faces = false;  ///< some material does
+  bool disperses = false;         ///< some material does: paths have wavelengths
   Rgb camera_medium{0};           ///< absorption at the camera, per metre: that of all bodies it stands in
 };
 

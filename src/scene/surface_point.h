@@ -64,9 +64,9 @@ RELUME_HD inline float shading_cosine(const SurfacePoint& sp, const Vec3& w) {
 }
 
 /// The point that `ray` meets at `hit`. `cone_width` is the width of the ray cone there, metres; it selects texture
-/// levels ([Akenine21]).
+/// levels ([Akenine21]). `wavelength_nm` of the path selects the index of refraction.
 RELUME_HD void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
-                                  SurfacePoint& sp);
+                                  SurfacePoint& sp, float wavelength_nm = kNoWavelength);
 
 /// Where a hit's point of the surface is now, and where it was one frame ago, metres.
 struct SurfacePosition {

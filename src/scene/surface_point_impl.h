@@ -261,7 +261,7 @@ RELUME_HD inline Vec3 visible_shading_normal(const Vec3& ns, const Vec3& ng, con
 }  // namespace surface_detail
 
 RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray, const Hit& hit, float cone_width,
-                                         SurfacePoint& sp) {
+                                         SurfacePoint& sp, float wavelength_nm) {
   using namespace surface_detail;
   const Instance& instance = scene.instances[hit.instance];
   const MeshView& mesh = scene.meshes[instance.mesh];
@@ -294,8 +294,8 @@ RELUME_HD inline void make_surface_point(const SceneView& scene, const Ray& ray,
   sp.frame = make_frame(visible_shading_normal(sp.ns, sp.ng, sp.wo));
   sp.wo_local = sp.frame.to_local(sp.wo);
 
-  MaterialSample parameters =
-      sample_material(material, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
+  MaterialSample parameters = sample_material(
+      material, wavelength_nm, [&](const TextureUse& use) { return fetch(scene, use, uv, footprint_area); });
   if (mesh.has_colors) {
     const uint32_t first = mesh.first_color;
     parameters.base_color *= Rgb(interpolate(scene.colors[first + t.index.x], scene.colors[first + t.index.y],

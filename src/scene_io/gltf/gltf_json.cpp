@@ -36,7 +36,7 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_emissive_strengt
                                                  "EXT_meshopt_compression"};
 
 /// Without these a scene looks plainer but keeps its shape: files that require them are read, with a warning.
-constexpr std::string_view kDecorativeExtensions[] = {"KHR_materials_dispersion", "KHR_xmp", "KHR_xmp_json_ld"};
+constexpr std::string_view kDecorativeExtensions[] = {"KHR_xmp", "KHR_xmp_json_ld"};
 
 constexpr std::array<std::string_view, 13> kTopLevelLists = {
     "accessors", "animations", "buffers",  "bufferViews", "cameras", "images",  "materials",
