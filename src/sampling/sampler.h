@@ -52,16 +52,15 @@ class Sampler {
   RELUME_HD_INLINE Vec2 first_2d() const { return camera_2d(0); }
 
   /// One stratified number; these have dimensions of their own.
-  RELUME_HD_INLINE float next_1d() {
-    const uint32_t seed = hash(scramble_ ^ kSalt1d, single_++);
-    const float u = owen_van_der_corput(reversed_index_, seed);
-    return shifts_.tile.empty() ? u : wrap(u + shifts_.shift(seed));
-  }
+  RELUME_HD_INLINE float next_1d() { return single(single_++); }
+
+  /// The first number of next_1d() in a dimension, without a jump to it.
+  RELUME_HD float number_of(uint32_t dimension) const { return single(dimension * kSinglesPerDimension); }
 
   /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
   RELUME_HD void start_dimension(uint32_t dimension) {
     dimension_ = dimension;
-    single_ = dimension * 8;
+    single_ = dimension * kSinglesPerDimension;
   }
 
   /// A hash that differs between the rays of this sample; decides stochastic alpha.
@@ -75,6 +74,7 @@ class Sampler {
 
  private:
   static constexpr uint32_t kBlock = 8;
+  static constexpr uint32_t kSinglesPerDimension = 8;
   static constexpr uint32_t kSalt1d = 0x68bc21ebu;
   static constexpr uint32_t kSaltBits = 0x2c1b3c6du;
   static constexpr uint32_t kSaltX = 0x1b56c4e9u;
@@ -87,6 +87,11 @@ class Sampler {
         camera_scramble_(scramble),
         camera_index_(reversed_index_) {}
 
+  RELUME_HD_INLINE float single(uint32_t number) const {
+    const uint32_t seed = hash(scramble_ ^ kSalt1d, number);
+    const float u = owen_van_der_corput(reversed_index_, seed);
+    return shifts_.tile.empty() ? u : wrap(u + shifts_.shift(seed));
+  }
   RELUME_HD uint32_t seed_of(uint32_t dimension) const { return hash(scramble_ + dimension); }
   RELUME_HD_INLINE Vec2 camera_2d(uint32_t dimension) const {
     const uint32_t seed = hash(camera_scramble_ + dimension);

@@ -23,6 +23,7 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   PathState path;
   path.ray = sp.spawn_ray(wi);
   path.cone_width = sp.footprint;
+  path.wavelength_nm = path_wavelength(c.scene, sampler);
   path.delta = false;
   path.pdf_w = 1.0f;  // only the ratio to next event estimation's, whose share is left out anyway
   path.bounce = 1;

@@ -21,6 +21,7 @@ RELUME_HD inline void start_camera_subpath(const BdptContext& c, uint32_t x, uin
   e.path.cone_width = camera.cone_width();
   e.path.cone_spread = camera.cone_spread();
   e.path.medium = c.scene().camera_medium;
+  e.path.wavelength_nm = path_wavelength(c.scene(), sampler);
   const CameraPdf pdf = pdf_of_generated(camera, e.path.ray);
   const bool parallel = camera.projection == Projection::orthographic;
   const bool can_be_hit = camera.projection == Projection::perspective && camera.lens_radius > 0.0f;
@@ -113,6 +114,7 @@ RELUME_HD inline Connection connect_to_light(const BdptContext& c, const Surface
   connection.ray = shadow_ray(sp, light);
   connection.contribution = e.path.throughput * bsdf.f * light.radiance * transmittance(medium, light.distance) *
                             (shading_cosine(sp, light.wi) * weight / (pick.pmf * light.pdf_w));
+  if (c.scene().disperses) connection.contribution *= dispersion_weight(c.scene(), sp, light.wi, e.path);
   return connection;
 }
 
@@ -126,6 +128,13 @@ RELUME_HD inline float weight_of_vertex_connection(const SurfacePoint& sp, const
                      e.weights.at().sum(found_camera, bsdf.pdf_reverse));
 }
 
+/// dispersion_weight() of a connection along `w` to a vertex of the light subpath, whose throughput has no such factor.
+RELUME_HD inline Rgb dispersion_weight(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
+                                       const PathVertex& v, const Vec3& w) {
+  if (!e.path.dispersed && v.disperses(-w)) return wavelength_weight(e.path.wavelength_nm);
+  return dispersion_weight(c.scene(), sp, w, e.path);
+}
+
 /// s ≥ 2: a vertex of the light subpath.
 RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const SurfacePoint& sp, const CameraSubpath& e,
                                               const PathVertex& v) {
@@ -136,7 +145,7 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   const Vec3 w = d / distance;
   const BsdfEval bsdf = eval_camera_vertex(e, sp, w);
   if (is_black(bsdf.f)) return {};
-  const AdjointEval adjoint = eval_vertex(c.scene(), v, -w);
+  const AdjointEval adjoint = eval_vertex(c.scene(), v, -w, e.path.wavelength_nm);
   if (is_black(adjoint.f)) return {};
   const float weight = weight_of_vertex_connection(sp, e, bsdf, v, adjoint, w, distance_squared);
   Connection connection;
@@ -144,6 +153,7 @@ RELUME_HD inline Connection connect_to_vertex(const BdptContext& c, const Surfac
   connection.contribution = e.path.throughput * bsdf.f * v.throughput * adjoint.f *
                             (shading_cosine(sp, w) * std::fabs(glm::dot(v.ng, w)) * weight / distance_squared) *
                             transmittance(medium_along(c.scene(), sp, w, e.path.medium), distance);
+  if (c.scene().disperses) connection.contribution *= dispersion_weight(c, sp, e, v, w);
   return connection;
 }
 
@@ -200,7 +210,8 @@ RELUME_HD inline Rgb trace_camera_subpath(const BdptContext& c, uint32_t x, uint
       break;
     }
     SurfacePoint sp;
-    make_surface_point(c.scene(), e.path.ray, hit, e.path.cone_width + e.path.cone_spread * hit.t, sp);
+    make_surface_point(c.scene(), e.path.ray, hit, e.path.cone_width + e.path.cone_spread * hit.t, sp,
+                       e.path.wavelength_nm);
     absorb(c.scene(), sp, hit.t, e.path);
     // A vertex seen edge-on has no density per area; there is nothing to be weighted.
     const float cosine = glm::dot(sp.ng, sp.wo);

@@ -8,7 +8,7 @@
 namespace relume {
 
 struct LightSubpath {
-  PathState path;  ///< its radiance takes what is not finite, and nothing else
+  PathState path;  ///< radiance takes only what is not finite; throughput is without the weight of the wavelength
   SubpathWeights weights;
   uint32_t count = 0;  ///< vertices, the one on the light included
   bool from_infinity = false;
@@ -26,6 +26,7 @@ RELUME_HD inline bool start_light_subpath(const BdptContext& c, Sampler& sampler
   l.path.throughput = e.le * (e.cos_theta / (selection.pmf * e.pdf_a * e.pdf_w));
   l.path.ray = emitted_ray(e);
   l.path.cone_spread = 0.0f;
+  l.path.wavelength_nm = path_wavelength(c.scene(), sampler);
   if (!c.light_medium.empty()) l.path.medium = medium_at_light(c.scene(), c.light_medium[selection.light], l.path.ray);
   l.count = 1;
   l.from_infinity = e.infinite;
@@ -76,6 +77,8 @@ RELUME_HD inline CameraConnection connect_to_camera(const BdptContext& c, const 
   const Rgb medium = medium_along(c.scene(), sp, s.wi, l.path.medium);
   CameraConnection connection;
   connection.contribution = l.path.throughput * e.f * (pdf_a * weight) * transmittance(medium, s.distance);
+  if (l.path.dispersed || disperses(c.scene(), sp, s.wi))
+    connection.contribution *= wavelength_weight(l.path.wavelength_nm);
   connection.ray = sp.spawn_ray(s.wi);
   connection.ray.t_max = s.distance;
   connection.film = s.film;
@@ -146,8 +149,9 @@ RELUME_HD inline float weight_of_lens_hit(const CameraView& camera, const LightS
 RELUME_HD inline void add_lens_hit(const BdptContext& c, const LensHit& hit, const LightSubpath& l,
                                    BdptCounters& counters) {
   const float weight = weight_of_lens_hit(c.scene().camera, l, hit);
-  splat(c, hit.film, l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight),
-        counters);
+  Rgb light = l.path.throughput * transmittance(l.path.medium, hit.distance) * (hit.importance * weight);
+  if (l.path.dispersed) light *= wavelength_weight(l.path.wavelength_nm);
+  splat(c, hit.film, light, counters);
 }
 
 /// Whether the camera sees the last vertex by way of the lens. `hit`: the nearest on the ray, the lens aside.
@@ -175,12 +179,12 @@ RELUME_HD inline bool continue_light_subpath(const BdptContext& c, const Surface
   } else {
     l.weights.leave(cosine, s.pdf_w, other_sides_pdf(sp, s.wi));
   }
-  return follow(c.path, sp, s, l.path, sampler);
+  return follow(c.path, sp, s, l.path, sampler, TransportMode::importance);
 }
 
 /// Moves the subpath to `hit`, its next vertex. False if it cannot go on from there.
 RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath& l, SurfacePoint& sp) {
-  make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp);
+  make_surface_point(c.scene(), l.path.ray, hit, 0.0f, sp, l.path.wavelength_nm);
   const float cosine = glm::dot(sp.ng, sp.wo);
   if (!(cosine > 0.0f) || sp.bsdf.empty()) return false;
   // Where light from infinity enters the scene is not known, so nothing absorbs it on the way, as seen from the camera.
@@ -188,6 +192,11 @@ RELUME_HD inline bool arrive(const BdptContext& c, const Hit& hit, LightSubpath&
   l.weights.arrive(cosine, sqr(hit.t));
   ++l.count;
   return true;
+}
+
+/// How light that leaves the last vertex depends on the wavelength.
+RELUME_HD inline Dispersion dispersion_behind(const BdptContext& c, const SurfacePoint& sp, const LightSubpath& l) {
+  return l.path.dispersed ? Dispersion::always : dispersion_at(c.scene(), sp);
 }
 
 /// Traces a whole light subpath. Vertex i (from 1 on, the light is 0) is kept in kept.vertices[i - 1], with its
@@ -219,7 +228,9 @@ RELUME_HD inline void trace_light_subpath(const BdptContext& c, Sampler& sampler
       if (connection.valid() && c.light_only) add_if_visible(c, connection, connection.contribution, counters);
       if (connection.valid() && !c.light_only) kept.to_camera[kept.connections++] = connection;
     }
-    if (!c.light_only) kept.vertices[kept.count++] = make_path_vertex(sp, l.path.throughput, l.weights.at());
+    if (!c.light_only)
+      kept.vertices[kept.count++] =
+          make_path_vertex(sp, l.path.throughput, l.weights.at(), dispersion_behind(c, sp, l));
     if (l.count == max_count && !lens) break;
     if (!continue_light_subpath(c, sp, l, sampler)) break;
   }

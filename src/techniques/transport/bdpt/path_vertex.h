@@ -1,6 +1,7 @@
 // A vertex of a light subpath, as small as it can be kept until it is connected to.
 #pragma once
 
+#include "scene/dispersion.h"
 #include "techniques/transport/bdpt/partial_weights.h"
 #include "techniques/transport/bdpt/scattering.h"
 
@@ -19,16 +20,21 @@ struct PathVertex {
   Rgb throughput;  ///< of the light that arrives; black: nothing can be connected here
   Rgb albedo;      ///< of a Lambert surface; negative: of another kind
   PartialWeights weights;
-  uint32_t instance;
+  uint32_t instance : 30;   ///< 2³⁰ instances would need 150 GiB
+  uint32_t dispersion : 2;  ///< the surface's Dispersion; always: the subpath has scattered by wavelength
   uint32_t primitive;
   Vec2 barycentric;
 
   RELUME_HD bool connectable() const { return !is_black(throughput); }
+  /// Whether the light that leaves towards `w` depends on the wavelength.
+  RELUME_HD bool disperses(const Vec3& w) const {
+    return relume::disperses(static_cast<Dispersion>(dispersion), glm::dot(ng, w));
+  }
 };
 static_assert(sizeof(PathVertex) <= 96);
 
 RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& throughput,
-                                             const PartialWeights& weights) {
+                                             const PartialWeights& weights, Dispersion dispersion) {
   PathVertex v;
   v.throughput = has_non_delta(sp.bsdf) ? throughput : Rgb(0);
   v.position = sp.position;
@@ -38,20 +44,24 @@ RELUME_HD inline PathVertex make_path_vertex(const SurfacePoint& sp, const Rgb& 
   const bool plain = is_lambert(sp.bsdf) && !bent(sp);  // bent frames are looked up for their view dependence
   v.albedo = plain ? sp.bsdf.lobes[0].color : Rgb(-1);
   v.weights = weights;
-  v.instance = sp.instance;
+  v.instance = sp.instance & 0x3fffffffu;
+  v.dispersion = static_cast<uint32_t>(dispersion) & 3u;
   v.primitive = sp.primitive;
   v.barycentric = sp.barycentric;
   return v;
 }
 
-/// The surface point that the vertex was made of. Textures are read at their finest level.
-RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, SurfacePoint& sp) {
+/// The surface point that the vertex was made of, with the wavelength of its subpath. Textures are read at their finest
+/// level.
+RELUME_HD inline void restore(const SceneView& scene, const PathVertex& v, float wavelength_nm, SurfacePoint& sp) {
   const Ray arrived{v.position, -v.wo, kInfinity};
-  make_surface_point(scene, arrived, {v.instance, v.primitive, v.barycentric.x, v.barycentric.y, 0.0f}, 0.0f, sp);
+  make_surface_point(scene, arrived, {v.instance, v.primitive, v.barycentric.x, v.barycentric.y, 0.0f}, 0.0f, sp,
+                     wavelength_nm);
 }
 
 /// Scattering of a stored vertex towards `w`.
-RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVertex& v, const Vec3& w) {
+RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVertex& v, const Vec3& w,
+                                         float wavelength_nm) {
   if (v.albedo.r >= 0.0f) {
     const float cos_s = glm::dot(v.ns, w);
     const float cos_g = glm::dot(v.ng, w);
@@ -63,7 +73,7 @@ RELUME_HD inline AdjointEval eval_vertex(const SceneView& scene, const PathVerte
     }
   }
   SurfacePoint sp;
-  restore(scene, v, sp);
+  restore(scene, v, wavelength_nm, sp);
   return eval_adjoint(sp, w);
 }
 

@@ -282,9 +282,10 @@ class WeightCheck {
     const float d2 = length_squared(d);
     if (!(d2 > 1e-3f)) return;
     const Vec3 w = glm::normalize(d);
-    const PathVertex v = make_path_vertex(y, light.states[s - 1].path.throughput, light.states[s - 1].weights.at());
+    const LightSubpath& l = light.states[s - 1];
+    const PathVertex v = make_path_vertex(y, l.path.throughput, l.weights.at(), Dispersion::none);
     const BsdfEval bsdf = eval_camera_vertex(camera.states[t - 1], z, w);
-    const AdjointEval adjoint = eval_vertex(c_.scene(), v, -w);
+    const AdjointEval adjoint = eval_vertex(c_.scene(), v, -w, kNoWavelength);
     if (is_black(bsdf.f) || is_black(adjoint.f)) return;
     WholePath path = from(light, s);
     path.surfaces.back().delta = false;

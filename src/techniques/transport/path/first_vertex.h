@@ -42,6 +42,8 @@ struct FirstVertexPolicy : NoPolicy {
     vertex->scatter = s.wi;
     radiance_before = after.radiance;
     throughput = after.throughput * (s.pdf_w / shading_cosine(sp, s.wi));
+    // The BSDF does not have the weight of the wavelength: `indirect` keeps it.
+    if (after.dispersed) throughput /= wavelength_weight(after.wavelength_nm);
   }
   RELUME_HD void finished(const PathState& path) {
     const Rgb found = path.radiance - radiance_before;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sampling/mis.h"
+#include "scene/dispersion.h"
 #include "scene/medium.h"
 #include "techniques/gbuffer/primary_hits/primary_hits.h"
 #include "techniques/guiding/direction_sampling/direction_sampler.h"
@@ -16,9 +17,12 @@ struct PathState {
   Ray ray;
   Rgb throughput{1};
   Rgb radiance{0};
-  float eta_scale = 1;  ///< product of the factors 1/η² in the throughput, which roulette must not take for darkness
+  float eta_scale = 1;  ///< product of the factors in the throughput that roulette must ignore: 1/η² and the largest
+                        ///< component of the wavelength's weight
   float rr_reference = 1;  ///< its largest component after the first bounce: the scale of what the pixel shows
   float pdf_w = 0;         ///< with which the ray's direction was sampled
+  float wavelength_nm = kNoWavelength;  ///< of the whole path; none in scenes without dispersion
+  bool dispersed = false;  ///< some vertex scattered by wavelength; throughput has its weight, except of light subpaths
   bool delta = true;       ///< the ray leaves the camera or a delta lobe: only this strategy finds emitters along it
   Rgb medium{0};           ///< absorption along the ray, per metre: that of all bodies it is in
   float cone_width = 0;    ///< metres, at the ray's origin
@@ -35,7 +39,7 @@ struct Connection {
   LightId light = kNoLight;
   Vec2 u{0};          ///< with which the point on the light was chosen
   Rgb irradiance{0};  ///< radiance · cos / pdf_w of that point
-  float scale = 0;    ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale
+  float scale = 0;  ///< MIS weight / pmf: the contribution is throughput · f · irradiance · scale · dispersion_weight()
 
   RELUME_HD bool valid() const { return !is_black(contribution); }
 };
@@ -63,6 +67,21 @@ RELUME_HD inline Ray shadow_ray(const SurfacePoint& sp, const LightSample& light
   Ray ray = shadow_ray(sp, light.wi, light.distance);
   ray.t_max = relume::min(ray.t_max, relume::max(light.distance - light.clearance, 0.0f));
   return ray;
+}
+
+/// The sampler's dimension of the wavelength, beyond those of the longest paths from camera and light.
+inline constexpr uint32_t kWavelengthDimension = 8192;
+
+/// The wavelength of a pixel's sample, nanometres; of its path and, in bidirectional tracing, of both subpaths.
+RELUME_HD inline float path_wavelength(const SceneView& scene, const Sampler& sampler) {
+  return scene.disperses ? sample_wavelength(sampler.number_of(kWavelengthDimension)) : kNoWavelength;
+}
+
+/// Factor of a connection from `sp` towards `w`: the weight of the path's wavelength if scattering there depends on it
+/// and the throughput does not have it yet, else 1.
+RELUME_HD inline Rgb dispersion_weight(const SceneView& scene, const SurfacePoint& sp, const Vec3& w,
+                                       const PathState& path) {
+  return !path.dispersed && disperses(scene, sp, w) ? wavelength_weight(path.wavelength_nm) : Rgb(1);
 }
 
 /// Emission at the hit surface, weighted against next event estimation from the previous vertex. Returns whether that
@@ -137,6 +156,7 @@ RELUME_HD inline bool sample_connection(const PathContext& c, const SurfacePoint
   }
   connection.scale = weight / pick.pmf;
   connection.contribution = path.throughput * bsdf.f * connection.irradiance * connection.scale;
+  if (c.scene.disperses) connection.contribution *= dispersion_weight(c.scene, sp, light.wi, path);
   return connection.valid();
 }
 
@@ -150,12 +170,25 @@ RELUME_HD inline void absorb(const SceneView& scene, const SurfacePoint& sp, flo
 /// rays.
 inline constexpr float kRouletteThreshold = 1.1f;
 
+/// Applies the weight of the wavelength at the first vertex that scatters by it, where the path continues towards `w`.
+/// Light subpaths (importance) leave the weight to their connections.
+RELUME_HD inline void disperse(const SceneView& scene, const SurfacePoint& sp, const Vec3& w, TransportMode mode,
+                               PathState& path) {
+  if (path.dispersed || !disperses(scene, sp, w)) return;
+  path.dispersed = true;
+  if (mode == TransportMode::importance) return;
+  const Rgb weight = wavelength_weight(path.wavelength_nm);
+  path.throughput *= weight;
+  path.eta_scale *= max_component(weight);
+}
+
 /// Takes the path on along a sampled direction; false if it ends here.
 RELUME_HD inline bool follow(const PathContext& c, const SurfacePoint& sp, const BsdfSample& s, PathState& path,
-                             Sampler& sampler) {
+                             Sampler& sampler, TransportMode mode = TransportMode::radiance) {
   if (!s.valid) return false;
   path.throughput *= s.weight;
   path.eta_scale *= s.eta_scale;
+  if (c.scene.disperses) disperse(c.scene, sp, s.wi, mode, path);
   // Black ends the path. So does what is not a number, but that the pixel must report.
   if (!(path.throughput.r + path.throughput.g + path.throughput.b > 0.0f)) {
     path.radiance += path.throughput;
@@ -196,6 +229,7 @@ RELUME_HD inline PathState start_path(const PathContext& c, uint32_t x, uint32_t
   path.cone_width = c.scene.camera.cone_width();
   path.cone_spread = c.scene.camera.cone_spread();
   path.medium = c.scene.camera_medium;
+  path.wavelength_nm = path_wavelength(c.scene, sampler);
   path.rays = 1;
   return path;
 }
@@ -208,7 +242,7 @@ RELUME_HD inline bool arrive(const PathContext& c, const Hit& hit, const Surface
     policy.emitted(path, add_infinite_lights(c, previous, path));
     return false;
   }
-  make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp);
+  make_surface_point(c.scene, path.ray, hit, path.cone_width + path.cone_spread * hit.t, sp, path.wavelength_nm);
   absorb(c.scene, sp, hit.t, path);
   policy.emitted(path, add_surface_emission(c, previous, sp, path));
   return path.bounce < c.max_bounces && !sp.bsdf.empty() && policy.arrived(sp, path);
