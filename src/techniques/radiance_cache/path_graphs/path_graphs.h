@@ -42,6 +42,8 @@ class PathGraph : public NoPolicy {
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
+    demodulation_ = {};
+    if (path.dispersed) return true;  // as in FilterVertex
     demodulation_ = demodulate(sp.bsdf, sp.wo_local.z, context_->filter.narrow_alpha);
     if (!demodulation_.filtered) return true;
     const Vec2 jitter = filter_random_2d(*index_, x_, y_, path.bounce);

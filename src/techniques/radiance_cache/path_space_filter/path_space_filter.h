@@ -34,7 +34,8 @@ class FilterVertex : public NoPolicy {
   RELUME_HD bool arrived(SurfacePoint& sp, PathState& path) {
     if (path.bounce == 0) pixel_.seen = path.radiance;
     scatters_ = true;
-    if (reached()) return true;
+    // Paths behind a dispersive interface differ in wavelength, over which a cell would average.
+    if (reached() || path.dispersed) return true;
     const Demodulation d = demodulate(sp.bsdf, sp.wo_local.z, context_->narrow_alpha);
     if (!d.filtered) return true;
     pixel_.filtered = true;
