@@ -63,6 +63,29 @@ TEST(MaterialParameters, KernelsGetThemWithinTheirRange) {
   EXPECT_EQ(material_data(material).clearcoat_texture.texture, 2);
 }
 
+TEST(MaterialParameters, DispersionNeedsAMediumThatRefracts) {
+  Material glass;
+  glass.transmission = 1;
+  glass.thickness = 1;
+  glass.dispersion = 0.4f;
+  EXPECT_EQ(material_data(glass).dispersion, 0.4f);
+  Material changed = glass;
+  changed.thickness = 0;
+  EXPECT_EQ(material_data(changed).dispersion, 0.0f);
+  changed = glass;
+  changed.transmission = 0;
+  changed.diffuse_transmission = 1;
+  EXPECT_EQ(material_data(changed).dispersion, 0.0f);
+  changed = glass;
+  changed.ior = 1;
+  EXPECT_EQ(material_data(changed).dispersion, 0.0f);
+  changed = glass;
+  changed.dispersion = -1;
+  EXPECT_EQ(material_data(changed).dispersion, 0.0f);
+  changed.dispersion = 1e30f;
+  EXPECT_EQ(material_data(changed).dispersion, 1000.0f);
+}
+
 TEST(MaterialParameters, TheReferencePageIsUpToDate) {
   std::ifstream stream(std::filesystem::path(RELUME_SOURCE_DIR) / "docs" / "material-parameters.md");
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};

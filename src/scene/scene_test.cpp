@@ -163,6 +163,7 @@ std::vector<NamedChange> surface_changes() {
           CHANGE(materials[0].double_sided = true),
           CHANGE(materials[0].unlit = true),
           CHANGE(materials[0].ior = 1.3f),
+          CHANGE(materials[0].dispersion = 0.3f),
           CHANGE(materials[0].specular = 0.5f),
           CHANGE(materials[0].specular_texture.texture = 0),
           CHANGE(materials[0].specular_color.r = 0.5f),

@@ -121,9 +121,8 @@ TEST(GltfMaterial, VolumeAbsorbsByThickness) {  // attenuation colour ^ (way / a
   });
 }
 
-/// A card whose right part from `edge` on is bright, below a slab of glass 1 m thick that is turned by 0.8 radians.
-Scene edge_below_glass(double ior, float edge) {
-  json glass = body(ior);
+/// A card whose right part from `edge` on is bright, below a slab 1 m thick that is turned by 0.8 radians.
+Scene edge_below_slab(json glass, float edge) {
   glass["extensions"]["KHR_materials_volume"]["thicknessFactor"] = 1;
   Stage stage;
   const std::vector<float> box = {-4, 4, 0, 4, 4, 0, -4, -4, 0, 4, -4, 0, -4, 4, -1, 4, 4, -1, -4, -4, -1, 4, -4, -1};
@@ -141,8 +140,8 @@ TEST(GltfMaterial, VolumeRefractsByItsIor) {  // a slab shifts what lies behind 
   const double refracted = std::asin(std::sin(0.8) / 1.5);
   const float shift = static_cast<float>(std::sin(0.8 - refracted) / std::cos(refracted));
   // The slab's normal leans to the right, so rays leave it further to the left of where they would have gone.
-  const Image straight = image(edge_below_glass(1, shift), 16, 16);
-  const Image bent = image(edge_below_glass(1.5, 0), 16, 256);
+  const Image straight = image(edge_below_slab(body(1), shift), 16, 16);
+  const Image bent = image(edge_below_slab(body(1.5), 0), 16, 256);
   const auto column = [](const Image& image, int x) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y) sum += static_cast<double>(image.at(x, y).r) / image.height;
@@ -158,6 +157,21 @@ TEST(GltfMaterial, VolumeRefractsByItsIor) {  // a slab shifts what lies behind 
   for (int x = 0; x < 16; ++x) EXPECT_NEAR(column(bent, x), passed * column(straight, x), 0.02) << "column " << x;
   EXPECT_GT(column(straight, 15), 0.9);
   EXPECT_LT(column(straight, 0), 0.1);
+}
+
+TEST(GltfMaterial, DispersionShiftsEachChannelByItsIndex) {
+  json glass = body(1.5);
+  glass["extensions"]["KHR_materials_specular"]["specularFactor"] = 0;
+  glass["extensions"]["KHR_materials_dispersion"]["dispersion"] = 2;  // an Abbe number of 10
+  const Rgb mean = estimate_of(image(edge_below_slab(glass, 0), 16, 1024)).mean;
+  constexpr double kMeanWavelengths[] = {611.4, 549.1, 465.1};  // of the channels' responses, nanometres
+  for (int c = 0; c < 3; ++c) {
+    const double index = 1.5 + 0.05 * (523655 / (kMeanWavelengths[c] * kMeanWavelengths[c]) - 1.5168);
+    const double refracted = std::asin(std::sin(0.8) / index);
+    const double shift = std::sin(0.8 - refracted) / std::cos(refracted);
+    EXPECT_NEAR(mean[c], 0.5 * (1 - shift), 1.5e-3) << "channel " << c;
+  }
+  EXPECT_GT(mean.r - mean.b, 0.005f);
 }
 
 TEST(GltfMaterial, UnlitIsItsColorWhateverTheLight) {  // factor · texture · vertex colour

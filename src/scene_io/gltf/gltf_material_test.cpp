@@ -67,6 +67,7 @@ TEST(GltfMaterial, ReadsEveryExtension) {
          {"KHR_materials_volume",
           {{"thicknessFactor", 0.2}, {"attenuationColor", {0.5, 0.6, 0.7}}, {"attenuationDistance", 3}}},
          {"KHR_materials_ior", {{"ior", 1.33}}},
+         {"KHR_materials_dispersion", {{"dispersion", 0.3}}},
          {"KHR_materials_specular", {{"specularFactor", 0.25}, {"specularColorFactor", {1, 2, 3}}}},
          {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.8}, {"clearcoatRoughnessFactor", 0.1}}},
          {"KHR_materials_unlit", json::object()}}}});
@@ -78,6 +79,7 @@ TEST(GltfMaterial, ReadsEveryExtension) {
   EXPECT_EQ(m.attenuation_color, Rgb(0.5f, 0.6f, 0.7f));
   EXPECT_EQ(m.attenuation_distance, 3.0f);
   EXPECT_EQ(m.ior, 1.33f);
+  EXPECT_EQ(m.dispersion, 0.3f);
   EXPECT_EQ(m.specular, 0.25f);
   EXPECT_EQ(m.specular_color, Rgb(1, 2, 3));
   EXPECT_EQ(m.clearcoat, 0.8f);
@@ -249,13 +251,14 @@ TEST(GltfMaterial, LimitsNumbersThatAreOutOfRange) {
   file.add_triangle_with_material(
       {{"pbrMetallicRoughness",
         {{"roughnessFactor", 7}, {"metallicFactor", -1}, {"baseColorFactor", {1e300, 0, 0, 1}}}},
-       {"extensions", {{"KHR_materials_ior", {{"ior", 0.2}}}}}});
+       {"extensions", {{"KHR_materials_ior", {{"ior", 0.2}}}, {"KHR_materials_dispersion", {{"dispersion", -1}}}}}});
   const Scene scene = file.load();
   EXPECT_EQ(scene.materials[0].roughness, 1.0f);
   EXPECT_EQ(scene.materials[0].metallic, 0.0f);
   EXPECT_EQ(scene.materials[0].base_color.r, 1.0f);
   EXPECT_EQ(scene.materials[0].ior, 1.0f);
-  EXPECT_EQ(scene.warnings.size(), 4u);
+  EXPECT_EQ(scene.materials[0].dispersion, 0.0f);
+  EXPECT_EQ(scene.warnings.size(), 5u);
 }
 
 }  // namespace

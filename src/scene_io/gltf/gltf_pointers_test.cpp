@@ -64,6 +64,7 @@ TEST(GltfPointers, GoBothWays) {
     EXPECT_EQ(parsed->index, 12);
     EXPECT_EQ(parsed->parameter->tail, p.tail);
   }
+  EXPECT_TRUE(parse_parameter_pointer("/materials/0/extensions/KHR_materials_dispersion/dispersion"));
   for (const char* pointer : {"", "/", "/materials", "/materials/0", "/materials/x/alphaCutoff", "/materials/0/hue",
                               "/materials/99999999999/alphaCutoff", "/cameras/0/alphaCutoff", "/nodes/0/translation"})
     EXPECT_FALSE(parse_parameter_pointer(pointer)) << pointer;

@@ -86,6 +86,7 @@ TEST(GltfWriter, WritesExtensionsThatDifferFromDefaults) {
   Material m;
   m.emission = {8, 4, 2};
   m.ior = 1.33f;
+  m.dispersion = 0.5f;
   m.specular = 0.25f;
   m.specular_color = {1, 0.5f, 0.5f};
   m.transmission = 0.75f;
@@ -107,6 +108,7 @@ TEST(GltfWriter, WritesExtensionsThatDifferFromDefaults) {
     "extensions": {
       "KHR_materials_emissive_strength": {"emissiveStrength": 8},
       "KHR_materials_unlit": {}, "KHR_materials_ior": {"ior": 1.33},
+      "KHR_materials_dispersion": {"dispersion": 0.5},
       "KHR_materials_specular": {"specularFactor": 0.25, "specularColorFactor": [1, 0.5, 0.5]},
       "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.125},
       "KHR_materials_transmission": {"transmissionFactor": 0.75},

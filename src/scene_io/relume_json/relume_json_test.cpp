@@ -225,6 +225,7 @@ TEST_F(RelumeJson, NamesMistakesWithTheirPlace) {
       {{{"materials", {{"pain", json::object()}}}}, "no material 'pain'; it has paint"},
       {{{"materials", {{"paint", {{"rough", 1}}}}}}, "unknown key 'materials.paint.rough'"},
       {{{"materials", {{"paint", {{"roughness", 2}}}}}}, "materials.paint.roughness is 2 but must lie in [0, 1]"},
+      {{{"materials", {{"paint", {{"dispersion", -1}}}}}}, "materials.paint.dispersion is -1 but must"},
       {{{"nodes", {{"x", json::object()}}}}, "no node 'x'; it has part, eye"},
       {{{"settings", 4}}, "settings must be an object"},
   };

@@ -25,6 +25,7 @@ json rich_material(const json& texture) {
         {"KHR_materials_volume",
          {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.5, 1}}}},
         {"KHR_materials_ior", {{"ior", 1.4}}},
+        {"KHR_materials_dispersion", {{"dispersion", 0.4}}},
         {"KHR_materials_specular", {{"specularFactor", 0.5}}},
         {"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", texture}}},
         {"KHR_materials_anisotropy", {{"anisotropyStrength", 0.5}, {"anisotropyTexture", texture}}},

@@ -1,4 +1,4 @@
-// All estimators agree on layered materials and on culled faces.
+// All estimators agree on layered and dispersive materials and on culled faces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -102,6 +102,13 @@ void add_coats(Scene& scene) {
   material(scene, "lamp").clearcoat = 1;
 }
 
+/// So strong that the lamp's image in each channel is elsewhere.
+void add_dispersion(Scene& scene) {
+  for (Material& m : scene.materials) {
+    if (m.thickness > 0.0f) m.dispersion = 5;
+  }
+}
+
 /// A layer, and a place of the zoo that has it and fills the view from `eye`.
 struct Layer {
   const char* name;
@@ -110,7 +117,8 @@ struct Layer {
   Vec3 target;
 };
 
-const Layer kLayers[] = {{"sheen", add_sheen, {0.2f, 1.2f, 3.4f}, {0.2f, 0, 1.5f}},
+const Layer kLayers[] = {{"dispersion", add_dispersion, {0.5f, 1.6f, 2.4f}, {1.05f, 0.2f, 0.4f}},
+                         {"sheen", add_sheen, {0.2f, 1.2f, 3.4f}, {0.2f, 0, 1.5f}},
                          {"film", add_film, {0.8f, 1.6f, 2.0f}, {0, 0.5f, -0.7f}},
                          {"anisotropy", add_anisotropy, {0.2f, 1.2f, 3.4f}, {0.2f, 0, 1.5f}},
                          {"diffuse transmission", add_diffuse_transmission, {-1.1f, 1.2f, 2.5f}, {-1.1f, 0.5f, 0.3f}},
