@@ -17,7 +17,7 @@ Scene dispersive_ball() {
     if (m.thickness > 0.0f) m.dispersion = 3;
   }
   for (Node& node : scene.nodes) {
-    if (node.camera != kNone) node.transform = look_at({0, 2.75f, 10.7f}, {1.1f, 1.0f, 0.9f});
+    if (node.camera != kNone) node.transform = look_at({0, 2.75f, 10.7f}, {-0.95f, 1.6f, -0.6f});
   }
   scene.cameras[0].fov_y_rad = 0.2f;
   return scene;
