@@ -1,4 +1,4 @@
-// Arbitrary output variables: layers beside the image.
+// Arbitrary output variables: layers written beside the image.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace relume {
 
 struct AovLayer {
   std::string name;
-  std::string help;  ///< what it shows
+  std::string help;  ///< quantity that the layer shows
 };
 
 }  // namespace relume

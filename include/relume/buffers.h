@@ -22,7 +22,7 @@ struct BufferInfo {
   size_t row_stride = 0;    ///< bytes from one row to the next
 };
 
-/// Read access to a buffer until the next call of a session's non-const function.
+/// Read access to a buffer, valid until the session's next non-const call.
 struct BufferData {
   BufferInfo info;
   std::span<const std::byte> bytes;

@@ -1,4 +1,4 @@
-// What went wrong: a code for programs, and a sentence for people.
+// Errors: a code for programs and a sentence for users.
 #pragma once
 
 #include <stdexcept>
@@ -8,17 +8,17 @@
 
 namespace relume {
 
-/// Kinds of errors, for programs that react to them.
+/// Kinds of errors.
 enum class ErrorCode {
   invalid_input,   ///< a file, setting, value or combination that cannot be used
-  invalid_handle,  ///< a handle whose object was removed, or that belongs to another session
+  invalid_handle,  ///< a handle of a removed object or of another session
   not_found,       ///< a file, camera, setting or layer that does not exist
   not_supported,   ///< valid, but not supported by this build
-  io,              ///< reading or writing failed
+  io,              ///< a failed read or write
 };
 
-/// Thrown where input from outside cannot be used, never inside kernels. `what()` is one sentence that names the place
-/// (file, line, setting), the problem and the remedy. The program prints it and exits with a non-zero code.
+/// Thrown for unusable input, never inside kernels. `what()` is one sentence that names the location (file, line,
+/// setting), the problem and the remedy. The program prints it and exits with a non-zero code.
 class RELUME_API Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message) : std::runtime_error(message) {}

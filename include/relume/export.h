@@ -1,4 +1,4 @@
-// Marks what the shared library exports; everything else stays hidden.
+// Marks symbols that the shared library exports; all others are hidden.
 #pragma once
 
 #if defined(__GNUC__) || defined(__clang__)

@@ -12,7 +12,7 @@ namespace relume {
 struct Image {
   int width = 0;
   int height = 0;
-  std::vector<Rgb> pixels;  ///< width · height, row by row
+  std::vector<Rgb> pixels;  ///< width · height, row by row from the top
 
   Image() = default;
   Image(int w, int h) : width(w), height(h), pixels(static_cast<size_t>(w) * static_cast<size_t>(h), Rgb(0)) {}
@@ -22,7 +22,7 @@ struct Image {
   }
 };
 
-/// Pixels [x, x + width) × [y, y + height) of an image; empty: all of it.
+/// Pixels [x, x + width) × [y, y + height) of an image; empty: the whole image.
 struct PixelWindow {
   int x = 0;
   int y = 0;
@@ -33,23 +33,23 @@ struct PixelWindow {
   friend bool operator==(const PixelWindow&, const PixelWindow&) = default;
 };
 
-/// How an image's pixels lie in the caller's memory.
+/// Memory layout of an image's pixels.
 enum class PixelLayout {
   rgb32f,   ///< 3 floats, linear radiance
   rgba32f,  ///< 4 floats, linear radiance and alpha 1
-  rgba8,    ///< 4 bytes, as a display shows them: tone-mapped, sRGB-encoded, alpha 255
+  rgba8,    ///< 4 bytes for display: tone-mapped, sRGB-encoded, alpha 255
 };
 
-/// Memory of the caller for an image. Row 0 is the top row.
+/// The caller's memory for an image. Row 0 is the top row.
 struct ImageTarget {
   void* pixels = nullptr;
   int width = 0;
   int height = 0;
-  size_t row_stride = 0;  ///< bytes from one row to the next; 0: rows follow each other
+  size_t row_stride = 0;  ///< bytes from one row to the next; 0: tightly packed rows
   PixelLayout layout = PixelLayout::rgb32f;
 };
 
-/// Bytes of a pixel.
+/// Bytes per pixel.
 constexpr size_t pixel_bytes(PixelLayout layout) {
   return layout == PixelLayout::rgb32f ? 12 : layout == PixelLayout::rgba32f ? 16 : 4;
 }

@@ -1,4 +1,4 @@
-// Vectors and matrices of the public interface, which are glm's.
+// Vectors and matrices of the public interface, from glm.
 #pragma once
 
 #if defined(__CUDACC__)

@@ -1,4 +1,4 @@
-// The public interface of relume, all of it.
+// The complete public interface of relume.
 #pragma once
 
 #include "relume/aov.h"

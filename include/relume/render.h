@@ -1,4 +1,4 @@
-// Rendering until an image is done: enough samples, enough time, or an error that is small enough.
+// Rendering until a limit of samples, time or error is reached.
 #pragma once
 
 #include <cstdint>
@@ -11,36 +11,36 @@
 
 namespace relume {
 
-/// Limits of a rendering. The first one that is reached ends it; 0: none. All 0: it ends when a stop is requested.
+/// Limits of a rendering; the first one reached ends it. 0: no limit. All 0: only a stop request ends it.
 struct RenderLimits {
-  uint32_t samples = 0;  ///< a pixel of this image, on average; a loaded checkpoint's included
-  double time_s = 0;     ///< of this loop
+  uint32_t samples = 0;  ///< samples per pixel of this image, on average, including those of a loaded checkpoint
+  double time_s = 0;     ///< seconds in this loop
   double error = 0;
 };
 
-/// Which limit ended a rendering.
+/// The limit that ended a rendering.
 enum class StopReason { samples, time, error, interrupted };
 RELUME_API const char* name_of(StopReason reason);
 
-/// How far a rendering is.
+/// Progress of a rendering.
 struct RenderProgress {
   uint32_t frames = 0;
-  double samples = 0;  ///< a pixel, on average
+  double samples = 0;  ///< per pixel, on average
   double elapsed_s = 0;
   uint32_t frames_done_here = 0;                           ///< without those of a loaded checkpoint
-  double samples_done_here = 0;                            ///< the same, a pixel
+  double samples_done_here = 0;                            ///< the same, per pixel
   double error = std::numeric_limits<double>::infinity();  ///< as of the last check; infinite before the first
 };
 
-/// Share of the work that is done, in [0, 1], by the criterion that is nearest to its end. The error falls with the
-/// square root of the number of samples.
+/// Fraction of the work done, in [0, 1], by the criterion that is nearest to its end. Assumes that the error falls with
+/// the square root of the number of samples.
 RELUME_API double fraction_done(const RenderProgress& state, const RenderLimits& criteria);
-/// Seconds until the first criterion is met, as far as one can tell; infinite if one cannot.
+/// Estimated seconds until the first criterion is met; infinite without an estimate.
 RELUME_API double remaining_s(const RenderProgress& state, const RenderLimits& criteria);
 
-/// Renders frames until a limit is reached or `stop` requested, and calls `frame_done` after each complete frame. The
-/// first frame is always completed, so that there is an image. With a time limit no frame begins that would, taking as
-/// long as those before it, end beyond it; long preparation ends early (Session::shorten_preparation_on). Frames and
+/// Renders frames until a limit is reached or `stop` is requested; calls `frame_done` after each complete frame. The
+/// first frame is always completed, so an image always exists. With a time limit, no frame begins that would end beyond
+/// it if it took as long as those before. Long preparation ends early (Session::shorten_preparation_on). Frames and
 /// samples count from Session::begin_image().
 RELUME_API StopReason render_until(Session& session, const RenderLimits& criteria, std::stop_token stop = {},
                                    const std::function<void(const RenderProgress&)>& frame_done = {});

@@ -1,5 +1,5 @@
-// The scene as its author describes it: a node hierarchy that refers to meshes, materials, textures, lights,
-// cameras and animation. Loaders and built-in scenes fill it; a session compiles it.
+// Scene description: a node hierarchy that refers to meshes, materials, textures, lights, cameras and animation.
+// Loaders and built-in scenes fill it; a session compiles it.
 // Conventions: metres, right-handed, +Y up, linear Rec. 709 radiance.
 #pragma once
 
@@ -16,16 +16,16 @@
 
 namespace relume {
 
-/// The brightest radiance, intensity or irradiance that lights may have: squares and sums of it are still finite.
+/// Upper limit of radiance, intensity and irradiance of lights. Their squares and sums stay finite.
 inline constexpr float kMaxRadiance = 1e15f;
 
-/// Index into one of the scene's arrays; kNone is "absent".
+/// Index into one of the scene's arrays; kNone: absent.
 using Index = int32_t;
 inline constexpr Index kNone = -1;
 
 // --- Textures -----------------------------------------------------------------------------------------
 
-/// An image for look-ups on surfaces. Row 0 is the top row; glTF's v runs downwards.
+/// An image for surface look-ups. Row 0 is the top row; glTF's v runs downwards.
 struct Texture {
   std::string name;
   int width = 0;
@@ -35,12 +35,12 @@ struct Texture {
   WrapMode wrap_v = WrapMode::repeat;
   FilterMode filter = FilterMode::linear;
   std::vector<std::byte> texels;  ///< width · height · bytes per texel, tightly packed
-  /// The image file that `texels` were decoded from; writers keep it as long as it decodes to them. Empty: none.
+  /// Image file that `texels` were decoded from; empty: none. Writers keep it while it still decodes to them.
   std::shared_ptr<const std::vector<std::byte>> file;
 };
 
-/// Where a material takes a texture from (KHR_texture_transform): uv' = offset + R · (scale ⊙ uv), R = (cos sin; −sin
-/// cos) of the rotation, which is counter-clockwise because V points down.
+/// A material's use of a texture (KHR_texture_transform): uv' = offset + R · (scale ⊙ uv). R = (cos sin; −sin cos) of
+/// the rotation, which is counter-clockwise because V points down.
 struct TextureRef {
   Index texture = kNone;
   int uv_set = 0;  ///< 0 or 1
@@ -53,8 +53,8 @@ struct TextureRef {
 
 // --- Materials ----------------------------------------------------------------------------------------
 
-/// glTF 2.0 metallic-roughness with the KHR extensions named beside each member. A texture multiplies its
-/// factor, in the channels that glTF says.
+/// glTF 2.0 metallic-roughness with the KHR extensions named beside each member. A texture multiplies its factor, in
+/// the channels that glTF defines.
 struct Material {
   std::string name;
 
@@ -72,9 +72,9 @@ struct Material {
 
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
-  bool double_sided = false;     ///< emission leaves from the front only unless set
-  bool cull_back_faces = false;  ///< the camera sees through the back, as glTF asks for single-sided faces
-  bool unlit = false;            ///< KHR_materials_unlit: base colour is emitted, nothing is reflected
+  bool double_sided = false;     ///< whether the back emits, too
+  bool cull_back_faces = false;  ///< whether the camera sees through the back, as glTF specifies for single-sided faces
+  bool unlit = false;            ///< KHR_materials_unlit: emits the base colour, reflects nothing
 
   float ior = 1.5f;             ///< KHR_materials_ior; at the line d, 587.56 nm
   float dispersion = 0;         ///< KHR_materials_dispersion: 20 over the Abbe number; needs a thickness
@@ -91,7 +91,7 @@ struct Material {
   TextureRef clearcoat_texture;            ///< R
   float clearcoat_roughness = 0;
   TextureRef clearcoat_roughness_texture;  ///< G
-  TextureRef clearcoat_normal_texture;     ///< unused: the coat is not bent, whatever normal_texture says
+  TextureRef clearcoat_normal_texture;     ///< unused: the coat keeps the unmapped normal, even below normal_texture
   float clearcoat_normal_scale = 1;
   float anisotropy = 0;                      ///< KHR_materials_anisotropy: strength
   float anisotropy_rotation_rad = 0;         ///< counter-clockwise from the tangent
@@ -103,8 +103,8 @@ struct Material {
   float iridescence = 0;                     ///< KHR_materials_iridescence
   TextureRef iridescence_texture;            ///< R
   float iridescence_ior = 1.3f;              ///< of the film
-  float iridescence_thickness_min_nm = 100;  ///< where the thickness texture is 0
-  float iridescence_thickness_nm = 400;      ///< where it is 1; also used without a texture
+  float iridescence_thickness_min_nm = 100;  ///< thickness where the texture is 0
+  float iridescence_thickness_nm = 400;      ///< thickness where the texture is 1, or without a texture
   TextureRef iridescence_thickness_texture;  ///< G
   float diffuse_transmission = 0;            ///< KHR_materials_diffuse_transmission
   TextureRef diffuse_transmission_texture;   ///< A
@@ -115,8 +115,8 @@ struct Material {
 
 // --- Geometry -----------------------------------------------------------------------------------------
 
-/// Displacements of a mesh's vertices, which a node adds with a weight of its own. Arrays are empty, which displaces
-/// nothing, or have one entry a vertex.
+/// Displacements of a mesh's vertices; each node has its own weight for them. Arrays are empty (no displacement) or
+/// have one entry per vertex.
 struct MorphTarget {
   std::string name;
   std::vector<Vec3> positions;
@@ -127,16 +127,16 @@ struct MorphTarget {
 /// Weight with which a joint moves a vertex.
 struct JointInfluence {
   uint32_t joint = 0;  ///< index in Skin::joints
-  float weight = 0;    ///< not negative; those of a vertex sum to 1
+  float weight = 0;    ///< not negative; the weights of a vertex sum to 1
 };
 
-/// The material of a mesh in one of Scene::variants.
+/// The material of a mesh in one variant of Scene::variants.
 struct VariantMaterial {
   Index variant = 0;
   Index material = kNone;
 };
 
-/// Triangles with one material. Either every optional attribute array is empty or it has one entry a vertex.
+/// Triangles with one material. Each optional attribute array is empty or has one entry per vertex.
 struct Mesh {
   std::string name;
   std::vector<Vec3> positions;
@@ -148,23 +148,24 @@ struct Mesh {
   std::vector<UVec3> triangles;
   Index material = kNone;                      ///< kNone: glTF's default material
   std::vector<VariantMaterial> variants = {};  ///< materials in other variants; missing ones keep the default
-  std::optional<Index> default_material = {};  ///< `material` where no variant is chosen; empty: `material` itself
+  std::optional<Index> default_material = {};  ///< `material` when no variant is chosen; empty: `material` itself
   std::vector<MorphTarget> morph_targets = {};
-  int influences_per_vertex = 0;                ///< 0: no skin bends the mesh
-  std::vector<JointInfluence> influences = {};  ///< as many for each vertex, in the order of the vertices
+  int influences_per_vertex = 0;                ///< 0: the mesh is not skinned
+  std::vector<JointInfluence> influences = {};  ///< this many per vertex, in vertex order
 };
 
 // --- Lights and environment ---------------------------------------------------------------------------
 
 enum class PunctualType : uint8_t { point, spot, directional };
 
-/// KHR_lights_punctual; shines along the node's -Z. Candela and lux map one to one to radiometric units.
+/// Punctual light (KHR_lights_punctual) that shines along the node's -Z. Candela and lux map one to one to radiometric
+/// units.
 struct PunctualLight {
   std::string name;
   PunctualType type = PunctualType::point;
   Rgb intensity{1};                ///< point, spot: W/sr; directional: irradiance on a facing plane, W/m²
   float inner_cone_rad = 0;        ///< spot: full intensity inside this half-angle
-  float outer_cone_rad = kPi / 4;  ///< spot: none outside this half-angle
+  float outer_cone_rad = kPi / 4;  ///< spot: no light outside this half-angle
   float angular_diameter_rad = 0;  ///< directional: 0 is a delta light
 };
 
@@ -183,15 +184,15 @@ enum class EnvironmentKind : uint8_t {
   constant,
   map,
   sun_sky,
-  studio,     ///< neutral photo studio: three soft boxes before a dim backdrop, turned towards the scene's camera
-  automatic,  ///< the studio if nothing in the scene lights what its camera sees; otherwise none
+  studio,     ///< neutral photo studio: three soft boxes before a dim backdrop, oriented by the scene's camera
+  automatic,  ///< the studio if nothing in the scene lights the camera's view; otherwise none
 };
 
-/// Light from infinity. Map: equirectangular, row 0 is +Y, the centre column looks along -Z for rotation 0,
-/// and +X lies to its right.
+/// Light from infinity. Maps are equirectangular: row 0 is +Y, the centre column looks along -Z for rotation 0, and +X
+/// lies to its right.
 struct Environment {
   EnvironmentKind kind = EnvironmentKind::none;
-  Rgb color{1};            ///< constant: radiance; others: multiplies
+  Rgb color{1};            ///< constant: radiance; other kinds: factor
   int width = 0;           ///< map
   int height = 0;          ///< map
   std::vector<Rgb> map;    ///< radiance, row by row from the top
@@ -203,13 +204,13 @@ struct Environment {
 
 enum class Projection : uint8_t { perspective, orthographic, panoramic };
 
-/// Looks along the node's -Z with +Y up. The image's own aspect ratio decides the horizontal extent.
+/// Looks along the node's -Z with +Y up. The aspect ratio of the image determines the horizontal extent.
 struct Camera {
   std::string name;
   Projection projection = Projection::perspective;
   float fov_y_rad = 0.8f;    ///< perspective, full vertical angle
   float half_height = 1;     ///< orthographic, metres
-  float aspect_ratio = 0;    ///< width over height that images get if no other is asked for; 0: any
+  float aspect_ratio = 0;    ///< default width over height of images; 0: any
   float lens_radius = 0;     ///< perspective, metres; 0: pinhole
   float focus_distance = 1;  ///< metres along -Z
 };
@@ -228,27 +229,27 @@ struct Transform {
   Vec3 scale{1};
 };
 
-/// Joints that bend the meshes of a node (linear blend skinning). A vertex p of the mesh is at
-/// Σ weight · world(joint) · inverse_bind · p in the world. The node's own transform is ignored.
+/// Joints that deform the meshes of a node (linear blend skinning). Vertex p of the mesh has the world position Σ
+/// weight · world(joint) · inverse_bind · p. The node's own transform is ignored.
 struct Skin {
   std::string name;
   std::vector<Index> joints;       ///< nodes
-  std::vector<Mat4> inverse_bind;  ///< one a joint: from the space of the mesh to that of the joint, affine
+  std::vector<Mat4> inverse_bind;  ///< one per joint: from mesh space to joint space, affine
 };
 
 struct Node {
   std::string name;
   Index parent = kNone;
-  Transform transform;         ///< local; what animation changes
-  std::optional<Mat4> matrix;  ///< replaces `transform` when the file gives one (cannot be animated)
+  Transform transform;         ///< local; animated
+  std::optional<Mat4> matrix;  ///< matrix of the file, which replaces `transform` and cannot be animated
   std::vector<Index> meshes;
-  std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: meshes appear once per matrix; empty: once
+  std::vector<Mat4> instances;  ///< EXT_mesh_gpu_instancing: one copy of the meshes per matrix; empty: one copy
   Index light = kNone;
   Index camera = kNone;
   Index skin = kNone;  ///< deforms the node's meshes that have influences
-  /// Of the meshes' morph targets, in their order; weights that are missing are 0.
+  /// Weights of the meshes' morph targets, in their order; missing weights are 0.
   std::vector<float> morph_weights = {};
-  bool visible = true;  ///< KHR_node_visibility: false hides the meshes and lights of this node and of those below
+  bool visible = true;  ///< KHR_node_visibility: false hides the meshes and lights of this node and its descendants
 };
 
 enum class AnimatedProperty : uint8_t { translation, rotation, scale, morph_weight, visible };
@@ -260,11 +261,11 @@ struct AnimationChannel {
   AnimatedProperty property = AnimatedProperty::translation;
   Interpolation interpolation = Interpolation::linear;
   std::vector<float> times;  ///< seconds, strictly increasing
-  /// One value a key (xyz, quaternion xyzw, or x alone); cubic_spline: in-tangent, value, out-tangent a key. A node is
-  /// visible where x is not 0.
+  /// One value per key (xyz, quaternion xyzw, or x alone). cubic_spline: in-tangent, value, out-tangent per key. A node
+  /// is visible if x is not 0.
   std::vector<Vec4> values;
-  Index morph_target = 0;  ///< index of the morph target, for morph_weight
-  Index clip = kNone;      ///< of Scene::clips; kNone: plays with each of them
+  Index morph_target = 0;  ///< target index for morph_weight
+  Index clip = kNone;      ///< index in Scene::clips; kNone: part of every clip
 };
 
 enum class AnimatedPart : uint8_t { material, light, camera };
@@ -272,13 +273,12 @@ enum class AnimatedPart : uint8_t { material, light, camera };
 /// Key frames of one parameter of a material, light or camera.
 struct ParameterChannel {
   AnimatedPart part = AnimatedPart::material;
-  Index index = kNone;  ///< in Scene::materials, lights or cameras
-  std::string
-      parameter;  ///< by its key in relume JSON without unit: "roughness", "intensity", "fov_y"; "KEY_texture.offset"
+  Index index = kNone;    ///< index in Scene::materials, lights or cameras
+  std::string parameter;  ///< relume JSON key without unit: "roughness", "intensity", "fov_y", "KEY_texture.offset"
   Interpolation interpolation = Interpolation::linear;
   std::vector<float> times;  ///< seconds, strictly increasing
-  std::vector<Vec4> values;  ///< as those of AnimationChannel; angles in radians
-  Index clip = kNone;        ///< of Scene::clips; kNone: plays with each of them
+  std::vector<Vec4> values;  ///< as in AnimationChannel; angles in radians
+  Index clip = kNone;        ///< index in Scene::clips; kNone: part of every clip
 };
 
 struct Scene {
@@ -290,15 +290,15 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<Node> nodes;  ///< any order; parents may follow children; no cycles
   std::vector<Skin> skins;
-  std::vector<std::string> clips;  ///< names of the animations, of which one plays or several together
+  std::vector<std::string> clips;  ///< names of the animations, which play one at a time or together
   std::vector<AnimationChannel> animation;
   std::vector<ParameterChannel> parameter_animation;
   Environment environment;
-  std::vector<std::string> variants;                ///< names of other choices of materials (KHR_materials_variants)
-  std::string settings_json;                        ///< settings the file asks for, a JSON object; empty: none
-  std::vector<std::string> warnings;                ///< what was ignored or repaired, one sentence each
-  std::vector<std::string> notes;                   ///< what was ignored and changes nothing, one sentence each
-  std::vector<std::filesystem::path> source_files;  ///< that load_scene() read, missing ones included
+  std::vector<std::string> variants;                ///< names of alternative sets of materials (KHR_materials_variants)
+  std::string settings_json;                        ///< settings that the file requests, a JSON object; empty: none
+  std::vector<std::string> warnings;                ///< ignored or repaired input, one sentence each
+  std::vector<std::string> notes;                   ///< ignored input that changes nothing, one sentence each
+  std::vector<std::filesystem::path> source_files;  ///< files that load_scene() read, including missing ones
 
   Index add_node(Node node) {
     nodes.push_back(std::move(node));
@@ -306,24 +306,24 @@ struct Scene {
   }
 };
 
-/// Gives every mesh its material in the variant of that name, or its default material where `name` is empty or the
-/// variant has none for it. Throws Error (not_found) with the names of all variants if there is no such variant.
+/// Gives every mesh its material in the named variant. Uses the default material where `name` is empty or the variant
+/// has none. Throws Error (not_found) with the names of all variants if no variant has that name.
 RELUME_API void choose_variant(Scene& scene, const std::string& name);
 
-/// Checks what kernels rely on: indices in range, no cycles, finite numbers, array sizes that agree. Throws
-/// Error with `place` (a file name) in its sentence. Loaders repair what they can before they call it.
+/// Checks the invariants that kernels rely on: indices in range, no cycles, finite numbers, consistent array sizes.
+/// Throws Error that names `place` (a file name). Loaders make their repairs before they call it.
 RELUME_API void validate(const Scene& scene, const std::string& place);
 
-/// World matrix of every node at `time_s`, with the animation of all clips. Values are held before the first key and
-/// after the last. Of channels that drive the same property, the first one counts.
+/// World matrix of every node at `time_s`, animated by all clips. Values are held before the first key and after the
+/// last. Of channels that drive the same property, the first one applies.
 RELUME_API std::vector<Mat4> world_matrices(const Scene& scene, float time_s);
 
-/// As many as the nodes of a valid scene place, every instance counted.
+/// Number of triangles in the world, counting every instance. The scene must be valid.
 RELUME_API size_t placed_triangles(const Scene& scene);
 
-/// Leaves the channels of one clip, by name or index (from 0), of several, separated by commas, or of "all"; empty: the
-/// first. Channels without a clip stay. Of channels that drive the same property, the first one stays. Throws an Error
-/// that lists the clips if there is no such clip.
+/// Keeps the channels of the chosen clips and those without a clip. `choice` is a name, an index (from 0), several of
+/// these separated by commas, or "all"; empty: the first clip. Of channels that drive the same property, the first one
+/// stays. Throws Error that lists the clips if a clip does not exist.
 RELUME_API void select_animation(Scene& scene, const std::string& choice);
 
 /// Time of the last key in seconds; 0 without animation.

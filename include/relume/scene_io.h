@@ -1,4 +1,4 @@
-// Scene files in: the formats of docs/scene-formats.md. Scene files out: glTF.
+// Reads the scene formats of docs/scene-formats.md and writes glTF.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,17 @@
 namespace relume {
 
 /// Loads a scene file; its first bytes or its extension select the format. Scene::warnings lists ignored and repaired
-/// parts. A file without an environment gets EnvironmentKind::automatic. Throws Error; never crashes or hangs on
-/// malformed files.
+/// parts. A file without an environment gets EnvironmentKind::automatic. Throws Error for malformed files; never
+/// crashes or hangs on them.
 RELUME_API Scene load_scene(const std::filesystem::path& file);
 
-/// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading it back gives
-/// the same image; docs/scenes.md says where things go that glTF has no form for. Returns what could not be said
-/// exactly, one sentence each. Throws Error for other extensions, when a file cannot be written
-/// and where one would replace a file of Scene::source_files.
+/// Writes .gltf (with .bin and .png beside it) or .glb, each file under a temporary name first. Reading the result
+/// gives the same image. docs/scenes.md describes how parts without a glTF form are stored. Returns the inexact parts,
+/// one sentence each. Throws Error for other extensions, for failed writes, and instead of replacing a file of
+/// Scene::source_files.
 RELUME_API std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene);
 
-/// Replaces the environment by an equirectangular EXR or HDR file. Throws Error.
+/// Replaces the environment with an equirectangular EXR or HDR file. Throws Error.
 RELUME_API void load_environment_map(const std::filesystem::path& file, Environment& environment);
 
 }  // namespace relume

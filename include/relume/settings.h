@@ -1,4 +1,4 @@
-// Settings by name, as on the command line: size, techniques and their parameters, when to stop, how to display.
+// Settings by name, as on the command line: size, techniques and their parameters, stopping, display.
 #pragma once
 
 #include <memory>
@@ -16,11 +16,11 @@ struct AllSettings;
 struct SettingInfo {
   std::string name;           ///< in kebab case, with the technique's prefix: "psf.cell-size"
   std::string type;           ///< "integer from 0 to 1024", "one of path, bdpt"
-  std::string default_value;  ///< as set() takes it
+  std::string default_value;  ///< in the form that set() accepts
   std::string help;
 };
 
-/// A value for every setting; the default where nothing else was set. docs/settings.md lists them.
+/// A value for every setting, initially its default. docs/settings.md lists them.
 class RELUME_API Settings {
  public:
   Settings();
@@ -30,22 +30,22 @@ class RELUME_API Settings {
   Settings& operator=(const Settings& other);
   Settings& operator=(Settings&& other) noexcept;
 
-  /// Sets `name` to the value that `text` stands for. Throws Error for unknown names (with the nearest one), values out
-  /// of range and unknown choices. Returns *this.
+  /// Sets `name` to the value of `text`. Throws Error for unknown names (with the nearest one), values out of range and
+  /// unknown choices. Returns *this.
   Settings& set(std::string_view name, std::string_view text);
   Settings& set(std::string_view name, const char* text) { return set(name, std::string_view(text)); }
   Settings& set(std::string_view name, bool value);
   Settings& set(std::string_view name, int value);
   Settings& set(std::string_view name, double value);
 
-  /// The shortest text from which set() gives the same value. Throws Error for unknown names.
+  /// The shortest text that set() maps to the same value. Throws Error for unknown names.
   std::string get(std::string_view name) const;
 
-  /// Sets what a preset sets ("interactive"), and leaves the rest. Throws Error for unknown presets.
+  /// Applies a preset such as "interactive"; other settings keep their values. Throws Error for unknown presets.
   Settings& apply_preset(std::string_view name);
-  /// Sets what a JSON object of names and values sets. `place` names its source in errors.
+  /// Applies a JSON object of names and values. `place` names its source in errors.
   Settings& apply_json(std::string_view json, std::string_view place);
-  /// JSON of all values.
+  /// All values as a JSON object.
   std::string to_json() const;
 
   /// All settings, in the order of docs/settings.md.

@@ -1,4 +1,4 @@
-// What a session has done so far.
+// Statistics of a session.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct PassTime {
   double seconds = 0;
 };
 
-/// A number that a pass reports: how full its structures are, what it had to leave out.
+/// A number that a pass reports, such as the fill of its structures or its omissions.
 struct PassStatistic {
   std::string name;  ///< "pass.number"
   double value = 0;
@@ -24,8 +24,8 @@ struct PassStatistic {
 struct Statistics {
   double build_s = 0;    ///< compiling the scene and building the acceleration structure
   double render_s = 0;   ///< inside render_frame
-  uint64_t frames = 0;   ///< complete ones
-  uint64_t samples = 0;  ///< camera samples, all pixels together
+  uint64_t frames = 0;   ///< complete frames
+  uint64_t samples = 0;  ///< camera samples of all pixels
   uint64_t paths = 0;
   uint64_t rays = 0;  ///< path and shadow rays
   uint64_t nonfinite_samples = 0;
@@ -34,11 +34,11 @@ struct Statistics {
   uint64_t technique_bytes = 0;  ///< further structures of the passes
   int threads = 0;
   std::vector<PassTime> passes;
-  std::vector<PassStatistic> pass_statistics;  ///< as of the last frame
+  std::vector<PassStatistic> pass_statistics;  ///< values of the last frame
 };
 
-/// Time of each pass of `now` since `before`, which may lack passes that had not run by then. "build", compiling the
-/// scene, is among them if it is in `now`.
+/// Time of each pass of `now` since `before`. Passes that first ran later are missing in `before`. Includes "build"
+/// (scene compilation) if `now` does.
 RELUME_API std::vector<PassTime> pass_times_since(std::vector<PassTime> now, const std::vector<PassTime>& before);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// Which version of relume this is.
+// Version of relume.
 #pragma once
 
 #include "relume/export.h"
@@ -9,7 +9,7 @@
 
 namespace relume {
 
-/// "0.1.0": of the library that runs, which may be newer than the headers.
+/// Version of the library at run time, such as "0.1.0". It may be newer than the headers.
 RELUME_API const char* version();
 
 }  // namespace relume
