@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-// Activities are shown by another thread than those that work.
+// The display reads activities on another thread than the working ones.
 std::mutex g_mutex;
 std::vector<const Activity*> g_activities;
 

@@ -1,4 +1,4 @@
-// Names of the long preparations in progress, for displays of progress.
+// Names of the long preparations in progress, for progress displays.
 #pragma once
 
 #include <atomic>
@@ -8,16 +8,16 @@
 
 namespace relume {
 
-/// A step of preparation while it lives, such as "decoding textures". Steps may begin within others.
+/// A preparation step such as "decoding textures", in progress during the object's lifetime. Steps may nest.
 class Activity {
  public:
-  /// `parts`: how many part_done() will count; 0: they are not counted.
+  /// `parts`: number of part_done() calls to expect; 0: parts are not counted.
   explicit Activity(std::string name, size_t parts = 0);
   ~Activity();
   Activity(const Activity&) = delete;
   Activity& operator=(const Activity&) = delete;
 
-  /// On any thread.
+  /// Thread-safe.
   void part_done() { done_.fetch_add(1, std::memory_order_relaxed); }
 
  private:
@@ -27,8 +27,8 @@ class Activity {
   std::atomic<size_t> done_ = 0;
 };
 
-/// The step that began last of those in progress, with its count: "decoding textures, 3 of 12". std::nullopt if there
-/// is none. On any thread.
+/// The most recently begun step in progress, with its count: "decoding textures, 3 of 12". std::nullopt without one.
+/// Thread-safe.
 std::optional<std::string> current_activity();
 
 }  // namespace relume

@@ -21,15 +21,15 @@ struct Box {
     high = glm::max(high, box.high);
   }
 
-  // Of a box that is not empty.
+  // Only for boxes that are not empty.
   Vec3 center() const { return 0.5f * (low + high); }
   Vec3 extent() const { return high - low; }
 
-  /// Length from corner to corner; 0 of an empty box.
+  /// Length from corner to corner; 0 for an empty box.
   float diagonal() const { return empty() ? 0.0f : glm::length(extent()); }
 };
 
-/// The box about the corners of `box` under an affine matrix: never too small for what is inside. Empty stays empty.
+/// Bounding box of the corners of `box` under an affine matrix. It contains the transformed content. Empty stays empty.
 inline Box transformed(const Box& box, const Mat4& to_world) {
   Box result;
   if (box.empty()) return result;

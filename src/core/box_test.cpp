@@ -45,7 +45,7 @@ TEST(Box, HoldsOtherBoxes) {
 }
 
 TEST(Box, TransformsByItsCorners) {
-  // +X becomes +Y, +Y becomes -X, both twice as long; then all moves.
+  // Maps +X to +Y and +Y to -X, scales both by two, then translates.
   Mat4 turn(1);
   turn[0] = Vec4(0, 2, 0, 0);
   turn[1] = Vec4(-2, 0, 0, 0);

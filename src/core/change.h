@@ -1,5 +1,5 @@
-// What differs between one frame and the next. Buffers say which changes make their content invalid; histories and
-// caches read from it what they have to verify again.
+// Differences between consecutive frames. Buffers declare which changes invalidate their content; histories and caches
+// read which content to verify again.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ enum class Change : uint32_t {
   none = 0,
   camera = 1,     ///< position, direction, lens or projection
   geometry = 2,   ///< an instance moved
-  lights = 4,     ///< a light moved, or emits differently
-  materials = 8,  ///< a surface looks different
+  lights = 4,     ///< a light moved, or its emission changed
+  materials = 8,  ///< the appearance of a surface changed
   settings = 16,  ///< a setting that resets the history
   scene = camera | geometry | lights | materials,
   any = scene | settings,
@@ -26,7 +26,7 @@ constexpr Change operator&(Change a, Change b) {
 }
 constexpr Change& operator|=(Change& a, Change b) { return a = a | b; }
 
-/// Whether `changes` holds one of `wanted`.
+/// Whether `changes` contains any flag of `wanted`.
 constexpr bool includes(Change changes, Change wanted) { return (changes & wanted) != Change::none; }
 
 }  // namespace relume

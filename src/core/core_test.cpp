@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-/// Directions in all octants, and the axes and diagonals on which frames and maps have their seams.
+/// Directions in all octants, including the axes and diagonals, where frames and maps have their seams.
 std::vector<Vec3> directions() {
   std::vector<Vec3> result;
   for (int x = -1; x <= 1; ++x) {
@@ -59,7 +59,7 @@ TEST(Vec, TransformsPointsWithAndVectorsWithoutTranslation) {
 TEST(Frame, IsOrthonormalAndRightHanded) {
   for (const Vec3& n : directions()) {
     const Frame f = make_frame(n);
-    // A few roundings of numbers up to one.
+    // Allows for a few roundings of numbers up to one.
     constexpr float kTolerance = 1e-6f;
     EXPECT_NEAR(glm::dot(f.t, f.b), 0.0f, kTolerance);
     EXPECT_NEAR(glm::dot(f.t, f.n), 0.0f, kTolerance);
@@ -76,8 +76,9 @@ TEST(Hash, IsBijectiveOnASample) {
 }
 
 TEST(Hash, FlipsHalfOfTheBits) {
-  // Each of the 32 output bits flips with probability 1/2 when one input bit does; the mean over 32 · 1000 trials has a
-  // standard deviation of 0.5 · sqrt(32 / 32000) = 0.016 bits if the flips were independent. Five of them.
+  // Each of the 32 output bits flips with probability 1/2 when one input bit does. If the flips were independent, the
+  // mean over 32 · 1000 trials has a standard deviation of 0.5 · sqrt(32 / 32000) = 0.016 bits. The limit is five of
+  // them.
   for (const bool second_argument : {false, true}) {
     int64_t flipped = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
@@ -93,8 +94,8 @@ TEST(Hash, FlipsHalfOfTheBits) {
 TEST(Octahedral, KeepsDirections) {
   for (const Vec3& d : directions()) {
     EXPECT_LT(distance(direction_from_octahedral(octahedral_from_direction(d)), d), 1e-6f);
-    // Half a step of 16 bits on [-1, 1] is h = 1.53e-5. Off by h in x and y, z is off by 2 h; normalising stretches
-    // that by sqrt(3) in the middle of a face: 5.3e-5, and some roundings.
+    // Half a step of 16 bits on [-1, 1] is h = 1.53e-5. Errors of h in x and y give 2 h in z. Normalising stretches
+    // that by sqrt(3) in the middle of a face: 5.3e-5, plus some roundings.
     EXPECT_LT(distance(unpack_direction(pack_direction(d)), d), 5.5e-5f);
     EXPECT_NEAR(length_squared(unpack_direction(pack_direction(d))), 1.0f, 1e-6f);
   }
@@ -111,14 +112,14 @@ TEST(Octahedral, TheSquareGoesOnBeyondItsBorders) {
       ASSERT_TRUE(wrapped.x >= 0 && wrapped.x < 1 && wrapped.y >= 0 && wrapped.y < 1);
       const Vec3 border = direction_from_square(at[k]);
       const Vec3 inside = direction_from_square(at[k] - kStep * out[k]);
-      // As far beyond the border as the step, and on its other side.
+      // Near the border, but on the other side of it.
       EXPECT_LT(glm::length(direction_from_square(wrapped) - border), 10 * kStep);
       if (i == 50) continue;  // where the border folds
       EXPECT_GT(glm::length(direction_from_square(wrapped) - inside), glm::length(inside - border));
     }
   }
   EXPECT_EQ(wrap_square(Vec2(0.25f, 0.75f)), Vec2(0.25f, 0.75f));
-  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {  // all four are one direction
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {  // all map to one direction
     const Vec2 out = kStep * (2.0f * corner - 1.0f);
     EXPECT_LT(glm::length(wrap_square(corner + out) - (Vec2(1) - corner + out)), 1e-6f);
   }
@@ -130,7 +131,8 @@ TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {
   for (const Vec3& n : directions()) {
     const float above = glm::dot(offset_origin(p, error, n, n) - p, n);
     const float below = glm::dot(offset_origin(p, error, n, -n) - p, n);
-    // The farthest corner of the box lies at Σ |n_i| error_i; positions of this size round by up to 1.5e-5 a component.
+    // The farthest corner of the box lies at Σ |n_i| error_i; positions of this size round by up to 1.5e-5 per
+    // component.
     const float box = glm::dot(abs(n), Vec3(error));
     EXPECT_NEAR(above, box, 3e-5f);
     EXPECT_NEAR(below, -box, 3e-5f);
@@ -138,7 +140,7 @@ TEST(Ray, OffsetOriginLeavesTheErrorBoxOnTheSideOfTheDirection) {
 }
 
 TEST(Vec, LeastAndLargestOfIndicesAreExact) {
-  constexpr uint32_t kOdd = (1u << 24) + 1;  // the first number that no float holds
+  constexpr uint32_t kOdd = (1u << 24) + 1;  // the first integer that a float cannot represent
   const uint32_t least = relume::min(kOdd, kOdd + 1);
   const uint32_t largest = relume::max(kOdd, kOdd - 1);
   EXPECT_EQ(least, kOdd);
@@ -189,7 +191,7 @@ TEST(Fnv1a, IsTheStandardsOfBytesInAnyPieces) {
     hash.add(b.data(), b.size());
     return hash.value();
   };
-  // Test vectors of the authors of FNV.
+  // Test vectors by the authors of FNV.
   EXPECT_EQ(hash_of("", ""), 0xcbf29ce484222325u);
   EXPECT_EQ(hash_of("a", ""), 0xaf63dc4c8601ec8cu);
   EXPECT_EQ(hash_of("foobar", ""), 0x85944171f73967e8u);

@@ -1,5 +1,5 @@
-// Sums whose result does not depend on the order of the summands: real values are rounded once to 64-bit
-// integers, and integers are added atomically.
+// Sums that do not depend on the order of the summands. Real values are rounded once to 64-bit integers, which are
+// added atomically.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ RELUME_HD inline void atomic_add(Integer* target, Integer value) {
 #endif
 }
 
-/// Adds to a word that several threads share and returns its value before.
+/// Adds to a shared word and returns its previous value.
 template <typename Integer>
 RELUME_HD inline Integer atomic_fetch_add(Integer* target, Integer value) {
 #if RELUME_DEVICE_CODE
@@ -37,7 +37,7 @@ RELUME_HD inline Integer atomic_fetch_add(Integer* target, Integer value) {
 #endif
 }
 
-/// Sets the bits of `value` in a word that several threads share.
+/// Sets the bits of `value` in a shared word.
 RELUME_HD inline void atomic_or(uint64_t* target, uint64_t value) {
 #if RELUME_DEVICE_CODE
   atomicOr(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
@@ -46,7 +46,7 @@ RELUME_HD inline void atomic_or(uint64_t* target, uint64_t value) {
 #endif
 }
 
-/// Reads a word that others may be writing.
+/// Reads a word that other threads may be writing.
 RELUME_HD inline uint64_t atomic_load(const uint64_t* source) {
 #if RELUME_DEVICE_CODE
   return *reinterpret_cast<const volatile uint64_t*>(source);
@@ -55,14 +55,14 @@ RELUME_HD inline uint64_t atomic_load(const uint64_t* source) {
 #endif
 }
 
-/// Asks for memory that will be read or written soon. No effect but on the time that takes.
+/// Prefetches memory that will be read or written soon. Affects timing only.
 RELUME_HD inline void prefetch([[maybe_unused]] const void* address) {
 #if !RELUME_DEVICE_CODE
   __builtin_prefetch(address);
 #endif
 }
 
-/// Stores `desired` if the word is `expected`; returns what was there before.
+/// Stores `desired` if the word equals `expected`; returns the previous value.
 RELUME_HD inline uint64_t atomic_compare_exchange(uint64_t* target, uint64_t expected, uint64_t desired) {
 #if RELUME_DEVICE_CODE
   return atomicCAS(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(expected),
@@ -73,7 +73,7 @@ RELUME_HD inline uint64_t atomic_compare_exchange(uint64_t* target, uint64_t exp
 #endif
 }
 
-/// Replaces a word that several threads share by `value` if that is smaller.
+/// Replaces a shared word with `value` if that is smaller.
 RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
 #if RELUME_DEVICE_CODE
   atomicMin(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(value));
@@ -85,7 +85,7 @@ RELUME_HD inline void atomic_min(uint64_t* target, uint64_t value) {
 #endif
 }
 
-/// Replaces a word that several threads share by `value` if that is larger.
+/// Replaces a shared word with `value` if that is larger.
 RELUME_HD inline void atomic_max(uint32_t* target, uint32_t value) {
 #if RELUME_DEVICE_CODE
   atomicMax(target, value);
@@ -99,10 +99,11 @@ RELUME_HD inline void atomic_max(uint32_t* target, uint32_t value) {
 
 /// Value of one unit of the fixed-point sums of radiance: 2^-24. Sums must stay below 2^39.
 inline constexpr float kFixedPointUnit = 0x1p-24f;
-/// Summands above are clamped, so that fewer than 2^19 of them cannot overflow; callers count them as saturated.
+/// Limit at which summands are clamped, so that fewer than 2^19 of them cannot overflow. Callers count clamped ones as
+/// saturated.
 inline constexpr float kFixedPointMax = 0x1p20f;
 
-/// The nearest number of units; ties to even, as hosts and devices round by default.
+/// Nearest number of units; ties round to even, the default of hosts and devices.
 RELUME_HD inline int64_t to_fixed_point(float x) {
   return std::llrint(static_cast<double>(clamp(x, -kFixedPointMax, kFixedPointMax)) * 0x1p24);
 }

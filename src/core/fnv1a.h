@@ -1,4 +1,4 @@
-// A hash of bytes for names of files and checksums. What kernels hash with is in core/hash.h.
+// A byte hash for file names and checksums. Kernels use core/hash.h.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,11 @@
 
 namespace relume {
 
-/// FNV-1a, 64 bits, of bytes however they are cut into pieces.
+/// 64-bit FNV-1a, independent of how the bytes are split into calls.
 class Fnv1a {
  public:
   Fnv1a() = default;
-  /// Hashes with another salt have nothing to do with each other; 0 is the standard's.
+  /// Different salts give unrelated hashes; 0 gives the standard one.
   explicit Fnv1a(uint64_t salt) : value_(kBegin ^ salt) {}
 
   void add(const void* data, size_t size) {

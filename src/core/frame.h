@@ -14,7 +14,7 @@ struct Frame {
   RELUME_HD_INLINE Vec3 to_world(const Vec3& v) const { return v.x * t + v.y * b + v.z * n; }
 };
 
-/// Frame around the unit vector `n`, continuous but for n.z = 0 ([Duff17], listing 3).
+/// Frame around the unit vector `n`, continuous except at n.z = 0 ([Duff17], listing 3).
 RELUME_HD inline Frame make_frame(const Vec3& n) {
   const float sign = std::copysign(1.0f, n.z);
   const float a = -1.0f / (sign + n.z);

@@ -1,4 +1,4 @@
-// Integer hashes. Every random decision in relume is a hash of what it belongs to.
+// Integer hashes. Every random decision in relume is a hash of the numbers that identify it.
 #pragma once
 
 #include <bit>
@@ -24,7 +24,7 @@ RELUME_HD_INLINE constexpr uint32_t hash(uint32_t a, uint32_t b, uint32_t c, uin
   return hash(hash(a, b, c), d);
 }
 
-/// Uniform in [0, 1) from the upper 24 bits. By way of a signed number: vector units have no other conversion.
+/// Uniform in [0, 1) from the upper 24 bits. Converts through a signed integer, the only conversion of vector units.
 RELUME_HD_INLINE constexpr float to_unit_float(uint32_t x) {
   return static_cast<float>(static_cast<int32_t>(x >> 8)) * 0x1p-24f;
 }

@@ -7,23 +7,22 @@
 #define RELUME_HD
 #endif
 
-// The same, inlined whatever the compiler's estimate of the size says. For small functions at the bottom of every
-// kernel: whether loops over them become vector code must not depend on what else a translation unit contains.
+// The same, always inlined, for the small functions that every kernel uses. Vectorisation of loops over them must not
+// depend on the rest of the translation unit.
 #if defined(__CUDACC__)
 #define RELUME_HD_INLINE __host__ __device__ __forceinline__
 #else
 #define RELUME_HD_INLINE [[gnu::always_inline]] inline
 #endif
 
-// The same, never inlined: for what few surfaces need. Keeps the inlined common path small.
+// The same, never inlined: keeps rare surface features out of the inlined common path.
 #if defined(__CUDACC__)
 #define RELUME_HD_NOINLINE __host__ __device__ __noinline__
 #else
 #define RELUME_HD_NOINLINE [[gnu::noinline]]
 #endif
 
-// True while compiling code that runs on the device. Only src/accel, src/frame and the atomics of
-// src/core may look at it.
+// True while compiling device code. Only src/accel, src/frame and the atomics of src/core may use it.
 #if defined(__CUDA_ARCH__)
 #define RELUME_DEVICE_CODE 1
 #else

@@ -1,6 +1,5 @@
-// Eight floats side by side: a vector register of the host, plain code on a device. Each lane is computed as if it were
-// alone, so the bits are the same either way, and those of one float: code for a type T of numbers runs with T = float
-// and with T = Lanes.
+// Eight floats side by side: a vector register on the host, plain code on a device. Each lane is computed
+// independently, so lanes and single floats give the same bits. Code for a number type runs with float and with Lanes.
 #pragma once
 
 #include <cmath>
@@ -27,7 +26,7 @@ struct Register {
 using Floats = Register<float>;
 using Bools = Register<bool>;
 
-/// f of one lane after another.
+/// Applies f lane by lane.
 template <typename Result, typename Function, typename... Registers>
 RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
   Result result;
@@ -40,7 +39,7 @@ RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Bools = int32_t __attribute__((vector_size(4 * kLanes)));  // all bits of a lane are set, or none
 
-/// f of whole registers.
+/// Applies f to whole registers.
 template <typename Result, typename Function, typename... Registers>
 RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
   return f(registers...);
@@ -50,7 +49,7 @@ RELUME_HD_INLINE Result each(const Function& f, const Registers&... registers) {
 
 }  // namespace lanes_detail
 
-/// What comparing lanes gives.
+/// Result of comparing lanes.
 struct LaneMask {
   lanes_detail::Bools b;
 
@@ -101,11 +100,11 @@ struct Lanes {
   }
 };
 
-/// What comparing numbers of type T gives.
+/// Result of comparing numbers of type T.
 template <typename T>
 using MaskOf = decltype(T() < T());
 
-/// `yes` where the condition holds, `no` elsewhere.
+/// `yes` where the condition is true, `no` elsewhere.
 RELUME_HD_INLINE constexpr float select(bool condition, float yes, float no) { return condition ? yes : no; }
 RELUME_HD_INLINE Lanes select(const LaneMask& condition, const Lanes& yes, const Lanes& no) {
   return Lanes(lanes_detail::each<lanes_detail::Floats>(
@@ -124,7 +123,7 @@ RELUME_HD_INLINE Lanes square_root(const Lanes& a) {
 RELUME_HD_INLINE float absolute(float x) { return std::fabs(x); }
 RELUME_HD_INLINE Lanes absolute(const Lanes& a) { return max(a, 0.0f - a); }
 
-/// From and to any address.
+/// Loads and stores have no alignment requirement.
 template <typename T = Lanes>
 RELUME_HD_INLINE T load_lanes(const float* from) {
   T lanes;
@@ -143,7 +142,7 @@ RELUME_HD_INLINE Lanes gather_lanes(const float* table, const uint32_t* indices)
   return result;
 }
 
-/// Eight vectors one after another, by component.
+/// Loads eight consecutive vectors, separated by component.
 RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #if defined(__CUDACC__)
   for (uint32_t i = 0; i < kLanes; ++i) {
@@ -162,13 +161,13 @@ RELUME_HD_INLINE void load_vectors(const float* from, Lanes (&v)[3]) {
 #endif
 }
 
-/// Relative luminance, as of a Rgb (core/vec.h).
+/// Relative luminance, as for Rgb (core/vec.h).
 RELUME_HD_INLINE float luminance(float r, float g, float b) { return 0.2126f * r + 0.7152f * g + 0.0722f * b; }
 RELUME_HD_INLINE Lanes luminance(const Lanes& r, const Lanes& g, const Lanes& b) {
   return 0.2126f * r + 0.7152f * g + 0.0722f * b;
 }
 
-/// Sum of all lanes, in an order of its own.
+/// Sum of all lanes in a fixed order.
 RELUME_HD_INLINE float sum_of(const Lanes& a) {
   return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }

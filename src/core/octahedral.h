@@ -1,4 +1,4 @@
-// Unit vectors in 32 bits: the octahedral map with 16 bits a coordinate ([Cigolle14]).
+// Unit vectors in 32 bits: the octahedral map with 16 bits per coordinate ([Cigolle14]).
 #pragma once
 
 #include "core/vec.h"
@@ -38,31 +38,29 @@ RELUME_HD inline Vec3 unpack_direction(uint32_t bits) {
       {static_cast<float>(bits & 0xffffu) * kScale - 1.0f, static_cast<float>(bits >> 16) * kScale - 1.0f});
 }
 
-// The same over the unit square.
-
-/// Unit vector to the unit square, and back.
+/// The octahedral map from unit vectors to the unit square, and its inverse.
 RELUME_HD inline Vec2 square_from_direction(const Vec3& w) {
   const Vec2 p = octahedral_from_direction(w);
   return {clamp(0.5f * p.x + 0.5f, 0.0f, kOneMinusEpsilon), clamp(0.5f * p.y + 0.5f, 0.0f, kOneMinusEpsilon)};
 }
 RELUME_HD inline Vec3 direction_from_square(const Vec2& p) { return direction_from_octahedral(p * 2.0f - 1.0f); }
 
-/// Solid angle that a unit of the square's area stands for: 4 / |q|³, with q the direction on the octahedron.
+/// Solid angle per area of the square at direction `w`: 4 / |q|³, with q the point of the octahedron along `w`.
 RELUME_HD inline float octahedral_solid_angle(const Vec3& w) {
   const float norm1 = std::fabs(w.x) + std::fabs(w.y) + std::fabs(w.z);  // |q| = 1 / norm1
   return 4.0f * norm1 * norm1 * norm1;
 }
 
-/// A point up to an edge beyond the unit square's border as the one in it where the same way across the sphere leads:
-/// two points of a border that lie as far from its middle are one direction.
+/// Maps a point up to one edge beyond the unit square to the point inside that continues the same path on the sphere.
+/// Two points of an edge at the same distance from its middle are one direction.
 RELUME_HD inline Vec2 wrap_square(Vec2 p) {
   if (p.x < 0.0f || p.x >= 1.0f) p = {p.x < 0.0f ? -p.x : 2.0f - p.x, 1.0f - p.y};
   if (p.y < 0.0f || p.y >= 1.0f) p = {1.0f - p.x, p.y < 0.0f ? -p.y : 2.0f - p.y};
   return {clamp(p.x, 0.0f, kOneMinusEpsilon), clamp(p.y, 0.0f, kOneMinusEpsilon)};
 }
 
-/// 16 bits a coordinate of the unit square; unpack_square() gives the middle of the step, which lies in the same
-/// cell of any quadtree of up to 16 levels.
+/// Packs 16 bits per coordinate of the unit square. unpack_square() returns the middle of the step, which lies in the
+/// same cell of any quadtree of up to 16 levels.
 RELUME_HD inline uint32_t pack_square(const Vec2& p) {
   return static_cast<uint32_t>(p.x * 65536.0f) | (static_cast<uint32_t>(p.y * 65536.0f) << 16);
 }

@@ -10,8 +10,8 @@
 namespace relume {
 namespace {
 
-/// Tells ThreadSanitizer, which does not see into TBB, that a loop's tasks follow what was before the loop, and that
-/// what comes behind it follows the tasks. This file itself is built without it (CMakeLists.txt).
+/// Tells ThreadSanitizer, which cannot observe TBB, that a loop's tasks follow the code before the loop and precede the
+/// code after it. This file is built without ThreadSanitizer (CMakeLists.txt).
 class LoopOrder {
  public:
 #if defined(RELUME_THREAD_SANITIZER)

@@ -1,5 +1,5 @@
-// Loops whose iterations may run at once, on TBB's threads. Everything in parallel goes through here, and passes
-// through frame/launch.h, which builds on it.
+// Loops with concurrent iterations on TBB's threads. All parallel code uses these functions; passes use frame/launch.h,
+// which builds on them.
 #pragma once
 
 #include <concepts>
@@ -8,7 +8,7 @@
 namespace relume {
 namespace detail {
 
-/// Calls run(body, begin, end) for ranges that cover [0, count) once. `each_alone`: ranges of one.
+/// Calls run(body, begin, end) for ranges that cover [0, count) exactly once. `each_alone`: ranges of one iteration.
 void run_ranges(size_t count, bool each_alone, void (*run)(const void* body, size_t begin, size_t end),
                 const void* body);
 
@@ -23,13 +23,13 @@ void run_iterations(Index count, bool each_alone, const Body& body) {
 
 }  // namespace detail
 
-/// Calls body(i) for every i in [0, count), in any order. Returns when all have ended; throws what one of them threw.
+/// Calls body(i) for every i in [0, count) in any order. Returns after the last call; rethrows an exception of a call.
 template <std::integral Index, typename Body>
 void parallel_for(Index count, const Body& body) {
   detail::run_iterations(count, false, body);
 }
 
-/// The same, every iteration a task of its own: for few long ones of unequal length.
+/// The same with one task per iteration, for few long iterations of unequal length.
 template <std::integral Index, typename Body>
 void parallel_tasks(Index count, const Body& body) {
   detail::run_iterations(count, true, body);

@@ -1,4 +1,4 @@
-// Rays, hits, and origins that do not hit their own surface again.
+// Rays, hits, and ray origins that avoid self-intersection.
 #pragma once
 
 #include "core/vec.h"
@@ -11,12 +11,12 @@ struct Ray {
   float t_max = kInfinity;  ///< metres
 };
 
-/// No instance: the ray left the scene.
+/// Marks a ray that left the scene.
 inline constexpr uint32_t kNoHit = 0xffffffffu;
-/// The same in buffers that tell surfaces apart by numbers.
+/// The same in buffers of surface numbers.
 inline constexpr uint32_t kNoSurface = kNoHit;
 
-/// What a ray met. `u`, `v` weigh vertices 1 and 2 of the triangle.
+/// Intersection of a ray. `u`, `v` are the weights of vertices 1 and 2 of the triangle.
 struct Hit {
   uint32_t instance = kNoHit;
   uint32_t primitive = 0;
@@ -27,9 +27,9 @@ struct Hit {
   RELUME_HD bool valid() const { return instance != kNoHit; }
 };
 
-/// Origin on the side of the surface that `w` points to. `p` is a surface point whose components are off by at most
-/// `error` (metres), `n` its geometric normal. The shift is the length of the error box along the normal, so the true
-/// surface cannot lie between ([Pharr23], §6.8.6).
+/// Ray origin on the side of the surface that `w` points to. `p` is a surface point with an error of at most `error`
+/// (metres) per component, `n` its geometric normal. The shift is the extent of the error box along the normal, so the
+/// true surface cannot lie between ([Pharr23], §6.8.6).
 RELUME_HD inline Vec3 offset_origin(const Vec3& p, float error, const Vec3& n, const Vec3& w) {
   const float d = error * (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
   return p + (glm::dot(w, n) < 0.0f ? -d : d) * n;

@@ -1,4 +1,4 @@
-// Regions of space in which techniques learn: numbers that mean something to whoever cuts space up.
+// Regions of space in which techniques learn. Each spatial structure defines its own numbers.
 #pragma once
 
 #include <cstdint>

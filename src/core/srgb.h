@@ -24,7 +24,7 @@ RELUME_HD inline Rgb linear_from_srgb(const Rgb& c) {
   return {linear_from_srgb(c.r), linear_from_srgb(c.g), linear_from_srgb(c.b)};
 }
 
-/// Nearest of the 256 steps of [0, 1]; outside values are clamped, NaN gives 0.
+/// Nearest of the 256 steps of [0, 1]; values outside are clamped, NaN gives 0.
 RELUME_HD inline uint8_t quantise_unorm8(float x) {
   if (!(x > 0.0f)) return 0;
   return static_cast<uint8_t>((x < 1.0f ? x : 1.0f) * 255.0f + 0.5f);

@@ -1,5 +1,5 @@
-// Vectors of plain data to and from binary streams: state of techniques in checkpoints. Little more than memcpy, so
-// only for the machine and version that wrote it.
+// Binary streams of vectors of plain data, for the state of techniques in checkpoints. Memory is copied as it is, so
+// only the same machine and version can read it.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ void write_vector(std::ostream& out, const std::vector<T>& v) {
   write_value(out, static_cast<uint64_t>(v.size()));
   out.write(reinterpret_cast<const char*>(v.data()), static_cast<std::streamsize>(v.size() * sizeof(T)));
 }
-/// A stream that ends early, or claims more than 64 GiB, sets its failbit and leaves the vector empty.
+/// A stream that ends early, or declares more than 64 GiB, sets its failbit and leaves the vector empty.
 template <typename T>
 void read_vector(std::istream& in, std::vector<T>& v) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -40,7 +40,7 @@ void read_vector(std::istream& in, std::vector<T>& v) {
     in.setstate(std::ios::failbit);
     return;
   }
-  // Piece by piece, so that a false size does not ask for memory that the stream has nothing for.
+  // Reads in pieces, so that a false size does not allocate more memory than the stream can fill.
   constexpr uint64_t kPiece = uint64_t{1} << 20;
   while (v.size() < size && in) {
     const uint64_t count = size - v.size() < kPiece ? size - v.size() : kPiece;

@@ -1,4 +1,4 @@
-// A pointer and a count: how kernels see arrays that somebody else owns.
+// A pointer and a count: non-owning access to arrays in kernels.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct View {
   RELUME_HD bool empty() const { return size == 0; }
 };
 
-/// View of all elements; valid as long as `v` lives and is not resized.
+/// View of all elements; valid until `v` is destroyed or resized.
 template <typename T>
 View<const T> view_of(const std::vector<T>& v) {
   return {v.data(), static_cast<uint32_t>(v.size())};
