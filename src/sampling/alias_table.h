@@ -1,4 +1,4 @@
-// Discrete distributions in constant time: Walker's alias method.
+// Discrete distributions sampled in constant time by Walker's alias method.
 #pragma once
 
 #include <span>
@@ -11,15 +11,15 @@
 namespace relume {
 
 struct AliasEntry {
-  float keep;      ///< probability of staying in this bin once it is chosen
-  uint32_t alias;  ///< the bin to go to otherwise
+  float keep;      ///< probability of staying in the chosen bin
+  uint32_t alias;  ///< the bin taken otherwise
   float pmf;       ///< probability of this bin
 };
 
 struct DiscreteSample {
   uint32_t index;
   float pmf;
-  float u;  ///< what is left of the random number, uniform in [0, 1)
+  float u;  ///< remainder of the random number, uniform in [0, 1)
 };
 
 /// Table over n bins; empty if all weights are zero.

@@ -11,11 +11,11 @@ namespace {
 constexpr uint32_t kEdge = kBlueNoiseEdge;
 constexpr uint32_t kCells = kEdge * kEdge;
 
-/// Points on a torus, and at each place how crowded it is: the sum of a Gaussian about each point.
+/// Points on a torus, and the crowding of each cell: the sum of a Gaussian about every point.
 class Pattern {
  public:
   Pattern() {
-    constexpr float kDeviation = 1.9f;  // pixels; [Ulichney93] finds 1.5, and larger ones more regular
+    constexpr float kDeviation = 1.9f;  // pixels; [Ulichney93] finds 1.5; larger values are more regular
     for (uint32_t y = 0; y < kEdge; ++y) {
       for (uint32_t x = 0; x < kEdge; ++x) {
         const auto dx = static_cast<float>(std::min(x, kEdge - x));
@@ -37,7 +37,7 @@ class Pattern {
   }
   /// The point in the tightest cluster.
   uint32_t tightest() const { return extreme(true, 1.0f); }
-  /// The place in the largest void.
+  /// The empty cell in the largest void.
   uint32_t emptiest() const { return extreme(false, -1.0f); }
 
  private:
@@ -54,7 +54,8 @@ class Pattern {
   std::array<bool, kCells> points_{};
 };
 
-/// A tenth of all places, evenly spread: points move from the tightest cluster to the largest void until none would.
+/// Evenly spreads points over a tenth of all cells: points move from the tightest cluster to the largest void until
+/// none moves.
 std::vector<uint32_t> spread_points(Pattern& pattern) {
   std::vector<uint32_t> points;
   for (uint32_t i = 0; points.size() < kCells / 10; ++i) {

@@ -1,5 +1,5 @@
-// A tile of blue noise for dithered sampling ([Georgiev16]): neighbouring pixels take numbers that differ much, so that
-// their errors cancel in any filter, the eye's included.
+// A tile of blue noise for dithered sampling ([Georgiev16]). Neighbouring pixels get very different numbers, so their
+// errors cancel in any filter, including the eye.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 
 namespace relume {
 
-/// Edge of the tile, pixels; it repeats.
+/// Edge of the repeating tile, pixels.
 inline constexpr uint32_t kBlueNoiseEdge = 64;
 
-/// The tile: each of the numbers 0 … kBlueNoiseEdge² − 1 once, row by row. Computed once, by void and cluster
-/// ([Ulichney93]); lives as long as the program.
+/// The tile contains each number 0 … kBlueNoiseEdge² − 1 once, row by row. Computed once by void and cluster
+/// ([Ulichney93]); lives until the program ends.
 View<const uint16_t> blue_noise_tile();
 
-/// Shifts in [0, 1) of one pixel's numbers, one a dimension: the tile's value at the pixel, where the tile is moved by
-/// an amount of its own for each dimension.
+/// Shifts in [0, 1) of one pixel's numbers, one per dimension: the tile's value at the pixel. The tile is offset by a
+/// separate amount for each dimension.
 struct BlueNoisePixel {
   View<const uint16_t> tile;
   uint32_t x = 0;

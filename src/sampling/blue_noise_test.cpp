@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kEdge = kBlueNoiseEdge;
 
-/// Mean power of the frequencies between two radii, in cycles a tile, of a map of kEdge² values with mean 0.
+/// Mean power of the frequencies between two radii, in cycles per tile, of a map of kEdge² values with mean 0.
 double power_between(const std::vector<double>& values, double least, double most) {
   double power = 0;
   int count = 0;
@@ -53,7 +53,7 @@ TEST(BlueNoise, HasLittlePowerAtLowFrequencies) {
   EXPECT_LT(power_between(values, 1, 6), 0.02 * power_between(values, 24, 32));
 }
 
-/// What one sample a pixel makes of a smooth function of two of its numbers: the error at each pixel.
+/// Error at each pixel of one sample per pixel of a smooth function of two of its numbers.
 std::vector<double> errors(bool dither, uint32_t seed) {
   const SampleIndex index{.seed = seed, .tile = dither ? blue_noise_tile() : View<const uint16_t>{}};
   std::vector<double> result;
@@ -82,7 +82,7 @@ TEST(Dithering, MovesErrorsToHighFrequencies) {
 }
 
 TEST(Dithering, KeepsTheMeanOfEveryDimension) {
-  // Over seeds a pixel's numbers are uniform, as the scramble that all pixels share is.
+  // Over seeds, a pixel's numbers are uniform because the scramble that all pixels share is.
   constexpr uint32_t kSeeds = 20000;
   const double three_errors = 3 / std::sqrt(12.0 * kSeeds);
   for (const uint32_t dimension : {0u, 1u, 2u, 9u}) {
@@ -103,7 +103,7 @@ TEST(Dithering, KeepsTheMeanOfEveryDimension) {
 }
 
 TEST(Dithering, SamplesOfAPixelStayStratified) {
-  // A shift modulo 1 of a (0, 2)-sequence: 64 points leave few of 64 cells empty, where independent ones leave 23.
+  // Tests a (0, 2)-sequence shifted modulo 1: 64 points leave few of 64 cells empty, independent points 23.
   std::vector<int> cells(64);
   for (uint32_t i = 0; i < 64; ++i) {
     Sampler sampler = Sampler::dithered(blue_noise_tile(), 3, 9, 2, i);

@@ -13,7 +13,7 @@ TEST(Chi2Bound, HoldsAndIsNotIdle) {
       const double bound = 1.0 + static_cast<double>(chi2_mean_bound(static_cast<float>(count), t));
       const double allowed = std::exp(-0.5 * static_cast<double>(t * t));
       EXPECT_LE(testing::chi2_survival(count * bound, count), allowed) << count << ' ' << t;
-      // A third of that excess is not so rare.
+      // 0.3 of that excess is not so rare.
       EXPECT_GT(testing::chi2_survival(count * (1.0 + 0.3 * (bound - 1.0)), count), 0.2 * allowed) << count << ' ' << t;
     }
   }

@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-/// Writes the CDF of `count` values from `sums` (partial sums in double); uniform if they are all zero.
+/// Writes the CDF of `count` values from `sums` (partial sums in double); uniform if all values are zero.
 void write_cdf(const std::vector<double>& sums, float* cdf) {
   const size_t count = sums.size() - 1;
   const double total = sums.back();

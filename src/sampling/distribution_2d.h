@@ -10,7 +10,7 @@
 namespace relume {
 
 /// Density proportional to the value of a width × height grid; cell (i, j) covers [i, i+1)/width × [j, j+1)/height.
-/// Samples keep the stratification of the random numbers (marginal and conditional CDFs are inverted).
+/// Sampling inverts marginal and conditional CDFs, which preserves the stratification of the random numbers.
 struct Distribution2D {
   View<const float> marginal;     ///< height + 1 values, from 0 to 1
   View<const float> conditional;  ///< height rows of width + 1 values, each from 0 to 1
@@ -38,7 +38,7 @@ struct Distribution2D {
   /// Density at a point of [0, 1)².
   RELUME_HD float pdf(const Vec2& p) const { return cell_pdf(cell(p.x, width), cell(p.y, height)); }
 
-  /// The random numbers that lead to `p`.
+  /// Random numbers that sample() maps to `p`.
   RELUME_HD Vec2 inverse(const Vec2& p) const {
     const uint32_t i = cell(p.x, width);
     const uint32_t j = cell(p.y, height);
@@ -63,7 +63,7 @@ struct Distribution2D {
            static_cast<float>(height);
   }
 
-  /// Last i with cdf[i] <= u, among the cells of non-zero width, and where in it u falls.
+  /// Last i with cdf[i] <= u among the cells of non-zero width, and the relative position of u in it.
   RELUME_HD static uint32_t find(const float* cdf, uint32_t count, float u, float* fraction) {
     uint32_t low = 0;
     uint32_t high = count;
@@ -81,7 +81,7 @@ struct Distribution2D {
   }
 };
 
-/// The arrays behind a Distribution2D.
+/// Arrays of a Distribution2D.
 struct Distribution2DStorage {
   std::vector<float> marginal;
   std::vector<float> conditional;
@@ -91,7 +91,7 @@ struct Distribution2DStorage {
   Distribution2D view() const { return {view_of(marginal), view_of(conditional), width, height}; }
 };
 
-/// For `values` ≥ 0 in rows of `width`; empty if their sum is zero or not finite.
+/// Builds a distribution of `values` ≥ 0 in rows of `width`; empty if their sum is zero or not finite.
 Distribution2DStorage build_distribution_2d(std::span<const float> values, uint32_t width, uint32_t height);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// The samples of one frame: which element of which sequence each pixel takes.
+// Sample indices of one frame: the sequence and the element of it that each pixel uses.
 #pragma once
 
 #include "core/view.h"
@@ -8,27 +8,27 @@ namespace relume {
 
 struct SampleIndex {
   uint32_t seed = 0;
-  uint32_t sequence = Sampler::kFirstSequence;  ///< number of the sequence; a new one has scrambles of its own
-  uint32_t sample = 0;                          ///< index within the sequence, where `taken` is empty
+  uint32_t sequence = Sampler::kFirstSequence;  ///< number of the sequence; each has separate scrambles
+  uint32_t sample = 0;                          ///< index within the sequence if `taken` is empty
   uint32_t frame = 0;                           ///< frames since the session began
   uint32_t age = 0;                             ///< frames since the seed last changed
-  View<const uint32_t> taken = {};              ///< by pixel: elements that earlier frames took from the sequence
+  View<const uint32_t> taken = {};              ///< per pixel: number of elements that earlier frames used
   uint32_t width = 0;                           ///< of `taken`
-  bool camera_runs = false;                     ///< the camera's dimensions have one sequence through all epochs
-  View<const uint16_t> tile = {};               ///< of blue noise; empty: each pixel has scrambles of its own
+  bool camera_runs = false;                     ///< one sequence for the camera through all epochs
+  View<const uint16_t> tile = {};               ///< blue-noise tile; empty: each pixel has separate scrambles
 
   RELUME_HD_INLINE uint32_t sample_of(uint32_t x, uint32_t y) const {
     return taken.empty() ? sample : taken[y * width + x];
   }
   RELUME_HD_INLINE Sampler sampler(uint32_t x, uint32_t y) const {
     Sampler sampler = element(x, y, sample_of(x, y), sequence);
-    // Structures that learn decide nothing about the camera, so its sequence runs through all of their epochs.
+    // Learning structures do not steer the camera's dimensions, so their sequence continues through all epochs.
     if (runs_through()) sampler.take_camera_from(element(x, y, age, Sampler::kFirstSequence));
     return sampler;
   }
   /// Whether sampler(x, y) is element sample_of(x, y) of the pixel's own sequence, camera included.
   RELUME_HD bool is_plain() const { return tile.empty() && !runs_through(); }
-  /// Whether the camera's dimensions have a sequence of their own.
+  /// Whether the camera's dimensions have a separate sequence.
   RELUME_HD bool runs_through() const { return camera_runs && taken.empty(); }
 
  private:

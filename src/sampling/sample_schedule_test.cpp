@@ -29,7 +29,7 @@ TEST(SampleSchedule, OneSequenceServesAllFramesWhereNothingLearns) {
     EXPECT_EQ(schedule.sample(frame, frame), frame);
     EXPECT_EQ(schedule.sequence(frame, frame, frame + 7), Sampler::kFirstSequence);
   }
-  // A history that a change survives continues its sequence.
+  // A history that survives a change continues its sequence.
   EXPECT_EQ(schedule.sample(20, 3), 20u);
 }
 

@@ -1,4 +1,4 @@
-// The random numbers of one sample of one pixel: a pure function of (seed, pixel, sample, dimension).
+// Random numbers of one sample of one pixel: a pure function of (seed, pixel, sample, dimension).
 #pragma once
 
 #include "sampling/blue_noise.h"
@@ -7,17 +7,17 @@
 
 namespace relume {
 
-/// Pairs of random numbers of the camera: a point of the pixel and one of the lens. They come first.
+/// Number of dimension pairs for the camera, which come first: a point of the pixel and one of the lens.
 inline constexpr uint32_t kCameraDimensions = 2;
 
-/// Hands out dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the
+/// Provides dimensions in order. Each request is a padded, independently scrambled low-discrepancy sequence over the
 /// samples of the pixel ([Burley20], §5).
 class Sampler {
  public:
   /// Number of a pixel's first sequence.
   static constexpr uint32_t kFirstSequence = 0xffffffffu;
 
-  /// To be assigned before use.
+  /// Must be assigned before use.
   Sampler() = default;
   /// Element `sample` of a sequence of the pixel. Sequences with different numbers have independent scrambles.
   RELUME_HD_INLINE static Sampler sequence(uint32_t seed, uint32_t x, uint32_t y, uint32_t sample,
@@ -25,7 +25,7 @@ class Sampler {
     const uint32_t scramble = hash(hash(seed, x, y), number);
     return Sampler(scramble, scramble, sample);
   }
-  /// The same with one scramble for all pixels, whose numbers a tile of blue noise shifts instead ([Georgiev16]).
+  /// The same with one scramble for all pixels; a blue-noise tile shifts the numbers per pixel instead ([Georgiev16]).
   RELUME_HD_INLINE static Sampler dithered(const View<const uint16_t>& tile, uint32_t seed, uint32_t x, uint32_t y,
                                            uint32_t sample, uint32_t number = kFirstSequence) {
     constexpr uint32_t kSaltDither = 0xb5297a4du;
@@ -33,14 +33,14 @@ class Sampler {
     sampler.shifts_ = {tile, x, y};
     return sampler;
   }
-  /// Takes the camera's dimensions from another sequence of the pixel: nothing that learns decides what they mean.
+  /// Takes the camera's dimensions from another sequence of the pixel. Learning techniques do not change their meaning.
   RELUME_HD_INLINE void take_camera_from(const Sampler& other) {
     camera_scramble_ = other.scramble_;
     camera_index_ = other.reversed_index_;
   }
 
-  /// Two stratified numbers. Eight dimensions are computed at a time: on a processor they share vector registers, and a
-  /// path rarely needs more.
+  /// Two stratified numbers. Computes blocks of eight dimensions, which share vector registers on a processor; a path
+  /// rarely needs more.
   RELUME_HD Vec2 next_2d() {
     const uint32_t in_block = dimension_ % kBlock;
     if (dimension_ - in_block != block_start_) fill_block(dimension_ - in_block);
@@ -48,24 +48,24 @@ class Sampler {
     return {x_[in_block], y_[in_block]};
   }
 
-  /// The first pair, without the rest of its block: for passes that need no more.
+  /// The first pair without the rest of its block, for passes that need only the pair.
   RELUME_HD_INLINE Vec2 first_2d() const { return camera_2d(0); }
 
-  /// One stratified number; these have dimensions of their own.
+  /// One stratified number, from dimensions separate from those of next_2d().
   RELUME_HD_INLINE float next_1d() { return single(single_++); }
 
   /// The first number of next_1d() in a dimension, without a jump to it.
   RELUME_HD float number_of(uint32_t dimension) const { return single(dimension * kSinglesPerDimension); }
 
-  /// Jumps to a dimension, so that paths agree on which number decides what however long they are.
+  /// Jumps to a dimension, so that a decision uses the same dimension in paths of any length.
   RELUME_HD void start_dimension(uint32_t dimension) {
     dimension_ = dimension;
     single_ = dimension * kSinglesPerDimension;
   }
 
-  /// A hash that differs between the rays of this sample; decides stochastic alpha.
+  /// A hash that differs between the rays of this sample, for stochastic alpha.
   RELUME_HD uint32_t ray_id() const { return hash((identity_ ^ reversed_index_) + dimension_ * 0x9e3779b9u); }
-  /// The numbers of the dimension handed out last, with more bits below them.
+  /// A number `u` of the last dimension, extended by hash bits.
   RELUME_HD_INLINE ReusableNumber reusable(float u) const {
     return {u, (identity_ ^ reversed_index_) + dimension_ * 0x9e3779b9u + kSaltBits};
   }
@@ -125,9 +125,9 @@ class Sampler {
 
   uint32_t scramble_;
   uint32_t reversed_index_;
-  uint32_t identity_;  ///< differs between pixels even where `scramble_` does not
+  uint32_t identity_;  ///< identity of the pixel's sample stream, even where `scramble_` is shared
   uint32_t camera_scramble_;
-  uint32_t camera_index_;  ///< its bits reversed
+  uint32_t camera_index_;  ///< with its bits reversed
   BlueNoisePixel shifts_;  ///< without a tile: none
   uint32_t dimension_ = 0;
   uint32_t single_ = 0;

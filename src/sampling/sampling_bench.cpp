@@ -32,7 +32,7 @@ template <typename Warp>
 void run_warp(benchmark::State& state, const Warp& warp) {
   uint32_t i = 0;
   for (auto _ : state) {
-    i = i * 1664525u + 1013904223u;  // cheaper than what is measured
+    i = i * 1664525u + 1013904223u;  // cheaper than the warp that is measured
     benchmark::DoNotOptimize(warp(Vec2(to_unit_float(i), to_unit_float(i << 8))));
   }
 }

@@ -1,4 +1,4 @@
-// Owen-scrambled Sobol' points in two dimensions, by hashing.
+// Owen-scrambled two-dimensional Sobol' points, computed by hashing.
 #pragma once
 
 #include "core/hash.h"
@@ -25,8 +25,8 @@ RELUME_HD_INLINE constexpr uint32_t owen_scramble_reversed(uint32_t x, uint32_t 
   return x;
 }
 
-/// Second Sobol' dimension of point `index`, bits reversed. Its generator matrix is Pascal's triangle modulo 2,
-/// which factors into five shift-and-xor steps.
+/// Second Sobol' dimension of point `index`, bits reversed. Its generator matrix is Pascal's triangle modulo 2, which
+/// factors into five shift-and-xor steps.
 RELUME_HD_INLINE constexpr uint32_t sobol_dimension_1_reversed(uint32_t index) {
   uint32_t x = index;
   x ^= (x & 0xaaaaaaaau) >> 1;
@@ -37,14 +37,14 @@ RELUME_HD_INLINE constexpr uint32_t sobol_dimension_1_reversed(uint32_t index) {
   return x;
 }
 
-/// Seeds that differ for the shuffle and the two scrambles of one point set.
+/// Distinct seeds for the shuffle and the two scrambles of one point set.
 RELUME_HD_INLINE constexpr uint32_t derived_seed(uint32_t seed, uint32_t which) {
   return seed * (which == 1 ? 0x85ebca6bu : 0xc2b2ae35u) + which;
 }
 
-/// Point of a two-dimensional (0, 2)-sequence chosen by `seed` (a well-mixed hash): shuffled and scrambled as in
+/// Point of a two-dimensional (0, 2)-sequence selected by `seed` (a well-mixed hash), shuffled and scrambled as in
 /// [Burley20]. Every aligned run of 2^k indices is stratified over all elementary intervals of area 2^-k. Takes the
-/// index with its bits reversed, since a pixel's dimensions all start from that.
+/// index with its bits reversed, which all dimensions of a pixel share.
 RELUME_HD_INLINE Vec2 owen_sobol_2d(uint32_t reversed_index, uint32_t seed) {
   const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
   const uint32_t x = owen_scramble_reversed(shuffled, derived_seed(seed, 1));
@@ -52,7 +52,7 @@ RELUME_HD_INLINE Vec2 owen_sobol_2d(uint32_t reversed_index, uint32_t seed) {
   return {to_unit_float(reverse_bits(x)), to_unit_float(reverse_bits(y))};
 }
 
-/// Point of a scrambled van der Corput sequence chosen by `seed`.
+/// Point of a scrambled van der Corput sequence selected by `seed`.
 RELUME_HD_INLINE float owen_van_der_corput(uint32_t reversed_index, uint32_t seed) {
   const uint32_t shuffled = reverse_bits(owen_scramble_reversed(reversed_index, seed));
   return to_unit_float(reverse_bits(owen_scramble_reversed(shuffled, derived_seed(seed, 1))));

@@ -16,9 +16,8 @@ namespace {
 
 using testing::Random;
 
-/// Second Sobol' dimension from its definition: primitive polynomial x + 1, m_1 = 1, m_k = 2 m_{k−1} ⊕ m_{k−1};
-/// direction number v_k = m_k / 2^k; the point is the exclusive or of the direction numbers that the bits of the index
-/// choose.
+/// Second Sobol' dimension from its definition: primitive polynomial x + 1, m_1 = 1, m_k = 2 m_{k−1} ⊕ m_{k−1}. The
+/// direction numbers are v_k = m_k / 2^k. The point is the exclusive or of those that the bits of the index select.
 uint32_t sobol_by_direction_numbers(uint32_t index) {
   uint32_t result = 0;
   uint32_t m = 1;
@@ -43,7 +42,7 @@ TEST(Sobol, ReversesBits) {
 }
 
 TEST(Sobol, ScrambleIsNested) {
-  // Bit i of the result depends on bits 0 … i only: changing bit i leaves the lower ones and changes this one.
+  // Bit i of the result depends on bits 0 … i only: flipping bit i keeps the lower bits and flips bit i.
   for (uint32_t n = 0; n < 2000; ++n) {
     const uint32_t x = hash(n, 1u);
     const uint32_t seed = hash(n, 2u);
@@ -54,7 +53,7 @@ TEST(Sobol, ScrambleIsNested) {
   }
 }
 
-/// Whether the points of `run` (2^k of them) fall one each into every elementary interval of area 2^-k.
+/// Whether each elementary interval of area 2^-k contains exactly one of the 2^k points of `run`.
 bool stratified(const std::vector<Vec2>& run, int k) {
   for (int j = 0; j <= k; ++j) {
     std::vector<bool> taken(run.size(), false);
@@ -97,7 +96,7 @@ TEST(Sobol, VanDerCorputStratifiesEveryAlignedRun) {
 }
 
 TEST(Sobol, IntegratesBetterThanRandomNumbers) {
-  // Σ over the seeds of the squared error of the mean of a smooth function, 256 points a seed; random points would give
+  // Sums the squared error of the mean of a smooth function over the seeds, 256 points each. Random points would give
   // var/256.
   double error = 0;
   constexpr int kSeeds = 100;
@@ -110,7 +109,7 @@ TEST(Sobol, IntegratesBetterThanRandomNumbers) {
     error += std::pow(mean - 0.5 * (std::exp(1.0) - 1.0), 2) / kSeeds;
   }
   const double variance = (std::exp(2.0) - 1.0) / 6.0 - 0.25 * std::pow(std::exp(1.0) - 1.0, 2);
-  EXPECT_LT(error, 0.02 * variance / 256.0);  // n^-3 against n^-1 leaves much room
+  EXPECT_LT(error, 0.02 * variance / 256.0);  // n^-3 against n^-1 leaves ample margin
 }
 
 double correlation(const std::vector<float>& a, const std::vector<float>& b) {
@@ -134,8 +133,8 @@ std::vector<std::vector<float>> dimensions(uint32_t seed, uint32_t x, uint32_t y
 }
 
 TEST(Sampler, DimensionsPixelsAndSeedsAreUncorrelated) {
-  // Shuffled independently, the correlation of n stratified numbers has a standard deviation of about 1/√n; 5.5 of them
-  // is a false alarm in 10^-7 of the cases, and some 3,000 pairs are compared.
+  // Shuffled independently, the correlation of n stratified numbers has a standard deviation of about 1/√n. A limit of
+  // 5.5 of them gives a false alarm in 10^-7 of the cases; some 3,000 pairs are compared.
   constexpr uint32_t kSamples = 1024;
   const double bound = 5.5 / std::sqrt(double{kSamples});
   std::vector<std::vector<float>> all;
@@ -199,7 +198,7 @@ TEST(Sampler, RayIdsDifferBetweenSamplesAndRays) {
   EXPECT_GE(ids.size(), 1999u);  // 2,000 hashes of 32 bits collide with probability 5e-4
 }
 
-/// χ² of the numbers that `next` gives over pixels: across pixels they are independent.
+/// χ² of the numbers of `next` over pixels: they are independent across pixels.
 template <typename Next>
 double uniformity(const Next& next) {
   testing::Histogram histogram(16);

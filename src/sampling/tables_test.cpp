@@ -1,4 +1,4 @@
-// Discrete and piecewise-constant densities, and the weights that combine strategies.
+// Discrete and piecewise-constant densities, and MIS weights.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -31,7 +31,7 @@ TEST(AliasTable, ProbabilitiesSumToOneAndFollowTheWeights) {
     double sum = 0;
     double total = 0;
     for (const float w : weights) total += w;
-    // The probabilities that keep and alias imply, against those that are stated.
+    // Compares the probabilities that keep and alias imply with the stated ones.
     std::vector<double> implied(weights.size(), 0.0);
     for (size_t i = 0; i < entries.size(); ++i) {
       sum += entries[i].pmf;
@@ -39,7 +39,7 @@ TEST(AliasTable, ProbabilitiesSumToOneAndFollowTheWeights) {
       implied[i] += entries[i].keep / static_cast<double>(weights.size());
       implied[entries[i].alias] += (1.0 - entries[i].keep) / static_cast<double>(weights.size());
     }
-    EXPECT_NEAR(sum, 1.0, 1e-5);  // a thousand float roundings
+    EXPECT_NEAR(sum, 1.0, 1e-5);  // allows for a thousand float roundings
     for (size_t i = 0; i < entries.size(); ++i) EXPECT_NEAR(implied[i], entries[i].pmf, 1e-6);
   }
 }
@@ -86,7 +86,7 @@ TEST(AliasTable, SurvivesTheEdgesOfTheUnitInterval) {
 }
 
 TEST(AliasTable, ReachesEveryOneOfAMillionAsOftenAsItShould) {
-  // Every other light is dim: a 24-bit number would take it 16 times too often, or never.
+  // Every other light is dim: a 24-bit number would choose it 16 times too often, or never.
   constexpr size_t kCount = size_t{1} << 20;
   std::vector<float> weights(kCount);
   for (size_t i = 0; i < kCount; ++i) weights[i] = i % 2 == 0 ? 1.0f : 1e-3f * static_cast<float>(1 + i % 8);
@@ -116,7 +116,7 @@ std::vector<Grid> grids() {
   std::vector<Grid> list{{1, 1, {2}}, {3, 2, {0, 1, 0, 5, 0, 2}}, {2, 3, {1, 2, 0, 0, 3, 4}}};
   Grid many{40, 20, {}};
   for (uint32_t i = 0; i < 800; ++i) many.values.push_back(i % 5 == 0 ? 0.0f : sqr(to_unit_float(hash(i, 3u))));
-  many.values[333] = 100;  // a sun
+  many.values[333] = 100;  // as bright as a sun
   list.push_back(many);
   return list;
 }
@@ -133,7 +133,7 @@ TEST(Distribution2D, DensityIsProportionalToTheValues) {
                                               (static_cast<float>(j) + 0.5f) / static_cast<float>(g.height)});
         const double cells = g.width * g.height;
         integral += pdf / cells;
-        // CDFs in float resolve a cell's share of its row, and the row's, to 6e-8 each.
+        // Float CDFs resolve a cell's share of its row, and the row's share, to 6e-8 each.
         EXPECT_NEAR(pdf, g.values[j * g.width + i] / total * cells, 2e-7 * cells);
       }
     }
@@ -174,7 +174,7 @@ TEST(Distribution2D, InverseInverts) {
       const Vec2 u = random.next_2d();
       const Distribution2D::Sample s = storage.view().sample(u);
       const Vec2 back = storage.view().inverse(s.point);
-      // A point in [0, 1) resolves 6e-8, which a density d stretches d times.
+      // A point in [0, 1) has a resolution of 6e-8, which a density d multiplies by d.
       EXPECT_NEAR(back.x, u.x, 1e-5f + 3e-7f * s.pdf);
       EXPECT_NEAR(back.y, u.y, 1e-5f + 3e-7f * s.pdf);
     }
@@ -227,7 +227,7 @@ TEST(ChooseEvenly, LeavesAUniformRest) {
 }
 
 TEST(ReusableNumber, DecidesAnyNumberOfThings) {
-  // Twelve choices among eight take 36 bits; what is left is still uniform, and as independent as new numbers.
+  // Twelve choices among eight take 36 bits; the remainder is still uniform, and as independent as new numbers.
   constexpr int kSamples = 100000;
   const float weights[8] = {1, 2, 0.5f, 0, 3, 1, 0.25f, 0.25f};
   std::vector<std::vector<uint64_t>> counts(12, std::vector<uint64_t>(8, 0));
@@ -262,8 +262,8 @@ TEST(ReusableNumber, DecidesAnyNumberOfThings) {
 }
 
 TEST(ReusableNumber, TakesTheRarestAsRarelyAsItShould) {
-  // All that 24 bits can say of the second of two lights is that it is chosen at half of the interval: whether it is
-  // kept, or its alias taken, is up to what follows.
+  // The 24 bits only select the second bin, at half of the interval. The appended bits decide between the bin and its
+  // alias.
   const std::vector<float> weights{1, 1e-9f};
   const auto entries = build_alias_table(weights);
   const AliasTable table{view_of(entries)};
@@ -330,7 +330,7 @@ TEST(Mis, WeightsSumToOne) {
   }
   EXPECT_EQ(power_heuristic(1.0f, 0.0f), 1.0f);
   EXPECT_FLOAT_EQ(power_heuristic(2.0f, 1.0f), 0.8f);
-  EXPECT_EQ(power_heuristic(1e-20f, 1e20f), 0.0f);  // the squares overflow to infinity, not to NaN
+  EXPECT_EQ(power_heuristic(1e-20f, 1e20f), 0.0f);  // the squares overflow to infinity, not NaN
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Maps of the unit square onto the domains of light transport. Each has its density and its inverse:
-// X_from_square, X_pdf, square_from_X.
+// Maps of the unit square onto the domains of light transport, each with its density and inverse: X_from_square, X_pdf,
+// square_from_X.
 #pragma once
 
 #include "core/frame.h"
@@ -9,7 +9,7 @@ namespace relume {
 
 // --- Disk ---------------------------------------------------------------------------------------------
 
-/// Sine and cosine for |x| ≤ π/4 by their Taylor series; off by less than 4e-7.
+/// Sine and cosine for |x| ≤ π/4 by Taylor series, with an error below 4e-7.
 RELUME_HD inline void sincos_eighth(float x, float* sine, float* cosine) {
   const float x2 = x * x;
   *sine = x * (1.0f + x2 * (-1.0f / 6 + x2 * (1.0f / 120 - x2 * (1.0f / 5040))));
@@ -21,7 +21,7 @@ RELUME_HD inline Vec2 disk_from_square(const Vec2& u) {
   const Vec2 o = 2.0f * u - Vec2(1);
   if (o.x == 0.0f && o.y == 0.0f) return {0, 0};
   const bool wide = std::fabs(o.x) > std::fabs(o.y);
-  // Selects instead of branches, which random numbers would mispredict half of the time.
+  // Selects avoid branches, which random numbers would mispredict half of the time.
   const float r = wide ? o.x : o.y;
   const float other = wide ? o.y : o.x;
   float sine;
@@ -58,7 +58,7 @@ RELUME_HD inline Vec2 square_from_disk(const Vec2& p) {
 
 // --- Directions about +Z ------------------------------------------------------------------------------
 
-/// Proportional to cos θ over the upper hemisphere.
+/// Density proportional to cos θ over the upper hemisphere.
 RELUME_HD inline Vec3 cosine_hemisphere_from_square(const Vec2& u) {
   const Vec2 d = disk_from_square(u);
   return {d.x, d.y, safe_sqrt(1.0f - d.x * d.x - d.y * d.y)};
@@ -80,8 +80,8 @@ RELUME_HD inline Vec2 square_from_sphere(const Vec3& w) {
   return {0.5f * (1.0f - w.z), (phi < 0.0f ? phi + 2 * kPi : phi) * (0.5f * kInvPi)};
 }
 
-/// Uniform over the cone of directions within the angle whose 1 − cos is `one_minus_cos` of +Z. Taking 1 − cos θ
-/// keeps its precision for cones as narrow as the sun's.
+/// Uniform over the cone about +Z with 1 − cos of its half-angle given by `one_minus_cos`. This form stays precise for
+/// cones as narrow as the sun's.
 RELUME_HD inline Vec3 cone_from_square(const Vec2& u, float one_minus_cos) {
   const float h = u.x * one_minus_cos;  // 1 − cos θ of the sample
   const float r = safe_sqrt(h * (2.0f - h));

@@ -1,4 +1,4 @@
-// One contract for all warps: samples follow the density, the density integrates to one, and the inverse inverts.
+// Contract of all warps: samples follow the density, the density integrates to one, and the inverse inverts.
 #include "sampling/warp.h"
 
 #include <gtest/gtest.h>
@@ -18,19 +18,19 @@ using testing::DirectionChart;
 using testing::Histogram;
 using testing::Random;
 
-/// A warp onto a domain, seen through a chart of that domain onto the unit square.
+/// A warp onto a domain, with a chart of that domain onto the unit square.
 struct Warp {
   std::string name;
   std::function<Vec3(const Vec2&)> from_square;
   std::function<Vec2(const Vec3&)> to_square;
   std::function<Vec2(const Vec3&)> chart;             ///< domain to square
-  std::function<double(double x, double y)> density;  ///< of the chart's square: pdf times the chart's Jacobian
-  double edge = 1;  ///< scale of the domain: errors of a point are measured against it
+  std::function<double(double x, double y)> density;  ///< over the chart's square: pdf times the chart's Jacobian
+  double edge = 1;                                    ///< scale of the domain, the unit of position errors
 };
 
 double cone_one_minus_cos(double angle_rad) { return 2.0 * std::pow(std::sin(0.5 * angle_rad), 2); }
 
-/// The chart's first coordinate is sin θ/2 relative to the rim, so that the rim is the edge of the square.
+/// The chart's first coordinate is sin θ/2 relative to the rim, which maps the rim to the edge of the square.
 Warp cone(const std::string& name, double angle_rad) {
   const auto k = static_cast<float>(cone_one_minus_cos(angle_rad));
   const double rim = std::sin(0.5 * angle_rad);
@@ -90,7 +90,7 @@ TEST_P(WarpContract, SamplesFollowTheDensity) {
 }
 
 TEST_P(WarpContract, DensityIntegratesToOne) {
-  // Discontinuous densities (the rims of disk, cone and triangle) are resolved to about 1e-4.
+  // Quadrature resolves discontinuous densities (the rims of disk, cone and triangle) to about 1e-4.
   EXPECT_NEAR(testing::integrate_square(GetParam().density, 32, 1e-7, 9), 1.0, 2e-4);
 }
 
@@ -98,11 +98,11 @@ TEST_P(WarpContract, InverseInvertsBothWays) {
   const Warp& warp = GetParam();
   Random random(12);
   for (int i = 0; i < 20000; ++i) {
-    // Away from the rim, where angles of directions near the axis or the pole are resolved.
+    // Stays away from the rim, and from the axis and pole, where angles are poorly resolved.
     const Vec2 u = random.next_2d() * 0.96f + 0.02f;
     const Vec3 p = warp.from_square(u);
     const Vec2 back = warp.to_square(p);
-    // Some roundings of numbers up to π, magnified at most fifty times where the warp is steep.
+    // Allows for some roundings of numbers up to π, magnified at most fifty times where the warp is steep.
     ASSERT_NEAR(back.x, u.x, 2e-5f) << warp.name << ' ' << u.x << ' ' << u.y;
     ASSERT_NEAR(back.y, u.y, 2e-5f) << warp.name << ' ' << u.x << ' ' << u.y;
     ASSERT_LT(glm::length(warp.from_square(back) - p), 2e-5f * warp.edge) << warp.name;
