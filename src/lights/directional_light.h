@@ -1,4 +1,4 @@
-// Light from infinity out of one direction (delta) or a small disk of the sky such as the sun's.
+// Light from infinity from one direction (delta) or from a small disk of the sky such as the sun's.
 #pragma once
 
 #include "lights/light_types.h"
@@ -7,15 +7,15 @@ namespace relume {
 
 struct DirectionalLight {
   Vec3 to_light;        ///< unit, towards the centre
-  Rgb irradiance;       ///< on a plane that faces the light, W/m²
+  Rgb irradiance;       ///< on a plane facing the light, W/m²
   float one_minus_cos;  ///< of the disk's angular radius; 0: delta
 
   bool operator==(const DirectionalLight&) const = default;
 
   RELUME_HD bool delta() const { return one_minus_cos == 0.0f; }
-  /// Radiance of the disk: irradiance over its projected solid angle π sin²θ.
+  /// Radiance of the disk: irradiance divided by its projected solid angle π sin²θ.
   RELUME_HD Rgb radiance() const { return irradiance / (kPi * one_minus_cos * (2.0f - one_minus_cos)); }
-  /// 1 − cos of the angle to the centre, without cancellation.
+  /// Whether `wi` points into the disk. Compares 1 − cos of the angle to the centre, computed without cancellation.
   RELUME_HD bool contains(const Vec3& wi) const {
     return !delta() && 0.5f * length_squared(wi - to_light) <= one_minus_cos;
   }

@@ -1,4 +1,4 @@
-// Light from all around: constant, or an equirectangular map that is sampled in proportion to its luminance.
+// Light from all directions: constant, or an equirectangular map sampled in proportion to its luminance.
 #pragma once
 
 #include "core/view.h"
@@ -8,7 +8,7 @@
 namespace relume {
 
 struct EnvironmentView {
-  Rgb scale{0};         ///< constant: the radiance; map: multiplies
+  Rgb scale{0};         ///< constant: radiance; map: factor
   View<const Rgb> map;  ///< empty: constant
   uint32_t width = 0;
   uint32_t height = 0;
@@ -18,13 +18,13 @@ struct EnvironmentView {
   Rgb mean{0};  ///< mean radiance over all directions
 
   RELUME_HD bool black() const { return is_black(scale); }
-  /// A constant environment is left to BSDF sampling, which is at least as good there.
+  /// A constant environment is left to BSDF sampling, which is at least as good.
   RELUME_HD bool worth_sampling() const { return !black() && !distribution.empty(); }
 
-  /// Exact at the poles too, where 1 − y² cancels.
+  /// Also exact at the poles, where 1 − y² cancels.
   RELUME_HD static float sine_of_polar_angle(const Vec3& w) { return std::sqrt(sqr(w.x) + sqr(w.z)); }
 
-  /// The centre of the map looks along −Z, +X lies to its right, row 0 is +Y; rotation turns it about +Y.
+  /// The centre of the map looks along −Z, +X lies to its right, row 0 is +Y; the rotation is about +Y.
   RELUME_HD Vec2 uv_from_direction(const Vec3& w) const {
     const float x = cos_rotation * w.x - sin_rotation * w.z;
     const float z = sin_rotation * w.x + cos_rotation * w.z;
@@ -39,12 +39,12 @@ struct EnvironmentView {
     return direction_from_map({*sin_theta * std::sin(phi), std::cos(theta), -*sin_theta * std::cos(phi)});
   }
 
-  /// A direction of the unrotated map, turned as the environment is.
+  /// Rotates a direction of the unrotated map.
   RELUME_HD Vec3 direction_from_map(const Vec3& w) const {
     return {cos_rotation * w.x + sin_rotation * w.z, w.y, -sin_rotation * w.x + cos_rotation * w.z};
   }
 
-  /// Radiance that arrives along −w, bilinear.
+  /// Radiance that arrives along −w, interpolated bilinearly.
   RELUME_HD Rgb radiance(const Vec3& w) const {
     if (map.empty()) return scale;
     const Vec2 uv = uv_from_direction(w);
@@ -93,7 +93,7 @@ RELUME_HD inline LightSample sample_li(const EnvironmentView& environment, const
   return s;
 }
 
-/// What crosses the bounding sphere: π R² times the integral of the radiance over all directions.
+/// Power through the bounding sphere: π R² times the integral of the radiance over all directions.
 RELUME_HD inline Rgb power(const EnvironmentView& environment, const SceneBounds& bounds) {
   return environment.mean * (4.0f * kPi * kPi * sqr(bounds.radius));
 }

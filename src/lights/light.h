@@ -1,5 +1,5 @@
-// Emitters: a closed list of kinds and one switch. Every kind can be sampled from a point that it lights (sample_li,
-// pdf_li) and can emit rays of its own (sample_le, pdf_le); power() says how much it emits.
+// Emitters: a closed list of kinds, dispatched by one switch. Every kind can be sampled from a receiving point
+// (sample_li, pdf_li) and can emit rays (sample_le, pdf_le); power() is its emitted power.
 #pragma once
 
 #include "core/ray.h"
@@ -13,7 +13,7 @@
 
 namespace relume {
 
-/// Index into LightsView::lights; stable as long as the scene's instances, meshes and lights stay.
+/// Index into LightsView::lights; stable while the scene's instances, meshes and lights stay the same.
 using LightId = uint32_t;
 inline constexpr LightId kNoLight = 0xffffffffu;
 
@@ -22,7 +22,7 @@ inline constexpr int kLightKindCount = 5;
 
 struct Light {
   LightKind kind;
-  bool changed;  ///< since the previous frame: moved, or its emission differs
+  bool changed;  ///< whether it moved, or its emission changed, since the previous frame
   union {
     TriangleLight triangle;
     PointLight point;
@@ -46,7 +46,7 @@ struct Light {
   }
 };
 
-/// Whether two lights emit alike; environments do.
+/// Whether two lights have equal parameters; always true for two environments.
 inline bool same_light(const Light& a, const Light& b) {
   if (a.kind != b.kind) return false;
   switch (a.kind) {
@@ -59,7 +59,7 @@ inline bool same_light(const Light& a, const Light& b) {
   return true;
 }
 
-/// Where a light of this selection weight is and which way it shines; empty for lights at infinity.
+/// Spatial and angular bounds of a light with this selection weight; empty for lights at infinity.
 inline LightExtent extent_of(const Light& light, double watts) {
   switch (light.kind) {
     case LightKind::triangle: return extent_of(light.triangle, watts);
@@ -71,7 +71,7 @@ inline LightExtent extent_of(const Light& light, double watts) {
   return {};
 }
 
-/// A point in the middle of a finite light.
+/// Central point of a finite light.
 inline Vec3 position_of(const Light& light) {
   switch (light.kind) {
     case LightKind::triangle: return light.triangle.position(Vec2(1.0f / 3.0f));
@@ -83,7 +83,7 @@ inline Vec3 position_of(const Light& light) {
   return Vec3(0);
 }
 
-/// sample_li() of a light without extent that is not at infinity; no sample of others.
+/// sample_li() of finite lights without extent; no sample for others.
 RELUME_HD inline LightSample sample_li_from_point(const Light& light, const Vec3& p) {
   switch (light.kind) {
     case LightKind::point: return sample_li(light.point, p);
@@ -98,15 +98,15 @@ RELUME_HD inline LightSample sample_li_from_point(const Light& light, const Vec3
 /// All emitters of a scene. Lights at infinity (directional, environment) come last.
 struct LightsView {
   View<const Light> lights;
-  View<const Light> previous;   ///< the same lights one frame ago
-  View<const LightId> changed;  ///< those that differ
+  View<const Light> previous;   ///< the same lights in the previous frame
+  View<const LightId> changed;  ///< lights that differ from the previous frame
   uint32_t first_infinite = 0;
   TexturedEmission textured;
   EnvironmentView environment;
   SceneBounds bounds;
 };
 
-/// Light that reaches `p` from a sampled direction.
+/// Samples light that reaches `p` from one direction.
 RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
   const Light& light = view.lights[id];
   switch (light.kind) {
@@ -119,15 +119,15 @@ RELUME_HD inline LightSample sample_li(const LightsView& view, LightId id, const
   return {};
 }
 
-/// The same of a light as it was one frame ago, among today's textures and environment.
+/// The same for the light's state in the previous frame, with the current textures and environment.
 RELUME_HD inline LightSample sample_li_before(const LightsView& view, LightId id, const Vec3& p, const Vec2& u) {
   LightsView before = view;
   before.lights = view.previous;
   return sample_li(before, id, p, u);
 }
 
-/// pdf_w with which sample_li(id, p) chooses direction `wi`; 0 for delta lights. For triangles `on_light` is the point
-/// that wi meets (others ignore it).
+/// pdf_w with which sample_li(id, p) samples direction `wi`; 0 for delta lights. For triangles, `on_light` is the point
+/// hit along wi (others ignore it).
 RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p, const Vec3& wi,
                               const EmitterPoint& on_light) {
   const Light& light = view.lights[id];
@@ -141,13 +141,13 @@ RELUME_HD inline float pdf_li(const LightsView& view, LightId id, const Vec3& p,
   return 0.0f;
 }
 
-/// Radiance that a light at infinity sends along direction `wi` towards it.
+/// Radiance from a light at infinity that arrives along −wi.
 RELUME_HD inline Rgb radiance_from_infinity(const LightsView& view, LightId id, const Vec3& wi) {
   const Light& light = view.lights[id];
   return light.kind == LightKind::directional ? radiance_from(light.directional, wi) : view.environment.radiance(wi);
 }
 
-/// A ray that leaves the light, with the densities of its origin and direction.
+/// Samples a ray that leaves the light, with the densities of its origin and direction.
 RELUME_HD inline EmissionSample sample_le(const LightsView& view, LightId id, const Vec2& u_position,
                                           const Vec2& u_direction) {
   const Light& light = view.lights[id];
@@ -176,7 +176,7 @@ RELUME_HD inline EmissionPdf pdf_le(const LightsView& view, LightId id, const Em
   return {};
 }
 
-/// Emitted power in watts; for lights at infinity, what crosses the scene's bounding sphere.
+/// Emitted power in watts; for lights at infinity, the power through the scene's bounding sphere.
 RELUME_HD inline Rgb power(const LightsView& view, LightId id) {
   const Light& light = view.lights[id];
   switch (light.kind) {
@@ -189,7 +189,7 @@ RELUME_HD inline Rgb power(const LightsView& view, LightId id) {
   return Rgb(0);
 }
 
-/// By which lights are chosen in proportion to their power: its luminance in watts, always finite.
+/// Weight for selection by power: the luminance of the power in watts, clamped to be finite.
 RELUME_HD inline float selection_weight(const LightsView& view, LightId id) {
   return relume::min(luminance(power(view, id)), kMostSelectionWeight);
 }

@@ -1,8 +1,8 @@
-// How much light a point would reflect towards the viewer from each of many lights if nothing were in between: the
-// measure by which light selection strategies weigh their candidates ([Dittebrandt20, §4.2]).
+// Unoccluded light that a point reflects towards the viewer from each of many lights. Light selection strategies weight
+// their candidates by this importance ([Dittebrandt20, §4.2]).
 //
-// Triangles are integrated in closed form against Lambert's cosine and against a linearly transformed cosine for glossy
-// reflection ([Heitz16]); lights without extent are evaluated. Emission counts with its mean over the triangle.
+// Triangles are integrated in closed form against Lambert's cosine, and for glossy reflection against a linearly
+// transformed cosine ([Heitz16]). Lights without extent are evaluated. Emission is averaged over the triangle.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,7 @@
 
 namespace relume {
 
-/// What importance needs of emissive triangles, column by column, so that eight can be read at once. Other lights have
-/// no emission here.
+/// Data of emissive triangles in columns, so that eight triangles load at once. Other lights have no emission here.
 struct LightColumns {
   enum Column : uint32_t { v0, e1 = 3, e2 = 6, normal = 9, emission = 12, two_sided, count };
 
@@ -24,23 +23,24 @@ struct LightColumns {
   RELUME_HD const float* column(uint32_t c) const { return values.data + c * lights; }
 };
 
-/// Values for LightColumns over the finite lights of `view`.
+/// Values of LightColumns for the finite lights of `view`.
 std::vector<float> build_light_columns(const LightsView& view);
 
-/// A surface point as importance sees it.
+/// Surface point for which the importance is computed.
 struct LightReceiver {
   Vec3 position{0};
   Frame frame;        ///< the viewer lies in the plane of t and n
-  float diffuse = 0;  ///< luminance of what cosine-like lobes reflect
-  float glossy = 0;   ///< the same of microfacets
-  float behind = 0;   ///< the same of what arrives from the other side
+  float diffuse = 0;  ///< luminance that cosine-like lobes reflect
+  float glossy = 0;   ///< luminance that microfacets reflect
+  float behind = 0;   ///< luminance that arrives from the other side
   LtcMatrix glossy_matrix;
 };
 
-/// Gloss is not worth a second integral below this share of all reflection, or where it is wide and not much.
+/// Glossy reflection up to this fraction of the rest counts as diffuse, to save the second integral. Wide lobes use
+/// kLittleGloss.
 inline constexpr float kNegligibleGloss = 0.02f;
 inline constexpr float kLittleGloss = 0.15f;
-inline constexpr float kWideGloss = 0.7f;  ///< √α
+inline constexpr float kWideGloss = 0.7f;  ///< mean √α above which a lobe is wide
 
 RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const Vec3& position, const Frame& shading,
                                                    const Vec3& wo_local, const Bsdf& bsdf) {
@@ -61,7 +61,7 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
       r.glossy += albedo;
       roughness += albedo * std::sqrt(lobe.microfacet.alpha);
     } else if (is_rough_transmission(lobe.kind)) {
-      // Where refraction sends light is not modelled: half to each side, as a cosine.
+      // The direction of refraction is not modelled: half goes to each side, as a cosine lobe.
       r.behind += 0.5f * albedo;
       r.diffuse += 0.5f * albedo;
     } else {
@@ -79,8 +79,8 @@ RELUME_HD inline LightReceiver make_light_receiver(const LtcTable& table, const 
   return r;
 }
 
-/// Importance of a triangle whose corner and edges are given relative to the receiver, in world axes. `facing` > 0 on
-/// the side that emits.
+/// Importance of a triangle whose corner and edges are relative to the receiver, in world axes. `facing` > 0 on the
+/// emitting side.
 template <typename T>
 RELUME_HD inline T triangle_importance(const LightReceiver& r, const Triple<T>& corner, const Triple<T>& e1,
                                        const Triple<T>& e2, T facing, T emission) {

@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// The weights of a bucket of 32 lights, all at once or one by one.
+/// Computes the weights of a bucket of 32 lights, all at once or one by one.
 void bm_light_importances(benchmark::State& state) {
   const std::vector<Light> lights = testing::make_lamps(1000, 10);
   LightsView view;

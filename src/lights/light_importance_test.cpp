@@ -41,7 +41,7 @@ Receiver receiver(const Vec3& position, float roughness, float metallic, testing
   return r;
 }
 
-/// Luminance reflected from the light, by sampling it.
+/// Reflected luminance of the light, estimated by sampling it.
 double reflected(const LightsView& lights, LightId id, const Receiver& r, int samples) {
   testing::Random random(9);
   double sum = 0;
@@ -70,7 +70,7 @@ TEST_F(LightImportance, IsWhatAMatteSurfaceReflects) {
     matte.specular = 0;
     make_bsdf(r.bsdf, matte, MaterialData{}, energy_tables(), r.wo_local.z, true);
     for (LightId id = 0; id < scene_.lights().first_infinite; ++id) {
-      if (id == 2 || id == 3) continue;  // textured: the mean stands for the texture
+      if (id == 2 || id == 3) continue;  // textured: importance uses the texture's mean
       const double expected = reflected(scene_.lights(), id, r, 4000);
       EXPECT_NEAR(light_importance_of(r.seen(), scene_.lights(), columns_, id), expected, 0.02 * expected + 1e-5)
           << scene_.named[id].name;
@@ -99,14 +99,14 @@ TEST_F(LightImportance, IsNearWhatGlossySurfacesReflect) {
       }
     }
   }
-  // Tails of GGX are longer than those of a cosine, so single ratios may be off; most are not.
+  // GGX has longer tails than a cosine, so single ratios may be off; most are not.
   EXPECT_LT(worst, 8.0);
   EXPECT_LT(log_sum / count, 0.35);
 }
 
 TEST_F(LightImportance, IsZeroBehindOneSidedTriangles) {
   testing::Random random(3);
-  const Receiver above = receiver(Vec3(-1.8f, 2.6f, 0), 1, 0, random);  // over the first triangle, which shines down
+  const Receiver above = receiver(Vec3(-1.8f, 2.6f, 0), 1, 0, random);  // over the first triangle, which emits down
   Receiver turned = above;
   turned.frame = make_frame(Vec3(0, -1, 0));
   EXPECT_EQ(light_importance_of(turned.seen(), scene_.lights(), columns_, 0), 0.0f);
@@ -130,7 +130,7 @@ TEST_F(LightImportance, OfManyIsThatOfEach) {
         expected += weights[k];
       }
       EXPECT_EQ(sum, expected);
-      EXPECT_EQ(weights[count], -1.0f);  // nothing is written past the end
+      EXPECT_EQ(weights[count], -1.0f);  // no write past the end
     }
   }
 }

@@ -1,5 +1,4 @@
-// The contract of every light: what it sends to a point and what it emits follow their densities, and its power is what
-// it emits.
+// Contract of every light: received and emitted samples follow their densities, and power() equals the emitted power.
 #include "lights/light.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +18,7 @@ using testing::LightScene;
 using testing::NamedLight;
 using testing::Random;
 
-/// The sun is another light, behind the environment.
+/// An environment with the sun as a separate light.
 Environment sun_and_sky() {
   Environment e;
   e.kind = EnvironmentKind::sun_sky;
@@ -46,7 +45,7 @@ void for_each_light(const Check& check) {
   }
 }
 
-/// Where a ray meets a triangle's plane, if inside.
+/// Intersection of a ray with a triangle's plane, if inside.
 bool meet(const TriangleLight& t, const Vec3& p, const Vec3& w, EmitterPoint* point) {
   const glm::dvec3 e1(t.e1);
   const glm::dvec3 e2(t.e2);
@@ -105,7 +104,7 @@ TEST(Lights, DirectionsFollowTheirDensity) {
       for (int i = 0; i < kSamples; ++i) {
         const LightSample s = sample_li(view, id, p, random.next_2d());
         any = any || (s.pdf_w > 0.0f && !s.delta);
-        if (s.delta) return;  // no density to follow
+        if (s.delta) return;  // no density to test
         const Vec2 c = chart.coordinates(s.wi);
         if (s.pdf_w > 0.0f) {
           histogram.add(c.x, c.y);
@@ -118,7 +117,7 @@ TEST(Lights, DirectionsFollowTheirDensity) {
       EXPECT_EQ(any, !behind) << name;
       if (behind) continue;
       const auto pdf = [&](const Vec3& wi) { return density_towards(view, id, p, wi); };
-      constexpr double kMaxStrays = 5e-5;  // outlines of lights cut bins, and quadrature misses slips of them
+      constexpr double kMaxStrays = 5e-5;  // outlines of lights cut bins, and quadrature misses slivers of them
       EXPECT_GT(histogram.test(chart.density(pdf), 7, 3, kMaxStrays).p_value, testing::significance())
           << name << " from " << p.x << ' ' << p.y;
     }
@@ -140,7 +139,7 @@ TEST(Lights, SamplesAgreeWithTheirDensity) {
         ASSERT_EQ(pdf, 0.0f) << name;
         continue;
       }
-      // Where densities jump (texels, rims), a rounding may fall on the other side.
+      // Where densities jump (texels, rims), rounding may select the other side.
       if (std::fabs(pdf - s.pdf_w) > 1e-3f * s.pdf_w) ++mismatches;
       if (std::isfinite(s.distance)) {
         ASSERT_LT(glm::length(p + s.wi * s.distance - s.position), 1e-5f) << name;
@@ -150,7 +149,8 @@ TEST(Lights, SamplesAgreeWithTheirDensity) {
   });
 }
 
-/// Irradiance on a plane through p that faces up, by sampling the light, against brute force over directions.
+/// Compares the irradiance on an upward-facing plane at p, by light sampling, with brute-force integration over
+/// directions.
 TEST(Lights, IrradianceMatchesAnIntegralOverDirections) {
   const Vec3 p(0.1f, 0.2f, 0.3f);
   for_each_light([&](const LightsView& view, LightId id, const std::string& name) {
@@ -199,7 +199,7 @@ TEST(Lights, DeltaLightsFollowTheInverseSquare) {
   EXPECT_FALSE(sample_li(view, 4, point.position, Vec2(0.5f)).valid());  // at the light itself
 }
 
-/// Radiance, intensity or irradiance over both densities: what one emitted ray carries.
+/// Throughput of one emitted ray: radiance, intensity or irradiance over both densities.
 Rgb emitted(const EmissionSample& s) { return s.valid() ? s.le * (s.cos_theta / (s.pdf_a * s.pdf_w)) : Rgb(0); }
 
 TEST(Lights, PowerIsWhatIsEmitted) {
@@ -233,7 +233,7 @@ TEST(Lights, NarrowSpotsAreAsBrightAsStated) {
     constexpr int kSamples = 20000;
     double sum = 0;
     for (int i = 0; i < kSamples; ++i) sum += static_cast<double>(emitted(sample_le(spot, random.next_2d())).r);
-    // Of the narrowest only thirty cosines are different floats.
+    // The narrowest cone contains only thirty distinct float cosines.
     EXPECT_NEAR(sum / kSamples, power(spot).r, 0.05 * static_cast<double>(power(spot).r)) << cones.y;
   }
 }

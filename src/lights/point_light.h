@@ -1,4 +1,4 @@
-// Light from one point, equal in all directions.
+// Uniform light from one point.
 #pragma once
 
 #include <cmath>

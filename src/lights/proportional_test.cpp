@@ -1,4 +1,4 @@
-// Textured emitters and environments are sampled in proportion to what they emit, within 1 %.
+// Textured emitters and environments are sampled in proportion to their emission, within 1 %.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -13,8 +13,8 @@ using testing::LightScene;
 
 constexpr double kProportional = 0.01;
 
-/// By midpoints, which lie inside the texels of maps whose size is a power of two: on their borders rounding would
-/// decide.
+/// Averages midpoints, which lie inside the texels of maps whose size is a power of two. On texel borders, rounding
+/// would decide.
 template <typename P>
 double mean_over_bin(const P& p, int n, int m, int i, int j) {
   constexpr int kPoints = 128;
@@ -25,8 +25,8 @@ double mean_over_bin(const P& p, int n, int m, int i, int j) {
   return sum / (kPoints * kPoints);
 }
 
-/// Largest relative difference, over n × m bins of the unit square, between the integrals of two densities scaled to
-/// one; bins that hold less than a thousandth are left out.
+/// Largest relative difference between the integrals of two densities, scaled to one, over n × m bins of the unit
+/// square. Bins with less than a thousandth are excluded.
 template <typename P, typename Q>
 double largest_deviation(int n, int m, const P& p, const Q& q) {
   std::vector<double> a;
@@ -66,7 +66,7 @@ TEST(Proportional, TexturedTriangles) {
   }
 }
 
-/// One triangle of 2 m² over half of a texture whose texels are black but for one, repeated.
+/// One triangle of 2 m² over half of a texture that is black except for one texel, repeated.
 LightScene one_bright_texel(int size, int x, int y, float radiance, float repeats) {
   Scene scene;
   scene.name = "texel";
@@ -159,7 +159,7 @@ TEST(Proportional, MeanOfTheEnvironmentIsItsIntegral) {
 }
 
 TEST(Environment, LooksWhereTheConventionSays) {
-  // 4 × 2 texels, each a colour of its own; the centre looks along −Z and +X lies to its right.
+  // 4 × 2 texels of distinct colours; the centre looks along −Z and +X lies to its right.
   Environment e;
   e.kind = EnvironmentKind::map;
   e.width = 4;
@@ -195,7 +195,7 @@ TEST(Environment, UvAndDirectionAreInverse) {
     const Vec2 uv(to_unit_float(hash(i, 1u)), 0.01f + 0.98f * to_unit_float(hash(i, 2u)));
     float sin_theta;
     const Vec2 back = e.uv_from_direction(e.direction_from_uv(uv, &sin_theta));
-    ASSERT_NEAR(back.x, uv.x, 2e-5f);  // φ of a direction near a pole
+    ASSERT_NEAR(back.x, uv.x, 2e-5f);  // error of φ near a pole
     ASSERT_NEAR(back.y, uv.y, 2e-5f);
   }
 }

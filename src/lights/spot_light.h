@@ -9,17 +9,17 @@ namespace relume {
 
 struct SpotLight {
   Vec3 position;
-  Vec3 axis;        ///< unit, the way it shines
+  Vec3 axis;        ///< unit, emission direction
   Rgb intensity;    ///< on the axis, W/sr
-  float cos_inner;  ///< full intensity above
-  float cos_outer;  ///< none below
+  float cos_inner;  ///< full intensity above this cosine
+  float cos_outer;  ///< no light below this cosine
 
   bool operator==(const SpotLight&) const = default;
 };
 
 /// Angular attenuation of KHR_lights_punctual: the square of a linear ramp in cos θ.
 RELUME_HD inline float spot_falloff(const SpotLight& light, float cos_theta) {
-  constexpr float kLeast = 1e-7f;  // of two cosines that differ at all
+  constexpr float kLeast = 1e-7f;  // about the least difference of distinct cosines
   const float ramp = saturate((cos_theta - light.cos_outer) / relume::max(light.cos_inner - light.cos_outer, kLeast));
   return ramp * ramp;
 }
@@ -56,7 +56,7 @@ RELUME_HD inline EmissionPdf pdf_le(const SpotLight& light, const Vec3& directio
   return {0.0f, inside ? cone_pdf(1.0f - light.cos_outer) : 0.0f};
 }
 
-/// ∫ of the falloff over the cone: the inner cap, and a third of the ramp.
+/// Integral of the falloff over the cone: the inner cap, plus a third of the ramp.
 RELUME_HD inline Rgb power(const SpotLight& light) {
   return light.intensity * (2.0f * kPi * ((1.0f - light.cos_inner) + (light.cos_inner - light.cos_outer) / 3.0f));
 }

@@ -1,4 +1,4 @@
-// Emissive triangles. Sampled uniformly in area or, where a texture modulates the emission, in proportion to it.
+// Emissive triangles, sampled uniformly in area or, with a texture, in proportion to the emission.
 #pragma once
 
 #include <cmath>
@@ -16,24 +16,24 @@ struct TriangleLight {
   Vec3 e2;       ///< v2 − v0
   Vec3 normal;   ///< unit, of the front
   float area;    ///< m²
-  float error;   ///< bound of the rounding of where rays meet it, metres
-  Rgb radiance;  ///< emitted where the texture is white, below the coat
-  float coat;    ///< weight of a clearcoat over it, where its texture is white
+  float error;   ///< bound on the rounding error of hits on it, metres
+  Rgb radiance;  ///< emission below the coat where the texture is white
+  float coat;    ///< weight of the clearcoat where its texture is white
   uint32_t instance;
   uint32_t primitive;
   int32_t textured;  ///< index into TexturedEmission::triangles, or −1
   bool two_sided;
 
   RELUME_HD Vec3 position(const Vec2& b) const { return v0 + b.x * e1 + b.y * e2; }
-  /// Cosine at the light towards a receiver; 0 on the side that does not emit.
+  /// Cosine at the light towards a receiver; 0 on the side without emission.
   RELUME_HD float emission_cosine(const Vec3& away) const {
     const float c = glm::dot(normal, away);
     return two_sided ? std::fabs(c) : relume::max(c, 0.0f);
   }
 };
 
-/// The texture on one emissive triangle and a table over its subdivision into grid² equal triangles, whose weights are
-/// their mean luminance.
+/// The textures on one emissive triangle, and a table over its subdivision into grid² equal triangles weighted by mean
+/// luminance.
 struct TexturedTriangle {
   int32_t emission_texture;  ///< −1: none
   int32_t opacity_texture;   ///< alpha; −1: none
@@ -44,12 +44,12 @@ struct TexturedTriangle {
   bool mask;
   uint32_t grid;
   uint32_t first_entry;       ///< of grid² entries
-  Rgb mean_emission;          ///< texture mean, without the light's radiance
-  int32_t coat_texture = -1;  ///< weight of the clearcoat over it, in red; −1: none
+  Rgb mean_emission;          ///< mean of the texture, without the light's radiance
+  int32_t coat_texture = -1;  ///< weight of the clearcoat, in red; −1: none
   Vec2 coat_uv[3];
 };
 
-/// Everything that textured emitters share.
+/// Data shared by all textured emitters.
 struct TexturedEmission {
   View<const TexturedTriangle> triangles;
   View<const AliasEntry> entries;
@@ -65,7 +65,7 @@ RELUME_HD inline T interpolate_corners(const T v[3], const Vec2& b) {
   return v[0] * (1.0f - b.x - b.y) + v[1] * b.x + v[2] * b.y;
 }
 
-/// What the texture lets through at a point: emission times opacity.
+/// Emission times opacity of the textures at a point.
 RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   Rgb value(1);
   if (t.emission_texture >= 0) {
@@ -81,13 +81,14 @@ RELUME_HD inline Rgb textured_emission(const TexturedEmission& e, const Textured
   return value;
 }
 
-/// Weight of the clearcoat at a point, relative to the light's.
+/// Weight of the clearcoat's texture at a point, relative to TriangleLight::coat.
 RELUME_HD inline float textured_coat(const TexturedEmission& e, const TexturedTriangle& t, const Vec2& b) {
   if (t.coat_texture < 0) return 1.0f;
   return e.textures[static_cast<uint32_t>(t.coat_texture)].sample_level(interpolate_corners(t.coat_uv, b), 0).x;
 }
 
-/// Small triangles are numbered row by row; row r has 2(grid − r) − 1 of them, upright and inverted in turn.
+/// Index of the small triangle at `b`. Numbered row by row; row r has 2(grid − r) − 1, upright and inverted
+/// alternately.
 RELUME_HD inline uint32_t small_triangle_at(uint32_t grid, const Vec2& b) {
   const float s = b.x * static_cast<float>(grid);
   const float t = b.y * static_cast<float>(grid);
@@ -104,7 +105,7 @@ RELUME_HD inline uint32_t small_triangle_at(uint32_t grid, const Vec2& b) {
 RELUME_HD inline Vec2 barycentric_in_small_triangle(uint32_t grid, uint32_t index, const Vec2& inner) {
   uint32_t row = 0;
   uint32_t rest = index;
-  // Row r starts at r(2·grid − r); solved by the quadratic formula and corrected for rounding.
+  // Row r starts at r(2·grid − r). Solves for r by the quadratic formula, then corrects for rounding.
   const float g = static_cast<float>(grid);
   row = static_cast<uint32_t>(g - std::sqrt(relume::max(g * g - static_cast<float>(index), 0.0f)));
   while (row > 0 && row * (2 * grid - row) > index) --row;
@@ -136,7 +137,7 @@ RELUME_HD inline float pdf_area(const TriangleLight& light, const TexturedEmissi
   return e.table(t).pmf(small_triangle_at(t.grid, b)) * count / light.area;
 }
 
-/// Radiance that leaves the point at `b` in a direction with `cos_theta` to the normal.
+/// Radiance emitted at `b` in a direction with `cos_theta` to the normal.
 RELUME_HD inline Rgb emitted_radiance(const TriangleLight& light, const TexturedEmission& e, const Vec2& b,
                                       float cos_theta) {
   Rgb radiance = light.radiance;
@@ -176,7 +177,7 @@ RELUME_HD inline float pdf_li(const TriangleLight& light, const TexturedEmission
   return pdf_w_from_pdf_a(pdf_area(light, e, on_light.barycentric), length_squared(on_light.position - p), cos_light);
 }
 
-/// Two-sided triangles choose a side with the first number of the direction.
+/// Samples an emitted ray. Two-sided triangles choose a side with the direction's first number.
 RELUME_HD inline EmissionSample sample_le(const TriangleLight& light, const TexturedEmission& e, const Vec2& u_position,
                                           Vec2 u_direction) {
   const TrianglePoint point = sample_area(light, e, u_position);
@@ -205,7 +206,7 @@ RELUME_HD inline EmissionPdf pdf_le(const TriangleLight& light, const TexturedEm
   return {pdf_area(light, e, on_light.barycentric), pdf_w};
 }
 
-/// Watts; where the coat has a texture, as if that were white.
+/// Emitted power, watts; treats a coat's texture as white.
 RELUME_HD inline Rgb power(const TriangleLight& light, const TexturedEmission& e) {
   const Rgb mean = light.textured < 0 ? Rgb(1) : e.triangles[static_cast<uint32_t>(light.textured)].mean_emission;
   const float below_coat = 1.0f - light.coat * (0.04f + 0.96f / 21.0f);  // the mean of emission_below_coat()
@@ -218,7 +219,7 @@ inline LightExtent extent_of(const TriangleLight& light, double watts) {
   return extent;
 }
 
-/// Whether they emit alike.
+/// Whether two triangles emit the same light.
 inline bool same_light(const TriangleLight& a, const TriangleLight& b) {
   return a.v0 == b.v0 && a.e1 == b.e1 && a.e2 == b.e2 && a.normal == b.normal && a.radiance == b.radiance &&
          a.two_sided == b.two_sided && a.coat == b.coat && a.textured == b.textured;

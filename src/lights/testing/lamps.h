@@ -1,4 +1,4 @@
-// Many lights to choose among.
+// Many lights for tests of light selection.
 #pragma once
 
 #include <vector>
