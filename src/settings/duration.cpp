@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Seconds in one of the unit that `text` begins with, which is then removed; 0 for an unknown unit.
+/// Removes the unit at the start of `text` and returns its length in seconds; 0 for an unknown unit.
 double take_unit(std::string_view& text) {
   constexpr struct {
     std::string_view name;

@@ -1,12 +1,11 @@
-// Durations as people write them.
+// Durations in text form.
 #pragma once
 
 #include <string_view>
 
 namespace relume {
 
-/// Seconds that `text` stands for: "10", "10s", "500ms", "2min", "1.5h", "1h30min". Throws Error that begins with
-/// `place`.
+/// Seconds given by `text`: "10", "10s", "500ms", "2min", "1.5h", "1h30min". Throws Error that begins with `place`.
 double parse_duration_s(std::string_view text, std::string_view place);
 
 }  // namespace relume

@@ -34,7 +34,7 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
-  constexpr size_t kLongestName = 64;  // of anything longer the distance is not worth its time
+  constexpr size_t kLongestName = 64;  // limits the cost of the distance
   if (name.empty() || name.size() > kLongestName) return {};
   const std::string wanted = lower_case(name);
   std::string best;

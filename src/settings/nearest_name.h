@@ -1,4 +1,4 @@
-// "Did you mean": the known name that looks most like a mistyped one.
+// "Did you mean": the known name most similar to a mistyped one.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace relume {
 
-/// The name with the smallest edit distance to `name` (insertion, deletion, replacement and swap of neighbours each
-/// cost one; case is ignored) or one that `name` begins or ends; empty if none is close. The first wins a tie.
+/// The name nearest to `name`, or one that begins or ends with it; empty if none is close. Compares edit distances,
+/// ignoring case: insertion, deletion, replacement and swap of neighbours each cost one. The first wins a tie.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
-/// "; did you mean 'cornell'?", or else "; there are a, b and c" with all known names.
+/// "; did you mean 'cornell'?", or "; there are a, b and c" with all known names.
 std::string suggestion(std::string_view name, const std::vector<std::string>& known);
 
 /// "a", "a and b", "a, b and c".

@@ -33,7 +33,7 @@ std::string number_text(Number value) {
 std::string range_text(const SettingTraits& traits) {
   const bool low = traits.min > -kUnbounded;
   const bool high = traits.max < kUnbounded;
-  // Ten digits: 1000000 rather than 1e+06, and 0.1 rather than what a double makes of it.
+  // Ten digits give 1000000 rather than 1e+06, and 0.1 rather than the exact value of the double.
   if (low && high) return fmt::format("from {:.10g} to {:.10g}", traits.min, traits.max);
   if (low) return fmt::format("at least {:.10g}", traits.min);
   if (high) return fmt::format("at most {:.10g}", traits.max);
@@ -41,7 +41,7 @@ std::string range_text(const SettingTraits& traits) {
 }
 
 bool in_range(const SettingTraits& traits, int value) { return value >= traits.min && value <= traits.max; }
-/// Bounds such as 0.01 are rounded to what the setting can hold, or they would refuse themselves.
+/// Bounds such as 0.01 are rounded to float; otherwise the bound itself would be out of range.
 bool in_range(const SettingTraits& traits, float value) {
   return value >= static_cast<float>(traits.min) && value <= static_cast<float>(traits.max);
 }
@@ -95,7 +95,7 @@ float parse_float(const Setting& setting, std::string_view text, std::string_vie
   } else if (failure == std::errc::result_out_of_range) {
     fail(setting, text, place, "that is not a number of single precision");
   }
-  check_range(setting, value, text, place);  // refuses NaN too
+  check_range(setting, value, text, place);  // also rejects NaN
   return value;
 }
 

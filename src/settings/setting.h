@@ -1,4 +1,4 @@
-// A setting, declared once. The declaration feeds command-line flags, JSON files, the viewer's widgets, the
+// Settings, each declared once. The declaration feeds command-line flags, JSON files, the viewer's widgets, the
 // reference page in docs/ and the metadata of every image.
 //
 // A technique describes its settings beside their defaults:
@@ -19,7 +19,7 @@
 
 namespace relume {
 
-/// A setting whose value is one of a closed list of names; the enum's values count up from 0.
+/// A setting with a closed list of named values; the enum's values count up from 0.
 struct ChoiceRef {
   int* value = nullptr;
   std::vector<std::string_view> names;
@@ -32,7 +32,7 @@ ChoiceRef choice(Enum& value, std::vector<std::string_view> names) {
   return {reinterpret_cast<int*>(&value), std::move(names)};
 }
 
-/// A number, or a word such as "auto" that stands for std::nullopt.
+/// A number, or a word such as "auto" for std::nullopt.
 struct OptionalNumberRef {
   std::optional<float>* value = nullptr;
   std::string_view word;
@@ -44,12 +44,12 @@ struct SettingTraits {
   double min = -1e30;
   double max = 1e30;
   std::string_view unit = "";
-  bool resets_history = true;  ///< a change makes what earlier frames accumulated invalid
-  bool biases = false;         ///< some values change the expected image; the help says how
+  bool resets_history = true;  ///< whether a change invalidates accumulated frames
+  bool biases = false;         ///< whether some values change the expected image; the help says how
 };
 
 struct Setting {
-  std::string name;  ///< kebab-case; a technique's settings carry its prefix: "psf.cell-size"
+  std::string name;  ///< kebab-case, with the technique's prefix: "psf.cell-size"
   SettingValue value;
   std::string_view help;
   SettingTraits traits = {};
@@ -57,38 +57,38 @@ struct Setting {
 
 using SettingList = std::vector<Setting>;
 
-/// A value apart from its setting; a choice is its name, and so is the word in place of a number.
+/// A value without its setting. Choices, and words in place of numbers, are strings.
 using SettingConstant = std::variant<bool, int, float, std::string>;
 
-/// `list` with "prefix." before each name.
+/// Prepends "prefix." to each name of `list`.
 SettingList with_prefix(std::string_view prefix, SettingList list);
 
-/// nullptr if there is none of that name.
+/// Returns nullptr if no setting has that name.
 const Setting* find_setting(const SettingList& list, std::string_view name);
 
-/// The setting called `name`. Throws Error with `place` and the nearest name, or all names, if there is none.
+/// The setting with that name. Throws Error with `place` and the nearest name, or all names, if it does not exist.
 const Setting& require_setting(const SettingList& list, std::string_view name, std::string_view place);
 
-/// The value that `text` stands for, checked against type, range and choices. Booleans are true/false, on/off, yes/no
-/// or 1/0; settings with the unit "s" also take durations ("500ms", "2min"). Throws Error, for instance
-/// "`place`: max-bounces is '-1', but must be from 0 to 1024" (without the colon if `place` is empty).
+/// Parses `text` and checks it against type, range and choices. Booleans are true/false, on/off, yes/no or 1/0;
+/// settings with the unit "s" also accept durations ("500ms", "2min"). Throws Error, for instance "`place`: max-bounces
+/// is '-1', but must be from 0 to 1024" (without the colon if `place` is empty).
 SettingConstant parse_value(const Setting& setting, std::string_view text, std::string_view place);
 
-/// parse_value() into the variable that the setting refers to.
+/// Stores the result of parse_value() in the setting's variable.
 void assign(const Setting& setting, std::string_view text, std::string_view place);
 
-/// Stores a value of the setting's own type, unchecked.
+/// Stores a value of the setting's type, unchecked.
 void store(const Setting& setting, const SettingConstant& value);
 SettingConstant load(const Setting& setting);
 
-/// The shortest text from which parse_value() gives the same value back.
+/// The shortest text that parse_value() maps to the same value.
 std::string to_string(const Setting& setting);
 std::string to_string(const SettingConstant& value);
 
-/// "integer from 0 to 1024", "number in m, at least 0", "one of path, bdpt": for help and reference pages.
+/// Type for help and reference pages: "integer from 0 to 1024", "number in m, at least 0", "one of path, bdpt".
 std::string describe_type(const Setting& setting);
 
-/// Settings of `a` whose values differ in `b`, another list that describes the same type.
+/// Settings of `a` with different values in `b`, another list of the same type.
 std::vector<const Setting*> differing_settings(const SettingList& a, const SettingList& b);
 
 }  // namespace relume

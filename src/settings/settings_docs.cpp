@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-/// A cell's text must not end the cell.
+/// Escapes text so that it does not end its table cell.
 std::string cell(std::string_view text) {
   std::string result;
   for (const char c : text) {

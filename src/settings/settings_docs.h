@@ -1,4 +1,4 @@
-// The reference page of all settings, made from their declarations.
+// Reference page of all settings, generated from their declarations.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace relume {
 
-/// Groups that interfaces show in a way of their own.
+/// Groups that interfaces display in a special way.
 enum class SettingGroupRole { ordinary, image, stopping, slots };
 
-/// Settings that are shown together.
+/// A group of settings that are displayed together.
 struct SettingGroup {
   std::string_view title;
   std::string_view summary;  ///< one or two sentences
@@ -23,8 +23,8 @@ struct SettingGroup {
 /// All settings, group by group.
 SettingList flatten(const std::vector<SettingGroup>& groups);
 
-/// Markdown: a heading and a table for each group, with flag, value (type, unit, range), the value that the setting has
-/// now (its default, in a freshly made object), whether a change resets the history, whether it biases, and its help.
+/// Markdown with a heading and a table per group. Columns: flag, value (type, unit, range), current value (the default,
+/// in a new object), reset of the history, bias, and help.
 std::string settings_to_markdown(const std::vector<SettingGroup>& groups);
 
 }  // namespace relume

@@ -18,9 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kDeepestNesting = 8;  // more than any setting's name has dots
+constexpr int kDeepestNesting = 8;  // more than the dots in any setting's name
 
-/// A value that has been checked and waits for all others to be.
+/// A checked value, stored once all others are checked.
 struct Assignment {
   const Setting* setting;
   SettingConstant value;
@@ -30,7 +30,7 @@ Json to_json(const Setting& setting) {
   const SettingConstant value = load(setting);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag;
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  // Through the shortest decimal form, so that 0.1f is 0.1 and not 0.10000000149011612.
+  // Uses the shortest decimal form, so that 0.1f is 0.1 and not 0.10000000149011612.
   return Json::parse(to_string(value));
 }
 
@@ -38,7 +38,7 @@ std::string join(const std::string& prefix, const std::string& key) {
   return prefix.empty() ? key : prefix + "." + key;
 }
 
-/// "line 3, column 7" of a byte offset counted from one.
+/// "line 3, column 7" of a byte offset that counts from one.
 std::string line_and_column(std::string_view text, size_t byte) {
   size_t line = 1;
   size_t column = 1;
@@ -49,7 +49,7 @@ std::string line_and_column(std::string_view text, size_t byte) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-/// Parses `text` and refuses what the library accepts silently: repeated keys and absurd nesting.
+/// Parses `text` and rejects input that the library accepts silently: repeated keys and deep nesting.
 Json parse_object(std::string_view text, const std::string& place) {
   std::vector<std::set<std::string>> keys;
   const auto inspect = [&](int depth, Json::parse_event_t event, Json& parsed) {
@@ -76,7 +76,7 @@ Json parse_object(std::string_view text, const std::string& place) {
   return json;
 }
 
-/// The text that stands for a JSON value of a type that can be meant for the setting.
+/// Text of a JSON value whose type suits the setting.
 std::string value_text(const Setting& setting, const Json& json, const std::string& place) {
   const bool wants_bool = std::holds_alternative<bool*>(setting.value);
   const bool wants_number = std::holds_alternative<int*>(setting.value) ||
@@ -86,7 +86,7 @@ std::string value_text(const Setting& setting, const Json& json, const std::stri
   if (json.is_boolean() && wants_bool) return json.get<bool>() ? "true" : "false";
   if (json.is_number() && wants_number) {
     const auto number = json.get<double>();
-    // 4.0 and 1e3 may stand for integers.
+    // 4.0 and 1e3 are valid integers.
     if (std::abs(number) < 1e9 && number == std::trunc(number)) return std::to_string(static_cast<int64_t>(number));
     return json.dump();
   }

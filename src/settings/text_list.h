@@ -1,4 +1,4 @@
-// Lists that people write: "a, b,c".
+// Comma-separated lists: "a, b,c".
 #pragma once
 
 #include <string_view>
@@ -6,10 +6,10 @@
 
 namespace relume {
 
-/// Without blanks (spaces, tabs and carriage returns) at either end.
+/// Removes blanks (spaces, tabs and carriage returns) at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// What stands between commas, trimmed; empty parts are left out.
+/// Trimmed parts between commas, without empty ones.
 std::vector<std::string_view> split_at_commas(std::string_view text);
 
 }  // namespace relume
