@@ -19,7 +19,7 @@
 namespace relume {
 namespace {
 
-// The processor's control of floating-point arithmetic, and its bits that flush denormals, as operands and as results.
+// The processor's floating-point control register, and its bits that flush denormal operands and results.
 #if defined(__SSE__)
 uint64_t float_control() { return _mm_getcsr(); }
 void set_float_control(uint64_t value) { _mm_setcsr(static_cast<unsigned>(value)); }
@@ -34,7 +34,7 @@ void set_float_control(uint64_t) {}
 constexpr uint64_t kFlushDenormals = 0;
 #endif
 
-/// Embree wants denormals flushed to zero in every thread that traces. Restores the caller's mode.
+/// Flushes denormals to zero, which Embree requires in every thread that traces. Restores the caller's mode.
 class FlushDenormals {
  public:
   FlushDenormals() : saved_(float_control()) { set_float_control(saved_ | kFlushDenormals); }
@@ -63,8 +63,8 @@ int ThreadLimit::threads() const { return state_->count; }
 
 struct Backend::State {
   explicit State(int threads) : count(threads > 0 ? threads : tbb::info::default_concurrency()) {
-    // TBB has as many threads as cores unless it is told otherwise. The arena bounds those of this backend alone:
-    // another in the same process may have more or fewer.
+    // TBB uses as many threads as cores by default. The arena limits the threads of this backend only: another backend
+    // in the process may have more or fewer.
     if (count > tbb::info::default_concurrency()) more_threads.emplace(count);
     arena.initialize(count);
   }

@@ -1,10 +1,10 @@
-// Starts pass kernels. A pass kernel is a trivially copyable struct of views and settings with
+// Launches pass kernels. A pass kernel is a trivially copyable struct of views and settings with
 //
 //   RELUME_HD void operator()(uint32_t x, uint32_t y) const;
 //
-// called once for each element of a grid. On the host the grid is cut into tiles that TBB spreads over the threads; in
-// a CUDA build the same struct is a kernel argument. A kernel may offer the host a second form that treats a tile at
-// once (packets of rays, say) and must then do the same as its one-element form:
+// called once for each element of a grid. On the host, TBB distributes tiles of the grid over the threads; in a CUDA
+// build the same struct is a kernel argument. A kernel may provide a second form for the host that processes a tile at
+// once (for example in ray packets). It must compute the same as the one-element form:
 //
 //   void operator()(const Tile& tile) const;
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace relume {
 
-/// Edge of the tiles that a grid is cut into, elements.
+/// Edge of a grid's tiles, elements.
 inline constexpr uint32_t kTileSize = 16;
 
 /// Elements [x0, x1) × [y0, y1) of a grid.
@@ -40,24 +40,24 @@ concept TileKernel = requires(const K& k, const Tile& tile) {
   k(tile);
 };
 
-/// What may be launched: plain data of at most 4 KiB, as a kernel argument must be.
+/// Kernels that can be launched: plain data of at most 4 KiB, the limit of a kernel argument.
 template <typename K>
 concept PassKernel = std::is_trivially_copyable_v<K> && std::is_standard_layout_v<K> && sizeof(K) <= 4096 &&
                      requires(const K& k, uint32_t x, uint32_t y) {
   { k(x, y) } -> std::same_as<void>;
 };
 
-/// Time spent in launches of one name.
+/// Total time of the launches with one name.
 struct LaunchTime {
   std::string name;
   double seconds = 0;
   uint64_t launches = 0;
 };
 
-/// Bounds the threads of all work in parallel while it lives: a backend's, and what runs beside one, such as loading.
+/// Limits the threads of all parallel work during its lifetime: of backends, and of work beside them such as loading.
 class ThreadLimit {
  public:
-  /// `threads` 0: as many as the machine has.
+  /// `threads` 0: one per core.
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
   ThreadLimit(const ThreadLimit&) = delete;
@@ -70,10 +70,10 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-/// The processor's threads.
+/// Thread pool of the processor.
 class Backend {
  public:
-  /// `threads` 0: as many as the machine has.
+  /// `threads` 0: one per core.
   explicit Backend(int threads = 0);
   ~Backend();
   Backend(const Backend&) = delete;
@@ -82,18 +82,19 @@ class Backend {
   int threads() const;
   const std::vector<LaunchTime>& times() const { return times_; }
 
-  /// Calls run(context, tile) for every tile. False if `stop` was requested before all were done.
+  /// Calls run_tile(context, tile) for every tile. Returns false if `stop` was requested before all were done.
   bool for_each_tile(std::string_view name, uint32_t width, uint32_t height,
                      void (*run_tile)(const void* context, const Tile& tile), const void* context,
                      const std::stop_token& stop, uint32_t tile_size = kTileSize);
 
-  /// Calls `hook` before each tile, on the thread that runs it: tests stop frames at any tile. Empty: no more.
+  /// Calls `hook` before each tile, on the thread that runs the tile. Tests use it to stop frames at any tile. Empty:
+  /// no hook.
   void on_tile(std::function<void()> hook) { tile_hook_ = std::move(hook); }
 
-  /// Runs host code whose parallel loops use the backend's threads.
+  /// Runs host code; its parallel loops use the backend's threads.
   void execute(const std::function<void()>& function);
 
-  /// The same, timed like a launch: for preparing passes that are not grids.
+  /// The same, timed like a launch, for preparing passes without a grid.
   void run(std::string_view name, const std::function<void()>& function);
 
  private:
@@ -106,7 +107,7 @@ class Backend {
 };
 
 /// Runs `kernel` over the elements of `window`. Returns false if `stop` was requested first; some elements are then
-/// missing. `tile_size`: elements along the edge of what one task treats; small for elements that take long.
+/// missing. `tile_size`: edge of the square of elements per task; small for expensive elements.
 template <PassKernel K>
 bool launch(Backend& backend, std::string_view name, const K& kernel, const Tile& window,
             const std::stop_token& stop = {}, uint32_t tile_size = kTileSize) {

@@ -1,11 +1,11 @@
-// Access of passes to pixel moments.
+// Access to pixel moments from passes.
 #pragma once
 
 #include "frame/frame_context.h"
 
 namespace relume {
 
-/// For the lists of a pass's declaration. Includes `m2_rgb`, which may not exist; declare the list as optional.
+/// Buffer ids for a pass declaration. Includes `m2_rgb`, which may not exist; declare the list as optional.
 inline std::vector<BufferId> moment_ids(const MomentBuffers& buffers) {
   return {buffers.mean, buffers.m2, buffers.m2_rgb, buffers.samples};
 }
@@ -19,7 +19,7 @@ inline MutableMomentsView write_moments(const FrameContext& frame, const MomentB
           frame.write(buffers.samples)};
 }
 
-/// The moments of the earlier samples that this frame's pixels keep: reprojected, or as the previous frame left them.
+/// Moments of the earlier samples that this frame's pixels keep: reprojected ones, or those of the previous frame.
 /// Valid until AccumulatePass runs.
 inline MomentsView read_history(const FrameContext& frame) {
   const MomentsView inherited = read_moments(frame, kInherited);

@@ -11,7 +11,7 @@ namespace {
   throw std::logic_error("pass '" + std::string(pass) + "', buffer '" + std::string(buffer.name) + "': " + problem);
 }
 
-/// What a declaration allows.
+/// Access to the declared buffers.
 class DeclaredAccess final : public BufferAccess {
  public:
   explicit DeclaredAccess(const PassDeclaration& declaration)
@@ -143,7 +143,7 @@ uint32_t Pipeline::longest_epoch() const {
 }
 
 bool Pipeline::stops_late() const {
-  // Those of the present stage change the image, and none of them stops.
+  // Passes of the present stage change the image, but none of them stops.
   return std::any_of(passes_.begin(), passes_.end(), [](const auto& pass) {
     const PassDeclaration declaration = pass->declaration();
     return declaration.stage == Stage::denoise || declaration.stage == Stage::allocate || declaration.moves_surfaces;

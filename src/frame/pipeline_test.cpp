@@ -14,7 +14,7 @@ constexpr BufferKey<Vec3> kNormal{"normal"};
 constexpr BufferKey<float> kDepth{"depth"};
 constexpr BufferKey<float> kOther{"other"};
 
-/// A pass that notes its runs and, if asked to, stops the frame.
+/// A pass that logs its runs and optionally stops the frame.
 class Probe final : public Pass {
  public:
   Probe(PassDeclaration declaration, std::string* log, bool goes_on = true)
@@ -172,10 +172,10 @@ TEST_F(PipelineTest, AcceptsWhatIsReadOrWrittenOnlyWhereItExists) {
   add({.name = "accumulate", .stage = Stage::present, .writes_if_any = {kMoments.m2_rgb}});
   EXPECT_NO_THROW(pipeline_.check());
   add({.name = "late", .stage = Stage::present, .owns = {{.id = kAllocation}}});
-  EXPECT_THROW(pipeline_.check(), std::logic_error);  // it exists, and is written too late
+  EXPECT_THROW(pipeline_.check(), std::logic_error);  // it exists, but is written too late
 }
 
-/// A pass that looks at a buffer, to read or to write it.
+/// A pass that reads or writes a buffer.
 class Reach final : public Pass {
  public:
   Reach(PassDeclaration declaration, bool write) : declaration_(std::move(declaration)), write_(write) {}
