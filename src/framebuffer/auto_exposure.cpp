@@ -11,12 +11,12 @@ constexpr float kMiddleGrey = 0.18f;
 constexpr float kHighlightStops = 4;  // above middle grey
 constexpr float kMostStops = 16;
 
-/// Counts pixels by log2 of their luminance.
+/// Histogram of the log2 luminance of pixels.
 class StopHistogram {
  public:
   explicit StopHistogram(std::span<const Rgb> radiance) {
     constexpr size_t kEnoughPixels = 1 << 16;
-    const size_t stride = (radiance.size() / kEnoughPixels) | 1;  // odd, so that alternating columns both count
+    const size_t stride = (radiance.size() / kEnoughPixels) | 1;  // odd, to sample alternating columns equally
     for (size_t i = 0; i < radiance.size(); i += stride) {
       const float y = luminance(radiance[i]);
       if (!is_finite(y) || !(y > 0)) continue;
@@ -28,7 +28,7 @@ class StopHistogram {
 
   bool empty() const { return count_ == 0; }
 
-  /// Mean of the stops between two shares of the pixels, from the darkest on.
+  /// Mean stops between two fractions of the pixels, ordered from dark to bright.
   float mean(double first, double last) const {
     const double low = first * count_;
     const double high = last * count_;
@@ -42,7 +42,7 @@ class StopHistogram {
     return static_cast<float>(sum / (high - low));
   }
 
-  /// Stops of the pixel that has this share of all below it.
+  /// Stops of the pixel with this fraction of all pixels below it.
   float percentile(double share) const {
     double below = 0;
     for (size_t i = 0; i < kBins; ++i) {

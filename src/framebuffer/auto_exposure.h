@@ -1,4 +1,4 @@
-// Exposure from the image itself, as a camera meters it.
+// Automatic exposure from the image, as a camera meters it.
 #pragma once
 
 #include <span>
@@ -7,9 +7,9 @@
 
 namespace relume {
 
-/// Stops by which an image is brightened: middle grey (0.18) over the geometric mean of the luminance between its 10th
-/// and 95th percentiles, limited so that the 99th percentile stays below 2^4 times middle grey. Pixels that are black
-/// or not finite do not count; 0 if none is left, and within ±16. Looks at up to 131,072 pixels.
+/// Exposure in stops that maps the geometric mean luminance between the 10th and 95th percentiles to middle grey
+/// (0.18). Limited so that the 99th percentile stays below 2^4 times middle grey, and to ±16. Ignores black and
+/// non-finite pixels; 0 if no pixel remains. Samples up to 131,072 pixels.
 float auto_exposure(std::span<const Rgb> radiance);
 
 }  // namespace relume

@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-constexpr float kBin = 0.125f;  // stops that the histogram tells apart
+constexpr float kBin = 0.125f;  // resolution of the histogram, stops
 
 TEST(AutoExposure, PutsAnEvenImageOnMiddleGrey) {
   for (const float radiance : {1e-4f, 0.18f, 3.0f, 4000.0f}) {
@@ -40,7 +40,7 @@ TEST(AutoExposure, IgnoresPixelsWithoutAValue) {
 
 TEST(AutoExposure, SubsamplesLargeImages) {
   std::vector<Rgb> image(1 << 20);
-  for (size_t i = 0; i < image.size(); ++i) image[i] = Rgb(i % 2 == 0 ? 0.09f : 0.36f);  // columns
+  for (size_t i = 0; i < image.size(); ++i) image[i] = Rgb(i % 2 == 0 ? 0.09f : 0.36f);  // alternating columns
   EXPECT_NEAR(auto_exposure(image), 0.0f, 2 * kBin);
 }
 

@@ -1,5 +1,5 @@
-// Names of per-pixel buffers with the types of their elements. Each key is one constant: in shared_buffers.h if several
-// techniques use the buffer, else beside the pass that owns it.
+// Typed names of per-pixel buffers. Each key is one constant: in shared_buffers.h if several techniques use the buffer,
+// otherwise beside the pass that owns it.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace relume {
 
-/// What the elements of a buffer are. `record`: a struct that only kernels read.
+/// Element type of a buffer. `record`: a struct that only kernels read.
 enum class BufferType : uint8_t { f32, rgb32f, vec2f, u32, record };
 
-/// The buffer type of elements T.
+/// Buffer type for elements of type T.
 template <typename T>
 constexpr BufferType buffer_type() {
   if constexpr (std::is_same_v<T, float>) return BufferType::f32;
@@ -23,7 +23,7 @@ constexpr BufferType buffer_type() {
   return BufferType::record;
 }
 
-/// A key without its type parameter, for lists of buffers.
+/// A key without its static type, for lists of buffers.
 struct BufferId {
   std::string_view name = {};  ///< unique, in kebab case
   BufferType type = BufferType::f32;
@@ -32,7 +32,7 @@ struct BufferId {
   friend bool operator==(const BufferId&, const BufferId&) = default;
 };
 
-/// The name of a buffer whose elements are of type T.
+/// Name of a buffer with elements of type T.
 template <typename T>
 struct BufferKey {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -19,25 +19,25 @@
 
 namespace relume {
 
-/// How a buffer is shown.
+/// How a buffer is displayed.
 enum class BufferDisplay : uint8_t {
-  hidden,  ///< of use to its passes only
-  value,   ///< as it is
+  hidden,  ///< not displayed
+  value,   ///< unchanged
   mean,    ///< divided by the number of frames
 };
 
 struct BufferDescription {
   BufferId id = {};
   std::string help = {};         ///< one line, for the inspector and `--aov`
-  bool persistent = false;       ///< survives the frame: goes into checkpoints
-  bool double_buffered = false;  ///< the frame before stays readable
-  Change reset = Change::none;   ///< what makes the content invalid
-  bool follows_surface = false;  ///< reprojection carries it along to where the surface is now
+  bool persistent = false;       ///< survives the frame and is saved in checkpoints
+  bool double_buffered = false;  ///< whether the previous frame's content stays readable
+  Change reset = Change::none;   ///< changes that invalidate the content
+  bool follows_surface = false;  ///< whether reprojection moves the content with the surface
   BufferDisplay display = BufferDisplay::hidden;
-  std::string_view channels = "";  ///< of the EXR layer, one letter each; empty: RGB, XY or Y by type
+  std::string_view channels = "";  ///< one letter per channel of the EXR layer; empty: RGB, XY or Y by type
 };
 
-/// A width × height array of zeros; row 0 on top. Memory is touched when the content is asked for first, or by
+/// A width × height array, initially zero; row 0 on top. Memory is first touched when the content is accessed, or by
 /// clear_new(), which can be stopped.
 class Buffer {
  public:
@@ -47,26 +47,26 @@ class Buffer {
   std::string_view name() const { return description_.id.name; }
   std::span<std::byte> bytes() { return {data(), size_}; }
   std::span<const std::byte> bytes() const { return {data(), size_}; }
-  /// Of the frame before; empty unless double-buffered.
+  /// Content of the previous frame; empty unless double-buffered.
   std::span<std::byte> previous_bytes() { return {previous_data(), previous_ ? size_ : 0}; }
   std::span<const std::byte> previous_bytes() const { return {previous_data(), previous_ ? size_ : 0}; }
-  /// Writes the zeros of a new buffer. False if `stop` was requested first; the buffer is then still new.
+  /// Writes the zeros of a new buffer. Returns false if `stop` was requested first; the buffer is then still new.
   bool clear_new(const std::stop_token& stop = {}) const;
   void clear();
-  /// Copies the content if a frame changes it in place, for restore().
+  /// Copies content that a frame changes in place, for restore().
   void keep();
-  /// Goes back to the content of the last keep(), where it copied.
+  /// Restores the content of the last keep(), if it made a copy.
   void restore();
   void swap() { std::swap(data_, previous_); }
   size_t memory_bytes() const { return size_ * (size_t{1} + (previous_ ? 1 : 0) + (kept_ ? 1 : 0)); }
 
-  /// Elements as T, which must be of the buffer's type.
+  /// Elements as T, which must match the buffer's type.
   template <typename T>
   View<T> view() const {
     check_type<T>();
     return {reinterpret_cast<T*>(data()), static_cast<uint32_t>(size_ / sizeof(T))};
   }
-  /// Elements of the frame before; an empty view unless double-buffered.
+  /// Elements of the previous frame; an empty view unless double-buffered.
   template <typename T>
   View<T> previous() const {
     check_type<T>();
@@ -87,15 +87,15 @@ class Buffer {
     using Element = std::remove_const_t<T>;
     if (description_.id != BufferId(BufferKey<Element>{name()})) fail_type();
   }
-  /// Throws std::logic_error: a mistake in the code, not of a user.
+  /// Throws std::logic_error: an error in the code, not in user input.
   [[noreturn]] void fail_type() const;
 
   BufferDescription description_;
   size_t size_;
   std::unique_ptr<std::byte[]> data_;
   std::unique_ptr<std::byte[]> previous_;
-  std::unique_ptr<std::byte[]> kept_;  ///< of keep()
-  mutable bool is_new_ = true;         ///< neither of the first two holds anything yet
+  std::unique_ptr<std::byte[]> kept_;  ///< copy made by keep()
+  mutable bool is_new_ = true;         ///< whether data_ and previous_ are still uninitialised
 };
 
 class BufferTable {
@@ -105,10 +105,10 @@ class BufferTable {
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
 
-  /// Adds a buffer of zeros; names are unique. The reference stays valid.
+  /// Adds a zero-filled buffer with a unique name. The reference stays valid.
   Buffer& add(BufferDescription description);
 
-  /// nullptr if there is none.
+  /// Returns nullptr if no buffer has that name.
   Buffer* find(std::string_view name);
   const Buffer* find(std::string_view name) const;
 
@@ -123,7 +123,7 @@ class BufferTable {
     const Buffer* buffer = find(key.name);
     return buffer ? buffer->view<T>() : View<T>{};
   }
-  /// Elements of a buffer one frame ago.
+  /// Elements of a buffer in the previous frame.
   template <typename T>
   View<const T> previous(const BufferKey<T>& key) const {
     const Buffer* buffer = find(key.name);
@@ -133,15 +133,15 @@ class BufferTable {
   std::span<const std::unique_ptr<Buffer>> all() const { return buffers_; }
   size_t memory_bytes() const;
 
-  /// Starts a frame: what double-buffered buffers hold becomes the previous frame's.
+  /// Starts a frame: the content of double-buffered buffers becomes the previous frame's.
   void swap();
-  /// Writes the zeros of all new buffers. False if `stop` was requested first.
+  /// Writes the zeros of all new buffers. Returns false if `stop` was requested first.
   bool clear_new(const std::stop_token& stop);
-  /// Copies what a frame changes in place: persistent buffers that are not double-buffered.
+  /// Copies content that a frame changes in place: persistent buffers that are not double-buffered.
   void keep();
-  /// Goes back to these copies: the frame was abandoned. Where double-buffered content is concerned, call swap(), too.
+  /// Restores these copies after an abandoned frame. Double-buffered content needs swap() as well.
   void restore();
-  /// Clears what `changes` make invalid.
+  /// Clears buffers that `changes` invalidate.
   void reset(Change changes);
 
  private:

@@ -25,8 +25,8 @@ struct OcioView::State {
 
 namespace {
 
-/// Where configurations have linear Rec. 709: names of ACES, Blender, Filmic and OpenColorIO's built-in ones. `note`
-/// says what replaces it.
+/// Linear Rec. 709 colour space of a configuration: tries the names of ACES, Blender, Filmic and OpenColorIO's built-in
+/// configurations. `note` describes a replacement.
 std::string linear_rec709(const ocio::ConstConfigRcPtr& config, const std::string& file, std::string& note) {
   for (const char* name : {"lin_rec709_srgb", "Linear Rec.709 (sRGB)", "lin_rec709", "Linear Rec.709",
                            "Utility - Linear - sRGB", "lin_srgb", "Linear sRGB", "Linear BT.709"}) {
@@ -41,7 +41,7 @@ std::string linear_rec709(const ocio::ConstConfigRcPtr& config, const std::strin
   throw Error("it has neither a linear Rec. 709 colour space nor the role scene_linear; add one of them");
 }
 
-/// The display to which the view belongs. Throws Error.
+/// Display of the view. Throws Error.
 std::string display_of(const ocio::ConstConfigRcPtr& config, const std::string& view) {
   std::vector<std::string> views;
   for (int d = 0; d < config->getNumDisplays(); ++d) {
@@ -56,7 +56,7 @@ std::string display_of(const ocio::ConstConfigRcPtr& config, const std::string& 
   throw Error(fmt::format("it has no view '{}'; it has {}", view, fmt::join(views, ", ")));
 }
 
-/// The library's messages as the middle of one sentence.
+/// The library's message, formatted as part of a sentence.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();

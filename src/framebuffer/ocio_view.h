@@ -1,4 +1,4 @@
-// Views of OpenColorIO configurations, in place of a tone map.
+// Views of OpenColorIO configurations, which replace the tone map.
 #pragma once
 
 #include <memory>
@@ -8,24 +8,23 @@
 
 namespace relume {
 
-/// Why this build has no OpenColorIO; empty if it has.
+/// Reason why this build lacks OpenColorIO; empty if it is included.
 std::string ocio_missing();
 
 class OcioView {
  public:
-  /// A configuration file, and the name of a view of its first display that has one of that name. Throws Error, with
-  /// the names that exist for one that does not.
+  /// Loads a configuration file and selects the view `view` of the first display that has it. Throws Error for unknown
+  /// names, with the existing ones.
   OcioView(const std::string& file, const std::string& view);
   ~OcioView();
   OcioView(OcioView&&) noexcept;
 
-  /// `radiance` times 2^exposure as the view shows it, in [0, 1] and without the sRGB transfer function, as tone_map()
-  /// returns it: files that are written from it hold the view's own values. Radiance is linear Rec. 709: the
-  /// configuration's colour space of one of its usual names, or else, with a note, the role scene_linear. Values that
-  /// are not finite count as 0.
+  /// Applies the view to `radiance` times 2^exposure. Returns values in [0, 1] without the sRGB transfer function, like
+  /// tone_map(): written files then contain the view's values. Radiance is linear Rec. 709: the configuration's colour
+  /// space with one of the usual names, or else, with a note, the role scene_linear. Non-finite values count as 0.
   Image apply(const Image& radiance, float exposure) const;
 
-  /// Which colour space replaces linear Rec. 709 where the configuration has none; empty if it has.
+  /// Colour space that replaces linear Rec. 709 if the configuration lacks it; otherwise empty.
   const std::string& note() const { return note_; }
 
  private:

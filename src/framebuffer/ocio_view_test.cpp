@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// Two displays; the view Half of the first one halves radiance, Green of the second one keeps green alone.
+/// Two displays: view Half of the first one halves radiance, view Green of the second keeps only green.
 constexpr const char* kConfig = R"(ocio_profile_version: 1
 roles:
   default: lin

@@ -1,4 +1,4 @@
-// Mean and variance of the samples that a pixel keeps, updated sample by sample ([Welford62]).
+// Mean and variance of a pixel's samples, updated per sample ([Welford62]).
 #pragma once
 
 #include "core/vec.h"
@@ -7,12 +7,12 @@
 
 namespace relume {
 
-/// Variance of the mean of `n` samples (unbiased), from their sum of squared distances; 0 below two samples.
+/// Unbiased variance of the mean of `n` samples, from their sum of squared deviations; 0 below two samples.
 RELUME_HD inline float variance_of_mean(float m2, uint32_t n) {
   return n < 2 ? 0.0f : m2 / (static_cast<float>(n) * static_cast<float>(n - 1));
 }
 
-/// The moments of one pixel.
+/// Moments of one pixel.
 struct PixelMoments {
   Rgb mean{0};
   float m2 = 0;      ///< Σ (Y − mean Y)² of the samples' luminance Y
@@ -30,7 +30,8 @@ struct PixelMoments {
     samples = n;
   }
 
-  /// Counts the samples as at most `most`, so that later ones weigh more. The mean and the variance of a sample stay.
+  /// Limits the sample count to `most`, so that later samples have more weight. Keeps the mean and the variance per
+  /// sample.
   RELUME_HD void limit(uint32_t most) {
     if (samples <= most) return;
     const float scale = static_cast<float>(relume::max(most, 1u) - 1) / static_cast<float>(samples - 1);
@@ -40,15 +41,15 @@ struct PixelMoments {
   }
 };
 
-/// The buffers of a PixelMoments for each pixel: one plane a member, because most readers need a single member.
+/// Buffers of a PixelMoments per pixel, with one plane per member, because most readers need a single member.
 struct MomentBuffers {
   BufferKey<Rgb> mean;
   BufferKey<float> m2;
-  BufferKey<float> m2_rgb;  ///< exists only where a pass reads it
+  BufferKey<float> m2_rgb;  ///< exists only if a pass reads it
   BufferKey<uint32_t> samples;
 };
 
-/// The planes of pixel moments, to read.
+/// Read access to the planes of pixel moments.
 struct MomentsView {
   View<const Rgb> mean;
   View<const float> m2;
@@ -60,7 +61,7 @@ struct MomentsView {
   }
 };
 
-/// The planes of pixel moments, to write.
+/// Write access to the planes of pixel moments.
 struct MutableMomentsView {
   View<Rgb> mean;
   View<float> m2;

@@ -11,7 +11,7 @@ namespace {
 float variance_of(const PixelMoments& moments) { return variance_of_mean(moments.m2, moments.samples); }
 
 TEST(PixelMoments, VarianceOfTheMeanMatchesItsDefinition) {
-  // Grey values 1, 2, 3, 6: mean 3, unbiased variance 14/3, of the mean 14/12.
+  // Grey values 1, 2, 3, 6: mean 3, unbiased variance 14/3, variance of the mean 14/12.
   PixelMoments moments;
   for (const float v : {1.0f, 2.0f, 3.0f, 6.0f}) moments.add(Rgb(v));
   EXPECT_EQ(moments.mean, Rgb(3));
@@ -19,7 +19,7 @@ TEST(PixelMoments, VarianceOfTheMeanMatchesItsDefinition) {
 }
 
 TEST(PixelMoments, SumsTheSquaresOfAllChannels) {
-  // Channels 0 and 2, 0 and 4, 1 and 1: distances of 1, 2 and 0 from their means, each twice.
+  // Channels 0 and 2, 0 and 4, 1 and 1: deviations of 1, 2 and 0 from their means, each twice.
   PixelMoments moments;
   moments.add(Rgb(0, 0, 1));
   moments.add(Rgb(2, 4, 1));
@@ -27,7 +27,7 @@ TEST(PixelMoments, SumsTheSquaresOfAllChannels) {
 }
 
 TEST(PixelMoments, VarianceIsUnbiased) {
-  // Mean over many pixels of the estimate from 8 uniform numbers, against 1/12/8.
+  // Averages the estimate from 8 uniform numbers over many pixels; expects 1/12/8.
   testing::Random random(81);
   double mean = 0;
   constexpr int kPixels = 20000;
@@ -36,11 +36,11 @@ TEST(PixelMoments, VarianceIsUnbiased) {
     for (int k = 0; k < 8; ++k) moments.add(Rgb(random.next()));
     mean += static_cast<double>(variance_of(moments)) / kPixels;
   }
-  EXPECT_NEAR(mean * 96.0, 1.0, 0.02);  // the estimates spread by 0.45 of their mean: five standard errors are 0.016
+  EXPECT_NEAR(mean * 96.0, 1.0, 0.02);  // estimates spread by 0.45 of their mean: five standard errors are 0.016
 }
 
 TEST(PixelMoments, ManySamplesLoseNothing) {
-  // 2^16 times 0.1 and 0.3 in turn: mean 0.2, variance 0.01.
+  // 2^16 values that alternate between 0.1 and 0.3: mean 0.2, variance 0.01.
   PixelMoments moments;
   constexpr uint32_t kCount = 1u << 16;
   for (uint32_t i = 0; i < kCount; ++i) moments.add(Rgb(i % 2 ? 0.3f : 0.1f));

@@ -1,4 +1,4 @@
-// Keys of the buffers that several techniques use. The owner's declaration describes each (PassDeclaration::owns).
+// Keys of buffers that several techniques use. The owner's declaration describes each buffer (PassDeclaration::owns).
 #pragma once
 
 #include "core/ray.h"
@@ -22,13 +22,13 @@ inline constexpr BufferKey<uint32_t> kEdgeRays{"edge-rays"};
 inline constexpr BufferKey<Rgb> kMean{"mean"};
 inline constexpr BufferKey<uint32_t> kSamples{"samples"};
 
-/// The samples that each pixel keeps. AccumulatePass alone writes them: until it runs, they are those of the previous
+/// Moments of each pixel's samples. Only AccumulatePass writes them. Until it runs, they are those of the previous
 /// frame, at the previous frame's pixels.
 inline constexpr MomentBuffers kMoments{.mean = kMean, .m2 = {"m2"}, .m2_rgb = {"m2-rgb"}, .samples = kSamples};
 inline constexpr BufferKey<Rgb> kSpecularMean{"specular-mean"};  ///< the part of kMean from specular lobes
 inline constexpr BufferKey<uint32_t> kSpecularSamples{"specular-samples"};
 
-/// The moments that reprojection moved to this frame's pixels, before this frame's sample. They exist only with it.
+/// Moments reprojected to this frame's pixels, before this frame's sample. They exist only with reprojection.
 inline constexpr MomentBuffers kInherited{.mean = {"inherited-mean"},
                                           .m2 = {"inherited-m2"},
                                           .m2_rgb = {"inherited-m2-rgb"},
@@ -36,7 +36,7 @@ inline constexpr MomentBuffers kInherited{.mean = {"inherited-mean"},
 inline constexpr BufferKey<Rgb> kInheritedSpecularMean{"inherited-specular-mean"};
 inline constexpr BufferKey<uint32_t> kInheritedSpecularSamples{"inherited-specular-samples"};
 
-inline constexpr BufferKey<Rgb> kLightMean{"light-mean"};  ///< of light paths, which reach every pixel
+inline constexpr BufferKey<Rgb> kLightMean{"light-mean"};  ///< from light paths, which reach every pixel
 inline constexpr BufferKey<float> kLightM2{"light-m2"};
 inline constexpr BufferKey<float> kLightPaths{"light-paths"};
 inline constexpr BufferKey<uint32_t> kLightFrames{"light-frames"};
@@ -45,17 +45,17 @@ inline constexpr BufferKey<Rgb> kDenoised{"denoised"};
 
 // --- Surfaces at pixels -------------------------------------------------------------------------------
 
-/// What reprojection needs to know of the surface that a pixel shows. Position, normal and surface are double-buffered.
+/// Surface properties per pixel for reprojection. Position, normal and surface are double-buffered.
 struct SurfaceBuffers {
   BufferKey<Vec2> motion;       ///< since the previous frame, pixels
-  BufferKey<Vec3> previous;     ///< position one frame ago, metres
+  BufferKey<Vec3> previous;     ///< position in the previous frame, metres
   BufferKey<Vec3> position;     ///< metres
   BufferKey<Vec3> normal;       ///< shading normal
   BufferKey<float> depth;       ///< metres
-  BufferKey<uint32_t> surface;  ///< a number that differs between surfaces
+  BufferKey<uint32_t> surface;  ///< number that identifies the surface
 };
 
-/// First hits.
+/// Surfaces at first hits.
 inline constexpr SurfaceBuffers kSurface{.motion = {"surface-motion"},
                                          .previous = {"surface-previous"},
                                          .position = {"surface-position"},
@@ -64,7 +64,7 @@ inline constexpr SurfaceBuffers kSurface{.motion = {"surface-motion"},
                                          .surface = {"surface-instance"}};
 inline constexpr BufferKey<Rgb> kSurfaceAlbedo{"surface-albedo"};
 
-/// First hits, or what specular reflection and refraction show in their place.
+/// Surfaces at first hits, or those seen in specular reflection and refraction.
 inline constexpr SurfaceBuffers kFeature{.motion = {"feature-motion"},
                                          .previous = {"feature-previous"},
                                          .position = {"feature-position"},
@@ -74,7 +74,7 @@ inline constexpr SurfaceBuffers kFeature{.motion = {"feature-motion"},
 inline constexpr BufferKey<Rgb> kFeatureAlbedo{"feature-albedo"};
 inline constexpr BufferKey<Rgb> kFeatureEmission{"feature-emission"};
 
-/// Images in glossy reflections.
+/// Surfaces seen in glossy reflections.
 inline constexpr SurfaceBuffers kReflection{.motion = {"specular-motion"},
                                             .previous = {"specular-previous"},
                                             .position = {"specular-position"},

@@ -1,4 +1,4 @@
-// From scene radiance to what a display shows: exposure, then a tone curve.
+// Maps scene radiance to display values: exposure, then a tone curve.
 #pragma once
 
 #include "core/vec.h"
@@ -6,13 +6,13 @@
 
 namespace relume {
 
-/// Largest radiance that the curves see; larger values, infinity included, are white under every curve, and
-/// squares of this one stay finite.
+/// Largest input of the curves. Larger values, including infinity, are white under every curve; squares of this value
+/// stay finite.
 inline constexpr float kToneMapMax = 1e9f;
 
 namespace detail {
 
-/// NaN and negative values become 0.
+/// Clamps to the domain of the curves; NaN and negative values become 0.
 RELUME_HD inline float tone_map_domain(float x) { return x > 0.0f ? (x < kToneMapMax ? x : kToneMapMax) : 0.0f; }
 
 RELUME_HD inline Rgb saturate(const Rgb& c) {
@@ -31,10 +31,11 @@ RELUME_HD inline float agx_contrast(float x) {
 
 }  // namespace detail
 
-/// Reinhard's global operator on the luminance; keeps the chromaticity until a channel reaches 1.
+/// Reinhard's global operator on the luminance; preserves chromaticity until a channel reaches 1.
 RELUME_HD inline Rgb tone_map_reinhard(const Rgb& c) { return detail::saturate(c / (1.0f + luminance(c))); }
 
-/// Into the rendering primaries, Hill's rational fit, and back. Middle grey 0.18 becomes 0.1055.
+/// Converts to the rendering primaries, applies Hill's rational fit, and converts back. Middle grey 0.18 becomes
+/// 0.1055.
 RELUME_HD inline Rgb tone_map_aces(const Rgb& c) {
   // Columns; the first matrix is Rec. 709 → AP1 with RRT desaturation, the second ODT desaturation → Rec. 709.
   const Mat3 input(0.59719f, 0.07600f, 0.02840f, 0.35458f, 0.90834f, 0.13383f, 0.04823f, 0.01566f, 0.83777f);
@@ -43,8 +44,8 @@ RELUME_HD inline Rgb tone_map_aces(const Rgb& c) {
   return detail::saturate(output * Rgb(detail::aces_curve(v.r), detail::aces_curve(v.g), detail::aces_curve(v.b)));
 }
 
-/// Inset matrix, log2 encoding over 16.5 stops, contrast curve, outset matrix. The curve's output is meant for a
-/// display with exponent 2.2, hence the last step back to linear.
+/// Applies the inset matrix, log2 encoding over 16.5 stops, the contrast curve and the outset matrix. The curve's
+/// output is for a display with exponent 2.2, hence the final conversion to linear.
 RELUME_HD inline Rgb tone_map_agx(const Rgb& c) {
   constexpr float kMinEv = -12.47393f;
   constexpr float kMaxEv = 4.026069f;
@@ -64,8 +65,8 @@ RELUME_HD inline Rgb tone_map_agx(const Rgb& c) {
   return v;
 }
 
-/// Subtracts what Fresnel reflection at normal incidence adds, compresses peaks above 0.76 towards 1, and desaturates
-/// what was compressed.
+/// Subtracts the Fresnel reflection at normal incidence, compresses peaks above 0.76 towards 1, and desaturates
+/// compressed colours.
 RELUME_HD inline Rgb tone_map_neutral(const Rgb& c) {
   constexpr float kFresnel = 0.04f;
   constexpr float kCompressionStart = 0.8f - kFresnel;
@@ -80,7 +81,7 @@ RELUME_HD inline Rgb tone_map_neutral(const Rgb& c) {
   return detail::saturate(shifted * (compressed / peak) * (1.0f - white) + Rgb(compressed * white));
 }
 
-/// `exposure` scales radiance by 2^exposure (stops) first. NaN and negative channels count as 0, infinity as
+/// Scales radiance by 2^exposure (stops), then applies the curve. NaN and negative channels count as 0, infinity as
 /// kToneMapMax. Result in [0, 1], display-linear.
 RELUME_HD inline Rgb tone_map(ToneMap curve, float exposure, const Rgb& radiance) {
   const float scale = std::exp2(exposure);

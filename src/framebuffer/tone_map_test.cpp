@@ -10,13 +10,13 @@ namespace {
 constexpr ToneMap kAll[] = {ToneMap::none, ToneMap::reinhard, ToneMap::aces, ToneMap::agx, ToneMap::neutral};
 
 TEST(ToneMap, BlackStaysBlack) {
-  // AgX's lowest encoded value is 2^-12.5 of white, its curve is clamped at 0 there.
+  // AgX's lowest encoded value is 2^-12.5 of white, where its curve is clamped at 0.
   for (const ToneMap curve : kAll)
     EXPECT_EQ(tone_map(curve, 0.0f, Rgb(0)), Rgb(0)) << kToneMapNames[static_cast<size_t>(curve)];
 }
 
 TEST(ToneMap, BrightBecomesWhite) {
-  // Reinhard's curve only approaches 1; the published AgX polynomial ends at 0.9986, then exponent 2.2.
+  // Reinhard's curve only approaches 1. The published AgX polynomial ends at 0.9986, before exponent 2.2.
   for (const ToneMap curve : kAll) {
     const Rgb white = tone_map(curve, 0.0f, Rgb(1e6f));
     for (int c = 0; c < 3; ++c) {
@@ -37,7 +37,7 @@ TEST(ToneMap, RisesWithExposureAndStaysInRange) {
           ASSERT_GE(shown[c], 0.0f);
           ASSERT_LE(shown[c], 1.0f);
         }
-        // Luminance, since path-to-white may lower a single channel; the AgX polynomial has an error of 2e-3.
+        // Compares luminance because path-to-white may lower a single channel; the AgX polynomial has an error of 2e-3.
         ASSERT_GE(luminance(shown), previous - 1e-4f) << kToneMapNames[static_cast<size_t>(curve)] << ' ' << exposure;
         previous = luminance(shown);
       }
@@ -46,7 +46,7 @@ TEST(ToneMap, RisesWithExposureAndStaysInRange) {
 }
 
 TEST(ToneMap, GreyStaysGrey) {
-  // Rows of the published matrices sum to 1 within 1.5e-4; the curve's slope and the exponent enlarge that.
+  // Rows of the published matrices sum to 1 within 1.5e-4; the curve's slope and the exponent amplify the difference.
   for (const ToneMap curve : kAll) {
     for (const float x : {0.01f, 0.18f, 0.5f, 1.0f, 4.0f}) {
       const Rgb grey = tone_map(curve, 0.0f, Rgb(x));
@@ -66,12 +66,12 @@ TEST(ToneMap, ExposureIsInStops) {
 TEST(ToneMap, MatchesThePublishedFormulas) {
   EXPECT_NEAR(tone_map(ToneMap::reinhard, 0.0f, Rgb(3.0f)).g, 0.75f, 1e-6f);  // L / (1 + L)
   EXPECT_EQ(tone_map(ToneMap::none, 0.0f, Rgb(0.3f, 2.0f, -1.0f)), Rgb(0.3f, 1.0f, 0.0f));
-  // Grey passes Hill's matrices unchanged, so only the rational fit acts.
+  // Hill's matrices preserve grey, so only the rational fit acts.
   for (const double v : {0.02, 0.18, 1.0, 5.0}) {
     const double fit = (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
     EXPECT_NEAR(tone_map(ToneMap::aces, 0.0f, Rgb(static_cast<float>(v))).g, fit, 2e-4);  // rows sum to 1 within 1e-5
   }
-  // Red through Hill's matrices by hand: the input matrix's first column, the fit, the output matrix.
+  // Red through Hill's matrices by hand: first column of the input matrix, fit, output matrix.
   const auto fit = [](double v) {
     return (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
   };
@@ -83,7 +83,7 @@ TEST(ToneMap, MatchesThePublishedFormulas) {
 }
 
 TEST(ToneMap, NeutralKeepsBaseColors) {
-  // A surface in white light reflects 4 % more than its base colour; [Khronos24] takes that away again.
+  // A surface in white light reflects 4 % more than its base colour, which [Khronos24] subtracts.
   for (const Rgb& base : {Rgb(0.1f, 0.5f, 0.3f), Rgb(0.75f), Rgb(0.6f, 0.08f, 0.2f)}) {
     const Rgb shown = tone_map(ToneMap::neutral, 0.0f, base + Rgb(0.04f));
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown[c], base[c], 1e-6f);
@@ -97,8 +97,8 @@ TEST(ToneMap, NeutralKeepsBaseColors) {
 }
 
 TEST(ToneMap, AgxPutsMiddleGreyOnItsPivot) {
-  // The encoding puts 0.18 at (log2 0.18 + 12.47393) / 16.5 = 20/33, the pivot of AgX's curve, whose ordinate is
-  // display value 0.5. The polynomial is a fit with a root mean square error of 2e-3; locally up to 0.01.
+  // The encoding maps 0.18 to (log2 0.18 + 12.47393) / 16.5 = 20/33, the pivot of AgX's curve, with display value 0.5.
+  // The polynomial fit has a root mean square error of 2e-3, locally up to 0.01.
   const Rgb grey = tone_map(ToneMap::agx, 0.0f, Rgb(0.18f));
   EXPECT_NEAR(std::pow(grey.g, 1.0f / 2.2f), 0.5f, 0.01f);
 }

@@ -1,4 +1,4 @@
-// Pixel moments in vectors.
+// Pixel moments stored in vectors.
 #pragma once
 
 #include <vector>
