@@ -23,7 +23,7 @@ std::string reason() { return errno != 0 ? std::strerror(errno) : "unknown reaso
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-/// Of files of this process, where there is one, as the end of a sentence.
+/// The process's file size limit as the end of a sentence; empty if unlimited.
 std::string size_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return {};
@@ -33,7 +33,7 @@ std::string size_limit() {
 }  // namespace
 
 fs::path link_target(const fs::path& file) {
-  constexpr int kMostLinks = 40;  // as many as Linux follows
+  constexpr int kMostLinks = 40;  // limit of Linux
   std::error_code failure;
   if (!fs::is_symlink(file, failure)) return file;
   if (fs::exists(file, failure)) {
@@ -81,7 +81,7 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 
 void AtomicFile::close() {
   if (!stream_.is_open()) return;
-  const bool failed_before = !stream_;  // errno is no longer that of the write
+  const bool failed_before = !stream_;  // errno no longer belongs to the write
   errno = 0;
   stream_.close();
   if (!stream_) {
@@ -129,9 +129,9 @@ std::vector<std::byte> read_file(const fs::path& file, uint64_t max_bytes) {
     const uint64_t size = fs::file_size(file, error);
     if (!error && size <= max_bytes) bytes.reserve(size);
   } else {
-    max_bytes = std::min(max_bytes, uint64_t{1} << 30);  // devices may never end
+    max_bytes = std::min(max_bytes, uint64_t{1} << 30);  // devices may be endless
   }
-  // Read in blocks: the size of a pipe is unknown, and a file may grow while it is read.
+  // Reads in blocks: the size of a pipe is unknown, and a file may grow during reading.
   std::vector<char> block(size_t{1} << 20);
   while (in) {
     in.read(block.data(), static_cast<std::streamsize>(block.size()));

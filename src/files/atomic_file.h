@@ -1,4 +1,4 @@
-// Files that exist completely or not at all, and files read whole.
+// Atomic file writes, and reads of whole files.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,13 @@
 
 namespace relume {
 
-/// Where the bytes of `file` go: the end of a chain of symbolic links, existing or not; `file` if it is no link.
+/// Destination of writes to `file`: the end of a chain of symbolic links, existing or not; `file` itself if it is no
+/// link.
 std::filesystem::path link_target(const std::filesystem::path& file);
 
-/// A TemporaryFile in the target's folder that somebody else writes; commit() renames it to the target. Without
-/// commit() (an exception on the way) it is removed and the target stays as it was. A symbolic link is followed.
-/// Devices, pipes and temporary files of this process are written directly, under their own name.
+/// A TemporaryFile in the target's folder that external code writes; commit() renames it to the target. Without
+/// commit() (after an exception) it is removed and the target is unchanged. Symbolic links are followed. Devices, pipes
+/// and temporary files of this process are written directly, under their own name.
 class PendingFile {
  public:
   /// Throws Error if the folder does not exist or cannot be written.
@@ -29,18 +30,18 @@ class PendingFile {
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /// Where to write.
+  /// Path to write to.
   const std::filesystem::path& path() const { return temporary_ ? temporary_->path() : target_; }
 
-  /// Gives the file its name. Throws Error.
+  /// Renames the file to its target. Throws Error.
   void commit();
 
  private:
   std::filesystem::path target_;
-  std::unique_ptr<TemporaryFile> temporary_;  ///< none once renamed, or when the target is written directly
+  std::unique_ptr<TemporaryFile> temporary_;  ///< empty after the rename, or if the target is written directly
 };
 
-/// A PendingFile written here.
+/// A PendingFile with its output stream.
 class AtomicFile {
  public:
   /// Opens the temporary file. Throws Error if the folder does not exist or cannot be written.
@@ -50,9 +51,9 @@ class AtomicFile {
   std::ostream& stream() { return stream_; }
   void write(std::span<const std::byte> bytes);
 
-  /// Writes what is left to write. Throws Error if anything could not be written (disk full).
+  /// Flushes the stream and closes it. Throws Error if a write failed (disk full).
   void close();
-  /// Closes, and gives the file its name. Throws Error.
+  /// Closes the file and renames it to its target. Throws Error.
   void commit();
 
  private:
@@ -61,10 +62,10 @@ class AtomicFile {
   std::ofstream stream_;
 };
 
-/// AtomicFile in one call.
+/// Writes a file in one call, like AtomicFile.
 void write_file(const std::filesystem::path& file, std::string_view contents);
 
-/// Files that belong together: where one cannot be written, as on a full disk, none is replaced. Throws Error.
+/// Writes files that belong together: if one write fails, for example on a full disk, none is replaced. Throws Error.
 void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// All bytes of a file. Throws Error if it is missing, a folder, unreadable or larger than `max_bytes`.

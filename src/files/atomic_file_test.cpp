@@ -81,7 +81,7 @@ TEST(AtomicFile, TakesTheLongestNamesThatThereAre) {
   }
 }
 
-/// Runs `task` in a process of its own, which then ends like a killed one: without destructors.
+/// Runs `task` in a child process that ends without destructors, as if killed.
 template <typename Task>
 void run_in_child(const Task& task) {
   const pid_t child = fork();
@@ -99,7 +99,7 @@ TEST(AtomicFile, WhatKilledWritersLeaveGoesWithTheNextFileOfThatName) {
   for (const char* name : {"a.txt", "a.txt", "b.txt"}) {
     run_in_child([&] { (new AtomicFile(folder / name))->stream() << "half" << std::flush; });
   }
-  // The second one of a.txt removed the first.
+  // The second writer of a.txt removed the first one's temporary file.
   EXPECT_EQ(folder.file_count(), 2u);
   write_file(folder / "a.txt", "whole");
   EXPECT_EQ(folder.file_count(), 2u);
@@ -139,7 +139,7 @@ TEST(PendingFile, IsWrittenDirectlyByItsOwner) {
   PendingFile pending(folder / "a.txt");
   write_file(pending.path(), "hello");
   EXPECT_EQ(folder.file_count(), 1u);
-  // It is still the locked file, which another writer must not take for stale.
+  // The file is still locked; another writer must not treat it as stale.
   run_in_child([&] { write_file(folder / "a.txt", "child"); });
   pending.commit();
   EXPECT_EQ(text_of(folder / "a.txt"), "hello");

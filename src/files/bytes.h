@@ -1,4 +1,4 @@
-// Bytes of files and of URIs.
+// Bytes of files and URIs.
 #pragma once
 
 #include <cstddef>
@@ -12,24 +12,24 @@ namespace relume {
 
 using Bytes = std::vector<std::byte>;
 
-/// The whole file. Throws Error if it does not exist, is not a regular file (a device would never end) or cannot
-/// be read.
+/// Reads the whole file. Throws Error if it does not exist, is not a regular file (devices may be endless) or cannot be
+/// read.
 Bytes read_file_bytes(const std::filesystem::path& file);
 
-/// RFC 4648 with or without padding; nothing for any other character.
+/// Decodes RFC 4648 with or without padding; std::nullopt for any other character.
 std::optional<Bytes> decode_base64(std::string_view text);
 
 /// Whether `uri` starts with "data:".
 bool is_data_uri(std::string_view uri);
 
-/// Payload of "data:[type][;base64],…" (RFC 2397); nothing if it is malformed.
+/// Payload of "data:[type][;base64],…" (RFC 2397); std::nullopt if malformed.
 std::optional<Bytes> decode_data_uri(std::string_view uri);
 
-/// Replaces %XX (RFC 3986); malformed escapes stay as they are.
+/// Replaces %XX (RFC 3986); keeps malformed escapes.
 std::string percent_decode(std::string_view text);
 
-/// Path of a relative URI or path in a file that lies in `base_dir`. Throws Error with `place` for other schemes
-/// (http: …), since nothing is fetched.
+/// Path of a relative URI or path in a file in `base_dir`. Throws Error with `place` for other schemes (http: …), which
+/// are never fetched.
 std::filesystem::path resolve_uri(const std::filesystem::path& base_dir, std::string_view uri,
                                   const std::string& place);
 

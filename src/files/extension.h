@@ -1,4 +1,4 @@
-// What a file's name says it is.
+// File name extensions.
 #pragma once
 
 #include <cctype>
@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Extension in lower case with its dot (".gltf"); empty if there is none.
+/// Extension in lower case with its dot (".gltf"); empty without one.
 inline std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -41,7 +41,7 @@ void check_depth(std::string_view text, const std::string& place) {
   }
 }
 
-/// nlohmann's text without its error number and position: "… - unexpected end of input; expected ']'".
+/// nlohmann's message without its error number and position: "… - unexpected end of input; expected ']'".
 std::string problem_of(const char* what) {
   const std::string text = what;
   const size_t colon = text.find(": ");

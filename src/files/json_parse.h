@@ -1,4 +1,4 @@
-// JSON text to a document, with errors that say line and column.
+// JSON parsing with line and column in errors.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace relume {
 
-/// Parses `text`. Throws Error "place:line:column: …" for syntax errors, for numbers out of range and for nesting
-/// beyond 256 levels, which no real file has and which would exhaust the stack of recursive readers.
+/// Parses `text`. Throws Error "place:line:column: …" for syntax errors, numbers out of range and nesting beyond 256
+/// levels. No real file nests deeper, and recursive readers would overflow the stack.
 nlohmann::json parse_json(std::string_view text, const std::string& place);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// Numbers in files of little-endian formats.
+// Numbers in little-endian file formats.
 #pragma once
 
 #include <cstddef>

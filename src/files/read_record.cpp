@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-// Scenes are loaded by many threads, which are not told of the record.
+// Global, because many threads load a scene without access to the record.
 std::mutex g_mutex;
 std::vector<ReadRecord*> g_records;
 

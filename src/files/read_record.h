@@ -1,4 +1,4 @@
-// Which files were read.
+// Records of the files that were read.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Records the files that read_file() reads while it lives, on any thread.
+/// Records the files that read_file() reads on any thread during the record's lifetime.
 class ReadRecord {
  public:
   ReadRecord();
@@ -14,7 +14,7 @@ class ReadRecord {
   ReadRecord(const ReadRecord&) = delete;
   ReadRecord& operator=(const ReadRecord&) = delete;
 
-  /// In the order in which they were first read.
+  /// Files in the order of their first read.
   std::vector<std::filesystem::path> files() const;
 
  private:

@@ -31,14 +31,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of 255 that a name may have. No format that is written has a longer extension.
+// Limits within the 255 bytes of a file name. No output format has a longer extension.
 constexpr size_t kStemBytes = 200;
 constexpr size_t kExtensionBytes = 32;
-constexpr uint64_t kTags = 16;  // as many writers of one target find a name that others can recognise
+constexpr uint64_t kTags = 16;  // maximum number of concurrent writers of one target with recognisable names
 
-// A signal handler has no argument of ours. Whoever takes a pointer out of its place owns the text.
+// Signal handlers take no user argument, hence a global. Code that removes a pointer from its slot owns the text.
 std::array<std::atomic<char*>, 64> g_paths{};
-std::mutex g_paths_mutex;  // for all but the handler
+std::mutex g_paths_mutex;  // for all users except the handler
 std::atomic<int> g_handler_waits{0};
 
 void remember(const fs::path& path) {
@@ -48,7 +48,7 @@ void remember(const fs::path& path) {
     char* none = nullptr;
     if (place.compare_exchange_strong(none, text)) return;
   }
-  std::free(text);  // too many to remember: the next writer of the target finds it
+  std::free(text);  // all slots in use: the next writer of the target finds the file
 }
 
 void forget(const fs::path& path) {
@@ -59,8 +59,8 @@ void forget(const fs::path& path) {
   }
 }
 
-/// While this lives, a file and its entry in g_paths may disagree. A handler that runs on another thread waits; on this
-/// one, none runs.
+/// Guards times in which a file and its entry in g_paths may disagree. A handler on another thread waits; on this
+/// thread, signals are blocked.
 class HandlerWaits {
  public:
   HandlerWaits() {
@@ -82,7 +82,7 @@ class HandlerWaits {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-/// Hidden, so that globs like *.exr pass it by.
+/// A hidden name, so that globs like *.exr do not match it.
 fs::path name_for(const fs::path& target, uint64_t tag) {
   return target.parent_path() / fmt::format(".{}.{:x}.tmp{}", target.stem().string().substr(0, kStemBytes), tag,
                                             target.extension().string().substr(0, kExtensionBytes));
@@ -93,8 +93,8 @@ uint64_t random_tag() {
   return (static_cast<uint64_t>(random()) << 32) | random();
 }
 
-/// Whether locks in the folder are seen by all who write there, and let the owner write through another descriptor:
-/// those of network file systems may not.
+/// Whether all writers in the folder see its locks, and the lock's owner may write through another descriptor. Network
+/// file systems may not guarantee this.
 bool keeps_locks(const fs::path& folder) {
 #if defined(__linux__)
   // NFS, CIFS, SMB, SMB2, FUSE, 9P, Ceph, AFS, Coda (statfs(2)); Lustre, GPFS, BeeGFS.
@@ -108,7 +108,7 @@ bool keeps_locks(const fs::path& folder) {
 #endif
 }
 
-/// Removes the file unless a living writer has locked it.
+/// Removes the file unless a live writer has locked it.
 void remove_if_stale(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (descriptor < 0) return;
@@ -137,7 +137,7 @@ TemporaryFile::TemporaryFile(const fs::path& target) {
   remember(path_);
 }
 
-/// False if there is such a file, or if another writer takes it for stale before it is locked.
+/// Returns false if the file exists, or if another writer removes it as stale before it is locked.
 bool TemporaryFile::create(const fs::path& path, bool lock) {
   const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) return false;

@@ -5,8 +5,8 @@
 
 namespace relume {
 
-/// An empty file beside its target, hidden, with the target's extension; its destructor removes it. It is locked
-/// (flock) while its writer lives: the next writer of the same target removes those that a killed process has left.
+/// An empty hidden file beside its target, with the target's extension; the destructor removes it. It is locked (flock)
+/// during its writer's lifetime. The next writer of the same target removes files that a killed process left behind.
 /// Stale files on network file systems are kept: other machines may not see the locks.
 class TemporaryFile {
  public:
@@ -23,14 +23,14 @@ class TemporaryFile {
  private:
   bool create(const std::filesystem::path& path, bool lock);
 
-  std::filesystem::path path_;  ///< empty once renamed
+  std::filesystem::path path_;  ///< empty after the rename
   int descriptor_ = -1;         ///< holds the lock
 };
 
 /// Whether `file` is a TemporaryFile of this process.
 bool is_temporary_file(const std::filesystem::path& file);
 
-/// Removes those of this process. For signal handlers that end it: async-signal-safe.
+/// Removes the temporary files of this process. Async-signal-safe, for signal handlers that end the process.
 void remove_temporary_files() noexcept;
 
 }  // namespace relume

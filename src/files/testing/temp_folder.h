@@ -1,4 +1,4 @@
-// For tests: a folder of their own that disappears with them.
+// A temporary folder per test, removed on destruction.
 #pragma once
 
 #include <cstddef>
