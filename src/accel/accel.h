@@ -1,4 +1,4 @@
-// Ray queries. On the host Embree answers them; kernels see only these functions.
+// Ray queries, the interface of kernels to the acceleration structure. On the host, Embree answers them.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ struct AccelView {
   const AccelInstance* instances = nullptr;
 };
 
-/// Nearest hit along the ray; none if the ray is not finite. `ray_id` decides stochastic alpha: the same (ray id,
-/// instance, primitive) decides the same. Barycentrics and distance come from intersect_triangle().
+/// Nearest hit along the ray; no hit if the ray is not finite. `ray_id` seeds stochastic alpha: equal (ray id,
+/// instance, primitive) give equal decisions. Barycentrics and distance are from intersect_triangle().
 RELUME_HD Hit intersect(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
-/// Whether anything lies on the ray before ray.t_max.
+/// Whether anything blocks the ray before ray.t_max.
 RELUME_HD bool occluded(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
-/// The same for a ray that leaves the camera, and for one that ends there. Between the camera and what it sees, faces
-/// whose back is turned to it are not there if their mesh culls back faces; all other rays meet both sides.
+/// The same for rays that leave the camera, or end there. Camera rays pass through faces seen from the back if their
+/// mesh culls back faces; all other rays hit both sides.
 RELUME_HD Hit intersect_from_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 RELUME_HD bool occluded_to_camera(const AccelView& accel, const Ray& ray, uint32_t ray_id);
 
-/// Rays a host packet holds.
+/// Capacity of a host packet, rays.
 inline constexpr int kPacketSize = 8;
 
 /// Host only: nearest hits of up to kPacketSize camera rays at once.

@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-/// The hit on a triangle that the traversal has found.
+/// Computes the hit on the triangle that the traversal found.
 Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint32_t primitive) {
   const AccelInstance& instance = accel.instances[instance_index];
   Corners c = corners_of(accel.meshes[instance.mesh], primitive);
@@ -29,10 +29,10 @@ Hit hit_on(const AccelView& accel, const Ray& ray, uint32_t instance_index, uint
   return {instance_index, primitive, hit.u, hit.v, hit.t};
 }
 
-/// Embree takes rays into the space of an instance; what comes out must be finite there, or Embree ends the process.
-/// Instances that are scaled to (nearly) nothing have no such space and are left out.
+/// Whether Embree can transform rays into the space of an instance. The result must be finite, or Embree terminates the
+/// process. Instances scaled to (nearly) zero have no such space and are omitted.
 bool has_inverse(const Mat4& to_world) {
-  constexpr double kMost = 1e8;  // takes coordinates of 10⁹ m to 10¹⁷, which Embree still accepts
+  constexpr double kMost = 1e8;  // maps coordinates of 10⁹ m to 10¹⁷, which Embree still accepts
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dmat4(to_world)));
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) {
@@ -42,7 +42,7 @@ bool has_inverse(const Mat4& to_world) {
   return true;
 }
 
-/// Whether the instance is part of what is built once.
+/// Whether the instance is part of the static geometry, which is built once.
 bool stands_still(const AccelInstance& instance, const AccelMesh& mesh) {
   return instance.in_world_space && !mesh.deforms;
 }
@@ -70,7 +70,7 @@ RTCDevice new_device() {
 
 RTCScene as_scene(const AccelView& accel) { return static_cast<RTCScene>(accel.scene); }
 
-/// Embree ends the process at a ray that is not finite, whatever made it; such a ray meets nothing.
+/// Whether a ray is finite. Embree terminates the process otherwise; such rays hit nothing.
 bool is_traceable(const Ray& ray) {
   constexpr float kMost = 1e17f;
   const Vec3 reach = abs(ray.origin) + abs(ray.direction);
@@ -94,7 +94,7 @@ RTCRay to_embree(const Ray& ray, uint32_t ray_id, unsigned flags) {
   return r;
 }
 
-/// For rays with these flags.
+/// Options for rays with these flags.
 embree::QueryOptions options_of(RTCScene scene, unsigned flags, bool coherent = false) {
   const bool culls = flags != 0 && embree::takes_query_filter(scene);
   return {coherent, culls ? culling_filter : nullptr};
@@ -140,17 +140,18 @@ struct EmbreeAccel::State {
   std::string error;
   std::atomic<int64_t> bytes{0};
   RTCDevice device = nullptr;
-  RTCScene scene = nullptr;  ///< the top
-  /// What stands in world space: the top itself or, if something moves, a scene below it that is built only once.
+  RTCScene scene = nullptr;  ///< top-level scene
+  /// Static geometry in world space: the top-level scene itself or, if anything moves, a scene below it that is built
+  /// once.
   RTCScene still = nullptr;
   std::vector<RTCScene> mesh_scenes;                             ///< by mesh; null unless some instance needs it
   std::vector<std::pair<uint32_t, RTCGeometry>> instance_nodes;  ///< instance index, geometry (held by the scene)
-  std::vector<GeometryContext> contexts;                         ///< one an instance
+  std::vector<GeometryContext> contexts;                         ///< one per instance
   std::vector<AccelMesh> meshes;
   std::vector<RefitCost> refit_costs;  ///< by mesh
   std::vector<AccelInstance> instances;
   OpacityFunction opacity;
-  bool culls = false;  ///< some mesh culls its back faces
+  bool culls = false;  ///< whether any mesh culls its back faces
 
   ~State() {
     if (still && still != scene) rtcReleaseScene(still);
@@ -178,7 +179,7 @@ struct EmbreeAccel::State {
     return result;
   }
 
-  /// From now on some mesh culls its back faces.
+  /// Enables culling when the first mesh culls its back faces.
   void start_culling() {
     culls = true;
     for (size_t mesh = 0; mesh < mesh_scenes.size(); ++mesh) {
@@ -203,7 +204,7 @@ struct EmbreeAccel::State {
   }
 
   RTCScene new_mesh_scene(const AccelMesh& mesh, GeometryContext* context) const {
-    // Embree refits only in dynamic scenes of low quality. It then builds the BVH of the geometry with medium quality.
+    // Embree refits only in dynamic scenes of low quality. It then builds the geometry's BVH with medium quality.
     RTCScene result = new_scene(mesh.deforms);
     RTCGeometry geometry = new_triangles(mesh, context);
     if (mesh.deforms) {
@@ -220,18 +221,18 @@ struct EmbreeAccel::State {
   /// Refits the BVH of a deforming mesh to its vertices, or rebuilds it.
   void refit(uint32_t mesh) {
     const RTCScene owner = mesh_scenes[mesh];
-    if (!owner) return;  // it has no triangles
+    if (!owner) return;  // no triangles
     const RTCGeometry geometry = rtcGetGeometry(owner, 0);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     if (refit_costs[mesh].has_grown(meshes[mesh])) {
-      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);  // Embree rebuilds where indices have changed
+      rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);  // changed indices make Embree rebuild
       refit_costs[mesh].reset(meshes[mesh]);
     }
     rtcCommitGeometry(geometry);
     rtcCommitScene(owner);
   }
 
-  /// A skinned mesh has one instance, which says whether its skin mirrors it.
+  /// Copies the mirroring of skins: a skinned mesh has a single instance.
   void follow_mirrors() {
     for (const AccelInstance& instance : instances) {
       if (meshes[instance.mesh].deforms) meshes[instance.mesh].mirrored = instance.mirrored;
@@ -300,7 +301,8 @@ EmbreeAccel::EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const Acce
     s.add_instance(i, instance);
   }
   if (anything_moves) s.add_still();
-  // Not RTC_SCENE_FLAG_ROBUST: it costs 12 % of a frame on the Cornell box and 23 % on Sponza and moves no mean.
+  // RTC_SCENE_FLAG_ROBUST is not used: it costs 12 % of a frame on the Cornell box and 23 % on Sponza and changes no
+  // mean.
   rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(s.scene);
   s.check();
@@ -325,14 +327,14 @@ void EmbreeAccel::set_filters(uint32_t mesh, std::span<const AccelInstance> inst
   s.meshes[mesh].culls_back_faces = culls_back_faces;
   if (culls_back_faces && !s.culls) s.start_culling();
   for (uint32_t i = 0; i < instances.size(); ++i) {
-    if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // without triangles there is no geometry
+    if (instances[i].mesh != mesh || !s.contexts[i].opacity) continue;  // no geometry without triangles
     const bool still = stands_still(instances[i], s.meshes[mesh]);
     const RTCScene owner = still ? s.still : s.mesh_scenes[mesh];
     const RTCGeometry geometry = rtcGetGeometry(owner, still ? id_of(i) : 0);
     set_filter(geometry, &s.contexts[i]);
     rtcCommitGeometry(geometry);
     if (owner != s.scene) rtcCommitScene(owner);
-    if (!still) break;  // the others share that geometry
+    if (!still) break;  // the other instances share the geometry
   }
   update(instances);
 }

@@ -13,7 +13,7 @@
 
 namespace relume {
 
-/// Decides how much of a triangle is there, for alpha masks and blending: value in [0, 1].
+/// Opacity of a point on a triangle, in [0, 1], for alpha masks and blending.
 struct OpacityFunction {
   float (*function)(const void* context, uint32_t instance, uint32_t primitive, float u, float v) = nullptr;
   const void* context = nullptr;
@@ -23,25 +23,25 @@ struct OpacityFunction {
 struct AccelInstance {
   uint32_t mesh = 0;
   Mat4 to_world{1};
-  bool in_world_space = true;  ///< vertices are stored transformed: no instance node is made, unless the mesh deforms
-  bool moves = false;          ///< update() may place it elsewhere, or hide it
-  bool visible = true;         ///< false: rays pass
-  bool mirrored = false;       ///< in world space: its skin turns the back of its triangles to the front
+  bool in_world_space = true;  ///< vertices are stored transformed: no instance node, unless the mesh deforms
+  bool moves = false;          ///< whether update() may move or hide it
+  bool visible = true;         ///< false: rays pass through
+  bool mirrored = false;       ///< in world space: whether its skin turns the back of its triangles to the front
 };
 
 struct AccelMesh {
   const float* positions = nullptr;   ///< first of all vertices
   size_t position_stride = 0;         ///< bytes
-  size_t vertex_count = 0;            ///< of the whole array
-  const uint32_t* indices = nullptr;  ///< three a triangle, into the whole array
+  size_t vertex_count = 0;            ///< vertices of the whole array
+  const uint32_t* indices = nullptr;  ///< three per triangle, into the whole array
   size_t triangle_count = 0;
   bool needs_opacity = false;
-  bool culls_back_faces = false;  ///< for the camera
-  bool deforms = false;           ///< update() may find its vertices moved
+  bool culls_back_faces = false;  ///< for camera rays
+  bool deforms = false;           ///< whether update() may change its vertices
   bool mirrored = false;          ///< follows AccelInstance::mirrored
 };
 
-/// Vertex of that number, in the space of its mesh.
+/// Position of a vertex in mesh space.
 inline Vec3 vertex_position(const AccelMesh& mesh, uint32_t vertex) {
   Vec3 position;
   std::memcpy(&position, reinterpret_cast<const std::byte*>(mesh.positions) + vertex * mesh.position_stride,
@@ -49,7 +49,7 @@ inline Vec3 vertex_position(const AccelMesh& mesh, uint32_t vertex) {
   return position;
 }
 
-/// Owns the structure. The vertex, index and opacity arrays must outlive it.
+/// Owns the acceleration structure. The vertex, index and opacity arrays must outlive it.
 class EmbreeAccel {
  public:
   EmbreeAccel(std::span<const AccelMesh> meshes, std::span<const AccelInstance> instances, OpacityFunction opacity);
@@ -57,20 +57,20 @@ class EmbreeAccel {
   EmbreeAccel(const EmbreeAccel&) = delete;
   EmbreeAccel& operator=(const EmbreeAccel&) = delete;
 
-  /// Moves the instances that are not in world space, and refits the `deformed` meshes to their vertices. Takes longer
-  /// the more of these there are; what stands in world space costs nothing if some instance was said to move.
+  /// Updates the transforms of instances that are not in world space, and refits the `deformed` meshes. The cost grows
+  /// with their number. Static geometry costs nothing if some instance was declared as moving.
   void update(std::span<const AccelInstance> instances, std::span<const uint32_t> deformed = {});
 
-  /// Whether hits on a mesh ask for its opacity, and whether its back faces are culled, from now on. `instances` as
-  /// constructed.
+  /// Sets whether hits on a mesh evaluate its opacity, and whether its back faces are culled. `instances` as in the
+  /// constructor.
   void set_filters(uint32_t mesh, std::span<const AccelInstance> instances, bool needs_opacity, bool culls_back_faces);
 
   AccelView view() const;
 
-  /// Bytes that Embree holds.
+  /// Bytes allocated by Embree.
   size_t memory_bytes() const;
 
-  /// Version of the library that runs, "3.13.5". Throws Error if it cannot be started.
+  /// Version of the loaded library, such as "3.13.5". Throws Error if it cannot be started.
   static std::string embree_version();
 
  private:

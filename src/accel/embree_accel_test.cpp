@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kSpacing = 3;
 
-/// Triangles in a row along x, of two meshes: the first is stored where it stands for every instance in world space,
-/// the second is placed by instance nodes.
+/// Triangles of two meshes in a row along x. The first mesh is stored in its final position for instances in world
+/// space; instance nodes place the second.
 struct Row {
   struct Placement {
     bool in_world_space = true;
@@ -55,10 +55,10 @@ struct Row {
   std::vector<AccelMesh> meshes;
   std::vector<AccelInstance> instances;
   bool covers = false;
-  uint32_t hole = 0;  ///< the instance that is not there, if `covers`
+  uint32_t hole = 0;  ///< the missing instance, if `covers`
 };
 
-/// The instance that lies at a place of the row, by single rays and by packets; -1: none.
+/// The instance hit at each position of the row, by single rays and packets; -1: none.
 std::vector<int> hits_along(const EmbreeAccel& accel, size_t count) {
   std::vector<int> found;
   for (size_t i = 0; i < count; ++i) {

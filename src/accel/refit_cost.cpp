@@ -22,7 +22,7 @@ Box triangle_box(const AccelMesh& mesh, uint32_t triangle) {
   return box;
 }
 
-/// Ten bits of a coordinate in [0, 1], two zeros after each.
+/// Ten bits of a coordinate in [0, 1], with two zeros after each.
 uint32_t spread_bits(float coordinate) {
   auto bits = static_cast<uint32_t>(coordinate > 0.0f ? std::min(coordinate, 1.0f) * 1023.0f : 0.0f);
   bits = (bits | bits << 16) & 0x030000ffu;
@@ -31,7 +31,7 @@ uint32_t spread_bits(float coordinate) {
   return (bits | bits << 2) & 0x09249249u;
 }
 
-/// Neighbours on this curve are mostly neighbours in space ([Morton66]).
+/// Morton code of a position in `box`: neighbours on this curve are mostly neighbours in space ([Morton66]).
 uint32_t morton_code(const Vec3& p, const Box& box) {
   const Vec3 extent = glm::max(box.extent(), Vec3(1e-30f));
   const Vec3 relative = (p - box.low) / extent;

@@ -1,4 +1,4 @@
-// Decides when to rebuild the BVH of a deforming mesh instead of refitting it.
+// Decides whether to rebuild or refit the BVH of a deforming mesh.
 #pragma once
 
 #include <vector>
@@ -8,24 +8,24 @@
 
 namespace relume {
 
-/// Watches clusters of triangles that were neighbours when the BVH was built, as below its lower nodes. By the surface
-/// area heuristic ([MacDonald90]) a ray meets a node in proportion to the area of its box. Once the boxes of the
-/// clusters have grown, relative to that of the mesh, a new BVH saves more than it takes to build.
+/// Measures clusters of triangles that were neighbours when the BVH was built, like those below its lower nodes. By the
+/// surface area heuristic ([MacDonald90]), the probability that a ray hits a node is proportional to the area of its
+/// box. Once the clusters' boxes have grown relative to the mesh's box, a rebuild saves more time than it costs.
 class RefitCost {
  public:
-  /// For the BVH of the mesh as it is now. Does nothing for meshes that do not deform.
+  /// Starts from the BVH of the mesh's current state. Does nothing for meshes that do not deform.
   explicit RefitCost(const AccelMesh& mesh);
 
   /// Whether the BVH should be rebuilt.
   bool has_grown(const AccelMesh& mesh) const;
-  /// The BVH has been rebuilt for the mesh as it is now.
+  /// Call after the BVH has been rebuilt for the mesh's current state.
   void reset(const AccelMesh& mesh);
 
  private:
-  /// Sum of the areas of the clusters' boxes over the area of the mesh's box.
+  /// Sum of the areas of the clusters' boxes, relative to the area of the mesh's box.
   float cost(const AccelMesh& mesh) const;
 
-  std::vector<uint32_t> order_;  ///< triangles, cluster after cluster
+  std::vector<uint32_t> order_;  ///< triangles in the order of their clusters
   float built_cost_ = 0;
 };
 

@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// A grid of n × n squares in the plane z = 0, two triangles each.
+/// A grid of n × n squares in the plane z = 0, each of two triangles.
 struct Grid {
   std::vector<Vec3> positions;
   std::vector<UVec3> triangles;

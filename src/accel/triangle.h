@@ -1,21 +1,21 @@
-// Intersection of a ray with a triangle that is known to be hit. The traversal only decides which triangle that is. Its
-// rounding depends on its version, on the processor and on the width of its packets; it shows only where two triangles
-// compete, at shared edges and coincident faces.
+// Intersection of a ray with a triangle that the traversal reports as hit. The traversal only selects the triangle. Its
+// rounding depends on its version, the processor and the packet width, but only affects shared edges and coincident
+// faces, where two triangles compete.
 #pragma once
 
 #include "core/vec.h"
 
 namespace relume {
 
-/// Barycentric weights of the second and third corner, and the distance along the ray in lengths of its direction.
+/// Barycentric weights of the second and third corner, and the distance in lengths of the ray's direction.
 struct TriangleHit {
   float u = 0;
   float v = 0;
   float t = 0;
 };
 
-/// Intersection of the ray's line with the triangle's plane ([Moeller97]), clamped to the triangle and to t >= 0. Where
-/// the plane holds the ray, or a product overflows, the hit is the triangle's centroid.
+/// Intersection of the ray's line with the triangle's plane ([Moeller97]), clamped to the triangle and to t >= 0. If
+/// the plane contains the ray, or a product overflows, the hit is the triangle's centroid.
 RELUME_HD inline TriangleHit intersect_triangle(const Vec3& origin, const Vec3& direction, const Vec3& p0,
                                                 const Vec3& p1, const Vec3& p2) {
   const Vec3 e1 = p1 - p0;

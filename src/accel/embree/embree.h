@@ -1,4 +1,4 @@
-// Queries of Embree 3 and 4 under one name each. The two differ in their header and in how a query is told its options.
+// Common interface to queries of Embree 3 and 4, which differ in their header and in how a query receives its options.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)
@@ -11,16 +11,16 @@ namespace relume::embree {
 
 /// Options of a query beyond its rays.
 struct QueryOptions {
-  bool coherent = false;                ///< the rays begin close to each other and have similar directions
-  RTCFilterFunctionN filter = nullptr;  ///< asked about hits on the geometries of enable_query_filter()
+  bool coherent = false;                ///< whether the rays have similar origins and directions
+  RTCFilterFunctionN filter = nullptr;  ///< called for hits on geometries with enable_query_filter()
 };
 
 #if RTC_VERSION_MAJOR >= 4
 
-/// The flag of scenes whose hits the filters of queries may see. Every scene below the one that is asked needs it.
+/// Flag of scenes whose hits query filters may receive. Every scene below the queried one needs it.
 inline constexpr RTCSceneFlags kQueryFilterFlag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
-/// Lets the filters of queries see the hits on a geometry, which must be committed afterwards.
+/// Lets query filters receive the hits on a geometry, which must be committed afterwards.
 inline void enable_query_filter(RTCGeometry geometry, bool enabled) {
   rtcSetGeometryEnableFilterFunctionFromArguments(geometry, enabled);
 }
@@ -67,10 +67,10 @@ inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const Qu
 
 #else
 
-/// The flag of scenes whose hits the filters of queries may see. Every scene below the one that is asked needs it.
+/// Flag of scenes whose hits query filters may receive. Every scene below the queried one needs it.
 inline constexpr RTCSceneFlags kQueryFilterFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
-/// Embree 3 shows the filters of queries all geometries of a scene.
+/// No effect: Embree 3 passes all geometries of a scene to query filters.
 inline void enable_query_filter(RTCGeometry, bool) {}
 
 inline RTCIntersectContext make_context(const QueryOptions& options) {
@@ -103,7 +103,7 @@ inline void occluded8(const int* valid, RTCScene scene, RTCRay8& query, const Qu
 
 #endif
 
-/// Whether queries of the scene may have a filter. Embree 3 ends the process at one where the flag is missing.
+/// Whether queries of the scene may have a filter. Embree 3 terminates the process if the flag is missing.
 inline bool takes_query_filter(RTCScene scene) { return (rtcGetSceneFlags(scene) & kQueryFilterFlag) != 0; }
 
 }  // namespace relume::embree

@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// A filter sees its ray in the space of the mesh.
+/// Ray origin in mesh space, the space of filter callbacks.
 Vec3 origin_of(const RTCFilterFunctionNArguments& args, unsigned i) {
   return {RTCRayN_org_x(args.ray, args.N, i), RTCRayN_org_y(args.ray, args.N, i), RTCRayN_org_z(args.ray, args.N, i)};
 }
@@ -15,15 +15,15 @@ Vec3 direction_of(const RTCFilterFunctionNArguments& args, unsigned i) {
   return {RTCRayN_dir_x(args.ray, args.N, i), RTCRayN_dir_y(args.ray, args.N, i), RTCRayN_dir_z(args.ray, args.N, i)};
 }
 
-/// Whether the camera at one end of a ray is behind a triangle. Where an instance mirrors, both are mirrored here.
+/// Whether a triangle turns its back to the camera at one end of the ray. A mirroring instance mirrors both.
 bool is_behind(unsigned flags, const Vec3& direction, const Corners& c, bool mirrored) {
   const float front = mirrored ? -1.0f : 1.0f;
   const float along = front * glm::dot(glm::cross(c.p1 - c.p0, c.p2 - c.p0), direction);
   return flags == kFromCamera ? along > 0.0f : flags == kToCamera && along < 0.0f;
 }
 
-/// Accepts or rejects a hit by the surface's opacity. A hash decides, so that being called twice for one primitive does
-/// no harm.
+/// Accepts or rejects a hit by the surface's opacity. The decision is a hash, so repeated calls for one primitive
+/// agree.
 void opacity_filter(const RTCFilterFunctionNArguments* args) {
   const auto& geometry = *static_cast<const GeometryContext*>(args->geometryUserPtr);
   for (unsigned i = 0; i < args->N; ++i) {
