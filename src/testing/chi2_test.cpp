@@ -1,4 +1,4 @@
-// The test of the tests: that it accepts what is right, and rejects what is a little wrong.
+// The χ² test accepts correct densities and rejects slightly wrong ones.
 #include "testing/chi2.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(Chi2, PoolsThinBins) {
   const std::vector<uint64_t> observed{5, 4, 6, 100};
   const std::vector<double> expected{5, 5, 5, 100};
   const Chi2Result r = chi2_test(observed, expected);
-  EXPECT_EQ(r.dof, 1);  // two thin bins together, the third with the last
+  EXPECT_EQ(r.dof, 1);  // the first two thin bins are pooled, the third joins the last
   EXPECT_NEAR(r.statistic, 0.1 + 1.0 / 105.0, 1e-12);
 }
 
@@ -79,7 +79,7 @@ TEST(Histogram, ChartIsAMeasurePreservingBijection) {
   for (const double width : {1e-3, 0.05, 1.0}) {
     const DirectionChart chart{make_frame(random.direction()), width};
     const auto one = [](const Vec3&) { return 1.0; };
-    // The chart is smooth, so the quadrature is as good as its tolerance.
+    // The chart is smooth, so quadrature reaches its tolerance.
     EXPECT_NEAR(integrate_square(chart.density(one), 8, 1e-6, 8), 4.0 * M_PI, 1e-4);
     for (int i = 0; i < 1000; ++i) {
       const Vec2 u = random.next_2d();
@@ -95,7 +95,7 @@ TEST(Histogram, ChartIsAMeasurePreservingBijection) {
 
 TEST(Integrate, FindsDiscontinuities) {
   const auto quarter_disk = [](double x, double y) { return x * x + y * y < 1.0 ? 1.0 : 0.0; };
-  // A slip of a cell that holds none of its 36 points is missed: 16 × 16 cells keep it small.
+  // Quadrature misses a sliver of a cell that contains none of its 36 points; 16 × 16 cells keep slivers small.
   EXPECT_NEAR(integrate_square(quarter_disk, 16, 1e-7, 8), M_PI / 4, 1e-4);
 }
 

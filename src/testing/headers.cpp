@@ -1,2 +1,1 @@
-// The headers that all tests begin with are compiled with this file (CMakeLists.txt); the program has no tests of its
-// own.
+// Builds the precompiled headers of all tests (CMakeLists.txt). The program contains no tests.

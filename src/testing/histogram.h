@@ -1,4 +1,4 @@
-// χ² tests over the unit square and over directions: counts of samples against integrals of their density.
+// χ² tests over the unit square and over directions: sample counts against integrals of their density.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace relume::testing {
 
-/// Counts over a grid of n × n bins of the unit square, and one more for samples that have no place.
+/// Counts over a grid of n × n bins of the unit square, plus one for samples outside.
 class Histogram {
  public:
   explicit Histogram(int n) : n_(n), counts_(static_cast<size_t>(n * n) + 1, 0) {}
@@ -18,8 +18,8 @@ class Histogram {
   void add(double x, double y) { ++counts_[static_cast<size_t>(index(x)) + static_cast<size_t>(index(y) * n_)]; }
   void add_outside() { ++counts_.back(); }
 
-  /// Tests against `density(x, y)` over the unit square; what it lacks of one is expected outside. `depth` and `least`
-  /// are those of integrate(), `max_strays` is that of chi2_test().
+  /// Tests against `density(x, y)` over the unit square; the density missing from one is expected outside. `depth` and
+  /// `least` are parameters of integrate(), `max_strays` of chi2_test().
   template <typename F>
   Chi2Result test(const F& density, int depth = 5, int least = 1, double max_strays = 0) const {
     uint64_t total = 0;
@@ -27,7 +27,7 @@ class Histogram {
     std::vector<double> expected = integrals(density, n_, 0.02 / static_cast<double>(total), depth, least);
     double inside = 0;
     for (const double e : expected) inside += e;
-    // Quadrature is off by a few millionths: so little outside is none.
+    // Quadrature has an error of a few millionths; a smaller remainder counts as zero.
     expected.push_back(1.0 - inside > 2e-5 ? 1.0 - inside : 0.0);
     for (double& e : expected) e *= static_cast<double>(total);
     return chi2_test(counts_, expected, max_strays);
@@ -56,23 +56,23 @@ class Histogram {
   std::vector<uint64_t> counts_;
 };
 
-/// The axes themselves.
+/// The coordinate axes.
 inline Frame local_frame() { return {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}; }
 
-/// Coordinates in [0, 1)² of all directions about an axis. The first grows with the logarithm of the angle (of the sine
-/// of its half) in units of `width`, so that densities that narrow about the axis fill many bins, and wide ones too.
+/// Coordinates in [0, 1)² of all directions about an axis. The first grows with the logarithm of the sine of half the
+/// angle, in units of `width`. Densities that narrow about the axis then fill many bins, as do wide ones.
 struct DirectionChart {
   Frame frame = local_frame();
   double width = 1;
 
   Vec2 coordinates(const Vec3& w) const {
-    const double s = 0.5 * glm::length(w - frame.n);  // sin of half the angle
+    const double s = 0.5 * glm::length(w - frame.n);  // sine of half the angle
     const double phi = std::atan2(glm::dot(w, frame.b), glm::dot(w, frame.t)) / (2.0 * M_PI);
     return {static_cast<float>(std::log1p(s / width) / std::log1p(1.0 / width)),
             static_cast<float>(phi < 0 ? phi + 1.0 : phi)};
   }
 
-  /// The direction, and the solid angle that a unit of the square stands for there.
+  /// Direction at (x, y), and the solid angle per area of the square.
   Vec3 direction(double x, double y, double* solid_angle) const {
     const double range = std::log1p(1.0 / width);
     const double s = width * std::expm1(x * range);
@@ -89,7 +89,7 @@ struct DirectionChart {
     return w;
   }
 
-  /// A density per solid angle as one over the square.
+  /// Converts a density per solid angle to one over the square.
   template <typename F>
   auto density(const F& pdf_w) const {
     return [this, &pdf_w](double x, double y) {

@@ -23,9 +23,9 @@ double gauss_3x3(const F& f, const Rectangle& r) {
   return sum * (r.x1 - r.x0) * (r.y1 - r.y0);
 }
 
-/// ∫ f over a rectangle: halves it in both directions, at least `least` and up to `depth` times, until the four parts
-/// agree with the whole within `tolerance` (absolute). Discontinuities are followed down to 2^-depth of an edge; a part
-/// that reaches into a cell by less than a tenth of 2^-least of its edge may be missed.
+/// Integral of f over a rectangle. Halves it in both directions, at least `least` and up to `depth` times, until the
+/// four parts agree with the whole within `tolerance` (absolute). Discontinuities are resolved to 2^-depth of an edge.
+/// A part that extends into a cell by less than a tenth of 2^-least of its edge may be missed.
 template <typename F>
 double integrate(const F& f, const Rectangle& r, double tolerance, int depth, int least = 0) {
   const auto refine = [&](const auto& self, const Rectangle& cell, double whole, int level) -> double {
@@ -44,7 +44,7 @@ double integrate(const F& f, const Rectangle& r, double tolerance, int depth, in
   return refine(refine, r, gauss_3x3(f, r), depth);
 }
 
-/// The same over [0, 1)² cut into `n` × `n` cells first, so that narrow peaks are not missed.
+/// The same over [0, 1)², first cut into `n` × `n` cells, so that narrow peaks are not missed.
 template <typename F>
 double integrate_square(const F& f, int n, double tolerance, int depth) {
   double sum = 0;

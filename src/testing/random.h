@@ -1,4 +1,4 @@
-// Random numbers for tests: plain hashes of a counter, independent of the sequences under test.
+// Random numbers for tests: hashes of a counter, independent of the sequences under test.
 #pragma once
 
 #include "core/hash.h"
