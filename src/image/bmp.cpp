@@ -17,21 +17,21 @@ namespace {
 using Span = std::span<const std::byte>;
 
 constexpr uint64_t kFileHeader = 14;
-constexpr uint64_t kCoreHeader = 12;  ///< of OS/2 1 and Windows 2
+constexpr uint64_t kCoreHeader = 12;  ///< header of OS/2 1 and Windows 2
 constexpr uint64_t kInfoHeader = 40;
 constexpr uint64_t kOs2Header = 64;
-constexpr uint64_t kMasksAt = kFileHeader + kInfoHeader;  ///< behind BITMAPINFOHEADER or part of a later header
+constexpr uint64_t kMasksAt = kFileHeader + kInfoHeader;  ///< after BITMAPINFOHEADER, or part of a later header
 
 enum Compression : uint32_t { kUncompressed = 0, kRle8 = 1, kRle4 = 2, kMasks = 3, kMasksWithAlpha = 6 };
 
 struct Header {
-  uint64_t size = 0;  ///< without the file header
+  uint64_t size = 0;  ///< size without the file header
   int64_t width = 0;
   int64_t height = 0;
-  bool from_above = false;  ///< the first row is the top row
-  uint32_t depth = 0;       ///< bits a pixel
+  bool from_above = false;  ///< whether the first row is the top row
+  uint32_t depth = 0;       ///< bits per pixel
   uint32_t compression = kUncompressed;
-  std::array<uint32_t, 4> masks{};  ///< of R, G, B, A; depths of 16 and 32
+  std::array<uint32_t, 4> masks{};  ///< masks of R, G, B, A for depths of 16 and 32
   bool alpha_may_be_unused = false;
   uint64_t pixels_at = 0;
 };
@@ -89,7 +89,7 @@ Header read_header(Span bytes, const std::string& name) {
   if (!is_core && (header.size < 16 || header.size > 124))
     unsupported(name, fmt::format("a header of {} bytes", header.size));
   if (header.pixels_at < kFileHeader + header.size) damaged(name, "its pixels begin within the header");
-  // OS/2 allows headers that end early; their remaining fields are 0.
+  // OS/2 allows truncated headers; missing fields are 0.
   if (bytes.size() < kFileHeader + header.size) cut_off(name);
   const Span fields = bytes.first(kFileHeader + header.size);
   const uint64_t height = number_at(fields, is_core ? 20 : 22, is_core ? 2 : 4);
@@ -104,7 +104,7 @@ Header read_header(Span bytes, const std::string& name) {
   return header;
 }
 
-/// Rows that are stored one after the other without compression.
+/// Consecutive uncompressed rows.
 class Rows {
  public:
   Rows(Span bytes, const Header& header, const std::string& name)
@@ -112,7 +112,7 @@ class Rows {
     if (header.pixels_at + stride_ * static_cast<uint64_t>(header.height) > bytes.size()) cut_off(name);
   }
 
-  /// Pixel of a row as it is stored.
+  /// Stored value of a pixel of a row.
   uint32_t at(uint64_t x, uint64_t row) const {
     const uint64_t bit = x * header_.depth;
     const size_t byte = header_.pixels_at + row * stride_ + bit / 8;
@@ -127,7 +127,7 @@ class Rows {
   uint64_t stride_;
 };
 
-/// Expands RLE4 and RLE8: pairs of a count and a value, or of 0 and a command. Pixels that are left out get colour 0.
+/// Expands RLE4 and RLE8: pairs of a count and a value, or of 0 and a command. Skipped pixels get colour 0.
 class RunLengths {
  public:
   RunLengths(Span bytes, const Header& header, const std::string& name)
@@ -171,7 +171,7 @@ class RunLengths {
     if (x_ < header_.width) indices_[static_cast<size_t>(y_ * header_.width + x_++)] = static_cast<uint8_t>(index);
   }
 
-  /// `count` pixels as they are, padded to 16 bits.
+  /// Copies `count` literal pixels, padded to 16 bits.
   void copy(uint32_t count) {
     const uint64_t begin = at_;
     uint32_t byte = 0;
@@ -191,7 +191,7 @@ class RunLengths {
   std::vector<uint8_t> indices_;
 };
 
-/// Numbers of 1 to 32 bits as 8 bits; few bits are repeated.
+/// Converts a channel of 1 to 32 bits to 8 bits; replicates the bits of narrow channels.
 uint8_t channel(uint32_t pixel, uint32_t mask) {
   const int shift = std::countr_zero(mask);
   const int bits = std::bit_width(mask) - shift;
@@ -214,7 +214,7 @@ Color color_of(uint32_t pixel, const Header& header) {
   return color;
 }
 
-/// Blue, green, red and, except after a core header, an unused byte for each colour.
+/// Reads blue, green, red and, except after a core header, an unused byte per colour.
 std::vector<Color> read_palette(Span bytes, const Header& header) {
   const uint64_t entry = header.size == kCoreHeader ? 3 : 4;
   const uint64_t begin = kFileHeader + header.size;
@@ -229,7 +229,7 @@ std::vector<Color> read_palette(Span bytes, const Header& header) {
   return palette;
 }
 
-/// Colours of all pixels, row by row as stored.
+/// Colours of all pixels, row by row in stored order.
 std::vector<Color> read_colors(Span bytes, const Header& header, const std::string& name) {
   const auto width = static_cast<uint64_t>(header.width);
   std::vector<Color> colors(static_cast<size_t>(header.width * header.height));

@@ -12,14 +12,14 @@ namespace {
 
 using relume::testing::problem_of;
 
-/// A BMP file whose fields may be set one by one.
+/// A BMP file with individually settable fields.
 struct Bmp {
   uint32_t header_size = 40;
   int32_t width = 2;
   int32_t height = 2;
   uint16_t depth = 24;
   uint32_t compression = 0;
-  std::vector<uint32_t> masks;  ///< behind the first 40 bytes of the header
+  std::vector<uint32_t> masks;  ///< after the first 40 bytes of the header
   std::vector<uint8_t> palette;
   std::vector<uint8_t> pixels;
 
@@ -29,7 +29,7 @@ struct Bmp {
       for (int i = 0; i < size; ++i) file.push_back(static_cast<uint8_t>(value >> (8 * i)));
     };
     const int field = header_size == 12 ? 2 : 4;
-    for (int i = 0; i < 3; ++i) put(0, 4);  // the last: where the pixels begin
+    for (int i = 0; i < 3; ++i) put(0, 4);  // the last: offset of the pixels
     put(header_size, 4);
     put(static_cast<uint32_t>(width), field);
     put(static_cast<uint32_t>(height), field);
@@ -51,7 +51,7 @@ struct Bmp {
 
 std::vector<uint8_t> decode(const Bmp& bmp) { return decode_bmp(bmp.bytes(), "a.bmp").rgba8; }
 
-/// Colours for an index of `count`: red = index, the rest 0.
+/// A palette of `count` colours: red = index, the rest 0.
 std::vector<uint8_t> reds(int count, int entry_bytes) {
   std::vector<uint8_t> palette;
   for (int i = 0; i < count; ++i) {
@@ -88,7 +88,7 @@ TEST(Bmp, ExpandsRunLengths) {
   bmp.depth = 8;
   bmp.compression = 1;
   bmp.palette = reds(20, 4);
-  // A run; three as they are, padded; end of row; a move by two to the right and one up, a run that is too long; end.
+  // A run; three padded literals; end of row; a move by two to the right and one up; an overlong run; end.
   bmp.pixels = {3, 7, 0, 3, 1, 2, 3, 0, 0, 0, 0, 2, 2, 1, 9, 5, 0, 1};
   EXPECT_EQ(red_of(decode(bmp)), (Reds{0, 0, 5, 5, 5, 5, 0, 0, 0, 0, 0, 0, 7, 7, 7, 1, 2, 3}));
   bmp.depth = 4;

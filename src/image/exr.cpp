@@ -1,4 +1,4 @@
-// EXR through the OpenEXR library, over memory when reading and over AtomicFile when writing.
+// EXR through the OpenEXR library: reads from memory, writes to AtomicFile.
 #include <algorithm>
 #include <cstring>
 #include <exception>
@@ -62,7 +62,7 @@ class StreamOutput : public Imf::OStream {
   std::ostream& stream_;
 };
 
-/// Lets the library compress and decompress large images on all processors; it does nothing for small ones.
+/// Lets the library compress and decompress large images on all cores; no effect for small ones.
 void enable_threads(int64_t pixel_count) {
   if (pixel_count < (int64_t{1} << 20)) return;
   static std::once_flag once;
@@ -72,7 +72,7 @@ void enable_threads(int64_t pixel_count) {
   });
 }
 
-/// The library's messages as the middle of one sentence.
+/// The library's message, formatted as part of a sentence.
 std::string one_line(const char* message) {
   std::string text(message);
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -88,7 +88,7 @@ int64_t pixel_count(const Imath::Box2i& box) {
   return (int64_t{box.max.x} - box.min.x + 1) * (int64_t{box.max.y} - box.min.y + 1);
 }
 
-/// The samples of one channel over the data window, before they are laid out over the display window.
+/// Samples of one channel over the data window, before the conversion to the display window.
 struct Plane {
   std::string name;
   int x_sampling = 1;
@@ -122,7 +122,7 @@ std::vector<Plane> read_planes(Imf::InputFile& file, const Imath::Box2i& data) {
   return planes;
 }
 
-/// Samples of the display window: replicated where subsampled, 0 outside the data window.
+/// Samples over the display window: replicated if subsampled, 0 outside the data window.
 std::vector<float> over_display_window(Plane&& plane, const Imath::Box2i& data, const Imath::Box2i& display) {
   if (data == display && plane.x_sampling == 1 && plane.y_sampling == 1) return std::move(plane.samples);
   const auto width = static_cast<size_t>(int64_t{display.max.x} - display.min.x + 1);
@@ -139,7 +139,7 @@ std::vector<float> over_display_window(Plane&& plane, const Imath::Box2i& data, 
   return values;
 }
 
-/// The part of the display window that the data window covers; empty for all of it, and where they are disjoint.
+/// Part of the display window that the data window covers; empty if it covers all or nothing.
 PixelWindow overlap(const Imath::Box2i& data, const Imath::Box2i& display) {
   const Imath::V2i first(std::max(data.min.x, display.min.x), std::max(data.min.y, display.min.y));
   const Imath::V2i last(std::min(data.max.x, display.max.x), std::min(data.max.y, display.max.y));
@@ -153,7 +153,7 @@ struct Windows {
   Imath::Box2i display;
 };
 
-/// From the header.
+/// Reads the windows from the header.
 Windows read_windows(std::span<const std::byte> bytes, const std::string& name) {
   detail::check_exr_header(bytes, name);
   try {
@@ -270,7 +270,7 @@ void write_exr(const std::filesystem::path& file, const ExrFile& exr) {
     output.setFrameBuffer(frame_buffer);
     output.writePixels(data_window(exr).size().y + 1);
   } catch (const std::exception& e) {
-    target.close();  // throws where the file is what failed
+    target.close();  // throws if the file itself failed
     throw Error(fmt::format("{}: the EXR cannot be written ({}); check its name and attributes", file.string(),
                             one_line(e.what())));
   }

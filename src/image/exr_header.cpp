@@ -17,7 +17,7 @@
 namespace relume::detail {
 namespace {
 
-/// Decoded bytes per file byte that no compression of the format exceeds (DWA of black images comes closest).
+/// Upper bound on decoded bytes per file byte for every compression of the format (DWA of black images comes closest).
 constexpr int64_t kMaxExpansion = 1 << 16;
 constexpr size_t kMaxNameLength = 255;
 
@@ -25,7 +25,7 @@ constexpr size_t kMaxNameLength = 255;
 constexpr uint32_t kDeepBit = 0x800;
 constexpr uint32_t kMultiPartBit = 0x1000;
 
-/// Little-endian reads that end in Error instead of beyond the end.
+/// Little-endian reads that throw Error at the end of the data.
 class Reader {
  public:
   Reader(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
@@ -74,17 +74,17 @@ struct Window {
   int64_t height = 0;
 };
 
-/// What one header asks for.
+/// Memory-related fields of one header.
 struct Header {
   std::vector<Window> windows;  ///< data and display
   int64_t channel_count = 0;
-  int64_t lines_per_chunk = 256;  ///< of the compression
+  int64_t lines_per_chunk = 256;  ///< depends on the compression
   int64_t tile_width = 0;         ///< 0: scan lines
   int64_t tile_height = 0;
   int64_t chunk_count = 0;
 };
 
-/// Scan lines per chunk by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+/// Scan lines per chunk by compression number: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
 int64_t lines_per_chunk(uint8_t compression) {
   constexpr std::array<int64_t, 10> kLines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
   return compression < kLines.size() ? kLines[compression] : 256;
@@ -107,7 +107,7 @@ int64_t count_channels(Reader& value) {
   return count;
 }
 
-/// Bytes of a value of `type` (OpenEXR file layout, "Predefined Attribute Types"); 0 if they vary.
+/// Size of a value of `type` (OpenEXR file layout, "Predefined Attribute Types"), bytes; 0 if variable.
 size_t value_bytes(std::string_view type) {
   constexpr std::pair<std::string_view, size_t> kBytes[] = {{"box2f", 16},
                                                             {"box2i", 16},
@@ -139,7 +139,7 @@ size_t value_bytes(std::string_view type) {
   return 0;
 }
 
-/// The library reads these attributes by sizes inside the value, not by the attribute's size.
+/// Checks attributes that the library reads by sizes inside the value, not by the attribute's size.
 void check_nested_sizes(const std::string& type, Reader& value) {
   if (type == "stringvector") {
     while (value.remaining() > 0) value.take(value.read<uint32_t>());
@@ -152,9 +152,8 @@ void check_nested_sizes(const std::string& type, Reader& value) {
   }
 }
 
-/// Throws unless the library, which trusts the type, reads as many bytes as the attribute says it has. Otherwise the
-/// library would find the next attribute somewhere else than check_exr_header() does, of a size that nobody has
-/// checked.
+/// Throws unless the attribute's declared size is the size of its type, which the library reads. Otherwise the library
+/// would find the next attribute at another offset than check_exr_header(), with an unchecked size.
 void read_attribute(const std::string& attribute, const std::string& type, Reader value, Header& header) {
   const size_t bytes = value_bytes(type);
   if (bytes != 0 && value.remaining() != bytes) value.fail_truncated();
@@ -180,7 +179,7 @@ void check_header(const Header& header, const std::string& name, uint64_t file_b
   const auto check_size = [&](int64_t width, int64_t height) {
     check_image_size(name, width, height, pixel_bytes, file_bytes, kMaxExpansion);
   };
-  const int64_t max_chunks = static_cast<int64_t>(file_bytes / 8);  // each has an offset in the file
+  const int64_t max_chunks = static_cast<int64_t>(file_bytes / 8);  // each chunk has an offset in the file
   int64_t chunks = header.chunk_count;
   for (const Window& window : header.windows) {
     check_size(window.width, window.height);
@@ -188,7 +187,7 @@ void check_header(const Header& header, const std::string& name, uint64_t file_b
       check_size(header.tile_width, header.tile_height);
       continue;
     }
-    // The library's line buffer is as tall as a chunk even when the image is not.
+    // The library's line buffer has the height of a chunk even if the image is smaller.
     check_size(window.width, std::min<int64_t>(header.lines_per_chunk, kMaxImageSide));
   }
   if (!header.windows.empty() && header.tile_width > 0 && header.tile_height > 0) {

@@ -1,4 +1,4 @@
-// A first look at an EXR file before the OpenEXR library sees it.
+// Checks of an EXR file before the OpenEXR library reads it.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace relume::detail {
 
-/// Walks the attributes of every header in the file. Throws Error if one of them claims more bytes than there are, or
-/// if windows, tiles or chunk counts ask for memory out of proportion to the file: the library allocates what headers
-/// ask for, and only then finds that the data is missing. Everything else is left to the library's own checks.
+/// Checks the attributes of every header in the file. Throws Error if an attribute exceeds the file, or if windows,
+/// tiles or chunk counts need memory out of proportion to the file. The library allocates that memory before it detects
+/// missing data. All other checks are the library's.
 void check_exr_header(std::span<const std::byte> bytes, const std::string& name);
 
-/// Of the display window. Throws Error.
+/// Size of the display window. Throws Error.
 ImageSize exr_size(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

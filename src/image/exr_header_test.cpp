@@ -30,7 +30,7 @@ const char* const kTypes[] = {"box2f",         "box2i",    "chlist",  "chromatic
                               "v2i",           "v3d",      "v3f",     "v3i",
                               "deepImageState"};
 
-/// An EXR of one black pixel with an attribute of `type`, as the library writes it.
+/// An EXR of one black pixel with an attribute of `type`, written by the library.
 std::vector<std::byte> file_with(const char* type) {
   const TempFolder folder;
   Imf::Header header(1, 1);
@@ -48,7 +48,7 @@ std::vector<std::byte> file_with(const char* type) {
   return read_file(folder / "a.exr");
 }
 
-/// Where the size of the probe stands.
+/// Offset of the probe's size field.
 size_t probe_size_at(const std::vector<std::byte>& bytes, const std::string& type) {
   const std::string key = std::string("probe") + '\0' + type + '\0';
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find(key) + key.size();
@@ -62,11 +62,11 @@ TEST(ExrHeader, AcceptsEveryAttributeThatTheLibraryWrites) {
   }
 }
 
-// The library reads what the type needs, whatever the size says. If the two differ it takes bytes of the value for the
-// next attribute, or the other way round, and allocates what stands there for a size.
+// The library reads as many bytes as the type needs and ignores the declared size. If the two differ, it misreads value
+// bytes as the next attribute, or the reverse, and allocates by a garbage size.
 TEST(ExrHeader, RefusesAttributesWhoseSizeIsNotThatOfTheirType) {
   for (const std::string type : kTypes) {
-    if (type == "string") continue;  // has any size
+    if (type == "string") continue;  // any size is valid
     std::vector<std::byte> bytes = file_with(type.c_str());
     const size_t at = probe_size_at(bytes, type);
     uint32_t size = 0;

@@ -1,4 +1,4 @@
-// From the channels of an EXR to an RGB image and back.
+// Conversion between EXR channels and RGB images.
 #include <array>
 #include <optional>
 
@@ -27,7 +27,7 @@ std::optional<Channels> find_any_layer(const ExrFile& exr) {
   return std::nullopt;
 }
 
-/// Of three planes, or of a function of them.
+/// Builds an image from a function of the pixel index.
 template <typename Function>
 Image make_image(const ExrFile& exr, Function&& pixel) {
   Image image(exr.width, exr.height);

@@ -66,7 +66,7 @@ TEST(Exr, SameContentsGiveTheSameBytes) {
   EXPECT_EQ(read_file(folder / "a.exr"), read_file(folder / "b.exr"));
 }
 
-/// Channel with values 1, 2, 3 … over a data window, as another program might store it.
+/// Writes a channel with values 1, 2, 3 … over a data window, like another program.
 void write_foreign(const std::filesystem::path& file, const Imath::Box2i& display, const Imath::Box2i& data,
                    Imf::PixelType type, const char* name, Imf::Compression compression, bool tiled) {
   Imf::Header header(display, data);
@@ -89,7 +89,7 @@ void write_foreign(const std::filesystem::path& file, const Imath::Box2i& displa
     Imf::TiledOutputFile out(file.string().c_str(), header);
     out.setFrameBuffer(frame_buffer);
     out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
-    // Coarser levels: any values do, the reader takes the finest.
+    // Coarser levels: any values, because the reader uses the finest level.
     for (int level = 1; level < out.numLevels(); ++level)
       out.writeTiles(0, out.numXTiles(level) - 1, 0, out.numYTiles(level) - 1, level);
   } else {
@@ -118,7 +118,7 @@ TEST(Exr, ReadsOtherTypesCompressionsAndTiles) {
 
 TEST(Exr, DataWindowIsPlacedInTheDisplayWindow) {
   const TempFolder folder;
-  // Display 4x3 from (10, 20); data 3x3 from (12, 19): one column sticks out on the right, one row above.
+  // Display 4x3 from (10, 20); data 3x3 from (12, 19) exceeds it by one column on the right and one row at the top.
   write_foreign(folder / "a.exr", {{10, 20}, {13, 22}}, {{12, 19}, {14, 21}}, Imf::UINT, "Y", Imf::ZIP_COMPRESSION,
                 false);
   const ExrFile exr = read_exr(folder / "a.exr");
@@ -215,7 +215,7 @@ TEST(ExrMalformed, FlippedBitsNeverCrash) {
   int errors = 0;
   for (uint32_t i = 0; i < 1500; ++i) {
     auto bytes = original;
-    // Half of the flips in the header, where they do most harm.
+    // Half of the flips are in the header, where they do most harm.
     const size_t range = i % 2 == 0 ? 800 : bytes.size();
     bytes[hash(i) % range] ^= static_cast<std::byte>(1u << (hash(i, 1) & 7u));
     try {
@@ -224,7 +224,7 @@ TEST(ExrMalformed, FlippedBitsNeverCrash) {
       ++errors;
     }
   }
-  EXPECT_GT(errors, 100);  // flips in pixels often pass: every pattern is a float
+  EXPECT_GT(errors, 100);  // flips in pixels often pass: every bit pattern is a float
 }
 
 void overwrite_window(std::vector<std::byte>& bytes, const char* attribute, const std::array<int32_t, 4>& window) {

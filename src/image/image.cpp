@@ -1,4 +1,4 @@
-// Reading and writing by format: exr.cpp, rgbe.cpp and stb_decode.cpp do the work.
+// Reading and writing by format; exr.cpp, rgbe.cpp and stb_decode.cpp contain the codecs.
 #include "relume/image_io.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kJpegQuality = 95;
 constexpr int kMaxJpegSide = 65535;  // 16 bits in the frame header
-constexpr int kMaxTgaSide = 65535;   // likewise
+constexpr int kMaxTgaSide = 65535;   // 16 bits in the header
 
 /// Display-ready values in [0, 1] as 8-bit sRGB.
 std::vector<uint8_t> encode_srgb8(const Image& image) {
@@ -32,7 +32,7 @@ std::vector<uint8_t> encode_srgb8(const Image& image) {
   return bytes;
 }
 
-/// The format holds neither negative values nor NaN, and its largest number is just below 2^127.
+/// Clamps to the format's range: no negative values or NaN, and at most just below 2^127.
 std::vector<float> clamp_to_rgbe(const Image& image) {
   constexpr float kMax = 0x1.fp126f;
   std::vector<float> values(image.pixels.size() * 3);
@@ -58,7 +58,7 @@ void check_side(const std::string& name, const Image& image, int max_side) {
         fmt::format("{}: {}x{} pixels are more than this format holds; write an EXR", name, image.width, image.height));
 }
 
-/// Through stb_image_write. `extension` is one of those that write_image() lists, but not .exr.
+/// Writes through stb_image_write. `extension` is one of write_image()'s except .exr.
 void write_with_stb(const std::filesystem::path& file, const std::string& extension, const Image& image) {
   const std::string name = file.string();
   if (static_cast<int64_t>(image.width) * image.height * 4 > std::numeric_limits<int>::max())

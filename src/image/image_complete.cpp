@@ -5,7 +5,7 @@
 namespace relume::detail {
 namespace {
 
-/// Whether every chunk ends within the file. stb_image would first allocate what a damaged length asks for.
+/// Whether every chunk ends within the file. stb_image would first allocate memory for a damaged length.
 bool is_complete_png(std::span<const std::byte> bytes) {
   constexpr size_t kSignature = 8;
   constexpr size_t kChunkHead = 8;  // length (big-endian) and type
@@ -21,7 +21,7 @@ bool is_complete_png(std::span<const std::byte> bytes) {
   return false;
 }
 
-/// Where the entropy-coded data that begin at `offset` end: at a marker that is neither a stuffed byte nor a restart.
+/// End of the entropy-coded data at `offset`: the first marker that is neither a stuffed byte nor a restart.
 size_t end_of_scan(std::span<const std::byte> bytes, size_t offset) {
   for (; offset + 1 < bytes.size(); ++offset) {
     const auto code = std::to_integer<unsigned>(bytes[offset + 1]);
@@ -32,15 +32,15 @@ size_t end_of_scan(std::span<const std::byte> bytes, size_t offset) {
   return bytes.size();
 }
 
-/// ITU-T T.81, annex B: segments with their lengths up to the end of the image. Thumbnails lie within segments, and
-/// what follows the end (films of telephones) does not count.
+/// ITU-T T.81, annex B: walks the segments by their lengths to the end of the image. Thumbnails lie within segments;
+/// data after the end (videos of phones) are ignored.
 bool is_complete_jpeg(std::span<const std::byte> bytes) {
   constexpr unsigned kEndOfImage = 0xd9;
   constexpr unsigned kStartOfScan = 0xda;
   size_t offset = 2;
   while (offset + 1 < bytes.size()) {
     const auto code = std::to_integer<unsigned>(bytes[offset + 1]);
-    if (bytes[offset] != std::byte{0xff} || code == 0xff) {  // fill bytes, and what decoders pass over
+    if (bytes[offset] != std::byte{0xff} || code == 0xff) {  // fill bytes, and bytes that decoders skip
       ++offset;
       continue;
     }

@@ -1,4 +1,4 @@
-// Shared by the image readers: limits that keep hostile files from costing more than they should.
+// Limits of the image readers on the memory that hostile files can allocate.
 #pragma once
 
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace relume::detail {
 
-/// Throws Error unless a file of `file_bytes` may hold width × height pixels that take `bytes_per_pixel` when
-/// decoded. `max_expansion` bounds decoded bytes per file byte; no encoder of the format reaches it.
+/// Throws Error unless `file_bytes` suffice for width × height pixels of `bytes_per_pixel` when decoded.
+/// `max_expansion` is an upper bound on decoded bytes per file byte, which no encoder of the format reaches.
 void check_image_size(const std::string& name, int64_t width, int64_t height, int64_t bytes_per_pixel,
                       uint64_t file_bytes, int64_t max_expansion);
 

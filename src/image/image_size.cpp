@@ -17,7 +17,7 @@
 namespace relume::detail {
 namespace {
 
-/// Of PNG, JPEG and TGA.
+/// Size of PNG, JPEG and TGA images.
 ImageSize stb_size(std::span<const std::byte> bytes, const std::string& name) {
   const int size = static_cast<int>(std::min<size_t>(bytes.size(), std::numeric_limits<int>::max()));
   int width = 0;

@@ -108,7 +108,7 @@ TEST(Image, HdrReadsFlatOldAndBottomUpImages) {
   EXPECT_EQ(old.at(4, 0), Rgb(2.0f, 0.0f, 0.0f));
   const Image flipped = parse_image(bytes_of(header + "+Y 2 +X 1\n" + one + two), "flipped");
   EXPECT_EQ(flipped.at(0, 0), Rgb(2.0f, 0.0f, 0.0f));
-  // Exposures say what the radiance has been multiplied by, one after the other.
+  // Exposures are factors already applied to the radiance; several multiply.
   const Image exposed = parse_image(bytes_of("#?RADIANCE\nEXPOSURE=0.25\nEXPOSURE= 2\n\n-Y 1 +X 1\n" + one), "exposed");
   EXPECT_EQ(exposed.at(0, 0), Rgb(2.0f, 1.0f, 0.5f));
   for (const std::string& bad :
@@ -183,7 +183,7 @@ TEST(ImageMalformed, TheEndOfAThumbnailIsNotThatOfTheImage) {
   const TempFolder folder;
   write_image(folder / "a.jpg", make_gradient(30, 20));
   const auto image = read_file(folder / "a.jpg");
-  // An application segment, behind the first marker, that holds a small image.
+  // An application segment with a small image, after the first marker.
   std::vector<std::byte> bytes(image.begin(), image.begin() + 2);
   const size_t length = image.size() + 2;
   for (const size_t byte : {size_t{0xff}, size_t{0xe1}, length >> 8, length & 0xff}) bytes.push_back(std::byte(byte));
@@ -196,7 +196,7 @@ TEST(ImageMalformed, TheEndOfAThumbnailIsNotThatOfTheImage) {
 }
 
 TEST(ImageMalformed, CutOffBitmapsAreErrors) {
-  // 3 × 2, 24 bits a pixel; rows are padded to twelve bytes.
+  // 3 × 2, 24 bits per pixel; rows are padded to twelve bytes.
   std::vector<unsigned char> bmp{'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0,  40,
                                  0,   0,   0, 3, 0, 0, 0, 2, 0, 0, 0,  1, 0, 24, 0};
   bmp.resize(54 + 24, 0);
@@ -207,7 +207,7 @@ TEST(ImageMalformed, CutOffBitmapsAreErrors) {
 }
 
 TEST(ImageMalformed, IndicesWithoutAColourAreErrors) {
-  // 2 × 1, four bits a pixel, three colours.
+  // 2 × 1, four bits per pixel, three colours.
   std::vector<unsigned char> bmp{'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0, 66, 0, 0, 0, 40,
                                  0,   0,   0, 2, 0, 0, 0, 1, 0, 0, 0,  1, 0, 4, 0};
   bmp.resize(66, 0);

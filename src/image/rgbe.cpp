@@ -15,8 +15,8 @@
 namespace relume::detail {
 namespace {
 
-/// Four runs of 127 equal pixels take 8 bytes; a pixel decodes to 12. Old repeat counts may chain, but nothing writes
-/// them that way.
+/// Four runs of 127 equal pixels take 8 bytes; a pixel decodes to 12. Old repeat counts may chain, but no encoder
+/// writes such chains.
 constexpr int64_t kMaxExpansion = 2048;
 
 using Rgbe = std::array<uint8_t, 4>;
@@ -72,7 +72,7 @@ class RgbeParser {
     }
   }
 
-  /// Each such line says what the radiance has been multiplied by.
+  /// Reads a factor already applied to the radiance.
   void read_exposure(std::string_view text) {
     const size_t first = std::min(text.find_first_not_of(' '), text.size());
     float exposure = 0;
@@ -120,7 +120,8 @@ class RgbeParser {
     }
   }
 
-  /// Pixels, where (1, 1, 1, n) repeats the one before n times; further such pixels continue the count's higher bytes.
+  /// Reads pixels, where (1, 1, 1, n) repeats the previous one n times; further such pixels extend the count by higher
+  /// bytes.
   void read_old_row(Rgbe pixel, std::vector<Rgbe>& row) {
     int shift = 0;
     for (size_t x = 0; x < row.size();) {

@@ -1,4 +1,4 @@
-// Radiance HDR images: 8 bits a channel with a shared exponent.
+// Radiance HDR images: 8 bits per channel with a shared exponent.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,11 @@
 
 namespace relume::detail {
 
-/// Flat, old and new run-length encoded images, stored from top to bottom or from bottom to top. EXPOSURE lines
-/// are divided out. Own code because the packaged stb_image loops forever on images that are cut off.
-/// Throws Error.
+/// Parses flat, old and new run-length encoded images, top-down or bottom-up. EXPOSURE lines are divided out. Replaces
+/// the packaged stb_image, which loops forever on truncated images. Throws Error.
 Image parse_rgbe(std::span<const std::byte> bytes, const std::string& name);
 
-/// From the header. Throws Error.
+/// Reads the size from the header. Throws Error.
 ImageSize rgbe_size(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace relume::detail

@@ -17,7 +17,7 @@
 namespace relume::detail {
 namespace {
 
-/// TGA has no magic number: colour map type, image type and pixel depth must make sense.
+/// Heuristic, because TGA has no magic number: colour map type, image type and pixel depth must be valid.
 bool looks_like_tga(std::span<const std::byte> bytes) {
   if (bytes.size() < 18) return false;
   const auto at = [&](size_t i) { return std::to_integer<int>(bytes[i]); };
@@ -27,11 +27,11 @@ bool looks_like_tga(std::span<const std::byte> bytes) {
          (depth == 8 || depth == 15 || depth == 16 || depth == 24 || depth == 32);
 }
 
-/// Decoded pixels per file byte that no encoder of the format exceeds.
+/// Upper bound on decoded pixels per file byte, over all encoders of the format.
 int64_t max_pixels_per_byte(ImageFormat format) {
   switch (format) {
-    case ImageFormat::png: return 16384;  // deflate shrinks by at most 1032; 8 pixels a byte
-    case ImageFormat::jpeg: return 1024;  // one bit for a block of 64, chroma subsampled by 4
+    case ImageFormat::png: return 16384;  // deflate shrinks by at most 1032; 8 pixels per byte
+    case ImageFormat::jpeg: return 1024;  // one bit per block of 64, chroma subsampled by 4
     default: return 128;                  // run lengths of at most 128
   }
 }

@@ -1,4 +1,4 @@
-// The only file of relume that uses POSIX sockets.
+// Contains relume's only use of POSIX sockets.
 #include "image/tev_client.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ using std::chrono::milliseconds;
 /// Operation codes of the protocol.
 enum class Operation : uint8_t { close_image = 2, create_image = 4, update_image_v3 = 6 };
 
-/// Pixels per message of a large update, so that a message stays near one megabyte.
+/// Pixels per message of a large update, which limits messages to about one megabyte.
 constexpr size_t kPixelsPerMessage = size_t{1} << 16;
 constexpr milliseconds kMaxRetry{60000};
 
@@ -93,7 +93,7 @@ int remaining_ms(Clock::time_point deadline) {
   return static_cast<int>(std::max<int64_t>(left, 0));
 }
 
-/// Whether `events` come true for the socket before the deadline.
+/// Whether `events` occur on the socket before the deadline.
 bool wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
     pollfd p{socket, events, 0};
@@ -130,7 +130,7 @@ int connect_to(const Resolved& target, milliseconds timeout) {
   return -1;
 }
 
-/// The viewer never sends anything, so a readable socket is one that it closed.
+/// The viewer never sends data, so a readable socket has been closed by the viewer.
 bool closed_by_viewer(int socket) {
   char byte = 0;
   const ssize_t count = ::recv(socket, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -180,7 +180,7 @@ Message update_message(const std::string& name, const CreatedImage& image, const
                        std::span<const float> values) {
   const auto count = static_cast<int64_t>(image.channels.size());
   Message message(Operation::update_image_v3);
-  message.append(uint8_t{0});  // leave the focus where it is
+  message.append(uint8_t{0});  // keep the focus
   message.append(name);
   message.append(static_cast<int32_t>(count));
   for (const std::string& channel : image.channels) message.append(channel);
@@ -233,7 +233,7 @@ struct TevClient::State {
     return false;
   }
 
-  /// Reconnects if it is time to try, and creates all images again.
+  /// Reconnects if the next attempt is due, and creates all images again.
   bool ensure_connected() {
     if (socket >= 0) return true;
     if (Clock::now() < next_attempt) return false;
@@ -294,7 +294,7 @@ bool TevClient::create(const std::string& name, int width, int height, std::vect
   CreatedImage& image = state_->images[name];
   image = {width, height, std::move(channels)};
   if (!state_->ensure_connected()) return false;
-  return was_connected ? state_->send(create_message(name, image)) : true;  // reconnecting has created it
+  return was_connected ? state_->send(create_message(name, image)) : true;  // a reconnection has created the image
 }
 
 bool TevClient::update(const std::string& name, int x, int y, int width, int height, std::span<const float> values) {

@@ -28,7 +28,7 @@ struct ShownImage {
   std::vector<std::vector<float>> planes;
 };
 
-/// Parses what the protocol says a message holds; gtest failures report anything else.
+/// Parses a message by the protocol; gtest failures report deviations.
 class MessageReader {
  public:
   explicit MessageReader(std::vector<char> bytes) : bytes_(std::move(bytes)) {}
@@ -64,7 +64,7 @@ class MessageReader {
   size_t at_ = 0;
 };
 
-/// A viewer without a window: rebuilds the images that it is sent.
+/// A viewer without a window that reconstructs the received images.
 class FakeViewer {
  public:
   explicit FakeViewer(uint16_t port = 0) : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -89,7 +89,7 @@ class FakeViewer {
 
   uint16_t port() const { return port_; }
 
-  /// The image once `updates` pixels have arrived in total, or what there is after some seconds.
+  /// Returns the image once `pixels` pixels have arrived in total, or its state after some seconds.
   ShownImage wait_for(const std::string& name, size_t pixels) {
     for (int i = 0; i < 1000; ++i) {
       {
@@ -208,7 +208,7 @@ TEST(TevAddress, IsParsed) {
 TEST(TevClient, ViewerRebuildsTheImage) {
   FakeViewer viewer;
   TevClient client({"127.0.0.1", viewer.port()});
-  // Larger than one message, so that bands are put together.
+  // Exceeds one message, so the viewer must combine bands.
   Image image(300, 500);
   for (size_t i = 0; i < image.pixels.size(); ++i)
     image.pixels[i] = Rgb(static_cast<float>(i), 0.5f, -static_cast<float>(i));
@@ -272,7 +272,7 @@ TEST(TevClient, LostConnectionIsSaidOnceAndRestored) {
 }
 
 TEST(TevClient, AViewerThatStopsReadingDoesNotStopTheRender) {
-  // A listener that never accepts: the kernel takes the connection and fills its buffers.
+  // A listener that never accepts: the kernel completes the connection and fills its buffers.
   const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -10,10 +10,10 @@
 namespace relume::detail {
 namespace {
 
-/// A lossless image of one colour has no bits a pixel, and is accepted up to the size of large textures.
+/// Limit for lossless images of one colour, which have no bits per pixel: the size of large textures.
 constexpr int64_t kMostFreePixels = int64_t{4096} * 4096;
-/// Of larger ones. The longest copy, of 4096 pixels that each may hold 8 of the image, takes at least 11 bits, and
-/// lossy images need more (WebP Lossless Bitstream Specification, 4.4 and 5.2.2).
+/// Limit above that size. The longest copy, of 4096 pixels that may each hold 8 of the image, takes at least 11 bits
+/// (WebP Lossless Bitstream Specification, 4.4 and 5.2.2). Lossy images need more.
 constexpr int64_t kMostPixelsPerByte = int64_t{1} << 15;
 
 [[noreturn]] void fail(const std::string& name, VP8StatusCode status) {

@@ -40,7 +40,7 @@ TEST(Webp, LosslessImagesAreKeptAsStored) {
   EXPECT_EQ(pixels.width, 30);
   EXPECT_EQ(pixels.height, 20);
   for (size_t i = 0; i < rgba.size(); ++i) {
-    const bool is_visible = rgba[i / 4 * 4 + 3] != 0;  // what alpha hides need not be kept
+    const bool is_visible = rgba[i / 4 * 4 + 3] != 0;  // colours of transparent pixels need not be preserved
     ASSERT_TRUE(!is_visible || pixels.rgba8[i] == rgba[i]) << i;
   }
 }
@@ -90,7 +90,7 @@ TEST(WebpMalformed, CutOffFilesAreOneSentence) {
 
 TEST(WebpMalformed, UnknownVersionsAreInconsistentData) {
   std::vector<std::byte> bytes = make_webp(30, 20, gradient(30, 20));
-  constexpr size_t kVersion = 24;  // its upper three bits, behind the sizes
+  constexpr size_t kVersion = 24;  // in its upper three bits, after the sizes
   bytes[kVersion] |= std::byte{0x20};
   EXPECT_EQ(sentence_of(bytes), "wood.webp: damaged WebP image (the data are inconsistent); export or copy it again");
 }

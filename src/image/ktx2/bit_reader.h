@@ -11,18 +11,18 @@
 
 namespace relume::detail {
 
-/// Reads bits from the least significant one of the first byte on. `bytes` and `name` outlive the reader.
+/// Reads bits, starting at the least significant bit of the first byte. `bytes` and `name` must outlive the reader.
 class BitReader {
  public:
   BitReader(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
-  /// The next `count` ≤ 32 bits, which stay unread. Bits beyond the end are 0.
+  /// Returns the next `count` ≤ 32 bits without consuming them. Bits beyond the end are 0.
   uint32_t peek(size_t count) const {
     const uint64_t bits = number_at(bytes_, position_ / 8, 5) >> (position_ % 8);
     return static_cast<uint32_t>(bits & ((uint64_t{1} << count) - 1));
   }
 
-  /// Throws Error if the stream has fewer than `count` bits left.
+  /// Throws Error if fewer than `count` bits remain.
   void skip(size_t count) {
     position_ += count;
     if (position_ > 8 * bytes_.size()) fail_cut_off_ktx2(name_);

@@ -17,7 +17,7 @@ constexpr std::array<std::array<int, 4>, 8> kModifiers = {{{-8, -2, 2, 8},
                                                            {-106, -33, 33, 106},
                                                            {-183, -47, 47, 183}}};
 
-/// Recently used selectors. The most used ones move to the front.
+/// Recently used selectors. Frequently used ones move to the front.
 class SelectorHistory {
  public:
   explicit SelectorHistory(size_t size) : selectors_(size), next_(size / 2) {}
@@ -31,7 +31,7 @@ class SelectorHistory {
     if (next_ == selectors_.size()) next_ = selectors_.size() / 2;
   }
 
-  /// The selector at `index`, which trades places with the one at half the index.
+  /// Returns the selector at `index` and swaps it with the one at half the index.
   uint32_t use(size_t index) {
     const uint32_t selector = selectors_[index];
     std::swap(selectors_[index], selectors_[index / 2]);
@@ -43,7 +43,7 @@ class SelectorHistory {
   size_t next_;
 };
 
-/// Reads a number in groups of `group_bits`, the lowest first. A bit behind each group announces another one.
+/// Reads a number in groups of `group_bits`, the lowest first. A bit after each group is set if another one follows.
 uint64_t read_number(BitReader& bits, size_t group_bits) {
   uint64_t number = 0;
   for (size_t shift = 0; shift < 32; shift += group_bits) {
@@ -65,7 +65,7 @@ class EndpointIndices {
         row_above_(blocks_x),
         below_((blocks_x + 1) / 2) {}
 
-  /// Index of the endpoint of block (x, y), which follows the block before it.
+  /// Index of the endpoint of block (x, y); blocks must be read in order.
   uint32_t next(size_t x, size_t y, BitReader& bits) {
     if (x == 0) row_.swap(row_above_);
     if (x % 2 == 0) start_group(x, y, bits);
@@ -79,7 +79,7 @@ class EndpointIndices {
  private:
   enum Prediction : uint32_t { kLeft = 0, kAbove = 1, kAboveLeft = 2, kDelta = 3 };
 
-  /// Sets the predictions of block x and the one to its right. Groups are 2 × 2 blocks with 2 bits each.
+  /// Sets the predictions of block x and its right neighbour. Groups are 2 × 2 blocks with 2 bits each.
   void start_group(size_t x, size_t y, BitReader& bits) {
     if (y % 2 == 0) {
       const uint32_t symbol = next_symbol(bits);
@@ -123,13 +123,13 @@ class EndpointIndices {
 
   const Etc1sTables& tables_;
   uint32_t endpoint_count_;
-  std::vector<uint32_t> row_;        ///< endpoints of the row of blocks
-  std::vector<uint32_t> row_above_;  ///< endpoints of the row above it
+  std::vector<uint32_t> row_;        ///< endpoints of the current row of blocks
+  std::vector<uint32_t> row_above_;  ///< endpoints of the row above
   std::vector<uint32_t> below_;      ///< predictions of the lower blocks of each group
-  uint32_t predictions_ = 0;         ///< of the blocks to come in this row of a group
+  uint32_t predictions_ = 0;         ///< of the remaining blocks in this row of a group
   uint32_t symbol_ = 0;              ///< predictions of the last group
-  uint64_t repeats_ = 0;             ///< groups that repeat `symbol_`
-  uint32_t previous_ = 0;            ///< endpoint of the block before
+  uint64_t repeats_ = 0;             ///< number of groups that repeat `symbol_`
+  uint32_t previous_ = 0;            ///< endpoint of the previous block
 };
 
 /// Decodes the selector of each block.
@@ -150,7 +150,7 @@ class SelectorIndices {
   }
 
  private:
-  /// A selector, or the number of selectors plus an index in the history.
+  /// Returns a selector, or the number of selectors plus an index in the history.
   uint32_t next_symbol(BitReader& bits) {
     constexpr uint64_t kMinRun = 3;
     constexpr uint32_t kLongRun = 63;
@@ -169,10 +169,10 @@ class SelectorIndices {
   const Etc1sTables& tables_;
   size_t selector_count_;
   SelectorHistory history_;
-  uint64_t run_ = 0;  ///< blocks that use the front of the history
+  uint64_t run_ = 0;  ///< remaining blocks that use the front of the history
 };
 
-/// Writes the texels of a block that lie within the image.
+/// Writes the texels of a block that are inside the image.
 void paint_block(const Etc1sEndpoint& endpoint, const Etc1sSelector& selector, size_t left, size_t top, size_t width,
                  size_t height, std::vector<uint8_t>& rgb) {
   for (size_t y = 0; y < 4 && top + y < height; ++y) {

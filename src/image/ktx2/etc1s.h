@@ -11,14 +11,14 @@
 
 namespace relume::detail {
 
-/// Everything that slices refer to.
+/// Data shared by all slices.
 struct Etc1sGlobalData {
   std::vector<Etc1sEndpoint> endpoints;
   std::vector<Etc1sSelector> selectors;
   Etc1sTables tables;
 };
 
-/// Decodes an image of RGB, or one channel replicated: `width` · `height` · 3 bytes, row by row as stored. Throws
+/// Decodes an RGB image, or one channel replicated: `width` · `height` · 3 bytes, row by row in stored order. Throws
 /// Error.
 std::vector<uint8_t> decode_etc1s_slice(std::span<const std::byte> bytes, size_t width, size_t height,
                                         const Etc1sGlobalData& global, const std::string& name);

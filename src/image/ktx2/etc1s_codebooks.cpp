@@ -4,7 +4,7 @@
 namespace relume::detail {
 namespace {
 
-/// Codes of differences between 5-bit channels, chosen by the value before.
+/// Codes of differences between 5-bit channels, selected by the previous value.
 class ColorDeltas {
  public:
   explicit ColorDeltas(BitReader& bits)
@@ -64,7 +64,7 @@ std::vector<Etc1sSelector> read_etc1s_selectors(std::span<const std::byte> bytes
 
 Etc1sTables read_etc1s_tables(std::span<const std::byte> bytes, const std::string& name) {
   BitReader bits(bytes, name);
-  // Members of a braced list are read in their order.
+  // Members of a braced list are evaluated in order.
   return {HuffmanTable::read(bits), HuffmanTable::read(bits), HuffmanTable::read(bits), HuffmanTable::read(bits),
           bits.read(13)};
 }

@@ -45,7 +45,7 @@ Etc1sCodebooks random_codebooks(uint32_t endpoints, uint32_t selectors, std::mt1
   return codebooks;
 }
 
-/// Blocks that often repeat their neighbours.
+/// Random blocks that often repeat their neighbours.
 Etc1sBlocks random_blocks(size_t width, size_t height, const Etc1sCodebooks& codebooks, std::mt19937& random) {
   Etc1sBlocks blocks{width, height, {}, {}};
   for (size_t i = 0; i < width * height; ++i) {
@@ -65,7 +65,7 @@ Etc1sGlobalData read_global_data(const Etc1sStreams& streams, const Etc1sCodeboo
           read_etc1s_tables(streams.tables, kName)};
 }
 
-/// RGB of a texel by the rules of ETC1: a base colour plus −b, −a, a or b.
+/// RGB of a texel by the ETC1 rules: a base colour plus −b, −a, a or b.
 std::array<uint8_t, 3> expected_texel(const Etc1sCodebooks& codebooks, const Etc1sBlocks& blocks, size_t x, size_t y) {
   constexpr int kSmall[] = {2, 5, 9, 13, 18, 24, 33, 47};
   constexpr int kLarge[] = {8, 17, 29, 42, 60, 80, 106, 183};
@@ -81,7 +81,7 @@ std::array<uint8_t, 3> expected_texel(const Etc1sCodebooks& codebooks, const Etc
   return texel;
 }
 
-/// Writes and decodes `blocks`, compares all texels.
+/// Writes and decodes `blocks`, then compares all texels.
 Etc1sStatistics check_round_trip(const Etc1sCodebooks& codebooks, const Etc1sBlocks& blocks, size_t width,
                                  size_t height) {
   const Etc1sStreams streams = write_etc1s(codebooks, {blocks});
@@ -105,7 +105,7 @@ TEST(Huffman, ReadsCodesOfAnyShape) {
     HuffmanWriter writer;
     std::vector<uint32_t> symbols;
     for (int i = 0; i < 3000; ++i) {
-      // Few symbols are frequent, many have no code, and code lengths come in runs.
+      // Few symbols are frequent, many have no code, and code lengths form runs.
       const uint32_t symbol = below(alphabet, random) / (1 + below(40, random)) / 7 * 7 % alphabet;
       symbols.push_back(symbol);
       writer.count(symbol);
@@ -146,7 +146,7 @@ TEST(Huffman, RefusesDamagedTables) {
   // Only symbol 17, a run of 3 to 10 zeros, has a code: "0".
   EXPECT_NE(problem({{5, 14}, {1, 5}, {1, 3}, {0, 1}, {7, 3}}).find("too many symbols"), std::string::npos);
   EXPECT_NE(problem({{5, 14}, {1, 5}, {1, 3}, {1, 1}}).find("unknown Huffman code"), std::string::npos);
-  // Only symbol 19, a run that repeats a length.
+  // Only symbol 19, a run that repeats a length, has a code.
   EXPECT_NE(problem({{5, 14}, {3, 5}, {0, 6}, {1, 3}, {0, 1}}).find("repeats a length of 0"), std::string::npos);
   EXPECT_NE(problem({{5, 14}, {1, 5}, {1, 3}}).find("cut off"), std::string::npos);
   EXPECT_NE(problem({{0, 14}, {0, 10}}).find("unknown Huffman code"), std::string::npos) << "an empty table";
@@ -219,14 +219,14 @@ TEST(Etc1s, RunsHaveAnyLength) {
   }
 }
 
-/// A code whose only symbol is `symbol`.
+/// A code with `symbol` as its only symbol.
 HuffmanTable only(size_t symbol) {
   std::vector<uint8_t> lengths(symbol + 1);
   lengths[symbol] = 1;
   return HuffmanTable(lengths, BitReader({}, kName));
 }
 
-/// What decoding zeros says, where every symbol of a table is the same.
+/// Error message from decoding zeros with tables of a single symbol each.
 std::string problem_with(size_t prediction, size_t delta, size_t selector, size_t width, size_t history = 2) {
   const Etc1sGlobalData global{std::vector<Etc1sEndpoint>(2),
                                std::vector<Etc1sSelector>(2),
@@ -255,7 +255,7 @@ TEST(Etc1s, RefusesRunsWithoutEnd) {
   const Etc1sGlobalData global{
       std::vector<Etc1sEndpoint>(1), std::vector<Etc1sSelector>(1), {only(256), only(0), only(0), only(0), 1}};
   std::vector<std::byte> ones(16, std::byte{0xff});
-  ones[0] = std::byte{0xfe};  // a run of predictions, whose length goes beyond 32 bits
+  ones[0] = std::byte{0xfe};  // a run of predictions with a length above 32 bits
   EXPECT_NE(problem_of([&] { decode_etc1s_slice(ones, 8, 8, global, kName); }).find("has no end"), std::string::npos);
 }
 

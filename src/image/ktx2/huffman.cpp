@@ -10,15 +10,15 @@ namespace {
 constexpr size_t kMaxLength = 16;
 constexpr size_t kLengthSymbols = 21;  ///< lengths 0 to 16 and four kinds of runs
 
-/// The symbols of code lengths in the order of their own lengths (same appendix).
+/// Symbols of code lengths in the order of their own lengths (same appendix).
 constexpr std::array<uint8_t, kLengthSymbols> kLengthOrder = {17, 18, 19, 20, 0,  8, 7,  9, 6,  10, 5,
                                                               11, 4,  12, 3,  13, 2, 14, 1, 15, 16};
 
-/// How a symbol from 17 on repeats a length.
+/// Repetition of a length by a symbol from 17 on.
 struct Run {
   size_t count_bits;
   size_t min_count;
-  bool zeros;  ///< else the length before it
+  bool zeros;  ///< otherwise repeats the previous length
 };
 constexpr std::array<Run, 4> kRuns = {{{3, 3, true}, {7, 11, true}, {2, 3, false}, {7, 7, false}}};
 
@@ -30,7 +30,7 @@ HuffmanTable read_length_table(BitReader& bits) {
   return HuffmanTable(lengths, bits);
 }
 
-/// The first `length` bits of `code` in reverse: streams begin with the most significant bit of a code.
+/// The first `length` bits of `code` in reverse: streams store the most significant bit of a code first.
 uint32_t reversed(uint32_t code, size_t length) {
   uint32_t result = 0;
   for (size_t i = 0; i < length; ++i) result |= ((code >> i) & 1u) << (length - 1 - i);
@@ -73,7 +73,7 @@ HuffmanTable::HuffmanTable(const std::vector<uint8_t>& lengths, const BitReader&
     code_space += counts[length] << (kMaxLength - length);
     if (counts[length] > 0) max_length_ = length;
   }
-  // A single symbol has a code of its own length, and the rest of the code space is unused.
+  // A single symbol may have any code length; the rest of the code space is unused.
   if (used == 0 || (used > 1 && code_space != 1u << kMaxLength)) bits.fail("a Huffman table is not a prefix code");
   entries_.resize(size_t{1} << max_length_);
   for (size_t symbol = 0; symbol < lengths.size(); ++symbol) {

@@ -8,17 +8,17 @@
 
 namespace relume::detail {
 
-/// Decodes one canonical Huffman code of up to 16 bits, as RFC 1951, §3.2.2 assigns them.
+/// Decodes one canonical Huffman code of up to 16 bits, assigned as in RFC 1951, §3.2.2.
 class HuffmanTable {
  public:
-  /// Reads the code lengths of a table from the stream. Throws Error unless they make a prefix code. A table without
-  /// symbols has no codes.
+  /// Reads the code lengths of a table. Throws Error unless they form a prefix code. A table without symbols has no
+  /// codes.
   static HuffmanTable read(BitReader& bits);
 
-  /// Builds the code from its lengths, one for each symbol; 0: the symbol is unused. `bits` reports errors.
+  /// Builds the code from the length of each symbol; 0: unused symbol. `bits` reports errors.
   HuffmanTable(const std::vector<uint8_t>& lengths, const BitReader& bits);
 
-  /// Reads one symbol. Throws Error if the stream ends or has no symbol here.
+  /// Reads one symbol. Throws Error if the stream ends or contains no valid code.
   uint32_t decode(BitReader& bits) const;
 
  private:
@@ -30,7 +30,7 @@ class HuffmanTable {
   };
 
   size_t max_length_ = 1;
-  std::vector<Entry> entries_;  ///< by the next max_length_ bits
+  std::vector<Entry> entries_;  ///< indexed by the next max_length_ bits
 };
 
 }  // namespace relume::detail

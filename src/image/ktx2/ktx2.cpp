@@ -18,7 +18,7 @@ namespace {
 
 using Span = std::span<const std::byte>;
 
-/// Decoded bytes per file byte that no encoder exceeds.
+/// Upper bound on decoded bytes per file byte, over all encoders.
 int64_t max_expansion(const Ktx2Header& header) {
   constexpr int64_t kPerByte = 4;          // R alone, or UASTC, becomes RGBA
   constexpr int64_t kZstandard = 1 << 15;  // blocks of 128 KiB that repeat a byte take 4 bytes
@@ -31,7 +31,7 @@ int64_t max_expansion(const Ktx2Header& header) {
   return kPerByte;
 }
 
-/// Level 0 without supercompression; `storage` holds it where the file does not.
+/// Level 0 without supercompression; `storage` holds it if the file does not.
 Span inflate(const Ktx2Header& header, uint64_t size, std::vector<std::byte>& storage, const std::string& name) {
   if (header.uncompressed_bytes != size)
     fail_damaged_ktx2(name, fmt::format("its first level has {} bytes, not {}", header.uncompressed_bytes, size));
@@ -66,7 +66,7 @@ std::vector<uint8_t> decode_uastc_level(const Ktx2Header& header, const std::str
   return decode_uastc(data, static_cast<size_t>(header.width), static_cast<size_t>(header.height), header.is_srgb);
 }
 
-/// A slice of level 0, whose place is at `field` of the description of the image.
+/// A slice of level 0, located by `field` of the image description.
 Span slice_at(Span data, Span description, size_t field, const std::string& name) {
   const uint64_t offset = number_at(description, field, 4);
   const uint64_t size = number_at(description, field + 4, 4);
@@ -75,7 +75,7 @@ Span slice_at(Span data, Span description, size_t field, const std::string& name
   return data.subspan(offset, size);
 }
 
-/// Decodes BasisLZ's global data up to the slices of level 0 (KTX specification, appendix "BasisLZ Global Data").
+/// Decodes BasisLZ's global data before the slices of level 0 (KTX specification, appendix "BasisLZ Global Data").
 Etc1sGlobalData read_global_data(const Ktx2Header& header, const std::string& name) {
   constexpr uint64_t kHead = 20;
   constexpr uint64_t kImage = 20;
@@ -125,7 +125,7 @@ std::vector<uint8_t> decode_level(const Ktx2Header& header, const std::string& n
   return {};
 }
 
-/// Sets R, G, B and A of all pixels to what `sources` names: a channel, 0 or 1.
+/// Sets R, G, B and A of all pixels to the sources named by `sources`: channels, 0 or 1.
 void swizzle(const std::string& sources, std::vector<uint8_t>& rgba) {
   if (sources == "rgba") return;
   constexpr std::string_view kNames = "rgba01";

@@ -16,10 +16,10 @@ namespace {
 
 using Span = std::span<const std::byte>;
 
-constexpr uint64_t kFixedBytes = 80;  ///< before the level index
+constexpr uint64_t kFixedBytes = 80;  ///< size before the level index
 constexpr uint64_t kLevelBytes = 24;
 
-/// Red and green of textures with two channels, which store green as alpha.
+/// Red and green of two-channel textures, which store green as alpha.
 constexpr const char* kRedAndAlpha = "ra01";
 
 /// Part of the file. Throws Error if it ends beyond the file.
@@ -30,7 +30,7 @@ Span part(Span bytes, uint64_t offset, uint64_t size, const std::string& name) {
 
 uint32_t word_at(Span bytes, size_t offset) { return static_cast<uint32_t>(number_at(bytes, offset, 4)); }
 
-/// Throws Error unless the texture is one 2D image with levels.
+/// Reads the dimensions. Throws Error unless the texture is one 2D image with levels.
 void read_shape(Span bytes, Ktx2Header& header, const std::string& name) {
   header.width = word_at(bytes, 20);
   header.height = word_at(bytes, 24);
@@ -56,11 +56,11 @@ void read_supercompression(Span bytes, Ktx2Header& header, const std::string& na
   header.supercompression = static_cast<Ktx2Supercompression>(scheme);
 }
 
-/// The fields of a basic descriptor block that matter here.
+/// Required fields of a basic descriptor block.
 struct Descriptor {
   uint32_t model = 0;
   uint32_t transfer = 0;
-  std::vector<uint32_t> channels;  ///< one for each sample
+  std::vector<uint32_t> channels;  ///< one per sample
 };
 
 Descriptor read_descriptor(Span bytes, const std::string& name) {
@@ -93,7 +93,7 @@ bool is_srgb_transfer(uint32_t transfer, const std::string& name) {
   return transfer == kSrgb;
 }
 
-/// Formats of Vulkan with 8 bits a channel, which are stored as they are.
+/// Vulkan formats with 8 bits per channel, stored without encoding.
 struct PlainFormat {
   uint32_t unorm;
   uint32_t srgb;
@@ -166,7 +166,7 @@ void read_format(Span bytes, Ktx2Header& header, const std::string& name) {
   }
 }
 
-/// Value of a key without the 0 at its end; empty: the file has no such key. Entries are a length, the key, a 0 and the
+/// Value of a key without its terminating 0; empty if the key is missing. Entries are a length, the key, a 0 and the
 /// value, padded to 4 bytes.
 std::string find_value(Span entries, std::string_view key, const std::string& name) {
   uint64_t at = 0;

@@ -28,7 +28,7 @@ std::string problem(const Ktx2File& file) {
   return problem_of([&] { decode(file); });
 }
 
-/// What a change makes of the file.
+/// Error message after a change to the file.
 std::string problem_after(Ktx2File file, const std::function<void(Ktx2File&)>& change) {
   change(file);
   return problem(file);
@@ -40,7 +40,7 @@ Texels texel(const Ktx2Image& image, int x, int y) {
   return {first, first + 4};
 }
 
-/// A file of each kind.
+/// One file of each kind.
 std::vector<Ktx2File> all_kinds() {
   return {plain_ktx2(),
           with_zstandard(plain_ktx2()),

@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<uint8_t, 4> kErrorColor = {255, 0, 255, 255};
 constexpr size_t kMaxEndpointValues = 18;  ///< mode 3: 3 subsets · 3 channels · 2
 
-/// Reads the bits of a block from the lowest one on. Modes never need more than the block has.
+/// Reads the bits of a block, starting at the lowest. No mode needs more bits than a block has.
 class BlockBits {
  public:
   explicit BlockBits(std::span<const std::byte, kUastcBlockBytes> block)
@@ -38,7 +38,7 @@ class BlockBits {
   uint64_t high_;
 };
 
-/// Index of the mode for each value of a block's lowest 7 bits; kUastcModes: none.
+/// Mode index by the lowest 7 bits of a block; kUastcModes: none.
 constexpr std::array<uint8_t, 128> make_mode_of_bits() {
   std::array<uint8_t, 128> result{};
   for (size_t bits = 0; bits < result.size(); ++bits) {
@@ -55,12 +55,12 @@ constexpr std::array<uint8_t, 128> kModeOfBits = make_mode_of_bits();
 /// Subset of each texel.
 struct Partition {
   uint32_t subsets = 0;
-  uint32_t bits = 0;  ///< a texel; 0: all texels are in subset 0
+  uint32_t bits = 0;  ///< per texel; 0: all texels are in subset 0
 
   uint32_t subset(size_t texel) const { return subsets >> (bits * texel) & ((1u << bits) - 1); }
 };
 
-/// Empty: there is no such pattern.
+/// Returns std::nullopt for invalid patterns.
 std::optional<Partition> find_partition(size_t mode, uint32_t pattern) {
   constexpr size_t kThreeSubsets = 3;
   constexpr size_t kOtherPatterns = 7;
@@ -72,13 +72,13 @@ std::optional<Partition> find_partition(size_t mode, uint32_t pattern) {
   return pattern < kUastcPatterns2.size() ? std::optional(Partition{kUastcPatterns2[pattern], 1}) : std::nullopt;
 }
 
-/// 8 bits from a channel of an endpoint that has `bits` bits and no digit.
+/// Expands an endpoint channel of `bits` bits without a digit to 8 bits.
 uint8_t unquantize_bits(uint32_t value, uint32_t bits) {
   return static_cast<uint8_t>(value << (8 - bits) | value >> (2 * bits - 8));
 }
 
-/// 8 bits from a channel of an endpoint with a digit (Khronos Data Format Specification, table "ASTC color
-/// unquantization parameters"). `value` is its bits.
+/// Expands an endpoint channel with a digit to 8 bits (Khronos Data Format Specification, table "ASTC color
+/// unquantization parameters"). `value` contains its bits.
 uint8_t unquantize_digit(uint32_t value, uint32_t digit, const UastcMode& mode) {
   const uint32_t high = value >> 1;
   uint32_t spread = 0;  // B in the specification
@@ -112,9 +112,9 @@ uint8_t unquantize_digit(uint32_t value, uint32_t digit, const UastcMode& mode) 
 
 using EndpointValues = std::array<uint8_t, kMaxEndpointValues>;
 
-/// Digits of all values, packed in numbers of up to 5 trits or 3 quints.
+/// Reads the digits of all values, packed in groups of up to 5 trits or 3 quints.
 EndpointValues read_digits(const UastcMode& mode, size_t count, BlockBits& bits) {
-  constexpr std::array<uint8_t, 6> kTritBits = {0, 2, 4, 5, 7, 8};  // by the number of trits
+  constexpr std::array<uint8_t, 6> kTritBits = {0, 2, 4, 5, 7, 8};  // indexed by the number of trits
   constexpr std::array<uint8_t, 4> kQuintBits = {0, 3, 5, 7};
   EndpointValues digits{};
   if (mode.digit_base == 1) return digits;
@@ -128,7 +128,7 @@ EndpointValues read_digits(const UastcMode& mode, size_t count, BlockBits& bits)
   return digits;
 }
 
-/// Values of 8 bits in the order of the block: for each subset and channel the low and the high endpoint.
+/// Reads 8-bit values in block order: low and high endpoint of each subset and channel.
 EndpointValues read_endpoints(const UastcMode& mode, BlockBits& bits) {
   const size_t count = size_t{2} * mode.subsets * mode.channels;
   EndpointValues values = read_digits(mode, count, bits);
@@ -142,10 +142,10 @@ EndpointValues read_endpoints(const UastcMode& mode, BlockBits& bits) {
 
 using Weights = std::array<std::array<uint32_t, 2>, 16>;
 
-/// Weights from 0 to 64 for each texel and plane. The first texel of a subset has a weight without its highest bit.
+/// Reads weights from 0 to 64 per texel and plane. The weight of a subset's first texel lacks its highest bit.
 Weights read_weights(const UastcMode& mode, const Partition& partition, BlockBits& bits) {
   const size_t planes = mode.planes == UastcPlanes::one ? 1 : 2;
-  uint32_t seen = 0;  // a bit for each subset
+  uint32_t seen = 0;  // one bit per subset
   Weights weights{};
   for (size_t i = 0; i < weights.size(); ++i) {
     const uint32_t subset = 1u << partition.subset(i);
@@ -169,7 +169,7 @@ uint8_t interpolate(uint32_t low, uint32_t high, uint32_t weight, bool srgb) {
   return static_cast<uint8_t>((low_16 * (64 - weight) + high_16 * weight + 32) >> 14);
 }
 
-/// Place of a channel of a texel among the channels of an endpoint.
+/// Index of a texel channel among the endpoint channels.
 size_t endpoint_channel(const UastcMode& mode, size_t channel) {
   if (mode.channels == 2) return channel == 3 ? 1 : 0;
   return channel;

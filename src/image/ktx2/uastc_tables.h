@@ -8,25 +8,25 @@
 
 namespace relume::detail {
 
-/// What has weights of its own.
+/// Channels with a separate plane of weights.
 enum class UastcPlanes : uint8_t {
   one,       ///< nothing
-  selected,  ///< the channel that 2 bits of the block name
+  selected,  ///< the channel selected by 2 bits of the block
   alpha,     ///< alpha
 };
 
-/// Fields of a block in the order of its bits: code, hints, pattern, channel of the second plane, endpoints, weights.
+/// Fields of a block in bit order: code, hints, pattern, channel of the second plane, endpoints, weights.
 struct UastcMode {
-  uint8_t code;           ///< lowest bit first, as in the block
+  uint8_t code;           ///< lowest bit first
   uint8_t code_bits;      ///< 2 to 7
-  uint8_t hint_bits;      ///< hints for transcoders, which decoders skip
+  uint8_t hint_bits;      ///< hints for transcoders, skipped by decoders
   uint8_t pattern_bits;   ///< 0: one subset
   uint8_t subsets;        ///< pairs of endpoints
   UastcPlanes planes;     ///< of weights
   uint8_t channels;       ///< 2: luminance and alpha; 3: RGB; 4: RGBA
-  uint8_t weight_bits;    ///< of a weight
-  uint8_t endpoint_bits;  ///< of an endpoint's channel, beside its digit
-  uint8_t digit_base;     ///< 3, 5: such a channel also has a digit of that base; 1: it has none
+  uint8_t weight_bits;    ///< bits per weight
+  uint8_t endpoint_bits;  ///< bits per endpoint channel, without its digit
+  uint8_t digit_base;     ///< base of an additional digit per endpoint channel, 3 or 5; 1: no digit
 };
 
 inline constexpr size_t kUastcModes = 19;
@@ -56,16 +56,16 @@ inline constexpr std::array<UastcMode, kUastcModes> kUastcModeTable = {{
     {0x09, 4, 15, 0, 1, UastcPlanes::one, 3, 5, 5, 1},       // 18
 }};
 
-/// Subsets of texels in modes 2, 4, 9 and 16: a bit a texel, texel 0 in the lowest bit.
+/// Subsets of texels in modes 2, 4, 9 and 16: one bit per texel, texel 0 in the lowest bit.
 inline constexpr std::array<uint16_t, 30> kUastcPatterns2 = {
     0xcccc, 0x8888, 0x1111, 0xecc8, 0x377f, 0xfeec, 0x0137, 0x137f, 0xc800, 0x0013,
     0xfe80, 0x17ff, 0x0017, 0x00ff, 0xfff0, 0x0fff, 0xff71, 0x8eff, 0x08ce, 0x008c,
     0x7310, 0xceff, 0x7331, 0x088c, 0xceef, 0x6666, 0xf00f, 0x5555, 0x0f0f, 0x36c9};
-/// The same of mode 7.
+/// The same for mode 7.
 inline constexpr std::array<uint16_t, 19> kUastcPatterns7 = {0x00f0, 0x4444, 0x0133, 0xcc80, 0xf0ff, 0x2222, 0xffc8,
                                                              0xccce, 0x3c03, 0x00ee, 0x7700, 0x3003, 0x00ce, 0xff80,
                                                              0x6fff, 0x1333, 0x11ff, 0x136c, 0x00ef};
-/// The same of mode 3, with 2 bits a texel.
+/// The same for mode 3, with 2 bits per texel.
 inline constexpr std::array<uint32_t, 11> kUastcPatterns3 = {0xa5a50000, 0xaa005555, 0xaa000055, 0x0000aa55,
                                                              0x25252525, 0x94949494, 0x58585858, 0x56560202,
                                                              0x92929292, 0x55aa0055, 0xa05050a0};

@@ -29,7 +29,7 @@ UastcTexels decode(const std::vector<std::byte>& bytes, bool srgb = false) {
 
 uint32_t below(uint32_t end, std::mt19937& random) { return static_cast<uint32_t>(random() % end); }
 
-/// A block of `mode` with endpoints, weights and hints at random.
+/// A block of `mode` with random endpoints, weights and hints.
 UastcBlock random_block(int mode, uint32_t pattern, std::mt19937& random) {
   UastcBlock block;
   block.mode = mode;
@@ -66,7 +66,7 @@ TEST_P(UastcModes, TexelsAreThoseOfAstc) {
   }
 }
 
-/// Every value that an endpoint may have, at weight 0.
+/// Tests every endpoint value, at weight 0.
 TEST_P(UastcModesWithEndpoints, EveryEndpointValueIsUnquantised) {
   const int mode = GetParam();
   const UastcEndpointLayout layout = uastc_endpoint_layout(mode);
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(AfterSolid, UastcModesWithEndpoints, ::testing::Range(9
 
 TEST(Uastc, InterpolatesBetweenEndpoints) {
   UastcBlock block;
-  block.mode = 1;  // 8 bits a channel, 2 bits a weight
+  block.mode = 1;  // 8 bits per channel, 2 bits per weight
   block.endpoints = {{0, 10}, {0, 250}, {0, 0}, {0, 255}, {0, 100}, {0, 100}};
   block.weights[1][0] = 1;
   block.weights[2][0] = 2;
@@ -101,7 +101,7 @@ TEST(Uastc, InterpolatesBetweenEndpoints) {
 
 TEST(Uastc, SecondPlaneMovesOneChannel) {
   UastcBlock block;
-  block.mode = 13;  // RGBA, 8 bits a channel, 1 bit a weight
+  block.mode = 13;  // RGBA, 8 bits per channel, 1 bit per weight
   block.endpoints = {{0, 1}, {0, 201}, {0, 2}, {0, 202}, {0, 3}, {0, 203}, {0, 4}, {0, 204}};
   block.weights[5] = {0, 1};
   for (uint32_t channel = 0; channel < 4; ++channel) {
@@ -121,7 +121,7 @@ TEST(Uastc, InvalidBlocksAreMagenta) {
     block.mode = mode;
     block.endpoints.assign(uastc_endpoint_layout(mode).count, {});
     bytes = write_uastc_block(block);
-    // The pattern ends before the endpoints, which are 0: 31 or 15 is no pattern of any mode.
+    // The pattern ends before the endpoints, which are 0. 31 and 15 are invalid patterns in all modes.
     const size_t first = mode == 9 ? 5 + 23 : mode == 16 ? 6 + 23 : 5 + 15;
     for (size_t bit = first; bit < first + (mode == 3 ? 4u : 5u); ++bit)
       bytes[bit / 8] |= static_cast<std::byte>(1u << (bit % 8));
@@ -140,7 +140,7 @@ TEST(Uastc, BlocksOfAnyBitsDecode) {
   EXPECT_GT(opaque, 1000u);
 }
 
-/// 6 × 5 texels take 2 × 2 blocks, of which those at the right and the bottom are cut.
+/// 6 × 5 texels need 2 × 2 blocks; the right and bottom ones are cropped.
 TEST(Uastc, ImagesCutTheirLastBlocks) {
   std::vector<std::byte> blocks;
   for (uint8_t i = 0; i < 4; ++i) {

@@ -12,8 +12,8 @@ namespace relume::testing {
 inline constexpr int kGrey = 0;
 inline constexpr int kRgba = 6;
 
-/// An uncompressed PNG (ISO/IEC 15948). `samples` are big-endian rows without filter bytes; checksums are left zero,
-/// which the decoder does not look at.
+/// An uncompressed PNG (ISO/IEC 15948). `samples` are big-endian rows without filter bytes. Checksums are zero; the
+/// decoder ignores them.
 inline std::vector<std::byte> make_png(uint32_t width, uint32_t height, int bit_depth, int color_type,
                                        const std::vector<uint8_t>& samples) {
   std::string raw;

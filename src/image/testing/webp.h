@@ -11,7 +11,7 @@
 
 namespace relume::testing {
 
-/// `rgba`: rows from the top, 8 bits a channel. Lossless unless `quality`, up to 100, is at least 0.
+/// `rgba`: rows from the top, 8 bits per channel. Lossless unless `quality`, up to 100, is at least 0.
 inline std::vector<std::byte> make_webp(int width, int height, const std::vector<uint8_t>& rgba, float quality = -1) {
   uint8_t* data = nullptr;
   const size_t size = quality < 0 ? WebPEncodeLosslessRGBA(rgba.data(), width, height, 4 * width, &data)
@@ -22,7 +22,7 @@ inline std::vector<std::byte> make_webp(int width, int height, const std::vector
   return bytes;
 }
 
-/// 30 bytes: the header of a lossless image, whose data are not valid.
+/// 30 bytes: the header of a lossless image with invalid data.
 inline std::vector<std::byte> webp_header(int width, int height) {
   constexpr std::string_view kChunks("RIFF\x16\0\0\0WEBPVP8L\x0a\0\0\0\x2f", 21);
   std::vector<std::byte> bytes;

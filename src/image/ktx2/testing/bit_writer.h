@@ -1,4 +1,4 @@
-// Bit fields as BasisLZ and UASTC store them, for tests.
+// Bit fields in the order of BasisLZ and UASTC, for tests.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace relume::testing {
 
-/// Appends fields from the least significant bit of the first byte on.
+/// Appends fields, starting at the least significant bit of the first byte.
 class BitWriter {
  public:
   void put(uint64_t value, size_t count) {

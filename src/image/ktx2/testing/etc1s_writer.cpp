@@ -16,7 +16,7 @@ struct Field {
   size_t raw_bits = 0;
 };
 
-/// Groups of bits from the lowest on, each with a bit that announces another one.
+/// Splits a number into groups of bits, the lowest first. A bit after each group is set if another one follows.
 void append_number(uint64_t number, size_t group_bits, std::vector<Field>& fields) {
   const uint64_t more = uint64_t{1} << group_bits;
   do {
@@ -26,7 +26,7 @@ void append_number(uint64_t number, size_t group_bits, std::vector<Field>& field
   } while (number > 0);
 }
 
-/// Turns the blocks of an image into fields.
+/// Converts the blocks of an image to fields.
 class SliceWriter {
  public:
   SliceWriter(const Etc1sCodebooks& codebooks, const Etc1sBlocks& image, Etc1sStatistics& statistics)
@@ -73,7 +73,7 @@ class SliceWriter {
     append_selector(index(x, y));
   }
 
-  /// The predictions of the next group, or a run of groups that repeat the last one.
+  /// Appends the predictions of the next group, or a run of groups that repeat the last one.
   void append_group() {
     const size_t i = group_++;
     if (i < run_end_) return;
@@ -135,13 +135,13 @@ class SliceWriter {
   std::vector<uint32_t> groups_;
   uint32_t last_group_ = 0;
   size_t group_ = 0;
-  size_t run_end_ = 0;           ///< groups before this one are written
-  size_t selector_run_end_ = 0;  ///< blocks before this one are written
+  size_t run_end_ = 0;           ///< groups before this one are already written
+  size_t selector_run_end_ = 0;  ///< blocks before this one are already written
   uint32_t previous_ = 0;
   std::vector<Field> fields_;
 };
 
-/// Writes a list of fields by means of tables that were made for them.
+/// Writes a list of fields with the tables built for them.
 std::vector<std::byte> write_fields(const std::vector<Field>& fields,
                                     const std::array<HuffmanWriter, kTables>& tables) {
   BitWriter bits;

@@ -10,7 +10,7 @@
 
 namespace relume::testing {
 
-/// An image as its blocks: indices in the codebooks, row by row.
+/// Blocks of an image: codebook indices, row by row.
 struct Etc1sBlocks {
   size_t width = 0;   ///< in blocks
   size_t height = 0;  ///< in blocks
@@ -18,7 +18,7 @@ struct Etc1sBlocks {
   std::vector<uint32_t> selectors;
 };
 
-/// What several images share.
+/// Data shared by several images.
 struct Etc1sCodebooks {
   std::vector<detail::Etc1sEndpoint> endpoints;
   std::vector<detail::Etc1sSelector> selectors;
@@ -27,7 +27,7 @@ struct Etc1sCodebooks {
   size_t history_size = 8;
 };
 
-/// How often the writer used a feature of the format.
+/// Number of times that the writer used a feature of the format.
 struct Etc1sStatistics {
   std::array<size_t, 4> predictions{};  ///< left, above, above left, difference
   size_t prediction_runs = 0;
@@ -48,7 +48,7 @@ struct Etc1sStreams {
 std::vector<std::byte> write_etc1s_endpoints(const std::vector<detail::Etc1sEndpoint>& endpoints, bool grey);
 std::vector<std::byte> write_etc1s_selectors(const std::vector<detail::Etc1sSelector>& selectors, bool raw);
 
-/// Writes the codebooks, the code tables and a slice for each image.
+/// Writes the codebooks, the code tables and one slice per image.
 Etc1sStreams write_etc1s(const Etc1sCodebooks& codebooks, const std::vector<Etc1sBlocks>& images);
 
 }  // namespace relume::testing

@@ -6,9 +6,9 @@
 namespace relume::testing {
 namespace {
 
-/// Sets lengths as the depths of the leaves of a Huffman tree; returns the largest.
+/// Sets lengths to the depths of the leaves of a Huffman tree; returns the largest.
 size_t measure_tree(const std::vector<uint64_t>& counts, std::vector<uint8_t>& lengths) {
-  std::multimap<uint64_t, std::vector<size_t>> trees;  // leaves of each tree by the sum of their counts
+  std::multimap<uint64_t, std::vector<size_t>> trees;  // leaves of each tree, keyed by the sum of their counts
   for (size_t symbol = 0; symbol < counts.size(); ++symbol) {
     if (counts[symbol] > 0) trees.insert({counts[symbol], {symbol}});
   }
@@ -25,7 +25,7 @@ size_t measure_tree(const std::vector<uint64_t>& counts, std::vector<uint8_t>& l
   return *std::max_element(lengths.begin(), lengths.end());
 }
 
-/// Code of a symbol: RFC 1951, §3.2.2.
+/// Code of a symbol (RFC 1951, §3.2.2).
 uint32_t canonical_code(const std::vector<uint8_t>& lengths, size_t symbol) {
   uint32_t code = 0;
   for (uint8_t length = 1; length <= lengths[symbol]; ++length) {
@@ -42,7 +42,7 @@ void write_code(const std::vector<uint8_t>& lengths, size_t symbol, BitWriter& b
   for (int i = lengths[symbol] - 1; i >= 0; --i) bits.put(code >> i, 1);
 }
 
-/// A length, or a run with the number of repetitions behind it.
+/// A length, or a run followed by its number of repetitions.
 struct Token {
   uint32_t symbol;
   size_t extra_bits = 0;
@@ -55,7 +55,7 @@ std::vector<Token> tokens_of(const std::vector<uint8_t>& lengths) {
     size_t run = 1;
     while (i + run < lengths.size() && lengths[i + run] == lengths[i]) ++run;
     const bool zeros = lengths[i] == 0;
-    if (!zeros && run > 3) {  // runs repeat a length that stands before them
+    if (!zeros && run > 3) {  // runs repeat the length before them
       tokens.push_back({lengths[i]});
       ++i;
       --run;

@@ -1,4 +1,4 @@
-// Writes canonical Huffman codes as BasisLZ stores them, for tests.
+// Writes canonical Huffman codes in BasisLZ's format, for tests.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,20 @@
 
 namespace relume::testing {
 
-/// Lengths of an optimal code for symbols that occur `counts` times each, of at most `max_length` bits. A single symbol
+/// Lengths of an optimal code of at most `max_length` bits for symbols with the frequencies `counts`. A single symbol
 /// gets length 1.
 std::vector<uint8_t> huffman_lengths(std::vector<uint64_t> counts, size_t max_length);
 
-/// A code made for the symbols that were counted.
+/// A code for the counted symbols.
 class HuffmanWriter {
  public:
-  /// Before write_table().
+  /// Must precede write_table().
   void count(uint32_t symbol);
 
-  /// Writes the lengths of the codes, with runs. A code for nothing has symbol 0.
+  /// Writes the code lengths, with runs. A code without counts contains symbol 0.
   void write_table(BitWriter& bits);
 
-  /// Writes the code of a symbol. After write_table().
+  /// Writes the code of a symbol. Requires write_table().
   void write(uint32_t symbol, BitWriter& bits) const;
 
  private:

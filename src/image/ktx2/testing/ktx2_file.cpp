@@ -56,7 +56,7 @@ Bytes Ktx2File::bytes() const {
   const Bytes descriptor_bytes = descriptor(*this);
   const Bytes entry_bytes = entries(*this);
   const size_t index_end = 80 + 24 * levels.size();
-  Bytes tail = descriptor_bytes;  // behind the level index
+  Bytes tail = descriptor_bytes;  // after the level index
   append(entry_bytes, tail);
   tail.resize(tail.size() + (8 - (index_end + tail.size()) % 8) % 8);
   const size_t global_at = index_end + tail.size();
@@ -147,7 +147,7 @@ Ktx2File etc1s_ktx2(const Etc1sCodebooks& codebooks, const std::vector<Etc1sBloc
   put(codebooks.selectors.size(), 2, file.global_data);
   for (const Bytes* section : {&streams.endpoints, &streams.selectors, &streams.tables})
     put(section->size(), 4, file.global_data);
-  put(0, 8, file.global_data);  // no extended data; no flags of the image
+  put(0, 8, file.global_data);  // no extended data; no image flags
   put(0, 4, file.global_data);
   put(streams.slices[0].size(), 4, file.global_data);
   put(images.size() > 1 ? streams.slices[0].size() : 0, 4, file.global_data);

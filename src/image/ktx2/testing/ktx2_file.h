@@ -1,4 +1,4 @@
-// KTX2 files whose fields may be set one by one, for tests.
+// KTX2 files with individually settable fields, for tests.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace relume::testing {
 
-/// A file with one level of RGBA unless its fields say otherwise.
+/// A file, by default with one level of RGBA.
 struct Ktx2File {
   uint32_t format = 43;  ///< VkFormat: 37 RGBA linear, 43 RGBA sRGB, 0 undefined
   uint32_t width = 2;
@@ -22,11 +22,11 @@ struct Ktx2File {
   uint8_t model = 1;                              ///< 1 RGB, 163 ETC1S, 166 UASTC
   uint8_t transfer = 2;                           ///< 1 linear, 2 sRGB
   uint8_t flags = 0;                              ///< 1 premultiplied alpha
-  std::vector<uint8_t> channels = {0, 1, 2, 15};  ///< of the samples
+  std::vector<uint8_t> channels = {0, 1, 2, 15};  ///< channels of the samples
   std::vector<std::pair<std::string, std::string>> key_values;
   std::vector<std::byte> global_data;
-  std::vector<std::vector<std::byte>> levels;       ///< the largest first
-  std::vector<uint64_t> uncompressed_bytes = {16};  ///< of each level
+  std::vector<std::vector<std::byte>> levels;       ///< largest first
+  std::vector<uint64_t> uncompressed_bytes = {16};  ///< one per level
 
   std::vector<std::byte> bytes() const;
 };
@@ -34,20 +34,20 @@ struct Ktx2File {
 /// Bytes of these values.
 std::vector<std::byte> byte_list(const std::vector<int>& values);
 
-/// `bytes` as one frame of Zstandard.
+/// `bytes` as one Zstandard frame.
 std::vector<std::byte> zstandard(const std::vector<std::byte>& bytes);
 
-/// A file of 2 × 2 texels, whose 16 channels are 10, 11, 12, …
+/// A file of 2 × 2 texels with the 16 channel values 10, 11, 12, …
 Ktx2File plain_ktx2();
-/// A UASTC file of 8 × 8 texels, whose four blocks have one colour each: (60, 70, 80, 90), (61, 71, 81, 91), …
+/// A UASTC file of 8 × 8 texels in four blocks of one colour each: (60, 70, 80, 90), (61, 71, 81, 91), …
 Ktx2File uastc_ktx2();
-/// Moves the only level of the file into a frame of Zstandard.
+/// Compresses the only level of the file with Zstandard.
 Ktx2File with_zstandard(Ktx2File file);
 
-/// A BasisLZ file whose first image is RGB and whose second one, if any, alpha. `width` and `height` are in texels.
+/// A BasisLZ file with RGB in its first image and, optionally, alpha in a second. `width` and `height` are in texels.
 Ktx2File etc1s_ktx2(const Etc1sCodebooks& codebooks, const std::vector<Etc1sBlocks>& images, uint32_t width,
                     uint32_t height);
-/// One with 9 × 7 texels, four endpoints and three selectors.
+/// A BasisLZ file with 9 × 7 texels, four endpoints and three selectors.
 Ktx2File small_etc1s_ktx2(bool alpha);
 
 }  // namespace relume::testing

@@ -35,7 +35,7 @@ constexpr uint8_t kTo191[] = {
     54, 201, 58,  197, 62,  193, 66,  189, 70,  185, 74,  181, 78,  177, 82,  173, 86,  169, 90,  165, 94, 161,
     98, 157, 102, 153, 106, 149, 110, 145, 114, 141, 118, 137, 122, 133, 126, 129};
 
-/// The rows of table "UASTC to ASTC configuration mapping".
+/// Rows of table "UASTC to ASTC configuration mapping".
 struct AstcConfiguration {
   uint32_t max_weight;
   uint32_t max_endpoint;
@@ -138,7 +138,7 @@ const char* mode_code(int mode) {
   return kCodes[mode];
 }
 
-/// Table "Block configuration bits" without the code, the pattern and the channel selector.
+/// Bits of table "Block configuration bits" without the code, the pattern and the channel selector.
 size_t hint_bits(int mode) {
   size_t bits = 1 + 1 + 1 + 3 + 3;  // BC1H0, ETC1F, ETC1D, ETCI0, ETCI1
   if (is_one_of(mode, {0, 1, 2, 3, 4, 5, 6, 7, 9, 13, 14, 15, 16, 17, 18})) bits += 1 + 5;  // BC1H1, ETCBI
@@ -146,7 +146,7 @@ size_t hint_bits(int mode) {
   return bits;
 }
 
-/// Digits of all values, the first in the lowest place of each group.
+/// Writes the digits of all values, the first in the lowest position of each group.
 void put_digits(const UastcBlock& block, const UastcEndpointLayout& layout, BitWriter& bits) {
   const size_t group = layout.base == 3 ? 5 : 3;
   for (size_t first = 0; first < layout.count; first += group) {
