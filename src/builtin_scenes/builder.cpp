@@ -156,7 +156,7 @@ void SceneBuilder::add_turning(Index node, float seconds, int turns) {
   AnimationChannel turn;
   turn.node = node;
   turn.property = AnimatedProperty::rotation;
-  for (int i = 0; i <= 4 * turns; ++i) {  // slerp takes the short way, so a key every quarter turn
+  for (int i = 0; i <= 4 * turns; ++i) {  // slerp takes the shorter arc, hence a key per quarter turn
     const float half_angle = static_cast<float>(i) * kPi / 4;
     turn.times.push_back(static_cast<float>(i) * seconds / 4);
     turn.values.emplace_back(0, std::sin(half_angle), 0, std::cos(half_angle));

@@ -1,4 +1,4 @@
-// Puts a scene together: the few steps that all built-in scenes repeat.
+// Builds scenes from the steps that all built-in scenes share.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ Material matte(std::string name, const Rgb& albedo);
 Material glossy(std::string name, const Rgb& albedo, float roughness);
 /// Conductor; `color` is its reflectance at normal incidence. Roughness 0 is a mirror.
 Material metal(std::string name, const Rgb& color, float roughness);
-/// Smooth clear dielectric that bounds a volume. `attenuation_color` is left of white after
+/// Smooth clear dielectric that bounds a volume. White is attenuated to `attenuation_color` after
 /// `attenuation_distance` metres.
 Material glass(std::string name, float ior, const Rgb& attenuation_color = Rgb(1),
                float attenuation_distance = kInfinity);
@@ -34,26 +34,25 @@ class SceneBuilder {
 
   Index add_material(Material material);
   Index add_texture(Texture texture);
-  /// A mesh that no node shows yet.
+  /// Adds a mesh without a node.
   Index add_mesh(std::string name, Mesh mesh, Index material);
-  /// A mesh with a node of its own; returns the node.
+  /// Adds a mesh with a separate node; returns the node.
   Index add(std::string name, Mesh mesh, Index material, const Transform& transform = {}, Index parent = kNone);
-  /// A node that only groups others.
+  /// Adds a node that only groups others.
   Index add_group(std::string name, const Transform& transform = {}, Index parent = kNone);
-  /// A node that shows `mesh` once per matrix.
+  /// Adds a node that shows `mesh` once per matrix.
   Index add_instances(std::string name, Index mesh, std::vector<Mat4> instances);
 
-  /// The full vertical angle is in degrees. The first camera is the one that is used unless another is named. Returns
-  /// the camera's node.
+  /// Adds a camera with a full vertical angle in degrees. The first camera is the default. Returns the camera's node.
   Index add_camera(const Vec3& eye, const Vec3& target, float fov_y_deg, const std::string& name = "camera");
   /// Moves a camera node through the keys along Catmull-Rom curves of eye and target, resampled every 0.1 s.
   void add_camera_path(Index node, const std::vector<CameraKey>& keys);
   void add_channel(AnimationChannel channel) { scene_.animation.push_back(std::move(channel)); }
-  /// Turns `node` about +Y by full turns of `seconds` each, `turns` times.
+  /// Turns `node` about +Y `turns` times, with `seconds` per full turn.
   void add_turning(Index node, float seconds, int turns);
 
   void set_environment(Environment environment) { scene_.environment = std::move(environment); }
-  /// The scene, with a fixed exposure and tone map, so that its images can be compared.
+  /// The scene with a fixed exposure and tone map, so that its images are comparable.
   Scene take() {
     scene_.settings_json = R"({"exposure": 0, "tone-map": "agx"})";
     return std::move(scene_);

@@ -10,14 +10,14 @@ namespace relume {
 
 struct BuiltinScene {
   std::string_view name;
-  std::string_view summary;  ///< one line: what is in it and what it is for; says in brackets if something moves
+  std::string_view summary;  ///< one line on content and purpose; motion in brackets
   Scene (*build)();
 };
 
-/// All of them, in the order in which `relume scenes` lists them.
+/// All built-in scenes, in the order of `relume scenes`.
 const std::vector<BuiltinScene>& builtin_scenes();
 
-/// nullptr if there is none of that name.
+/// Returns nullptr if no scene has that name.
 const BuiltinScene* find_builtin_scene(std::string_view name);
 
 }  // namespace relume

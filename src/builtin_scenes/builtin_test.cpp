@@ -1,4 +1,4 @@
-// What holds for every built-in scene, and what each was built to have.
+// Properties of all built-in scenes, and of individual ones.
 #include "builtin_scenes/builtin.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace relume {
 namespace {
 
-/// Every scene is built once for all tests.
+/// Builds every scene once for all tests.
 const Scene& scene_named(std::string_view name) {
   static std::map<std::string, Scene, std::less<>> built;
   const auto [entry, is_new] = built.try_emplace(std::string(name));
@@ -25,7 +25,7 @@ const Scene& scene_named(std::string_view name) {
 
 size_t copies(const Node& node) { return node.instances.empty() ? 1 : node.instances.size(); }
 
-/// Triangles with every copy counted, of materials for which `counts` holds.
+/// Triangles over all copies, of the materials that `counts` accepts.
 template <typename Predicate>
 size_t triangle_count(const Scene& scene, Predicate counts) {
   size_t sum = 0;
@@ -60,7 +60,7 @@ struct Hit {
   bool front = false;
 };
 
-/// Nearest intersection by going through all triangles (Möller and Trumbore 1997).
+/// Nearest intersection by brute force over all triangles (Möller and Trumbore 1997).
 Hit trace(const Scene& scene, const Vec3& origin, const Vec3& direction) {
   Hit hit;
   const std::vector<Mat4> world = world_matrices(scene, 0);
@@ -92,7 +92,7 @@ Hit trace(const Scene& scene, const Vec3& origin, const Vec3& direction) {
   return hit;
 }
 
-/// Unit directions spread evenly over the sphere (Fibonacci lattice).
+/// Evenly spread unit directions (Fibonacci lattice).
 Vec3 spread(int i, int count) {
   const float y = 1 - (2 * static_cast<float>(i) + 1) / static_cast<float>(count);
   const float angle = static_cast<float>(i) * kPi * (3 - std::sqrt(5.0f));
@@ -173,7 +173,7 @@ TEST_P(EveryScene, MatricesKeepOrientation) {
   }
 }
 
-/// A path that starts at time 0 shows what the still camera shows.
+/// A camera path that starts at time 0 starts with the view of the still camera.
 TEST_P(EveryScene, AnimationStartsAtTheStill) {
   const Scene& scene = scene_named(GetParam());
   Scene still = scene;
@@ -220,7 +220,7 @@ TEST(BuiltinScenes, AnimatedOnesMove) {
     const Scene& scene = scene_named(name);
     EXPECT_TRUE(moving_nodes(scene)[camera_node(scene)]) << name;
   }
-  for (const char* name : {"turntable", "slit"}) {  // lamps move before a camera at rest, and before one that moves
+  for (const char* name : {"turntable", "slit"}) {  // lamps move in view of a camera at rest, and of a moving one
     const Scene& scene = scene_named(name);
     ASSERT_EQ(scene.cameras.size(), 2u) << name;
     for (size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -230,7 +230,7 @@ TEST(BuiltinScenes, AnimatedOnesMove) {
   }
 }
 
-/// Lamps whose caustics are to be found by chance only are at most 0.1 % of the ceiling (5.5 m squared).
+/// Lamps with caustics that only chance finds cover at most 0.1 % of the ceiling (5.5 m squared).
 TEST(BuiltinScenes, CausticLampsAreSmall) {
   for (const char* name : {"cornell-water", "cornell-glass"}) {
     const Scene& scene = scene_named(name);
@@ -247,7 +247,7 @@ TEST(BuiltinScenes, CausticLampsAreSmall) {
   }
 }
 
-/// From inside a closed room every ray meets a front: no gap, no wall turned inside out.
+/// In a closed room every ray hits a front face: there are no gaps and no inverted walls.
 TEST(BuiltinScenes, RoomsAreClosed) {
   for (const char* name : {"cornell-closed", "cornell-mirror", "corridor", "warehouse", "slit", "door", "lamp-room"}) {
     const Scene& scene = scene_named(name);
@@ -261,7 +261,7 @@ TEST(BuiltinScenes, RoomsAreClosed) {
   }
 }
 
-/// The single lamp is hidden: no ray from the camera finds it.
+/// The single lamp is hidden: no camera ray hits it.
 TEST(BuiltinScenes, HiddenLampsAreHidden) {
   for (const char* name : {"corridor", "door"}) {
     const Scene& scene = scene_named(name);

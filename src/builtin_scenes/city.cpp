@@ -1,5 +1,5 @@
-// Nineteen million triangles, nearly all of them instances: 34 × 34 lots with one of twelve buildings, or with a
-// park. Every window is modelled; fewer than 300,000 triangles are in memory.
+// Nineteen million triangles, nearly all of them instances: 34 × 34 lots with one of twelve buildings or a park. Every
+// window is modelled; fewer than 300,000 triangles are in memory.
 #include <string>
 #include <vector>
 
@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-constexpr int kLots = 34;        // along x, and along z
+constexpr int kLots = 34;        // along x and along z
 constexpr float kLot = 30;       // metres, street included
 constexpr float kPavement = 20;  // width of the raised block in a lot
 constexpr float kExtent = kLots * kLot;
@@ -38,8 +38,8 @@ struct Facade {
   Mesh glass;
 };
 
-/// One window of a facade that looks along +Z: the wall around it, the reveal 0.25 m deep, a sill and the pane.
-/// (x, y) is the lower left corner of the cell.
+/// One window of a facade that faces +Z: the wall around it, the reveal 0.25 m deep, a sill and the pane. (x, y) is the
+/// lower left corner of the cell.
 void add_window(Facade& facade, float x, float y, float width, float z) {
   const float left = x + 0.22f * width;
   const float right = x + 0.78f * width;
@@ -101,7 +101,7 @@ Vec3 lot_middle(int i, int j) {
           (static_cast<float>(j) + 0.5f - 0.5f * kLots) * kLot};
 }
 
-/// What stands on a lot: the number of a design, or -1 for a park. Tall designs gather around the middle.
+/// Design number of a lot, or -1 for a park. Tall designs are near the centre.
 int design_of_lot(int i, int j) {
   const auto random = [&](uint32_t what) {
     return to_unit_float(hash(static_cast<uint32_t>(i), static_cast<uint32_t>(j), what));
@@ -182,7 +182,7 @@ Scene build_city() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sun_elevation_rad = glm::radians(38.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(55.0f);
-  environment.sun_sky.sky_scale = 0.06f;  // white walls in the sun come out near 1
+  environment.sun_sky.sky_scale = 0.06f;  // gives sunlit white walls a radiance near 1
   environment.sun_sky.sun_scale = 0.06f;
   builder.set_environment(environment);
 

@@ -14,12 +14,12 @@ constexpr float kSize = 2 * kHalf;
 constexpr Rgb kWhite{0.73f, 0.73f, 0.73f};
 constexpr Rgb kRed{0.63f, 0.065f, 0.05f};
 constexpr Rgb kGreen{0.14f, 0.45f, 0.091f};
-/// Flux of the lamps divided by π, W/sr: all boxes are equally bright, whatever the size of their lamp.
+/// Flux of the lamps divided by π, W/sr. All boxes are equally bright, independent of the lamp's size.
 constexpr Rgb kLampPower{23.2f, 17.1f, 8.2f};
 
 Mesh back_wall() { return quad({-kHalf, 0, -kHalf}, {kSize, 0, 0}, {0, kSize, 0}); }
 
-/// Floor, ceiling and side walls from the back to z = `front`, and the white material.
+/// Adds floor, ceiling and side walls from the back to z = `front`; returns the white material.
 Index add_walls(SceneBuilder& builder, float front) {
   const Index white = builder.add_material(matte("white", kWhite));
   const Index red = builder.add_material(matte("red", kRed));
@@ -46,7 +46,7 @@ void add_lamp(SceneBuilder& builder, float width, float depth) {
 /// The classic view: the opening fills a square image.
 void add_front_camera(SceneBuilder& builder) { builder.add_camera({0, kHalf, 10.7f}, {0, kHalf, 0}, 39.3f); }
 
-/// Two boxes that stand turned on the floor, sunk into it by 1 cm.
+/// Two rotated boxes on the floor, sunk into it by 1 cm.
 void add_boxes(SceneBuilder& builder) {
   const Index material = builder.add_material(glossy("boxes", kWhite, 0.35f));
   Transform tall;
@@ -65,14 +65,14 @@ Transform at(const Vec3& position) {
   return transform;
 }
 
-/// Surface of the water at (x, z): a few waves of different directions.
+/// Height of the water at (x, z): a few waves of different directions.
 float wave_height(float x, float z) {
   return 1.3f + 0.035f * std::sin(3.1f * x + 1.3f * z) + 0.025f * std::sin(-2.2f * x + 4.3f * z + 1.0f) +
          0.012f * std::sin(6.3f * x - 5.1f * z + 2.5f) + 0.006f * std::sin(9.7f * x + 8.3f * z);
 }
 
-/// The water's whole boundary. It reaches 5 mm into walls and floor, where nothing sees it, so that no film of air
-/// stays between; its front is a plane just behind the opening.
+/// The closed boundary of the water. It extends 5 mm into walls and floor, where it is invisible, so that no film of
+/// air remains. Its front is a plane just behind the opening.
 Mesh water_body() {
   constexpr int kCells = 256;
   const float side = kHalf + 0.005f;
@@ -140,7 +140,7 @@ Scene build_cornell_spheres() {
 
 Scene build_cornell_mirror() {
   SceneBuilder builder("cornell-mirror");
-  // The room goes on behind the camera, or the mirror would show nothing but the black opening.
+  // The room continues behind the camera; otherwise the mirror would only show the black opening.
   const float front = 11;
   const Index white = add_walls(builder, front);
   builder.add("front wall", quad({kHalf, 0, front}, {-kSize, 0, 0}, {0, kSize, 0}), white);

@@ -1,5 +1,5 @@
-// A corridor with three bends. The camera stands in the first leg and the only lamp hangs in the last: its light
-// needs three reflections to reach walls that the camera sees.
+// A corridor with three bends. The camera is in the first leg and the only lamp in the last. Light needs three
+// reflections to reach walls in view.
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/rooms.h"
 #include "builtin_scenes/scenes.h"
@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// One letter a leg, in the order in which the camera walks through them.
+/// One letter per leg, in the order of the camera path.
 const FloorPlan kPlan{{"########",  //
                        "#dddc###",  //
                        "####c###",  //

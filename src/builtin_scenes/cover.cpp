@@ -1,5 +1,5 @@
-// A knot of more than a million triangles under ten lamps in a hood whose bottom is a grille: the receiver is
-// intricate, and every lamp is partly hidden from nearly everywhere.
+// A knot of more than a million triangles under ten lamps in a hood with a grille at the bottom. The receiver is
+// intricate, and every lamp is partly occluded from nearly everywhere.
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/scenes.h"
 #include "builtin_scenes/shapes.h"

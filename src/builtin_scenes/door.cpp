@@ -1,5 +1,5 @@
-// After the ajar door of [Veach97 ch. 11]: three pots on a table, and light only through the gap
-// of a door that is hardly open. Nearly all light in the room has been reflected in the room next door first.
+// After the ajar door of [Veach97 ch. 11]: three pots on a table, lit only through the gap of a door that is hardly
+// open. Nearly all light in the room was first reflected in the room next door.
 #include <cmath>
 
 #include "builtin_scenes/builder.h"
@@ -11,7 +11,7 @@ namespace relume {
 namespace {
 
 constexpr float kHeight = 2.9f;
-constexpr float kTable = 0.8f;     // height of the table's top
+constexpr float kTable = 0.8f;     // height of the tabletop
 constexpr float kDoorFrom = 0.5f;  // the opening in the wall z = -3, along x
 constexpr float kDoorTo = 1.6f;
 
@@ -93,10 +93,10 @@ void add_table(SceneBuilder& builder) {
   for (int i = 0; i < 3; ++i) {
     const float order = static_cast<float>(i);
     Transform transform;
-    // The glass one stands half a millimetre above the table: its bottom bounds the glass.
+    // The glass pot is half a millimetre above the table: its bottom bounds the glass.
     transform.translation = {-0.98f + 0.62f * order, kTable + (i == 1 ? 0.0005f : -0.001f), -0.2f + 0.1f * (order - 1)};
     transform.rotation = glm::quat_cast(Mat3(rotation_y(25 - 40 * order)));
-    // A single closed surface refracts cleanly; handle and spout would overlap it inside.
+    // A single closed surface refracts correctly; handle and spout would overlap inside it.
     Mesh mesh = i == 1 ? lathe({{0, 0},
                                 {0.11f, 0},
                                 {0.17f, 0.06f},
@@ -135,7 +135,7 @@ Scene build_door() {
   planked.base_color_texture.texture = builder.add_texture(planks());
   planked.base_color_texture.scale = {5, 6};
   const Index floor = builder.add_material(planked);
-  // One shell round both rooms, and the wall between them.
+  // One shell around both rooms, and the wall between them.
   builder.add("walls", room({-3.2f, -0.002f, -6.5f}, {3.2f, kHeight, 3}), plaster);
   builder.add("floor", quad({-3.2f, 0, 3}, {6.4f, 0, 0}, {0, 0, -9.5f}), floor);
   builder.add("wall with door",
@@ -149,7 +149,7 @@ Scene build_door() {
   builder.add("frame", box({-1.7f, 1.25f, -2.96f}, {-0.7f, 2.05f, -2.92f}), frame);
   builder.add("canvas", quad({-1.63f, 1.32f, -2.915f}, {0.86f, 0, 0}, {0, 0.66f, 0}), canvas);
 
-  // On the far wall of the next room, to the left: the gap sees its light only at a slant.
+  // On the left of the next room's far wall, so the gap only receives its light at a slant.
   const Index light = builder.add_material(emitter("lamp", {1000, 880, 700}));
   builder.add("lamp", quad({-2.2f, 0.9f, -6.45f}, {1.4f, 0, 0}, {0, 1.4f, 0}), light);
   builder.add_camera({-0.75f, 1.65f, 2.75f}, {0.05f, 0.95f, -1.2f}, 48);

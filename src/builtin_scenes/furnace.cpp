@@ -1,4 +1,4 @@
-// A white sphere under light that comes equally from everywhere: every pixel of a correct image is 1.
+// A white sphere in uniform light from all directions: every pixel of a correct image is 1.
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/scenes.h"
 #include "builtin_scenes/shapes.h"
@@ -8,7 +8,7 @@ namespace relume {
 Scene build_furnace() {
   SceneBuilder builder("furnace");
   const Index white = builder.add_material(matte("white", Rgb(1)));
-  // Flat: an interpolated normal would send some directions into the surface, and their light would be missing.
+  // Flat: interpolated normals would send some directions into the surface, and their light would be lost.
   builder.add("sphere", flat_shaded(icosphere(1.0f, 4)), white);
   builder.add_camera({0, 0, 4}, {0, 0, 0}, 40);
   Environment environment;

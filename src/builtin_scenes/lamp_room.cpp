@@ -1,5 +1,5 @@
-// In the manner of the room with lamps in [Veach97 ch. 10]: a floor lamp hides its bulb from all
-// but the ceiling, and a spotlight in a deep shade shines through a glass egg. Most paths from the camera miss both.
+// After the room with lamps in [Veach97 ch. 10]: a floor lamp hides its bulb from everything except the ceiling, and a
+// spotlight in a deep shade lights a glass egg. Most camera paths miss both.
 #include "builtin_scenes/builder.h"
 #include "builtin_scenes/rooms.h"
 #include "builtin_scenes/scenes.h"
@@ -19,7 +19,7 @@ void add_floor_lamp(SceneBuilder& builder, const Vec3& foot) {
   const Index light = builder.add_material(emitter("bulb", {620, 545, 430}));
   Mesh stand = lathe({{0.18f, 0}, {0.18f, 0.03f}, {0, 0.03f}}, 64);
   append(stand, transformed(cylinder(0.018f, 1.6f, 32, false), translation({0, 0.02f, 0})));
-  // A bowl with an outside and an inside, 8 mm thick.
+  // A bowl with an outer and an inner surface, 8 mm apart.
   append(stand, lathe({{0, 1.55f},
                        {0.06f, 1.56f},
                        {0.17f, 1.65f},
@@ -33,7 +33,7 @@ void add_floor_lamp(SceneBuilder& builder, const Vec3& foot) {
   builder.add("bulb", transformed(disc(0.09f, 48), translation({0, 1.62f, 0})), light, at(foot));
 }
 
-/// A shade that opens towards its +Y, with the lamp deep inside.
+/// A shade that opens along its +Y, with the lamp deep inside.
 void add_spotlight(SceneBuilder& builder, const Vec3& position, float tilt_deg) {
   const Index black = builder.add_material(matte("shade", Rgb(0.06f)));
   const Index light = builder.add_material(emitter("spot bulb", {4500, 4050, 3300}));
@@ -53,7 +53,7 @@ void add_table(SceneBuilder& builder) {
   builder.add("table", std::move(table), wood, at({0.35f, 0, -0.4f}));
 
   const Index clear = builder.add_material(glass("glass", 1.5f));
-  // An egg that lies on its side, half a millimetre above the table.
+  // An egg on its side, half a millimetre above the table.
   builder.add("egg", transformed(icosphere(1, 5), scaling({0.16f, 0.115f, 0.115f})), clear,
               at({0.35f, 0.8555f, -0.35f}));
 }
@@ -67,7 +67,7 @@ Scene build_lamp_room() {
   builder.add("walls", room({-2.2f, -0.002f, -2}, {2.2f, 2.7f, 2.4f}), plaster);
   builder.add("floor", quad({-2.2f, 0, 2.4f}, {4.4f, 0, 0}, {0, 0, -4.4f}), carpet);
   add_floor_lamp(builder, {-1.3f, 0, -1.2f});
-  // Hangs from the ceiling beside the table and looks down at the egg.
+  // Hangs from the ceiling beside the table and points down at the egg.
   add_spotlight(builder, {1.25f, 1.75f, -0.35f}, 135);
   const Index black = builder.add_material(matte("rod", Rgb(0.06f)));
   builder.add("rod", transformed(cylinder(0.012f, 1.0f, 24, false), translation({1.26f, 1.76f, -0.35f})), black);

@@ -1,5 +1,5 @@
-// A mine gallery with one mouth. The low sun reaches a few metres of floor behind the mouth; all light further in
-// comes from that bright spot and from a little sky, round a bend.
+// A mine gallery with one mouth. The low sun reaches a few metres of floor behind the mouth. All light further inside
+// comes from that bright spot and a little sky, around a bend.
 #include <cmath>
 
 #include "builtin_scenes/builder.h"
@@ -19,13 +19,13 @@ float smooth_step(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-/// Middle of the gallery's floor at x.
+/// Centre of the gallery's floor at x.
 Vec3 gallery(float x) {
   const float t = (x - kInnerEnd) / (kMouth - kInnerEnd);
   return {x, 0, 5.0f * (1 - smooth_step(0.15f, 0.75f, t))};
 }
 
-/// Places something that looks along +X onto the gallery's floor at x, turned along the gallery.
+/// Transform from +X at the origin to the gallery's floor at x, along the gallery.
 Mat4 on_track(float x) {
   const Vec3 along = gallery(x + 0.05f) - gallery(x - 0.05f);
   return translation(gallery(x)) * rotation_y(glm::degrees(std::atan2(-along.z, along.x)));
@@ -40,7 +40,7 @@ Mesh rock() {
     const float size = std::sqrt(1 - sqr(1 - closing));
     const float angle = 2 * kPi * u;
     const Vec3 q(x * 0.7f, 1.4f * std::cos(angle), 1.4f * std::sin(angle));
-    // Ridges where the noise changes sign, as broken rock has them.
+    // Ridges where the noise changes sign, like broken rock.
     const float ridges = std::fabs(fractal_noise(q * 1.6f, 5, 29));
     const float roughness = 1 + 0.13f * fractal_noise(q, 3, 17) + 0.15f * ridges;
     Vec3 p(0, 1.35f + 1.75f * std::sin(angle) * roughness * size, kHalfWidth * std::cos(angle) * roughness * size);
@@ -144,7 +144,7 @@ Scene build_mine() {
   environment.kind = EnvironmentKind::sun_sky;
   environment.sun_sky.sun_elevation_rad = glm::radians(13.0f);
   environment.sun_sky.sun_azimuth_rad = glm::radians(84.0f);  // nearly along +X, into the mouth
-  // With the glow about it, as in a small sky map: sampled directions can find it.
+  // Includes the glow around the sun, as in a small sky map, so that sampled directions can hit it.
   environment.sun_sky.sun_angular_diameter_rad = glm::radians(10.0f);
   builder.set_environment(environment);
 

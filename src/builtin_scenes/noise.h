@@ -22,7 +22,7 @@ inline float value_noise(const Vec3& p, uint32_t seed) {
   return lerp(lerp(along_x(0, 0), along_x(1, 0), s.y), lerp(along_x(0, 1), along_x(1, 1), s.y), s.z);
 }
 
-/// Sum of `octaves` noises, each of twice the frequency and half the amplitude of the one before.
+/// Sum of `octaves` noises, each with twice the frequency and half the amplitude of the previous one.
 inline float fractal_noise(Vec3 p, int octaves, uint32_t seed) {
   float sum = 0;
   float amplitude = 1;

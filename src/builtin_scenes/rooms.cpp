@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// `build` applied to the corner of smallest x and z of each open cell.
+/// Joins build(row, column) over all open cells.
 template <typename Build>
 Mesh for_open_cells(const FloorPlan& plan, Build build) {
   Mesh mesh;

@@ -1,4 +1,4 @@
-// The functions behind the list of built-in scenes.
+// Build functions of the built-in scenes.
 #pragma once
 
 #include "scene/scene.h"

@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// Unlike glm::normalize, which multiplies by a rounded reciprocal, this leaves axes exactly of length 1.
+/// Keeps axes at exactly length 1, unlike glm::normalize, which multiplies by a rounded reciprocal.
 template <typename Vector>
 Vector unit(const Vector& v) {
   return v / std::sqrt(glm::dot(v, v));
@@ -25,8 +25,8 @@ void add_vertex(Mesh& mesh, const Vec3& position, const Vec3& normal, const Vec2
   mesh.uv0.push_back(uv);
 }
 
-/// Two triangles for each cell of a row-major grid of vertices: `across` cells a row, `rows` rows, from vertex
-/// `first` on. The front looks along ∂column × ∂row.
+/// Adds two triangles per cell of a row-major grid of vertices: `across` cells per row, `rows` rows, from vertex
+/// `first` on. The front faces ∂column × ∂row.
 void add_grid_triangles(Mesh& mesh, uint32_t first, int across, int rows) {
   const uint32_t stride = static_cast<uint32_t>(across) + 1;
   for (uint32_t r = 0; r < static_cast<uint32_t>(rows); ++r) {
@@ -51,7 +51,7 @@ Vec3 around_y(float radius, float y, float turn) {
   return {radius * std::cos(angle), y, -radius * std::sin(angle)};
 }
 
-/// Fan about `centre`; `ring` runs counter-clockwise seen against `normal`.
+/// Adds a disc at height `y` as a fan about its centre, facing up or down.
 void add_cap(Mesh& mesh, float radius, float y, int segments, bool up) {
   const Vec3 normal(0, up ? 1 : -1, 0);
   const uint32_t centre = vertex_count(mesh);
@@ -145,7 +145,7 @@ Mesh cylinder(float radius, float height, int segments, bool capped) {
 
 Mesh lathe(const std::vector<Vec2>& profile, int segments) {
   const size_t pieces = profile.size() - 1;
-  std::vector<Vec2> outward(pieces);  // of each piece of the profile
+  std::vector<Vec2> outward(pieces);  // per piece of the profile
   for (size_t i = 0; i < pieces; ++i) {
     const Vec2 along = unit(profile[i + 1] - profile[i]);
     outward[i] = {along.y, -along.x};
@@ -222,7 +222,7 @@ Mesh torus_knot(int p, int q, float radius, float tube_radius, int count_along, 
     const float t = j == count_along ? 0.0f : static_cast<float>(j) / static_cast<float>(count_along);
     const Vec3 c = centre(t);
     const Vec3 tangent = unit(centre(t + 1e-3f) - centre(t - 1e-3f));
-    // The direction away from the torus' axis turns with the knot, so that the tube closes without a twist.
+    // The direction away from the torus' axis rotates with the knot, so the tube closes without a twist.
     const Vec3 a = unit(glm::cross(tangent, Vec3(c.x, 0, c.z)));
     const Vec3 b = glm::cross(a, tangent);
     for (int i = 0; i <= count_around; ++i) {

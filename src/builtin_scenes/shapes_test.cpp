@@ -18,7 +18,7 @@ float area(const Mesh& mesh) {
   return sum;
 }
 
-/// Signed volume by the divergence theorem; positive when the triangles look outwards. Only for closed meshes.
+/// Signed volume by the divergence theorem; positive if the triangles face outwards. Only for closed meshes.
 float volume(const Mesh& mesh) {
   double sum = 0;
   for (const UVec3& t : mesh.triangles)
@@ -83,7 +83,7 @@ TEST(Shapes, TorusKnotIsClosed) {
   const Mesh mesh = torus_knot(2, 3, 1, 0.2f, 600, 32);
   expect_consistent(mesh);
   EXPECT_EQ(mesh.triangles.size(), 2u * 600 * 32);
-  // Pappus: the tube's cross-section times the length of the curve, which a polygon measures.
+  // Pappus: the tube's cross-section times the length of the curve, approximated by a polygon.
   double length = 0;
   for (size_t j = 0; j < 600; ++j) {
     const auto centre = [&](size_t row) { return mesh.positions[row * 33] - 0.2f * mesh.normals[row * 33]; };
@@ -112,7 +112,7 @@ TEST(Shapes, TransformedKeepsOrientationUnderMirroring) {
 TEST(Rooms, WallWithOpening) {
   const Mesh mesh = wall({0, 0}, {0, 10}, 0.2f, 3, {{{4, 6}, {0.5f, 2}}});
   expect_consistent(mesh);
-  EXPECT_NEAR(volume(mesh), 0.2f * (10 * 3.01f - 2 * 1.5f), 1e-3f);  // 1 cm below the floor; rounding
+  EXPECT_NEAR(volume(mesh), 0.2f * (10 * 3.01f - 2 * 1.5f), 1e-3f);  // from 1 cm below the floor; rounding
   for (const Vec3& p : mesh.positions) {
     EXPECT_NEAR(p.x, 0, 0.101f);
     EXPECT_GE(p.z, -1e-5f);
@@ -128,7 +128,7 @@ TEST(Rooms, PlanEnclosesItsOpenCells) {
   append(mesh, plan_walls(plan, 'a'));
   append(mesh, plan_walls(plan, 'b'));
   expect_consistent(mesh);
-  EXPECT_NEAR(volume(mesh), -3 * 4 * 3, 1e-4f);  // seen from inside
+  EXPECT_NEAR(volume(mesh), -3 * 4 * 3, 1e-4f);  // negative because it faces inwards
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A room lit only through a narrow slit, behind which three coloured lamps travel from side to side: sharp shadows
-// that sweep quickly over floor and walls.
+// A room lit only through a narrow slit, behind which three coloured lamps move from side to side. Sharp shadows sweep
+// quickly over floor and walls.
 #include <cmath>
 #include <string>
 #include <vector>

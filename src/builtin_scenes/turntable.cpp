@@ -1,5 +1,5 @@
-// A round floor inside a round wall, and a lamp that turns below the floor: all light on the floor comes from the
-// bright part of the wall, which goes round once in ten seconds.
+// A round floor inside a round wall, and a lamp that rotates below the floor. All light on the floor comes from the
+// bright part of the wall, which moves around once in ten seconds.
 #include <cmath>
 #include <vector>
 
@@ -32,7 +32,7 @@ Scene build_turntable() {
 
   const Index light = builder.add_material(emitter("lamp", {110, 99, 80}));
   const Index arm = builder.add_group("turning arm");
-  // Looks outwards and 20 degrees up, past the floor's edge.
+  // Faces outwards and 20 degrees up, past the floor's edge.
   const Mat4 pose = translation({1.3f, -0.75f, 0}) * rotation(20, Vec3(0, 0, 1));
   builder.add("lamp", transformed(quad({0, -0.35f, 0.4f}, {0, 0, -0.8f}, {0, 0.7f, 0}), pose), light, {}, arm);
   builder.add_turning(arm, 10, 1);

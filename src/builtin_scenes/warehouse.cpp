@@ -1,7 +1,7 @@
-// A hall, and beside it 16 by 16 narrow, high storage bays with a lamp each. From any place of a bay only its own lamp,
-// and perhaps one through an opening, is visible, while those behind the walls are nearly as close: choosing lamps
-// without regard to visibility wastes most shadow rays, and so do lists for cells wider than a bay (a static list's
-// cell is 4 m wide by default).
+// A hall, and beside it 16 by 16 narrow, high storage bays with one lamp each. Each position in a bay sees only the
+// bay's own lamp, and perhaps one through an opening. Lamps behind the walls are nearly as close, so light selection
+// without visibility wastes most shadow rays. So do lists for cells wider than a bay (a static list's cell is 4 m wide
+// by default).
 #include <string>
 #include <vector>
 
@@ -14,8 +14,8 @@
 namespace relume {
 namespace {
 
-constexpr int kColumns = 16;  // of bays, along x
-constexpr int kRows = 16;     // along z
+constexpr int kColumns = 16;  // number of bays along x
+constexpr int kRows = 16;     // number of bays along z
 constexpr float kBay = 3;     // metres from wall to wall
 constexpr float kHeight = 6;
 constexpr float kWall = 0.2f;  // thickness
@@ -24,10 +24,10 @@ constexpr float kDepth = kRows * kBay;
 constexpr float kHall = 48;        // width of the hall, at larger x
 constexpr Vec2 kDoor{1.1f, 2.1f};  // width, height
 
-/// The camera goes from the first of these bays through the second into the third.
+/// The camera moves from the first of these bays through the second into the third.
 constexpr int kPath[3][2] = {{8, 8}, {8, 7}, {9, 7}};
 
-enum Side : uint32_t { west, north };  // of a bay: towards smaller x, and smaller z
+enum Side : uint32_t { west, north };  // sides of a bay, towards smaller x and smaller z
 
 /// Whether bay (i, j) has an opening on that side.
 bool has_door(int i, int j, Side side) {
@@ -70,7 +70,7 @@ Vec3 bay_middle(int i, int j, float y) {
   return {(static_cast<float>(i) + 0.5f) * kBay, y, (static_cast<float>(j) + 0.5f) * kBay};
 }
 
-/// A unit of shelves 3.6 m wide (x), 0.9 m deep (z) and 2.5 m high, about the middle of its floor.
+/// Shelves 3.6 m wide (x), 0.9 m deep (z) and 2.5 m high, about the centre of their floor.
 Mesh shelf_frame() {
   Mesh mesh;
   for (const float x : {-1.8f, 1.72f}) {
@@ -80,7 +80,7 @@ Mesh shelf_frame() {
   return mesh;
 }
 
-/// What lies on the boards: every third box into `parts[0]`, and so on.
+/// Adds boxes on the boards, distributed over `parts` by a hash.
 void shelf_load(Mesh (&parts)[3]) {
   uint32_t n = 0;
   for (const float y : {0.29f, 1.09f, 1.89f}) {
@@ -97,7 +97,7 @@ void shelf_load(Mesh (&parts)[3]) {
   }
 }
 
-/// Shelves stand two high along the walls that have no opening.
+/// Positions of shelves: two on top of each other along walls without an opening.
 std::vector<Mat4> shelf_places() {
   std::vector<Mat4> places;
   constexpr float kScale = 0.7f;
@@ -107,7 +107,7 @@ std::vector<Mat4> shelf_places() {
       const bool closed[4] = {!has_door(i, j, north), !has_door(i, j, west), !has_door(i, j + 1, north),
                               !has_door(i + 1, j, west)};
       for (uint32_t side = 0; side < 4; ++side) {
-        // Where two meet in a corner only the first stands; the camera begins at the south of its bay.
+        // In a corner where two would meet, only the first is placed. The camera's path begins at the south of its bay.
         if (!closed[side] || (side > 0 && closed[side - 1]) || (side == 3 && closed[0])) continue;
         if (side == 2 && i == kPath[0][0] && j == kPath[0][1]) continue;
         for (const float y : {0.0f, 2.5f * kScale}) {
@@ -120,7 +120,7 @@ std::vector<Mat4> shelf_places() {
   return places;
 }
 
-/// One lamp a bay under the ceiling, and twelve in the hall.
+/// One lamp per bay under the ceiling, and twelve in the hall.
 void add_lamps(SceneBuilder& builder) {
   const Rgb colors[3] = {{420, 396, 360}, {476, 373, 240}, {313, 385, 470}};
   Mesh lamps[3];
