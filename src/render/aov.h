@@ -1,4 +1,4 @@
-// Arbitrary output variables: planes that derive from the buffers.
+// Arbitrary output variables: planes derived from the buffers.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ namespace relume {
 
 struct AovLayer {
   std::string name;
-  std::string help;  ///< what it shows
+  std::string help;  ///< quantity that the layer shows
 };
 
-/// "variance" and every buffer of these passes that is shown, by name.
+/// "variance" and every displayed buffer of these passes, by name.
 std::vector<AovLayer> aov_layers(const std::vector<PassDeclaration>& passes);
 std::vector<std::string> names_of(const std::vector<AovLayer>& layers);
 
-/// Planes of one of them, with the conventional names of their EXR channels ("albedo.R", "depth.Z"). `frames`: since
-/// the last change, by which sums are divided. Throws Error for a name that is not there.
+/// Planes of one layer, with their conventional EXR channel names ("albedo.R", "depth.Z"). `frames`: frames since the
+/// last change, the divisor of sums. Throws Error for an unknown name.
 std::vector<ExrChannel> aov_planes(const BufferTable& buffers, const std::string& name, uint32_t frames);
 
 }  // namespace relume

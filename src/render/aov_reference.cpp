@@ -16,12 +16,12 @@ namespace {
 
 struct Layer {
   std::string help;
-  std::vector<std::string> choices;  ///< that bring it along; empty: every frame has it
+  std::vector<std::string> choices;  ///< choices that add the layer; empty: every frame has it
 };
 
 using Layers = std::map<std::string, Layer>;
 
-/// Adds what a frame has with `settings` that it does not have by default.
+/// Adds the layers that `settings` have beyond the default.
 void add_layers(const RenderSettings& settings, const std::string& choice, Layers& layers) {
   for (const AovLayer& layer : aov_layers(plan(settings))) {
     const auto [at, is_new] = layers.try_emplace(layer.name, Layer{layer.help, {}});
@@ -30,7 +30,7 @@ void add_layers(const RenderSettings& settings, const std::string& choice, Layer
   }
 }
 
-/// Every choice of every slot, all else at its default.
+/// Layers of every choice of every slot, with all other settings at their defaults.
 Layers all_layers() {
   Layers layers;
   RenderSettings plain;
@@ -39,7 +39,7 @@ Layers all_layers() {
   RenderSettings names;
   for (const Setting& slot : describe_slots(names)) {
     for (const std::string_view value : std::get<ChoiceRef>(slot.value).names) {
-      if (value == "oidn") continue;  // not part of every build, which this page is of
+      if (value == "oidn") continue;  // optional at build time, so not on this page
       RenderSettings settings;
       settings.cdq.view = true;
       const SettingList slots = describe_slots(settings);

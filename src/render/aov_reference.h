@@ -1,12 +1,11 @@
-// The layers that --aov knows, as a page's section.
+// Reference of the layers of --aov, as a section of a page.
 #pragma once
 
 #include <string>
 
 namespace relume {
 
-/// A table of every buffer that is shown, with what it shows and the choice of a slot that brings it along; of
-/// docs/settings.md.
+/// A table of every displayed buffer with its help and the slot choice that adds it, for docs/settings.md.
 std::string aov_reference();
 
 }  // namespace relume

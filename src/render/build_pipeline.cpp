@@ -35,13 +35,13 @@
 namespace relume {
 namespace {
 
-/// Lists the passes of a frame.
+/// Builds the list of a frame's passes.
 class Builder {
  public:
   Builder(const RenderSettings& settings, FramePasses& passes) : settings_(settings), passes_(passes) {}
 
-  /// Adds the pass and returns it, for the passes that read its results. Its constructor takes the settings that
-  /// `members` name, then `arguments`; its configure() follows these settings.
+  /// Adds the pass and returns it, for passes that read its results. Its constructor takes the settings named by
+  /// `members`, then `arguments`; its configure() follows these settings.
   template <typename P, auto... members, typename... Arguments>
   P& add(Arguments&&... arguments) {
     auto pass = std::make_unique<P>(settings_.*members..., std::forward<Arguments>(arguments)...);
@@ -50,7 +50,7 @@ class Builder {
     (follow<members>(added), ...);
     return added;
   }
-  /// Adds a pass that traces paths, and lets it follow their settings.
+  /// Adds a pass that traces paths and follows the path settings.
   template <typename P, auto... members, typename... Arguments>
   P& add_tracing(Arguments&&... arguments) {
     P& added = add<P, members...>(std::forward<Arguments>(arguments)...);
@@ -81,7 +81,7 @@ bool reads_surface(const Pipeline& pipeline) {
   });
 }
 
-/// Whether primary hits matter only at pixels that get a sample.
+/// Whether primary hits are only read at pixels with a sample.
 bool only_samples_read_hits(const Pipeline& pipeline) {
   const std::vector<PassDeclaration> list = pipeline.declarations();
   return std::none_of(list.begin(), list.end(), [](const PassDeclaration& pass) {
@@ -121,12 +121,12 @@ bool needs_first_vertices(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject && settings.reproject.method == ReprojectionMethod::forward;
 }
 
-/// Whether light paths reach pixels that have no sample of their own.
+/// Whether light paths reach pixels without a camera sample.
 bool needs_light_film(const RenderSettings& settings) {
   return settings.estimator != EstimatorChoice::path && settings.allocation == AllocationChoice::adaptive;
 }
 
-/// Whether diffuse and specular light are kept apart. Only paths without a radiance cache can tell.
+/// Whether diffuse and specular light are separated. Only path tracing without a radiance cache can separate them.
 bool can_split(const RenderSettings& settings) {
   return settings.features.split && settings.estimator == EstimatorChoice::path && settings.cache == CacheChoice::none;
 }
@@ -139,7 +139,8 @@ bool history_splits(const RenderSettings& settings) {
 }
 bool splits_light(const RenderSettings& settings) { return denoiser_splits(settings) || history_splits(settings); }
 
-/// The estimator, with the cache that stands in for parts of its paths. `octree`: where paths leave samples, if at all.
+/// Adds the estimator, with the cache that replaces parts of its paths. `octree`: destination of path samples, or
+/// nullptr.
 void add_paths(Builder& builder, const RenderSettings& settings, const PathSource& source, const OctreePass* octree) {
   if (settings.estimator != EstimatorChoice::path) {
     const BdptMode mode = settings.estimator == EstimatorChoice::light ? BdptMode::light_only : BdptMode::bidirectional;
@@ -168,7 +169,7 @@ void add_paths(Builder& builder, const RenderSettings& settings, const PathSourc
   builder.add_tracing<ResolveCellsPass>(source, cells, settings.denoise == DenoiseChoice::none);
 }
 
-/// Changes that the history does not survive.
+/// Changes that end the history.
 Change ends_history(const RenderSettings& settings) {
   return settings.history == HistoryChoice::reproject ? Change::materials | Change::settings : Change::any;
 }
@@ -216,7 +217,7 @@ void add_denoiser(Builder& builder, const RenderSettings& settings) {
   }
 }
 
-/// Pixels of a window have the bits of the whole image if no technique lets other pixels decide.
+/// Throws if the crop would change pixels: a window only equals the full image if no technique depends on other pixels.
 void check_crop(const RenderSettings& s) {
   const std::pair<bool, const char*> conflicts[] = {
       {s.estimator != EstimatorChoice::path, "light paths, which reach any pixel; use --estimator path"},
@@ -242,7 +243,7 @@ bool learns(const RenderSettings& settings) {
 
 Change ends_sequences(const RenderSettings& settings) {
   if (learns(settings)) return Change::any;
-  // A history that moves to another pixel has no sequence to continue.
+  // A history moved to another pixel has no sequence to continue.
   return ends_history(settings) | Change::camera;
 }
 

@@ -1,4 +1,4 @@
-// The explicit list of techniques: which passes a frame has for each choice in each slot.
+// The explicit list of techniques: the passes of a frame for each choice in each slot.
 #pragma once
 
 #include <cstdint>
@@ -11,35 +11,36 @@
 
 namespace relume {
 
-/// Throws Error with a sentence that says what would work if the slots do not combine.
+/// Throws Error with a working alternative if the slots do not combine.
 void check_combination(const RenderSettings& settings);
-/// That sentence; empty if the slots combine.
+/// Message of that error; empty if the slots combine.
 std::string refusal(const RenderSettings& settings);
 
-/// Whether paths leave samples from which light selection or guiding learn.
+/// Whether light selection or guiding learn from path samples.
 bool learns(const RenderSettings& settings);
 
-/// Changes after which every pixel starts a new sequence of samples.
+/// Changes after which every pixel starts a new sample sequence.
 Change ends_sequences(const RenderSettings& settings);
 
-/// Frames after a change whose samples leave the image again (AdaptiveSamplingSettings::pilot); 0: none do.
+/// Frames after a change whose samples are later dropped from the image (AdaptiveSamplingSettings::pilot); 0: none.
 uint32_t pilot_samples(const RenderSettings& settings);
 
-/// The passes that `settings` ask for, in the order of a frame: what they own, read and write. Costs no more than the
-/// list: passes allocate and build nothing before their first frame. Throws Error as check_combination() does.
+/// Declarations of the passes for `settings`, in the order of a frame. Cheap: passes allocate and build nothing before
+/// their first frame. Throws Error as check_combination() does.
 std::vector<PassDeclaration> plan(const RenderSettings& settings);
 
-/// Passes that are ready to run, with copies of their settings.
+/// Runnable passes with copies of their settings.
 struct FramePasses {
   Pipeline pipeline;
   std::vector<std::function<void(const RenderSettings&)>> followers =
-      {};  ///< one hands one group of settings to a pass
+      {};  ///< each passes one group of settings to a pass
 };
 
 /// The passes of plan().
 FramePasses build_passes(const RenderSettings& settings);
 
-/// Hands changed settings to the passes, which use them from the next frame on. plan() must be the same for both.
+/// Passes changed settings to the passes, which use them from the next frame on. plan() must be equal for both
+/// settings.
 void configure(const FramePasses& passes, const RenderSettings& settings);
 
 }  // namespace relume

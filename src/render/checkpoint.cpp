@@ -21,7 +21,7 @@ namespace {
 
 constexpr char kMagic[8] = {'r', 'e', 'l', 'u', 'm', 'e', 'C', 'A'};
 
-/// Passes bytes on to another buffer and sums them up.
+/// Forwards bytes to another buffer and computes their checksum.
 class SummingBuffer final : public std::streambuf {
  public:
   explicit SummingBuffer(std::streambuf* target) : target_(target) {}
@@ -77,14 +77,14 @@ class Reader {
     get(text.data(), size);
     return text;
   }
-  /// Throws unless there are `size` of them.
+  /// Throws unless the stored size is `size`.
   std::vector<std::byte> get_bytes(uint64_t size) {
     if (get<uint64_t>() != size) damaged();
     std::vector<std::byte> bytes(size);
     get(bytes.data(), size);
     return bytes;
   }
-  /// Throws unless the rest of the file is what was written, before any of it is believed.
+  /// Throws unless the checksum of the rest of the file is valid. Must precede any use of the data.
   void check_rest(Fnv1a checksum) {
     const auto here = in_.tellg();
     in_.seekg(0, std::ios::end);
@@ -110,7 +110,7 @@ class Reader {
   const std::filesystem::path& file_;
 };
 
-/// The first line in which two texts of settings differ: "seed": 3, now "seed": 4.
+/// First line that differs between two texts of settings: "seed": 3, now "seed": 4.
 std::string first_difference(const std::string& then, const std::string& now) {
   std::istringstream a(then);
   std::istringstream b(now);

@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// A checkpoint of one buffer and no passes.
+/// A checkpoint with one buffer and no passes.
 class CheckpointTest : public ::testing::Test {
  protected:
   CheckpointTest() { buffers_.add({.id = kMean, .persistent = true}); }

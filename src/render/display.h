@@ -1,4 +1,4 @@
-// How an image is shown: the display settings, with automatic values decided.
+// Display settings of an image, with automatic values resolved.
 #pragma once
 
 #include <span>
@@ -17,16 +17,16 @@ struct Display {
   friend bool operator==(const Display&, const Display&) = default;
 };
 
-/// The same for every image, so that images can be compared: automatic values are those of Display.
+/// Equal for all images, so that they are comparable: automatic values are Display's defaults.
 Display fixed_display(const OutputSettings& settings);
 
-/// For one image: an automatic exposure is `metered`; an automatic tone map is `neutral` under the studio and `agx`
-/// elsewhere.
+/// For one image: an automatic exposure is `metered`; an automatic tone map is `neutral` under the studio, otherwise
+/// `agx`.
 Display display_for(const OutputSettings& settings, float metered, bool in_studio);
-/// The same, metered by auto_exposure() if that is needed.
+/// The same, metered by auto_exposure() if needed.
 Display display_for(const OutputSettings& settings, std::span<const Rgb> radiance, bool in_studio);
 
-/// Exposure of the next image of a sequence: three quarters of the way from `previous` to `metered` in half a second.
+/// Exposure of the next image of a sequence. Moves three quarters from `previous` to `metered` in half a second.
 float adapted_exposure(float previous, float metered, float seconds);
 
 }  // namespace relume

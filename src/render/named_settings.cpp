@@ -1,4 +1,4 @@
-// The public settings: the same values by name.
+// Public settings: access to the values by name.
 #include <fmt/format.h>
 
 #include "render/presets.h"

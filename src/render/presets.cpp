@@ -29,7 +29,7 @@ const std::vector<Preset>& presets() {
       {"many-lights", "Hundreds of lamps of which few are seen from anywhere",
        R"({"estimator": "path", "lights": "vlc", "guide": "bsdf", "cache": "none", "allocation": "uniform",
            "history": "accumulate", "denoise": "none"})"},
-      // What relume adds to the papers is off in their presets; what it mends in them is not.
+      // Paper presets disable relume's additions to the papers, but keep its corrections.
       {"paper-000", "Adaptive path space filtering and adaptive path graphs [Schipek22]",
        R"({"estimator": "path", "lights": "power", "guide": "bsdf", "cache": "apsf+apg", "psf.edge-rays": 0,
            "psf.inherited-samples": 0, "apg.feed": 1, "apg.deep-coarsening": 0, "allocation": "uniform",

@@ -8,13 +8,13 @@ namespace relume {
 
 struct Preset {
   std::string_view name;
-  std::string_view summary;  ///< one line: what it is for
-  std::string_view json;     ///< settings as settings_from_json() reads them; what is not named keeps its value
+  std::string_view summary;  ///< purpose in one line
+  std::string_view json;     ///< settings for settings_from_json(); others keep their values
 };
 
 const std::vector<Preset>& presets();
 
-/// Throws Error, with the names that exist, if there is none of that name.
+/// Throws Error with the existing names if no preset has that name.
 const Preset& require_preset(std::string_view name);
 
 }  // namespace relume

@@ -31,7 +31,7 @@ TEST_P(Presets, RenderFramesWhileTheCameraMoves) {
   EXPECT_GT(sum, 0);
 }
 
-/// What fills each slot.
+/// The choice in each slot.
 std::string slots_of(const RenderSettings& settings) {
   RenderSettings copy = settings;
   const SettingList list = describe(copy);
@@ -41,7 +41,7 @@ std::string slots_of(const RenderSettings& settings) {
   return text;
 }
 
-/// Presets that add a technique to what is there.
+/// Whether a preset adds a technique to existing settings.
 bool adds_only(const Preset& preset) { return preset.json.find("estimator") == std::string_view::npos; }
 
 TEST_P(Presets, AreTheSameWhateverTheSceneAsksFor) {

@@ -1,4 +1,4 @@
-// Everything that decides what a session renders, apart from the scene.
+// All settings of a session's rendering, except the scene.
 #pragma once
 
 #include <string>
@@ -26,11 +26,11 @@
 
 namespace relume {
 
-inline constexpr float kLatestTime = 1e6f;  ///< of an animation, in seconds
-/// Larger seeds are for repetitions, which count up from the one that was set, and above 10^9 for references.
+inline constexpr float kLatestTime = 1e6f;  ///< latest animation time, seconds
+/// Largest seed. Larger values are reserved for repetitions, which count up from it, and above 10^9 for references.
 inline constexpr int kMostSeed = 900'000'000;
 
-// The slots (docs/architecture.md): each enum lists the choices that exist; more join with their techniques.
+// The slots (docs/architecture.md): each enum lists the available choices.
 enum class EstimatorChoice : int { path, bdpt, light };
 enum class LightSelectionChoice : int { uniform, power, light_tree, static_lists, vlc };
 enum class GuideChoice : int { bsdf, cdq };
@@ -43,9 +43,9 @@ struct RenderSettings {
   int width = 1280;
   int height = 720;
   int seed = 0;
-  int threads = 0;        ///< 0: all
+  int threads = 0;        ///< 0: all cores
   std::string camera;     ///< name or index; empty: the file's first
-  std::string animation;  ///< clips that play, as select_animation() takes them; empty: the file's first
+  std::string animation;  ///< clips to play, as for select_animation(); empty: the file's first
   float time_s = 0;       ///< time of the animation
   bool stratify = true;
   bool dither = false;
@@ -57,10 +57,10 @@ struct RenderSettings {
   AllocationChoice allocation = AllocationChoice::uniform;
   HistoryChoice history = HistoryChoice::accumulate;
   DenoiseChoice denoise = DenoiseChoice::none;
-  /// Record albedo, normal, depth and motion of the first hit. Follows from the layers that are asked for, so it has no
-  /// name of its own.
+  /// Records albedo, normal, depth and motion of the first hit. Derived from the requested layers, so not a named
+  /// setting.
   bool auxiliary = false;
-  /// Render these pixels only, bit-identical to that part of the full image. Other pixels stay black.
+  /// Renders only these pixels, bit-identical to that part of the full image. Other pixels stay black.
   PixelWindow crop;
   PathSettings path;
   LightSelectionSettings light_selection;
@@ -79,15 +79,15 @@ struct RenderSettings {
   BmfrSettings bmfr;
   SvgfSettings svgf;
 
-  /// As the public interface takes them; whatever is not part of these has its default.
+  /// Converts to the public interface's settings; all other settings there have their defaults.
   operator Settings() const;  // NOLINT(google-explicit-constructor): the same settings
 };
 
-/// All of the above but `auxiliary` and `crop`. `path.max_bounces` goes by "max-bounces", because every estimator obeys
-/// it.
+/// All of the above except `auxiliary` and `crop`. `path.max_bounces` is named "max-bounces", because it applies to
+/// every estimator.
 SettingList describe(RenderSettings& settings);
 
-/// The parts of describe(RenderSettings&), as reference pages and widgets group them.
+/// Parts of describe(RenderSettings&), grouped for reference pages and widgets.
 SettingList describe_image(RenderSettings& settings);
 SettingList describe_slots(RenderSettings& settings);
 SettingList describe_transport(RenderSettings& settings);

@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// Whether `text` is three numbers with commas between them; they go to `rgb`.
+/// Parses three comma-separated numbers into `rgb`; returns whether it succeeded.
 bool parse_rgb(std::string_view text, Rgb& rgb) {
   const char* position = text.data();
   const char* const end = text.data() + text.size();
@@ -25,7 +25,7 @@ bool parse_rgb(std::string_view text, Rgb& rgb) {
   return position == end;
 }
 
-/// The environment that `env` names. Throws Error.
+/// The environment named `env`. Throws Error.
 Environment named_environment(const std::string& env) {
   Environment environment;
   if (env == "studio") {

@@ -15,7 +15,7 @@
 namespace relume {
 namespace {
 
-/// Whether two plans have the same passes with the same buffers.
+/// Whether two plans have equal passes and buffers.
 bool same_plan(const std::vector<PassDeclaration>& a, const std::vector<PassDeclaration>& b) {
   const auto same_buffers = [](const BufferDescription& x, const BufferDescription& y) {
     return x.id == y.id && x.reset == y.reset;
@@ -39,7 +39,7 @@ void check_size(const RenderSettings& settings) {
                             crop.x, crop.y, crop.width, crop.height, settings.width, settings.height));
 }
 
-/// What `values` has in the rows and columns of `window`.
+/// Elements of `values` within `window`.
 template <typename T>
 std::vector<T> cut(View<const T> values, const Tile& window, uint32_t width) {
   std::vector<T> result;
@@ -88,7 +88,7 @@ bool Session::render_frame(std::stop_token stop) {
     complete = complete && s.passes.pipeline.run(s.frame(stop), s.pass_hook);
   } catch (...) {
     s.undo_frame(kept, may_lose_image);
-    // Without copies of the buffers, and after passes that cannot undo their changes, the image is no mean of samples.
+    // Without copies of the buffers, or after passes that cannot undo their changes, the image is no mean of samples.
     s.edit(Change::settings);
     throw;
   }
@@ -136,7 +136,7 @@ double Session::image_render_s() const { return state_->statistics.render_s - st
 double Session::estimated_error() const {
   const uint32_t pilot = pilot_samples(state_->settings);
   if (pilot > 0 && state_->counters.since_change <= pilot)
-    return std::numeric_limits<double>::infinity();  // what there is by now will be left out
+    return std::numeric_limits<double>::infinity();  // the samples so far will be dropped
   const BufferTable& buffers = *state_->buffers;
   if (!state_->settings.crop.empty()) {
     const auto in_window = [&](const auto& key) { return cut(buffers.view(key), state_->window(), buffers.width()); };
@@ -188,18 +188,18 @@ bool Session::set_settings(const Settings& wanted) {
       settings.animation != current.animation)
     return false;
   check_size(settings);
-  // Throws for what does not combine, before anything changes.
+  // Throws for incompatible settings before anything changes.
   const bool same_passes = same_plan(plan(settings), s.passes.pipeline.declarations());
   SettingList slots = describe_slots(settings);
   const bool same_slots = differing_settings(describe_slots(current), slots).empty();
   const bool resized =
       settings.width != current.width || settings.height != current.height || settings.crop != current.crop;
   Change change = Change::none;
-  const SettingList before = describe(current);  // the result points into it
+  const SettingList before = describe(current);  // the result contains pointers into it
   for (const Setting* setting : differing_settings(before, describe(settings))) {
     if (setting->traits.resets_history) change = Change::settings;
   }
-  if (settings.time_s != current.time_s) set_time(settings.time_s);  // before anything changes: it may refuse
+  if (settings.time_s != current.time_s) set_time(settings.time_s);  // before other changes, because it may throw
   s.edit(change);
   if (settings.threads != current.threads) s.backend = std::make_unique<Backend>(settings.threads);
   current = settings;
@@ -212,7 +212,7 @@ bool Session::set_settings(const Settings& wanted) {
       s.show_kept_image();
     }
     s.rebuild_pipeline();
-    s.edit(Change::settings);  // its buffers are empty, whether a described setting asked for that or `auxiliary`
+    s.edit(Change::settings);  // the new buffers are empty, even if only `auxiliary` changed
   } else {
     configure(s.passes, current);
   }
@@ -241,11 +241,11 @@ void Session::save_checkpoint(const std::filesystem::path& file) const {
 void Session::load_checkpoint(const std::filesystem::path& file) {
   State& s = *state_;
   s.check_unedited(file);
-  // Into passes that have not run: others remember the scene at the time that they were run for.
+  // Loads into passes that have not run: others keep state of the scene at their time.
   State::Fresh fresh = s.empty_pipeline();
   const Counters counters =
       read_checkpoint(file, {s.hash, checkpoint_key(s.settings), {}}, *fresh.buffers, fresh.passes.pipeline);
-  // Before the rest: it may refuse.
+  // First, because it may throw.
   s.change_scene([&](CompiledScene& scene) { return scene.set_time(counters.previous_time_s); });
   s.counters = counters;
   s.drop_kept_image();

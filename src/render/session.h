@@ -1,4 +1,4 @@
-// What the library itself, its program and its tests see of a session.
+// Internal access to a session for the library, its program and its tests.
 #pragma once
 
 #include <functional>
@@ -14,9 +14,9 @@ namespace relume {
 
 const RenderSettings& render_settings(const Session& session);
 const CompiledScene& compiled_scene(const Session& session);
-/// The per-pixel buffers.
+/// Per-pixel buffers of the session.
 const BufferTable& buffer_table(const Session& session);
-/// The passes that fill them.
+/// Declarations of the passes that fill them.
 std::vector<PassDeclaration> pass_declarations(const Session& session);
 /// Calls `hook` before each tile of a launch (Backend::on_tile()), until the number of threads changes.
 void on_tile(Session& session, std::function<void()> hook);

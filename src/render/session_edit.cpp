@@ -1,4 +1,4 @@
-// Changes of a session's scene.
+// Edits of a session's scene.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Throws Error unless the handle names one of `removed.size()` parts that is there.
+/// Throws Error unless the handle names an existing one of `removed.size()` parts.
 template <typename Part, typename State>
 Index checked(const Handle<Part>& handle, const std::vector<bool>& removed, const State& state, const char* kind) {
   const auto fail = [&](const std::string& problem) {

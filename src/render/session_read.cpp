@@ -1,4 +1,4 @@
-// Reading what a session shows.
+// Read access to a session's images and buffers.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ void check_target(const ImageTarget& target, const BufferTable& buffers) {
     throw Error(fmt::format("a row of the target has {} bytes, but needs {}", target.row_stride, row));
 }
 
-/// What can be inspected: values that are shown, of types that other programs know.
+/// Whether a buffer can be inspected: it is displayed and has a standard element type.
 bool is_inspectable(const BufferDescription& buffer) {
   return buffer.display != BufferDisplay::hidden && buffer.id.type != BufferType::record;
 }

@@ -37,7 +37,7 @@ bool is_black(const Image& image) {
   return std::all_of(image.pixels.begin(), image.pixels.end(), [](const Rgb& c) { return c == Rgb(0); });
 }
 
-/// The camera one metre to the right.
+/// The camera, moved by one metre to the right.
 CameraPose moved(const Session& session) {
   CameraPose camera = session.camera();
   camera.to_world[3].x += 1;
@@ -97,7 +97,7 @@ TEST(SessionRead, ShowsTheLastCompleteFrameAfterAChange) {
   const Image before = session.image();
   session.set_camera(moved(session));
   EXPECT_EQ(session.image().pixels, before.pixels);
-  // A frame that is stopped before it is complete does not change what is shown.
+  // A frame stopped before completion does not change the displayed image.
   std::stop_source stop;
   stop.request_stop();
   EXPECT_FALSE(session.render_frame(stop.get_token()));
@@ -128,7 +128,7 @@ TEST(SessionRead, ALoadedCheckpointReplacesTheImageThatWasKept) {
   session.set_camera(moved(session));
   std::stop_source stop;
   stop.request_stop();
-  session.render_frame(stop.get_token());  // shows the frame before
+  session.render_frame(stop.get_token());  // displays the previous frame
   session.set_camera({});
   session.load_checkpoint(folder / "a.ckpt");
   EXPECT_EQ(session.image().pixels, source.image().pixels);

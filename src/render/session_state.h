@@ -1,4 +1,4 @@
-// What a session consists of.
+// State of a session.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@
 
 namespace relume {
 
-/// Sum by all threads of the backend. Integers, so that the order does not matter.
+/// Sum over all threads of the backend. Integer, so the order does not matter.
 inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
   constexpr uint32_t kPart = 65536;
   std::vector<uint64_t> parts((uint64_t{values.size} + kPart - 1) / kPart, 0);
@@ -40,7 +40,7 @@ inline uint64_t sum(Backend& backend, View<const uint32_t> values) {
   return std::accumulate(parts.begin(), parts.end(), uint64_t{0});
 }
 
-/// Which parts of the scene have been removed; by index.
+/// Removed parts of the scene, by index.
 struct RemovedParts {
   RemovedParts() = default;
   explicit RemovedParts(const Scene& scene)
@@ -55,7 +55,7 @@ struct RemovedParts {
   std::vector<bool> lights;
 };
 
-/// Differs between the sessions of a process; from 1.
+/// Unique number of a session within the process; from 1.
 inline uint64_t next_session_number() {
   static std::atomic<uint64_t> last{0};
   return ++last;
@@ -76,7 +76,7 @@ struct Session::State {
     removed = RemovedParts(scene->source());
   }
 
-  /// Buffers and passes for the settings, both empty.
+  /// Creates empty buffers and passes for the settings.
   void rebuild_pipeline() { take(empty_pipeline()); }
 
   struct Fresh {
@@ -95,8 +95,8 @@ struct Session::State {
     passes = std::move(fresh.passes);
   }
 
-  /// Takes pending changes on: what they make invalid is cleared, and where no history survives them, new sequences of
-  /// samples begin.
+  /// Applies pending changes: clears the content that they invalidate, and starts new sample sequences if no history
+  /// survives them.
   void apply_changes() {
     if (changes != Change::none) {
       buffers->reset(changes);
@@ -110,7 +110,7 @@ struct Session::State {
     if (counters.sequence_age == 0) counters.stretch_time_s = counters.time_s;
   }
 
-  /// The pixels that are rendered; without any: all.
+  /// Rendered pixels; empty: all pixels.
   Tile window() const {
     const auto at = [](int i) { return static_cast<uint32_t>(i); };
     const PixelWindow& c = settings.crop;
@@ -129,7 +129,7 @@ struct Session::State {
     const View<const Rgb> denoised = buffers->view(kDenoised);
     return denoised.empty() ? buffers->view(kMean) : denoised;
   }
-  /// Copies the image, to show the copy from show_kept_image() until the next complete frame.
+  /// Copies the image. show_kept_image() displays the copy until the next complete frame.
   void keep_image() {
     if (shows_kept_image) return;
     const View<const Rgb> image = shown();
@@ -141,7 +141,8 @@ struct Session::State {
     kept_image.clear();
   }
 
-  /// Goes back to before a frame that was stopped, or that an exception has left. `kept`: the buffers were, by keep().
+  /// Restores the state before a frame that was stopped or ended by an exception. `kept`: whether keep() copied the
+  /// buffers.
   void undo_frame(bool kept, bool may_lose_image) {
     buffers->swap();
     if (kept) backend->execute([&] { buffers->restore(); });
@@ -152,7 +153,7 @@ struct Session::State {
     changes |= change;
     edited = edited || change != Change::none;
   }
-  /// Changes the scene by the session's threads. Returns what differs afterwards.
+  /// Changes the scene on the session's threads. Returns the resulting differences.
   template <typename F>
   Change change_scene(const F& change) {
     Change result = Change::none;
@@ -162,7 +163,7 @@ struct Session::State {
     });
     return result;
   }
-  /// Throws Error if a checkpoint would belong to another scene than the one that its hash names.
+  /// Throws Error if the scene no longer matches its hash, which a checkpoint would store.
   void check_unedited(const std::filesystem::path& file) const {
     if (!has_other_parts) return;
     throw Error(ErrorCode::not_supported,
@@ -170,8 +171,8 @@ struct Session::State {
                     ": parts were added to the scene or removed, which checkpoints do not hold; start a session "
                     "with the changed scene");
   }
-  /// Builds what parts that were added or removed need. Lights and instances then have other numbers, so that histories
-  /// and caches are discarded.
+  /// Rebuilds data affected by added or removed parts. Lights and instances are renumbered, so histories and caches are
+  /// discarded.
   void commit_edits() {
     if (scene->commit_edits() == Change::none) return;
     has_other_parts = true;
@@ -184,8 +185,8 @@ struct Session::State {
   requires std::invocable<F, CompiledScene&>
   void edit(const F& change) { edit(change_scene(change)); }
 
-  /// Seed of the sequences. Each time of the animation at which they start has numbers of its own, whichever frames
-  /// came before.
+  /// Seed of the sequences. Each animation time at which they start has separate numbers, independent of earlier
+  /// frames.
   uint32_t scramble() const {
     const auto seed = static_cast<uint32_t>(settings.seed);
     if (counters.epoch == 0 && counters.stretch_time_s == 0.0f) return seed;
@@ -199,7 +200,7 @@ struct Session::State {
                       .age = counters.sequence_age,
                       .width = buffers->width(),
                       .tile = settings.dither ? blue_noise_tile() : View<const uint16_t>{}};
-    if (!settings.stratify) return index;  // a sequence of one element in each frame
+    if (!settings.stratify) return index;  // one single-element sequence per frame
     index.sample = schedule.sample(counters.sequence_age, counters.since_change);
     index.sequence = schedule.sequence(counters.sequence_age, counters.since_change, counters.frames);
     index.taken = buffers->view(kSequenceSamples);
@@ -243,13 +244,13 @@ struct Session::State {
   FramePasses passes;
   std::unique_ptr<CompiledScene> scene;
   Change changes = Change::none;
-  bool edited = false;  ///< some of them are not the animation's
+  bool edited = false;  ///< whether `changes` include any from outside the animation
   Counters counters;
   std::stop_token hurry;
   RemovedParts removed;
-  bool has_other_parts = false;  ///< than the scene that the session was constructed with
+  bool has_other_parts = false;  ///< whether parts differ from those at the session's construction
   std::function<void(const std::string&)> pass_hook;
-  std::vector<Rgb> kept_image;  ///< shown while buffers are empty
+  std::vector<Rgb> kept_image;  ///< displayed while buffers are empty
   bool shows_kept_image = false;
   mutable Statistics statistics;
   double image_begun_s = 0;  ///< statistics.render_s when the image began

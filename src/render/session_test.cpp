@@ -53,13 +53,13 @@ TEST(Session, BeginsAnewWhereAuxiliaryBuffersComeOrGo) {
   }
 }
 
-// As where memory ends in a pass.
+// For example when a pass runs out of memory.
 TEST(Session, AFrameThatAnExceptionLeavesIsUndone) {
   RenderSettings settings = small_settings();
   settings.denoise = DenoiseChoice::svgf;
   settings.cache = CacheChoice::psf;
   Session session = furnace(settings);
-  std::stop_source stop;  // which is never requested; with it buffers are copied
+  std::stop_source stop;  // never requested; its presence enables copies of the buffers
   for (const PassDeclaration& pass : pass_declarations(session)) {
     for (int i = 0; i < 3; ++i) session.render_frame(stop.get_token());
     const Image before = session.image();
@@ -143,7 +143,7 @@ TEST(Session, WindowsNeedPixelsThatDoNotDependOnEachOther) {
 
 TEST(Session, IsAsItWasWhereATimeIsRefused) {
   Scene scene = testing::plate();
-  testing::animate_scale(scene, 1, Vec3(1), Vec3(0));  // of the camera, which looks nowhere at second 1
+  testing::animate_scale(scene, 1, Vec3(1), Vec3(0));  // scale of the camera, which is degenerate at second 1
   RenderSettings settings = small_settings();
   Session session(std::move(scene), settings);
   for (int i = 0; i < 4; ++i) session.render_frame();
@@ -213,7 +213,7 @@ TEST(Session, ImagesHaveSamplesAndSecondsOfTheirOwn) {
   EXPECT_EQ(session.image_render_s(), 0);
 }
 
-/// Each time of an animation has random numbers of its own, unless something was edited.
+/// Each animation time has separate random numbers, unless an edit occurred.
 TEST(Session, EditsThatChangeNothingChangeNoRandomNumbers) {
   const auto image_after = [](auto&& touch) {
     Session session(find_builtin_scene("turntable")->build(), small_settings());
@@ -253,7 +253,7 @@ TEST(PassTimes, AreWhatHasBeenTakenSince) {
   EXPECT_EQ(since[2].seconds, 0.25);
 }
 
-/// A view that rests keeps the sequence of samples, whatever could take its history along.
+/// A still view keeps its sample sequence, even if a history could follow motion.
 TEST(Session, AStillViewIsReprojectedToTheBitsOfItsMean) {
   RenderSettings settings = small_settings();
   Session accumulated(find_builtin_scene("cornell")->build(), settings);

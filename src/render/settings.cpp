@@ -24,7 +24,7 @@ SettingList concatenate(std::initializer_list<SettingList> lists) {
   return result;
 }
 
-/// Images say how they were made; that can be repeated.
+/// Applies the settings stored in an image, to reproduce it.
 void apply_image_settings(const SettingList& list, const std::string& file) {
   const ExrFile exr = read_exr(file);
   const auto attribute = exr.attributes.find("relume.settings");
@@ -112,7 +112,7 @@ SettingList describe(AllSettings& settings) { return flatten(setting_groups(sett
 
 namespace {
 
-/// How the command line says it.
+/// The setting as a command-line flag.
 std::string as_flag(const Setting& setting) {
   if (const auto* flag = std::get_if<bool*>(&setting.value)) return (**flag ? "--" : "--no-") + setting.name;
   return fmt::format("--{} {}", setting.name, to_string(setting));
@@ -144,7 +144,7 @@ std::string settings_reference() {
     AllSettings changed;
     settings_from_json(describe(changed), preset.json, preset.name);
     std::string values;
-    const SettingList list = describe(changed);  // the result points into it
+    const SettingList list = describe(changed);  // the result contains pointers into it
     for (const Setting* setting : differing_settings(list, describe(defaults))) {
       values += fmt::format("{}`{}`", values.empty() ? "" : " ", as_flag(*setting));
     }
@@ -164,7 +164,7 @@ AllSettings resolve(const SettingSources& sources, AllSettings settings) {
   }
   for (const auto& [name, text] : sources.flags) {
     Setting flag = require_setting(list, name, "--" + name);
-    flag.name.insert(0, "--");  // as the user wrote it, in messages
+    flag.name.insert(0, "--");  // for messages, in the user's spelling
     assign(flag, text, "");
   }
   return settings;

@@ -26,7 +26,7 @@ std::string message_of(const std::function<void()>& act) {
   return "no error";
 }
 
-/// A settings file that is removed with the test.
+/// A settings file that is deleted on destruction.
 class SettingsFile {
  public:
   explicit SettingsFile(const std::string& text)
@@ -69,7 +69,7 @@ TEST(Settings, DefaultsFitTheirOwnRanges) {
 
 TEST(Settings, SurviveJson) {
   AllSettings written;
-  for (const Setting& setting : describe(written)) {  // away from every default
+  for (const Setting& setting : describe(written)) {  // changes every value from its default
     if (auto* const* flag = std::get_if<bool*>(&setting.value)) **flag = !**flag;
     if (auto* const* number = std::get_if<int*>(&setting.value)) **number += **number < setting.traits.max ? 1 : -1;
     if (auto* const* number = std::get_if<float*>(&setting.value)) **number += 0.1f;

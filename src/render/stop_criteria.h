@@ -1,4 +1,4 @@
-// When an image is done, and the loop that renders frames until then.
+// Stopping criteria, and the loop that renders frames until one is met.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace relume {
 
-/// What the loop needs of a session. Tests provide other functions.
+/// The loop's interface to a session. Tests provide other functions.
 struct FrameSource {
   std::function<bool(std::stop_token)> render_frame;  ///< Session::render_frame
   std::function<uint32_t()> image_frames;             ///< Session::image_frames
@@ -18,17 +18,17 @@ struct FrameSource {
   std::function<double()> estimated_error;            ///< Session::estimated_error
 };
 
-/// kDefaultSpp where no criterion is set.
+/// Limits of a rendering; kDefaultSpp if no criterion is set.
 RenderLimits stop_criteria(const StopSettings& settings);
 
-/// Whether the error is looked at after `frames` of an image: from 16 on (before, the estimated variance is too noisy
-/// to stop by), at every frame up to 32, every second up to 64, and so on. It depends on nothing else, so that a
-/// resumed render stops where an uninterrupted one does.
+/// Whether the error is checked after `frames` of an image. Checks start at 16, because the variance estimate is too
+/// noisy before: every frame up to 32, every second one up to 64, and so on. Depends only on `frames`, so a resumed
+/// render stops at the same frame as an uninterrupted one.
 bool checks_error_at(uint32_t frames);
 
-/// Calls render_frame until a criterion is met or `stop` requested, and `frame_done` after each complete frame. The
-/// first frame is always completed, so that there is an image. With a time limit no frame begins that would, taking as
-/// long as those before it, end beyond it. `now_s` is a clock that only moves forward.
+/// Calls render_frame until a criterion is met or `stop` is requested, and `frame_done` after each complete frame. The
+/// first frame is always completed, so an image always exists. With a time limit, no frame begins that would end beyond
+/// it if it took as long as those before. `now_s` is a monotonic clock.
 StopReason render_until(const FrameSource& source, const RenderLimits& criteria, const std::function<double()>& now_s,
                         std::stop_token stop, const std::function<void(const RenderProgress&)>& frame_done);
 

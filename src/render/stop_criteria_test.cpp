@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// A session whose frames take a second each and whose error falls as it does in theory.
+/// A session with frames of one second each and the theoretical decrease of the error.
 struct FakeSession {
   uint32_t samples = 0;
   double clock_s = 100;
@@ -19,7 +19,7 @@ struct FakeSession {
   double error_of_one = 1;
   std::stop_source stop_source;
   double samples_a_frame = 1;
-  uint32_t interrupt_at = 0;  ///< a stop is requested while this frame is rendered; 0: never
+  uint32_t interrupt_at = 0;  ///< frame in which a stop is requested; 0: never
 
   bool render_frame(const std::stop_token& stop) {
     clock_s += frame_s;
@@ -88,7 +88,7 @@ TEST(RenderUntil, CompletesOneFrameWhateverTheTime) {
 TEST(RenderUntil, StopsAtTheError) {
   FakeSession session;
   EXPECT_EQ(session.run({.error = 0.1}), StopReason::error);
-  // 1/sqrt(n) <= 0.1 from n = 100 on, which is a multiple of four and so is looked at.
+  // 1/sqrt(n) <= 0.1 from n = 100 on, a multiple of four at which the error is checked.
   EXPECT_EQ(session.samples, 100u);
 }
 
@@ -167,7 +167,7 @@ TEST(Progress, FractionFollowsTheNearestCriterion) {
       .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 25, .samples_done_here = 25, .error = 0.2};
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100}), 0.25);
   EXPECT_DOUBLE_EQ(fraction_done(state, {.samples = 100, .time_s = 20}), 0.5);
-  EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.1}), 0.25);  // a quarter of the samples that it takes
+  EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.1}), 0.25);  // a quarter of the required samples
   EXPECT_DOUBLE_EQ(fraction_done(state, {.error = 0.3}), 1);
 }
 
@@ -176,7 +176,7 @@ TEST(Progress, RemainingTimeFollowsTheNearestCriterion) {
       .frames = 25, .samples = 25, .elapsed_s = 10, .frames_done_here = 20, .samples_done_here = 20, .error = 0.2};
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100}), 0.5 * 75);
   EXPECT_DOUBLE_EQ(remaining_s(state, {.samples = 100, .time_s = 12}), 2);
-  EXPECT_NEAR(remaining_s(state, {.error = 0.1}), 0.5 * 75, 1e-9);  // rounding of (0.2 / 0.1)²
+  EXPECT_NEAR(remaining_s(state, {.error = 0.1}), 0.5 * 75, 1e-9);  // allows for rounding of (0.2 / 0.1)²
   EXPECT_TRUE(std::isinf(remaining_s({}, {.samples = 100})));
   EXPECT_TRUE(std::isinf(remaining_s(
       {.frames = 1, .samples = 1, .elapsed_s = 1, .frames_done_here = 1, .samples_done_here = 1}, {.error = 0.1})));

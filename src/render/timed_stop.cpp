@@ -12,7 +12,7 @@ TimedStop::TimedStop(std::stop_token outer, double seconds)
 }
 
 void TimedStop::wait(const std::stop_token& end, double seconds) {
-  constexpr double kLongest = 1e8;  // three years, which the clock's nanoseconds hold
+  constexpr double kLongest = 1e8;  // three years, within the range of the clock's nanoseconds
   std::unique_lock lock(mutex_);
   wake_.wait_for(lock, end, std::chrono::duration<double>(std::min(seconds, kLongest)), [] { return false; });
   if (!end.stop_requested()) source_.request_stop();

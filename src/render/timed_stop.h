@@ -1,4 +1,4 @@
-// A stop that comes by time.
+// Stop requests after a time limit.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,7 @@
 
 namespace relume {
 
-/// Requests a stop when `outer` does or after `seconds`, whichever comes first.
+/// Requests a stop when `outer` does or after `seconds`, whichever is first.
 class TimedStop {
  public:
   /// `seconds` 0: never.
@@ -24,7 +24,7 @@ class TimedStop {
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::stop_callback<std::function<void()>> outer_;
-  std::jthread timer_;  ///< last: it uses the others
+  std::jthread timer_;  ///< last, because it uses the other members
 };
 
 }  // namespace relume
