@@ -1,4 +1,4 @@
-// FLIP: the difference that a viewer sees when two images alternate in place ([Andersson20]; HDR: [Andersson21]).
+// FLIP: the visible difference between two images that alternate in place ([Andersson20]; HDR: [Andersson21]).
 #pragma once
 
 #include <vector>
@@ -7,28 +7,28 @@
 
 namespace relume {
 
-/// A display of 0.7 m and 3840 pixels width seen from 0.7 m ([Andersson20 §3]).
+/// A display of 0.7 m and 3840 pixels width viewed from 0.7 m ([Andersson20 §3]).
 inline constexpr float kDefaultPixelsPerDegree = 67.0f;
 
-/// Per-pixel difference in [0, 1] of two images of one size as a display shows them: linear, clamped to [0, 1].
-/// Non-finite channels count as black. Throws Error if the sizes differ.
+/// Per-pixel difference in [0, 1] of two display images of equal size: linear, clamped to [0, 1]. Non-finite channels
+/// count as black. Throws Error if the sizes differ.
 std::vector<float> flip_map(const Image& test, const Image& reference,
                             float pixels_per_degree = kDefaultPixelsPerDegree);
 
-/// Exposures, in stops, at which HDR-FLIP looks; count ≥ 2.
+/// Exposures of HDR-FLIP, in stops; count ≥ 2.
 struct FlipExposures {
   float start = 0;
   float stop = 0;
   int count = 2;
 };
 
-/// From the reference's brightest pixel and its median luminance: at `start` the first, at `stop` the second comes out
-/// at 85 % of white ([Andersson21 §4]). Guards that the paper does not need: luminance is at most 65536, and dark
+/// Exposures from the reference's brightest pixel and its median luminance, mapped to 85 % of white at `start` and
+/// `stop`, respectively ([Andersson21 §4]). Additional limits, not in the paper: luminance is at most 65536, and dark
 /// medians extend the range by at most 30 stops.
 FlipExposures flip_exposures(const Image& reference);
 
-/// Largest flip_map() over the exposures, tone-mapped with Narkowicz's fit of ACES as the paper has it (not the fit of
-/// ToneMap::aces, so that figures can be compared with published ones).
+/// Maximum of flip_map() over the exposures, tone-mapped with the paper's fit of ACES by Narkowicz. Not the fit of
+/// ToneMap::aces, so results are comparable with published ones.
 std::vector<float> hdr_flip_map(const Image& test, const Image& reference, const FlipExposures& exposures,
                                 float pixels_per_degree = kDefaultPixelsPerDegree);
 

@@ -1,4 +1,4 @@
-// The public interface of relume::lab, all of it.
+// The complete public interface of relume::lab.
 #pragma once
 
 #include "relume/lab/compare.h"

@@ -1,4 +1,4 @@
-// How far an image is from a reference.
+// Error metrics of an image against a reference.
 #pragma once
 
 #include <array>
@@ -12,45 +12,46 @@
 
 namespace relume {
 
-/// Throws Error unless both images have the same size, and at least one pixel.
+/// Throws Error unless both images have the same size and at least one pixel.
 void check_same_size(const Image& a, const Image& b);
 
-/// Added to the denominators of relative errors, so that black references do not decide them.
+/// Added to the denominators of relative errors, so that black references do not dominate them.
 inline constexpr double kRelativeEpsilon = 0.01;
 
-/// Means over all pixels and over R, G and B of linear values: image a against reference b. Pixels with a channel that
-/// is not finite in either image are left out and counted.
+/// Means over all pixels and over R, G and B of linear values: image a against reference b. Pixels with a non-finite
+/// channel in either image are excluded and counted.
 struct Metrics {
   double mse = 0;       ///< (a - b)²
   double rel_mse = 0;   ///< (a - b)² / (b² + 0.01)
   double mae = 0;       ///< |a - b|
   double mape = 0;      ///< |a - b| / (|b| + 0.01)
-  double flip = 0;      ///< mean of flip_map() after exposure and tone mapping, [0, 1]; 0 unless asked for
-  double hdr_flip = 0;  ///< mean of hdr_flip_map(), [0, 1]; 0 unless asked for
+  double flip = 0;      ///< mean of flip_map() after exposure and tone mapping, [0, 1]; 0 unless requested
+  double hdr_flip = 0;  ///< mean of hdr_flip_map(), [0, 1]; 0 unless requested
   std::array<double, 3> mean_a{};
   std::array<double, 3> mean_b{};
-  uint64_t pixels = 0;       ///< compared
+  uint64_t pixels = 0;       ///< compared pixels
   uint64_t nonfinite_a = 0;  ///< pixels
   uint64_t nonfinite_b = 0;
 };
 
 struct MetricOptions {
-  ToneMap tone_map = ToneMap::none;  ///< how FLIP's viewer sees the images
+  ToneMap tone_map = ToneMap::none;  ///< display transform for FLIP
   float exposure = 0;                ///< stops
   float pixels_per_degree = kDefaultPixelsPerDegree;
   bool flip = true;
-  bool hdr_flip = false;  ///< costs about ten times as much as the rest
+  bool hdr_flip = false;  ///< takes about ten times as long as the rest
 };
 
-/// The result does not depend on the number of threads. Throws Error if the sizes differ or no pixel is finite in both.
+/// Computes the metrics, independent of the number of threads. Throws Error if the sizes differ or no pixel is finite
+/// in both images.
 Metrics compute_metrics(const Image& a, const Image& b, const MetricOptions& options = {});
 
-/// A measured MSE without what the reference's own noise adds to it: at least a tenth of what was measured, for chance
-/// may leave less than nothing, of which there are neither ratios nor logarithms.
+/// A measured MSE minus the contribution of the reference's noise. Limited to at least a tenth of the measured MSE: by
+/// chance the difference may be negative, which has no ratio or logarithm.
 double without_noise(double mse, double reference_mse);
 
-/// Values in [0, 1] as colours from black over purple and orange to light yellow (the magma map of matplotlib);
-/// display-linear, ready for write_image(). NaN is shown green.
+/// Maps values in [0, 1] to colours from black over purple and orange to light yellow (matplotlib's magma map).
+/// Display-linear, ready for write_image(). NaN becomes green.
 Image color_map(std::span<const float> values, int width, int height);
 
 /// Per-pixel mean over the channels of (a - b)² / (b² + 0.01), for color_map().
