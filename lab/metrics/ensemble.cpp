@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Of repetitions, each left out in turn for the error of bias².
+/// Number of groups of repetitions, each omitted in turn to estimate the error of bias².
 constexpr size_t kMostGroups = 8;
 constexpr size_t kFewestGroups = 3;
 

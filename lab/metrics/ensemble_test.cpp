@@ -31,7 +31,7 @@ TEST(Ensemble, SplitsNoiseFromBias) {
   Ensemble ensemble;
   for (uint32_t seed = 1; seed <= 5; ++seed) ensemble.add(make_noisy(seed, 0.01f, 0.03f));
   const ErrorSplit split = ensemble.split(make_constant(0.5f));
-  // 23 040 values of five draws each: the variance's relative error is about 0.5 %.
+  // 23 040 values of five draws each: the relative error of the variance is about 0.5 %.
   EXPECT_NEAR(split.variance, 0.01, 0.01 * 0.02);
   ASSERT_TRUE(split.bias2_error);
   EXPECT_NEAR(split.bias2, 0.0009, 5 * *split.bias2_error);
@@ -62,9 +62,9 @@ TEST(Ensemble, ManyRepetitionsKnowTheBiasBetter) {
     return ensemble.split(make_constant(0.5f));
   };
   const ErrorSplit few = split_of(8);
-  const ErrorSplit many = split_of(83);  // groups of eleven and of ten
+  const ErrorSplit many = split_of(83);  // groups of eleven and ten
   EXPECT_NEAR(many.bias2, 0.0009, 5 * *many.bias2_error);
-  EXPECT_LT(*many.bias2_error, 0.7 * *few.bias2_error);  // a fifth; each is known to about a quarter
+  EXPECT_LT(*many.bias2_error, 0.7 * *few.bias2_error);  // expected: a fifth; each is only accurate to about a quarter
 }
 
 TEST(Ensemble, WithoutBiasTheEstimateScattersAroundZero) {
@@ -80,7 +80,7 @@ TEST(Ensemble, WithoutBiasTheEstimateScattersAroundZero) {
   }
   EXPECT_GT(negative, 2);  // of 20; 1 or 0 has probability 2e-5 if both signs are equally likely
   EXPECT_LT(negative, 18);
-  EXPECT_LE(certain, 2);  // some 2 % of such trials: two standard errors are stated 1.6 times too large
+  EXPECT_LE(certain, 2);  // expected: some 2 % of such trials, because two standard errors are overestimated 1.6 times
 }
 
 TEST(Ensemble, TheReferencesOwnNoiseIsNoBias) {
@@ -102,7 +102,7 @@ TEST(Ensemble, LeavesOutWhatIsNotFiniteAndRefusesASingleImage) {
   const ErrorSplit split = ensemble.split(make_constant(0.25f));
   EXPECT_EQ(split.pixels, 96u * 80u - 1);
   EXPECT_DOUBLE_EQ(split.bias2, 0.0625);
-  EXPECT_FALSE(split.bias2_error);  // of two repetitions
+  EXPECT_FALSE(split.bias2_error);  // only two repetitions
   EXPECT_THROW(ensemble.add(Image(3, 3)), Error);
 }
 

@@ -52,7 +52,7 @@ Estimate squared_bias(const std::vector<Image>& repetitions, const Image& refere
   const size_t n = repetitions.size();
   if (n < 3) throw Error("the noise of a bias needs at least three repetitions; repeat with another seed");
   for (const Image& image : repetitions) check_same_size(image, reference);
-  // Σ_{r≠s} d_r d_s = (Σ d_r)² − Σ d_r², without repetition k the same over the others.
+  // Σ_{r≠s} d_r d_s = (Σ d_r)² − Σ d_r²; without repetition k, the same sums over the others.
   double all = 0;
   std::vector<double> without(n, 0.0);
   size_t pixels = 0;

@@ -1,4 +1,4 @@
-// Figures from independent repetitions, with their noise.
+// Measured values from independent repetitions, with their noise.
 #pragma once
 
 #include <vector>
@@ -7,33 +7,33 @@
 
 namespace relume {
 
-/// A figure, and what it is without each of several independent repetitions (the jackknife).
+/// A value, and its jackknife estimates without each of several independent repetitions.
 struct Estimate {
   double value = 0;
-  std::vector<double> without;  ///< one a repetition
+  std::vector<double> without;  ///< one per repetition
 
-  /// Standard error; 0 below two repetitions. Of squared_bias() from n repetitions up to √(2 (n − 1) / (n − 2)) times
-  /// too large where noise outweighs bias.
+  /// Standard error; 0 below two repetitions. For squared_bias() from n repetitions, up to √(2 (n − 1) / (n − 2)) times
+  /// too large if noise outweighs bias.
   double error() const;
 
   /// Half of the 95 % interval, by Student's t; 0 below two repetitions.
   double half_width() const;
 };
 
-/// Mean of one value a repetition.
+/// Mean of one value per repetition.
 Estimate mean_estimate(const std::vector<double>& values);
 
-/// A multiple of it.
+/// Multiplies the estimate by `factor`.
 Estimate scaled(Estimate estimate, double factor);
 
-/// a − b. If repetition i of both had one seed, the noise that they share does not count. Throws Error unless both have
-/// equally many repetitions.
+/// a − b. If repetition i of both used the same seed, their shared noise cancels. Throws Error unless both have the
+/// same number of repetitions.
 Estimate difference(const Estimate& a, const Estimate& b);
 
-/// Mean square difference of what repetitions show on average from the reference, over pixels and channels. Noise adds
-/// nothing to it on average: products of different repetitions alone count. `reference_mse`: the reference's own
-/// expected MSE against the truth, which is taken off. Pixels that are not finite in all images are left out. Throws
-/// Error below three repetitions, if the sizes differ, and if no pixel is left.
+/// Mean squared difference between the repetitions' expected image and the reference, over pixels and channels.
+/// Unbiased by noise: only products of different repetitions contribute. `reference_mse`: the reference's own expected
+/// MSE against the true image, which is subtracted. Pixels that are not finite in all images are excluded. Throws Error
+/// below three repetitions, if the sizes differ, and if no pixel remains.
 Estimate squared_bias(const std::vector<Image>& repetitions, const Image& reference, double reference_mse);
 
 }  // namespace relume

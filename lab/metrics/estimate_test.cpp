@@ -42,7 +42,7 @@ TEST(Estimate, SquaredBiasLeavesOutWhatIsNotFinite) {
   EXPECT_THROW(squared_bias(images, truth, 0), Error);
 }
 
-/// Of many estimates, how far they say that they stray over how far they do.
+/// Ratio of the stated to the actual error over many estimates.
 double stated_over_true(float bias, float spread, int count) {
   double mean = 0;
   double square = 0;
@@ -60,9 +60,9 @@ double stated_over_true(float bias, float spread, int count) {
 }
 
 TEST(Estimate, ItsErrorIsThatOfTheNoise) {
-  EXPECT_NEAR(stated_over_true(1, 0.3f, 6), 1, 0.25);  // 200 trials know the spread to 5 %
-  // Where noise outweighs the bias, the jackknife of products says 2.5 times the variance for six repetitions, and four
-  // times for three.
+  EXPECT_NEAR(stated_over_true(1, 0.3f, 6), 1, 0.25);  // 200 trials determine the spread to 5 %
+  // If noise outweighs the bias, the jackknife of products overestimates the variance 2.5 times for six repetitions and
+  // four times for three.
   EXPECT_NEAR(stated_over_true(0.1f, 1, 6), std::sqrt(2.5), 0.25);
   EXPECT_NEAR(stated_over_true(0.1f, 1, 3), 2, 0.4);
 }

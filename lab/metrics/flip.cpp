@@ -18,7 +18,7 @@ constexpr float kFeatureExponent = 0.5f;  // q_f
 constexpr float kKneeInput = 0.4f;        // p_c
 constexpr float kKneeOutput = 0.95f;      // p_t
 
-/// [Andersson21 §4]: display value at which the brightest and the median pixel are looked at.
+/// [Andersson21 §4]: display value to which the brightest and the median pixel are exposed.
 constexpr float kExposureTarget = 0.85f;
 constexpr float kMaxRadiance = 65536.0f;
 constexpr float kMaxStops = 30.0f;
@@ -61,7 +61,7 @@ float color_distance(const Vec3& a, const Vec3& b) {
   return std::pow(std::fabs(d.x) + std::sqrt(sqr(d.y) + sqr(d.z)), kColorExponent);
 }
 
-/// Compresses large distances: the first p_c of the range takes p_t of the output.
+/// Compresses large distances: maps the first p_c of the range to p_t of the output.
 float redistribute(float distance, float max_distance) {
   const float knee = kKneeInput * max_distance;
   if (distance < knee) return kKneeOutput / knee * distance;
@@ -117,7 +117,7 @@ std::vector<float> compare(const std::vector<Rgb>& test, const std::vector<Rgb>&
   return map;
 }
 
-/// NaN becomes 0.
+/// Clamps to [0, high]; NaN becomes 0.
 float in_range(float x, float high) { return x > 0.0f ? std::min(x, high) : 0.0f; }
 Rgb in_range(const Rgb& c, float high) { return {in_range(c.r, high), in_range(c.g, high), in_range(c.b, high)}; }
 
@@ -130,7 +130,7 @@ constexpr float kD0 = 0.14f;
 
 float narkowicz(float x) { return saturate((kN2 * x + kN1) * x / ((kD2 * x + kD1) * x + kD0)); }
 
-/// x with narkowicz(x) = y.
+/// Inverse of narkowicz().
 float inverse_narkowicz(float y) {
   const float a = kN2 - y * kD2;
   const float b = kN1 - y * kD1;

@@ -37,7 +37,8 @@ void balance(std::vector<double>& weights) {
   for (double& w : weights) w /= w > 0 ? positive : -negative;
 }
 
-/// One output per pixel: `tap(sum, k, source)` over the 2 · radius + 1 sources along a row; borders are replicated.
+/// Computes one output per pixel: `tap(sum, k, source)` over the 2 · radius + 1 sources along a row; borders are
+/// replicated.
 template <typename Out, typename In, typename Tap>
 std::vector<Out> convolve_rows(const std::vector<In>& in, int width, int height, int radius, Tap&& tap) {
   std::vector<Out> out(in.size());
@@ -56,7 +57,7 @@ std::vector<Out> convolve_rows(const std::vector<In>& in, int width, int height,
   return out;
 }
 
-/// The same along columns; `finish` turns the sum into the output.
+/// The same along columns; `finish` converts the sum to the output.
 template <typename Sum, typename Out, typename In, typename Tap, typename Finish>
 std::vector<Out> convolve_columns(const std::vector<In>& in, int width, int height, int radius, Tap&& tap,
                                   Finish&& finish) {
@@ -84,7 +85,7 @@ ContrastKernel contrast_kernel(float pixels_per_degree) {
   kernel.radius = static_cast<int>(std::ceil(3.0 * std::sqrt(kYellowFirst.b / (2.0 * kPiSquared)) * ppd));
   const Gaussian gaussians[4] = {kAchromatic, kRedGreen, kYellowFirst, kYellowSecond};
   kernel.taps.assign(2 * static_cast<size_t>(kernel.radius) + 1, Vec4(0));
-  double mass[4];  // of the two-dimensional kernels: the square of the one-dimensional sums
+  double mass[4];  // sums of the two-dimensional kernels: squares of the one-dimensional sums
   for (int c = 0; c < 4; ++c) {
     const double a = gaussians[c].a;
     const double b = gaussians[c].b;

@@ -8,11 +8,11 @@
 
 namespace relume::detail {
 
-/// Calls `function` for each row, on several threads.
+/// Calls `function` for each row, in parallel.
 void for_each_row(int height, const std::function<void(int)>& function);
 
 /// [Andersson20 eq. 4-5]: contrast sensitivity of the achromatic, red-green and blue-yellow channels as sums of
-/// Gaussians, each tap one vector (achromatic, red-green, first and second Gaussian of blue-yellow).
+/// Gaussians. Each tap is one vector (achromatic, red-green, first and second Gaussian of blue-yellow).
 struct ContrastKernel {
   int radius = 0;
   std::vector<Vec4> taps;  ///< 2 · radius + 1, each component sums to 1
@@ -21,19 +21,19 @@ struct ContrastKernel {
 };
 ContrastKernel contrast_kernel(float pixels_per_degree);
 
-/// [Andersson20 §4.2]: (Gaussian, first derivative, second derivative). The Gaussian sums to 1; of the derivatives the
-/// positive and the negative weights sum to 1 and -1.
+/// [Andersson20 §4.2]: (Gaussian, first derivative, second derivative). The Gaussian sums to 1. The positive and
+/// negative weights of the derivatives sum to 1 and -1.
 struct FeatureKernel {
   int radius = 0;
   std::vector<Vec3> taps;
 };
 FeatureKernel feature_kernel(float pixels_per_degree);
 
-/// `opponent` (Y, Cx, Cz per pixel) as the eye resolves it; borders are replicated.
+/// Filters `opponent` (Y, Cx, Cz per pixel) by the contrast sensitivity of the eye; borders are replicated.
 std::vector<Vec3> filter_contrast(const std::vector<Vec3>& opponent, int width, int height,
                                   const ContrastKernel& kernel);
 
-/// Strength of edges (x) and points (y) in a luminance image whose range is [0, 1].
+/// Strength of edges (x) and points (y) in a luminance image with range [0, 1].
 std::vector<Vec2> detect_features(const std::vector<float>& luminance, int width, int height,
                                   const FeatureKernel& kernel);
 

@@ -22,7 +22,7 @@ Image constant(int width, int height, const Rgb& color) {
   return image;
 }
 
-/// Smooth shapes with an edge and a few dots.
+/// Smooth shapes with an edge and some dots.
 Image make_image(int width, int height, uint32_t seed) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -36,7 +36,7 @@ Image make_image(int width, int height, uint32_t seed) {
   return image;
 }
 
-/// FLIP at one pixel, straight from the paper's equations: double precision, two-dimensional kernels, no shared code.
+/// FLIP at one pixel, directly from the paper's equations: double precision, two-dimensional kernels, no shared code.
 class DirectFlip {
  public:
   DirectFlip(const Image& test, const Image& reference, double ppd) : test_(test), reference_(reference), ppd_(ppd) {}
@@ -133,7 +133,7 @@ class DirectFlip {
     return hunt_lab(rgb_of_opponent(sum));
   }
 
-  /// Response of a detector whose positive weights sum to 1 and whose negative weights sum to -1.
+  /// Response of a detector with positive weights that sum to 1 and negative ones that sum to -1.
   double response(const Image& image, int x, int y, int radius, const std::function<double(int, int)>& weight) const {
     double sums[2] = {0, 0};
     double weights[2] = {0, 0};
@@ -174,12 +174,12 @@ TEST(Flip, MatchesADirectEvaluationOfThePaper) {
     for (const auto& [x, y] :
          {std::pair{0, 0}, std::pair{47, 39}, std::pair{20, 20}, std::pair{31, 5}, std::pair{9, 38}, std::pair{28, 21}})
       EXPECT_NEAR(map[static_cast<size_t>(y * 48 + x)], direct.at(x, y), 2e-4)
-          << x << ' ' << y << ' ' << ppd;  // floats
+          << x << ' ' << y << ' ' << ppd;  // float precision
   }
 }
 
 TEST(Flip, UniformPairsReduceToTheColourDifference) {
-  // Filters leave uniform images alone and there are no features, so the value is the redistributed HyAB distance.
+  // Filters preserve uniform images, which have no features, so the value is the redistributed HyAB distance.
   const std::pair<Triple, Triple> pairs[] = {{{0.2, 0.4, 0.6}, {0.25, 0.4, 0.5}},
                                              {{1, 1, 1}, {0, 0, 0}},
                                              {{1, 0, 0}, {0, 1, 0}},
@@ -210,7 +210,7 @@ TEST(Flip, IsSymmetric) {
 }
 
 TEST(Flip, HighFrequenciesAreHarderToSeeFromAfar) {
-  // A pattern of one-pixel noise against grey of the same mean.
+  // One-pixel noise against grey of the same mean.
   Image noise(64, 64);
   for (size_t i = 0; i < noise.pixels.size(); ++i)
     noise.pixels[i] = Rgb((hash(static_cast<uint32_t>(i)) & 1u) ? 0.45f : 0.55f);
@@ -247,7 +247,7 @@ TEST(HdrFlip, ExposuresFollowTheReference) {
   const FlipExposures e = flip_exposures(image);
   EXPECT_NEAR(e.stop - e.start, 7.0f, 1e-4f);  // log2(64 / 0.5)
   EXPECT_EQ(e.count, 7);
-  // At the stop exposure the median comes out at 0.85 (Narkowicz's fit with factor 0.6).
+  // At the stop exposure, the median maps to 0.85 (Narkowicz's fit with factor 0.6).
   const double x = 0.6 * 0.5 * std::exp2(static_cast<double>(e.stop));
   EXPECT_NEAR(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.85, 1e-4);
   EXPECT_EQ(flip_exposures(constant(4, 4, Rgb(1))).count, 2);

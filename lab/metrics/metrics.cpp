@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-/// Sums over one row or over all of them; rows are added in order, so that threads do not change the result.
+/// Sums over one row or all rows. Rows are added in order, so the result does not depend on threads.
 struct Sums {
   double squared = 0;
   double relative_squared = 0;

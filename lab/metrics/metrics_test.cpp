@@ -105,7 +105,7 @@ TEST(RelativeErrorMap, AveragesToRelMse) {
   const Image b = make_noise(20, 20, 4);
   double sum = 0;
   for (const float x : relative_error_map(a, b)) sum += x;
-  EXPECT_NEAR(sum / 400.0, compute_metrics(a, b).rel_mse, 1e-5 * sum);  // floats
+  EXPECT_NEAR(sum / 400.0, compute_metrics(a, b).rel_mse, 1e-5 * sum);  // float precision
 }
 
 }  // namespace

@@ -8,7 +8,8 @@
 namespace relume {
 namespace {
 
-/// Probability that just `k` of `n` fair coins show heads. By logarithms: 2^-n underflows from a thousand on.
+/// Probability that exactly `k` of `n` fair coins show heads. Uses logarithms because 2^-n underflows from about n =
+/// 1000.
 double binomial(size_t n, size_t k) {
   const auto log_factorial = [](size_t i) { return std::lgamma(static_cast<double>(i) + 1); };
   return std::exp(log_factorial(n) - log_factorial(k) - log_factorial(n - k) - static_cast<double>(n) * std::log(2.0));
@@ -41,7 +42,7 @@ double student_t(size_t degrees_of_freedom) {
   constexpr std::array<double, 10> kSmall{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228};
   if (degrees_of_freedom <= kSmall.size()) return kSmall[degrees_of_freedom - 1];
   const double v = static_cast<double>(degrees_of_freedom);
-  return 1.95996 * (1 + 1.2104 / v + 1.4402 / (v * v));  // Cornish-Fisher: within 0.2 % from 11 on
+  return 1.95996 * (1 + 1.2104 / v + 1.4402 / (v * v));  // Cornish-Fisher: accurate to 0.2 % from 11 on
 }
 
 double mean(const std::vector<double>& values) {

@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Bounds between which the true value lies with probability `confidence`.
+/// Bounds that contain the true value with probability `confidence`.
 struct Interval {
   double low = 0;
   double high = 0;
@@ -16,8 +16,8 @@ struct Interval {
 /// Middle value; mean of the two middle ones for an even count. 0 without values.
 double median(std::vector<double> values);
 
-/// Interval of the median between order statistics, whatever the distribution: the narrowest symmetric pair whose
-/// confidence reaches `confidence`, or else the whole range, which has 1 - 2^(1 - n).
+/// Distribution-free interval of the median between order statistics: the narrowest symmetric pair with at least
+/// `confidence`, or else the whole range, with confidence 1 - 2^(1 - n).
 Interval median_interval(std::vector<double> values, double confidence = 0.95);
 
 /// Interval of the mean of normally distributed values, by Student's t at 95 %. A single value has confidence 0.

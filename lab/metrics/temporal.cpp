@@ -22,14 +22,14 @@ void check_planes(const Image& image, const SurfaceMotion& surface) {
   throw Error("the planes of motion, depth and normal must have the size of the image");
 }
 
-/// Index of the pixel in which the surface at pixel (x, y) was one frame ago.
+/// Index of the pixel that showed the surface of pixel (x, y) in the previous frame.
 std::optional<size_t> pixel_before(const Image& image, const SurfaceMotion& surface, const SurfaceMotion& previous,
                                    int x, int y) {
   const size_t i = static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x);
   const Vec2 position = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) - surface.motion[i];
   const float column = std::floor(position.x);
   const float row = std::floor(position.y);
-  // In this form, so that NaN is refused.
+  // In this form, so that NaN is rejected.
   if (!(column >= 0 && row >= 0 && column < static_cast<float>(image.width) && row < static_cast<float>(image.height)))
     return std::nullopt;
   const size_t q = static_cast<size_t>(row) * static_cast<size_t>(image.width) + static_cast<size_t>(column);
@@ -42,7 +42,7 @@ std::optional<size_t> pixel_before(const Image& image, const SurfaceMotion& surf
   return q;
 }
 
-/// Means of what `squares(i, q)` says of each pixel i that the frame before shows at q, and that is finite.
+/// Means of `squares(i, q)` over finite pixels i whose surface pixel q of the previous frame shows.
 template <typename Squares>
 TemporalError mean_over_surfaces(const Image& reference, const SurfaceMotion& surface,
                                  const SurfaceMotion& previous_surface, const Squares& squares) {

@@ -20,7 +20,7 @@ Image make_noise(uint32_t seed) {
   return image;
 }
 
-/// Everything moves by `motion` pixels.
+/// All surfaces move by `motion` pixels.
 SurfaceMotion make_surface(Vec2 motion) {
   const size_t count = size_t{kWidth} * kHeight;
   return {std::vector<Vec2>(count, motion), std::vector<float>(count, 2.0f), std::vector<Vec3>(count, Vec3(0, 1, 0))};
@@ -47,7 +47,7 @@ TEST(TemporalError, AnErrorThatMovesWithTheSurfacesDoesNotFlicker) {
   const Image error = make_noise(2);
   const TemporalError e = temporal_error(shifted(sum(scene, error), 5, -3), shifted(scene, 5, -3),
                                          make_surface({5, -3}), sum(scene, error), scene, make_surface({0, 0}));
-  EXPECT_LT(e.mse, 1e-13);  // rounding
+  EXPECT_LT(e.mse, 1e-13);  // allows for rounding
   EXPECT_EQ(e.pixels, static_cast<uint64_t>((kWidth - 5) * (kHeight - 3)));
 }
 
@@ -68,7 +68,7 @@ TEST(TemporalError, IndependentNoiseCountsTwice) {
 }
 
 TEST(TemporalError, NoiseOfTheReferencesIsKnown) {
-  // Images without error against references with noise: all of the temporal error is theirs.
+  // Images without error against noisy references: all of the temporal error is the references'.
   const Image black(kWidth, kHeight);
   Image variance(kWidth, kHeight);
   for (Rgb& pixel : variance.pixels) pixel = Rgb(1.0f / 12);

@@ -1,4 +1,4 @@
-// Small images with a known bias and known noise.
+// Small images with known bias and noise.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace relume::testing {
 
-/// Nearly normal, of variance 1.
+/// Nearly normal noise of variance 1.
 inline float noise(uint32_t seed, uint32_t i) {
   float sum = -6;
   for (uint32_t k = 0; k < 12; ++k) sum += to_unit_float(hash(seed, i, k));
@@ -29,7 +29,7 @@ inline std::vector<Image> repetitions(int count, float bias, float spread, uint3
   return list;
 }
 
-/// What they are without either.
+/// The image without bias and noise.
 inline Image reference() {
   Image image(16, 16);
   for (Rgb& p : image.pixels) p = Rgb(1);
