@@ -1,4 +1,4 @@
-// The files of lab/report/page, compiled in.
+// Contents of the files in lab/report/page.
 #pragma once
 
 #include <string_view>

@@ -13,13 +13,13 @@
 namespace relume {
 namespace {
 
-// The map of the relative squared error covers these powers of ten.
+// Range of the map of relative squared error, powers of ten.
 constexpr float kLowestExponent = -4;
 constexpr float kHighestExponent = 1;
 
 std::string png_text(const Image& display) { return base64(encode_png(display)); }
 
-/// -1: blue, 0: nearly black, 1: orange; display-linear.
+/// Display-linear colour of t: -1 blue, 0 nearly black, 1 orange.
 Rgb diverging_color(float t) {
   const auto srgb = [](int code) {
     return Rgb(static_cast<float>(code >> 16), static_cast<float>(code >> 8 & 255), static_cast<float>(code & 255)) /
@@ -72,7 +72,7 @@ uint16_t half_from_float(float x) {
   const uint32_t sign = bits >> 16 & 0x8000u;
   const uint32_t magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return static_cast<uint16_t>(sign | 0x7e00u);   // NaN
-  if (magnitude >= 0x47800000u) return static_cast<uint16_t>(sign | 0x7c00u);  // 65536 and more
+  if (magnitude >= 0x47800000u) return static_cast<uint16_t>(sign | 0x7c00u);  // 65536 and above
   if (magnitude < 0x38800000u) {                                               // below 2^-14: subnormal
     const float scaled = std::bit_cast<float>(magnitude) * 0x1p24f;
     return static_cast<uint16_t>(sign | static_cast<uint32_t>(std::nearbyint(scaled)));
@@ -148,7 +148,7 @@ std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, con
             const Rgb& b = reference.at(x, y);
             const Rgb d = image->at(x, y) - b;
             const float squared = glm::dot(d, d) / (glm::dot(b, b) + static_cast<float>(kRelativeEpsilon));
-            sum += std::isfinite(squared) ? std::min(squared, 4.0f) : 4.0f;  // a few fireflies do not decide
+            sum += std::isfinite(squared) ? std::min(squared, 4.0f) : 4.0f;  // limits the influence of fireflies
           }
         }
         worst = std::max(worst, sum);

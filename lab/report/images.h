@@ -1,4 +1,4 @@
-// Images and maps of errors for pages.
+// Images and error maps for pages.
 #pragma once
 
 #include <string>
@@ -10,29 +10,28 @@
 
 namespace relume {
 
-/// How images are shown and what is put into the page.
+/// Display of images, and data included in the page.
 struct ImageOptions {
   ToneMap tone_map = ToneMap::agx;
   float exposure = 0;  ///< stops
-  bool values = true;  ///< radiance of each pixel for the inspector, 6 bytes a pixel before compression
+  bool values = true;  ///< radiance per pixel for the inspector, 6 bytes each before compression
 };
 
-/// What the layers of measured_image() mean, in their order.
+/// Meanings of the layers of measured_image(), in order.
 std::vector<LayerKind> image_layer_kinds();
 
-/// The image as it is shown.
+/// The image with its display transform.
 PageImage plain_image(std::string name, int color, const Image& image, const ImageOptions& options);
 
-/// Values from 0 to 1 of each pixel in the colours of color_map().
+/// Values in [0, 1] per pixel in the colours of color_map().
 PageImage map_image(std::string name, int color, const std::vector<float>& values, int width, int height);
 
-/// The same with maps against `reference`: the relative difference of the luminance with its sign, the relative squared
-/// error (logarithmic), and FLIP. Throws Error if the sizes differ.
+/// plain_image() with maps against `reference`: relative signed luminance difference, relative squared error
+/// (logarithmic), and FLIP. Throws Error if the sizes differ.
 PageImage measured_image(std::string name, int color, const Image& image, const Image& reference,
                          const ImageOptions& options);
 
-/// The `count` squares in which the images differ most from the reference relative to its brightness, apart from each
-/// other.
+/// The `count` disjoint squares with the largest differences from the reference relative to its brightness.
 std::vector<Crop> interesting_crops(const std::vector<const Image*>& images, const Image& reference, int count);
 
 struct MeasuredImage {
@@ -45,7 +44,7 @@ struct MeasuredImage {
 ImageSet measured_set(std::string label, const Image& reference, const std::vector<MeasuredImage>& images,
                       const ImageOptions& options);
 
-/// IEEE 754 binary16, rounded to nearest; what is too large becomes infinite.
+/// IEEE 754 binary16, rounded to nearest; values out of range become infinite.
 uint16_t half_from_float(float x);
 
 std::string base64(const std::vector<uint8_t>& bytes);

@@ -32,11 +32,11 @@ TEST(Images, HalfPrecision) {
   EXPECT_EQ(half_from_float(-0.0f), 0x8000);
   EXPECT_EQ(half_from_float(1.0f), 0x3c00);
   EXPECT_EQ(half_from_float(-2.0f), 0xc000);
-  EXPECT_EQ(half_from_float(65504.0f), 0x7bff);  // the largest
+  EXPECT_EQ(half_from_float(65504.0f), 0x7bff);  // largest finite number
   EXPECT_EQ(half_from_float(65520.0f), 0x7c00);  // rounds up to infinity
   EXPECT_EQ(half_from_float(1e9f), 0x7c00);
   EXPECT_EQ(half_from_float(0x1p-14f), 0x0400);  // smallest normal number
-  EXPECT_EQ(half_from_float(0x1p-24f), 0x0001);  // smallest of all
+  EXPECT_EQ(half_from_float(0x1p-24f), 0x0001);  // smallest subnormal number
   EXPECT_EQ(half_from_float(0x1p-26f), 0x0000);
   EXPECT_EQ(half_from_float(1.0f + 0x1p-11f), 0x3c00);  // ties to even
   EXPECT_EQ(half_from_float(1.0f + 0x1.8p-10f), 0x3c02);
@@ -61,7 +61,7 @@ TEST(Images, ValuesComeBack) {
   for (const std::string& plane : page_image.values) {
     const Image decoded = parse_image(decode_base64(plane), "plane");
     ASSERT_EQ(decoded.width, 3);
-    // Reading applies the sRGB curve, which is monotonic: compare with the code of the byte.
+    // Reading applies the sRGB curve, which is monotonic: compares with the byte's code.
     const float green = decoded.at(1, 1).g;
     Image codes(256, 1);
     std::vector<uint8_t> ramp;
@@ -99,7 +99,7 @@ TEST(Images, CropsShowWhereTheErrorIs) {
   EXPECT_EQ(crops[0].x, 100);
   EXPECT_EQ(crops[0].y, 30);
   EXPECT_EQ(crops[0].size, 10);
-  EXPECT_TRUE(interesting_crops({&bad}, Image(4, 4), 2).empty());  // nothing fits
+  EXPECT_TRUE(interesting_crops({&bad}, Image(4, 4), 2).empty());  // no square fits
   const ImageSet set = measured_set("set", reference, {{"bad", 5, &bad, "note"}}, {.values = false});
   ASSERT_EQ(set.images.size(), 2u);
   EXPECT_EQ(set.reference, 0);

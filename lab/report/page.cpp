@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// null stands for what is not finite.
+/// Non-finite values become null.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 template <typename T, typename F>
@@ -154,7 +154,7 @@ Json to_json(const LinkBlock& b) {
   return json;
 }
 
-/// JSON that can stand inside a script element: nothing in it ends the element.
+/// JSON for a script element, escaped so that it cannot end the element.
 std::string embed(const Json& json) {
   const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string safe;
@@ -189,7 +189,7 @@ std::string to_html(const Page& page) {
       page.blocks, [](const Block& b) { return std::visit([](const auto& content) { return to_json(content); }, b); });
   std::string html;
   std::string_view rest = page_assets::kPage;
-  while (!rest.empty()) {  // @NAME@ stands for what is put in
+  while (!rest.empty()) {  // @NAME@ is a placeholder
     const size_t begin = rest.find('@');
     html += rest.substr(0, begin);
     if (begin == std::string_view::npos) break;

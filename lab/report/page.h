@@ -1,4 +1,4 @@
-// A page of results as data, and its one self-contained HTML file: images, curves, tables, claims. It needs no
+// A page of results as data, and its self-contained HTML file: images, curves, tables, claims. The file needs no
 // network and no other file.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace relume {
 
-/// Index of a colour of the page's palette of nine; the same contender has the same one everywhere.
+/// Colours are indices into the page's palette of nine; a contender has the same colour throughout.
 inline constexpr int kNeutralColor = -1;
 
 /// A paragraph and a list of points.
@@ -31,26 +31,26 @@ struct TableColumn {
 
 struct TableCell {
   std::string text;
-  std::optional<double> value = {};  ///< to sort and to find the best by
-  std::string note = {};             ///< in small letters below
+  std::optional<double> value = {};  ///< sort key, also for the best value
+  std::string note = {};             ///< small text below
 };
 
 struct TableRow {
   std::string name;
   int color = kNeutralColor;
   std::vector<TableCell> cells;
-  bool competes = true;  ///< may be the best
+  bool competes = true;  ///< whether it can be marked as best
 };
 
 struct TableBlock {
   std::string title;
   std::string text;
   std::string row_title;
-  std::vector<TableColumn> columns;  ///< without the rows' names
+  std::vector<TableColumn> columns;  ///< excludes the column of row names
   std::vector<TableRow> rows;
 };
 
-/// Low and high bound a band around the curve; not finite: none.
+/// Low and high bound a band around the curve; not finite: no band.
 struct CurvePoint {
   double x = 0;
   double y = 0;
@@ -66,7 +66,7 @@ struct Curve {
 };
 
 struct Chart {
-  std::string label;  ///< by which it is chosen
+  std::string label;  ///< label of its selector
   std::string x_label;
   std::string y_label;
   bool log_x = false;
@@ -74,14 +74,14 @@ struct Chart {
   std::vector<Curve> curves;
 };
 
-/// One chart is shown at a time.
+/// Charts, displayed one at a time.
 struct ChartBlock {
   std::string title;
   std::string text;
   std::vector<Chart> charts;
 };
 
-/// A bar stacked from named parts.
+/// A bar of stacked, named parts.
 struct Bar {
   std::string name;
   std::vector<std::pair<std::string, double>> parts;
@@ -94,18 +94,18 @@ struct BarBlock {
   std::vector<Bar> bars;
 };
 
-/// What a paper says beside what was measured.
+/// A paper's claim beside the measurement.
 struct Claim {
   std::string id;     ///< kebab-case
-  std::string paper;  ///< key and place: "[Schalk18 §4.3]"
+  std::string paper;  ///< key and location: "[Schalk18 §4.3]"
   std::string claim;
   std::string measured;
-  std::string threshold;  ///< what counts as holding
+  std::string threshold;  ///< condition for "holds"
   std::string verdict;    ///< one of the kVerdict constants
 };
 inline constexpr const char* kVerdictHolds = "holds";
 inline constexpr const char* kVerdictFails = "does not hold";
-inline constexpr const char* kVerdictUndecided = "undecided";  ///< the bound lies within the measured interval
+inline constexpr const char* kVerdictUndecided = "undecided";  ///< the threshold is within the measured interval
 inline constexpr const char* kVerdictOpen = "not measured";
 
 struct ClaimBlock {
@@ -114,7 +114,7 @@ struct ClaimBlock {
   std::vector<Claim> claims;
 };
 
-/// What a map's colours mean.
+/// Meaning of a map's colours.
 struct LayerKind {
   std::string label;
   std::string ramp = {};  ///< "magma", "diverging"; empty: none
@@ -131,9 +131,9 @@ struct ImageLayer {
 struct PageImage {
   std::string name;
   int color = kNeutralColor;
-  std::string note;  ///< beside the name
+  std::string note;  ///< text beside the name
   std::vector<ImageLayer> layers;
-  std::vector<std::string> values;  ///< two PNGs with the high and low bytes of binary16; empty: left out
+  std::vector<std::string> values;  ///< two PNGs with the high and low bytes of binary16; empty: omitted
 };
 
 /// A square, pixels.
@@ -143,12 +143,12 @@ struct Crop {
   int size = 0;
 };
 
-/// Images of one size that are looked at together.
+/// Images of equal size that are viewed together.
 struct ImageSet {
   std::string label;
   int width = 0;
   int height = 0;
-  int reference = 0;  ///< index of the image that others are measured against
+  int reference = 0;  ///< index of the reference image
   std::vector<PageImage> images;
   std::vector<Crop> crops;
 };
@@ -156,7 +156,7 @@ struct ImageSet {
 struct ViewerBlock {
   std::string title;
   std::string text;
-  std::vector<LayerKind> layers;  ///< the first is what an image without the others shows
+  std::vector<LayerKind> layers;  ///< the first is the only one of images without maps
   std::vector<ImageSet> sets;
 };
 
@@ -164,7 +164,7 @@ struct DetailsBlock {
   std::string title;
   std::string text;
   std::vector<std::pair<std::string, std::string>> pairs;
-  std::vector<std::pair<std::string, std::string>> parts;  ///< title and preformatted text, folded
+  std::vector<std::pair<std::string, std::string>> parts;  ///< title and preformatted text, collapsed
 };
 
 struct Link {
@@ -188,7 +188,7 @@ struct Page {
   std::vector<Block> blocks;
 };
 
-/// The file's text. The same page gives the same bytes.
+/// HTML of the page. Equal pages give equal bytes.
 std::string to_html(const Page& page);
 
 }  // namespace relume

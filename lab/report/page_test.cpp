@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// The data of a page, as its script reads it.
+/// Data of a page, in the form that its script reads.
 nlohmann::json data_of(const std::string& html) {
   const std::string begin = "id=\"page-data\">";
   const size_t at = html.find(begin) + begin.size();
