@@ -78,8 +78,8 @@ class Comparing {
   const Scene& scene_;
   const std::stop_token& stop_;
   const ComparisonProgress& progress_;
-  std::vector<AllSettings> settings_;  ///< of the contenders
-  std::vector<Image> images_;          ///< made elsewhere
+  std::vector<AllSettings> settings_;  ///< of each contender
+  std::vector<Image> images_;          ///< the external images
   std::vector<Reference> references_;
   Comparison result_;
 };
@@ -101,7 +101,7 @@ void Comparing::prepare() {
   read_images();
 }
 
-/// Files are looked at before anything is rendered, which may take long.
+/// Reads all files before any rendering, which may take long.
 void Comparing::read_images() {
   const ComparisonOptions& o = options();
   const RenderSettings& size = result_.reference_settings.render;
@@ -188,7 +188,7 @@ void Comparing::measure_images() {
   }
 }
 
-/// What they add to the figures.
+/// Estimates the references' contribution to the measured errors.
 void Comparing::judge_references() {
   ReferenceNoise& noise = result_.reference_noise;
   const double frames = static_cast<double>(references_.size());

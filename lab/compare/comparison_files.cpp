@@ -1,4 +1,4 @@
-// The numbers of a comparison as JSON and CSV.
+// JSON and CSV of a comparison.
 #include <cmath>
 
 #include <fmt/format.h>

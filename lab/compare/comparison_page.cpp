@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kMostValueBytes = 100u << 20;
 
-/// Median over the repetitions at each point; a repetition that has fewer points ends the curve.
+/// Median over the repetitions at each point; the shortest repetition ends the curve.
 Curve median_curve(const ContenderResult& contender, int color, double (*x)(const ErrorPoint&),
                    double (*y)(const ErrorPoint&)) {
   Curve curve{.name = contender.name, .color = color, .points = {}};
@@ -85,7 +85,7 @@ std::string budget_text(const Comparison& c) {
   return fmt::format("equal samples, {} a pixel{}", c.options.spp, animation ? " and frame" : "");
 }
 
-/// Who is closest to the reference, as far as the repetitions tell. `first`: leaders() by relMSE.
+/// The contenders closest to the reference, as far as the repetitions distinguish them. `first`: leaders() by relMSE.
 std::string closest_text(const Comparison& c, const std::vector<size_t>& first) {
   if (first.empty()) return "Every contender has pixels that are not finite; none is called the closest.";
   const auto name_of = [&](size_t i) { return c.contenders[i].name; };

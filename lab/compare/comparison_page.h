@@ -1,4 +1,4 @@
-// The page of a comparison, and parts of it that experiments show too.
+// The page of a comparison, and parts of it that experiments reuse.
 #pragma once
 
 #include <string>
@@ -13,11 +13,11 @@ namespace relume {
 /// Three significant digits: "0.0123", "1.23e-05", "1230".
 std::string short_number(double x);
 
-/// Everything there is to see of a comparison. `machine`: as for to_json().
+/// The complete page of a comparison. `machine`: as for to_json().
 Page comparison_page(const Comparison& comparison, const std::vector<std::pair<std::string, std::string>>& machine);
 
-/// The reference and the contenders' images with their maps. Values for the inspector are left out if the page would
-/// grow beyond some 100 MB.
+/// The reference and the contenders' images with their maps. Inspector values are omitted if the page would exceed some
+/// 100 MB.
 ViewerBlock comparison_images(const Comparison& comparison);
 TableBlock comparison_table(const Comparison& comparison);
 ChartBlock comparison_curves(const Comparison& comparison);

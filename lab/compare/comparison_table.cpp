@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// Of medians over the repetitions.
+/// A column of medians over the repetitions.
 struct MedianColumn {
   TableColumn column;
   Figure figure;
@@ -76,7 +76,7 @@ std::vector<TableColumn> table_columns(const Comparison& c) {
   return columns;
 }
 
-/// Median with its interval below it.
+/// Median with its interval below.
 TableCell median_cell(const ContenderResult& contender, const Figure& figure) {
   const std::vector<double> values = values_of(contender, figure);
   const Interval interval = median_interval(values);
@@ -136,7 +136,7 @@ TableRow reference_row(const Comparison& c, size_t columns) {
   return row;
 }
 
-/// What stands above the table.
+/// Text above the table.
 std::string explanation(const Comparison& c) {
   if (c.threads == 0) return "Figures of the images as they are. The best value of a column is marked.";
   const int repetitions = c.options.repetitions;

@@ -21,7 +21,7 @@ size_t occurrences(const std::string& text, const std::string& part) {
   return count;
 }
 
-/// A microsecond a ray, on every machine and however busy it is.
+/// One microsecond per ray, independent of machine and load.
 double ray_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
 
 class ComparisonTest : public testing::Test {
@@ -50,7 +50,7 @@ class ComparisonTest : public testing::Test {
     for (Rgb& pixel : image.pixels) pixel = Rgb(0.3f);
     return image;
   }
-  /// A few samples, compared with the image as well.
+  /// Options for a few samples, compared with the image as well.
   ComparisonOptions beside_image(const std::string& name, const Image& image) {
     ComparisonOptions o = options("all=seed:1");
     o.spp = 4;
@@ -74,7 +74,7 @@ class ComparisonTest : public testing::Test {
 TEST_F(ComparisonTest, EqualSamples) {
   ComparisonOptions o = options("few=max-bounces:1,all=seed:7");
   o.spp = 16;
-  // The lamp is out of sight: a few pixels on its edges would outweigh all others.
+  // Keeps the lamp out of view: a few pixels on its edges would outweigh all others.
   Scene scene = find_builtin_scene("cornell")->build();
   scene.cameras.front().fov_y_rad *= 0.5f;
   const Comparison c = run(scene, o);
@@ -93,13 +93,13 @@ TEST_F(ComparisonTest, EqualSamples) {
     }
   }
   EXPECT_EQ(c.contenders[1].repetitions[2].seed, 9);
-  // What the first leaves out is bias; the second has none.
+  // The light missing from the first is bias; the second has none.
   ASSERT_TRUE(c.contenders[0].split && c.contenders[1].split);
   ASSERT_TRUE(c.contenders[0].split->bias2_error && c.contenders[1].split->bias2_error);
   EXPECT_GT(c.contenders[0].split->bias2, 5 * *c.contenders[0].split->bias2_error);
-  EXPECT_LT(std::fabs(c.contenders[1].split->bias2), 8 * *c.contenders[1].split->bias2_error);  // of three repetitions
+  EXPECT_LT(std::fabs(c.contenders[1].split->bias2), 8 * *c.contenders[1].split->bias2_error);  // 3 repetitions
   const double mse = median_of(c.contenders[1], [](const Repetition& r) { return r.mse; });
-  EXPECT_NEAR(c.contenders[1].split->variance / mse, 1, 0.25);  // unbiased: all of it; the reference's noise is 1/16
+  EXPECT_NEAR(c.contenders[1].split->variance / mse, 1, 0.25);  // all of it is variance; the reference's noise is 1/16
 }
 
 TEST_F(ComparisonTest, CommonFlagsDoNotBiasTheReference) {
@@ -110,7 +110,7 @@ TEST_F(ComparisonTest, CommonFlagsDoNotBiasTheReference) {
   const Comparison plain = run("cornell", o);
   o.common.flags.insert(o.common.flags.end(), {{"cache", "psf"}, {"denoise", "svgf"}, {"history", "none"}});
   const Comparison filtered = run("cornell", o);
-  EXPECT_TRUE(filtered.reference.cached);  // it is the same
+  EXPECT_TRUE(filtered.reference.cached);  // the reference is unchanged
   EXPECT_EQ(filtered.reference.image.pixels, plain.reference.image.pixels);
   EXPECT_NE(filtered.contenders[0].image.pixels, plain.contenders[0].image.pixels);
   EXPECT_EQ(filtered.reference_left_out.size(), 3u);
@@ -140,7 +140,8 @@ TEST_F(ComparisonTest, EqualTimeIsEqualWithin5Percent) {
 }
 
 TEST_F(ComparisonTest, AStallDoesNotShortenAContenderForGood) {
-  // Another program has the processor for a second, more than twice the budget, in everybody's fifth frame.
+  // Another program occupies the processor for a second, more than twice the budget, in the fifth frame of each
+  // contender.
   ComparisonOptions o = options("a=seed:1,b=seed:2");
   o.budget_s = 0.4;
   o.repetitions = 1;
@@ -159,7 +160,7 @@ TEST_F(ComparisonTest, AStallDoesNotShortenAContenderForGood) {
 }
 
 TEST_F(ComparisonTest, SaysWhenTimesAreNotEqual) {
-  // A frame of the second costs more than the whole budget.
+  // One frame of the second contender exceeds the whole budget.
   ComparisonOptions o = options("cheap=max-bounces:1,dear=max-bounces:3");
   o.budget_s = 0.006;
   o.repetitions = 1;
@@ -255,11 +256,11 @@ TEST_F(ComparisonTest, NumbersImageAndPageAgree) {
   EXPECT_GT(json["contenders"][0]["passes"].size(), 0u);
   const std::string csv = to_csv(c);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-  EXPECT_NE(csv.find("\"\"\"all\"\"\","), std::string::npos);  // quoted as CSV wants it
+  EXPECT_NE(csv.find("\"\"\"all\"\"\","), std::string::npos);  // quoted for CSV
   const Page page = comparison_page(c, {{"Processor", "test"}});
   const std::string html = to_html(page);
   EXPECT_NE(html.find("data-theme-choice"), std::string::npos);
-  EXPECT_EQ(occurrences(html, "http://"), occurrences(html, "http://www.w3.org/2000/svg"));  // a name space
+  EXPECT_EQ(occurrences(html, "http://"), occurrences(html, "http://www.w3.org/2000/svg"));  // an XML namespace
   EXPECT_EQ(html.find("https://"), std::string::npos);
 }
 

@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-/// Settings that belong to the comparison.
+/// Settings of the comparison itself.
 constexpr std::array<std::string_view, 13> kShared = {
     "width",        "height", "camera", "scene-time", "threads",  "env",  "env-rotation",
     "env-exposure", "spp",    "time",   "exposure",   "tone-map", "error"};
@@ -26,7 +26,7 @@ bool is_settings_file(std::string_view text) {
   return extension == ".json" || extension == ".exr";
 }
 
-/// The slot that has `choice`, if only one has; empty otherwise.
+/// The only slot with `choice`; empty if there is none or several.
 std::string slot_of(std::string_view choice) {
   RenderSettings settings;
   std::string slot;
@@ -48,7 +48,8 @@ bool is_slot(std::string_view name) {
   return find_setting(describe_slots(settings), name) != nullptr;
 }
 
-/// Whether the reference has its own value. Bounces are what is compared, and not whether light is right.
+/// Whether the reference overrides the setting. Bounces are exempt: they change the compared light, not its
+/// correctness.
 bool belongs_to_reference(const Setting& setting) {
   return setting.name != "max-bounces" && (setting.traits.biases || is_slot(setting.name));
 }
@@ -62,7 +63,7 @@ std::pair<std::string, std::string> split_setting(std::string_view part, std::st
   return {std::string(name), std::string(value)};
 }
 
-/// A setting, preset, technique or file joins the contender.
+/// Adds a setting, preset, technique or file to the contender.
 void add_part(Contender& contender, std::string_view part, std::string_view place) {
   if (is_settings_file(part)) {
     contender.file = part;
@@ -94,7 +95,7 @@ void check_names(const std::vector<T>& list, std::string_view place) {
   }
 }
 
-/// Settings of one that is compared, or of the reference, on top of what they have so far.
+/// Assigns additional settings of a contender or of the reference.
 void assign_all(const SettingList& list, const SettingTexts& settings, const std::string& place) {
   for (const auto& [name, text] : settings) {
     if (is_shared(name))
@@ -103,7 +104,7 @@ void assign_all(const SettingList& list, const SettingTexts& settings, const std
   }
 }
 
-/// Where a part begins a contender of its own, NAME and what follows.
+/// Splits a part that begins a new contender into NAME and the rest.
 std::pair<std::string, std::string_view> split_name(std::string_view part, std::string_view place) {
   const size_t equals = part.find('=');
   if (equals == std::string_view::npos) return {own_name(part), part};

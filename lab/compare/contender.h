@@ -1,4 +1,4 @@
-// What is compared: presets, settings files, settings written inline, and images made elsewhere.
+// Contenders of a comparison: presets, settings files, inline settings, and external images.
 #pragma once
 
 #include <filesystem>
@@ -18,46 +18,46 @@ struct Contender {
   std::string name;
   std::string preset = {};     ///< empty: none
   std::string file = {};       ///< JSON, or an EXR that relume wrote; empty: none
-  SettingTexts settings = {};  ///< on top
+  SettingTexts settings = {};  ///< applied last
 };
 
-/// An image made elsewhere.
+/// An external image.
 struct ImageContender {
   std::string name;
   std::filesystem::path file;
 };
 
-/// Contenders with commas between them:
+/// Parses comma-separated contenders:
 ///
 ///     interactive                            the preset of that name; "default": no preset
 ///     psf                                    a technique: the choice of that name, if only one slot has it
 ///     file.json                              settings from a file, or from an EXR that relume wrote
-///     uniform=lights:uniform                 settings inline, under a name of one's own
-///     mine=preview,max-bounces:2,seed:3      a preset or a file with settings on top
+///     uniform=lights:uniform                 inline settings under a custom name
+///     mine=preview,max-bounces:2,seed:3      a preset or a file with additional settings
 ///
-/// KEY:VALUE continues the contender before it. Throws Error that begins with `place` for what cannot be read, for two
-/// of one name, and if there is none.
+/// KEY:VALUE continues the previous contender. Throws Error that begins with `place` for invalid text, duplicate names
+/// and an empty list.
 std::vector<Contender> parse_contenders(std::string_view text, std::string_view place);
 
-/// "cycles=a.exr,mitsuba=b.exr"; a file without a name goes by its own. Throws Error.
+/// Parses "cycles=a.exr,mitsuba=b.exr"; without a name, the file's name is used. Throws Error.
 std::vector<ImageContender> parse_image_contenders(std::string_view text, std::string_view place);
 
-/// "lights:light-tree,estimator:bdpt". Throws Error that begins with `place` for what cannot be read.
+/// Parses "lights:light-tree,estimator:bdpt". Throws Error that begins with `place` for invalid text.
 SettingTexts parse_settings(std::string_view text, std::string_view place);
 
-/// The contender's settings. `common` holds what the scene and the command line say; what belongs to the comparison
-/// rather than to a technique (size, camera, time, environment, number of samples, threads) is as `common` has it. The
-/// order is defaults, scene, preset, file, `common.flags`, inline. Throws Error for what does not fit.
+/// The contender's settings. `common` holds the settings of the scene and the command line. Settings of the comparison
+/// itself (size, camera, time, environment, number of samples, threads) stay as in `common`. The order is defaults,
+/// scene, preset, file, `common.flags`, inline. Throws Error for invalid settings.
 AllSettings resolve_contender(const Contender& contender, const SettingSources& common);
 
 struct ReferenceSettings {
   AllSettings settings;
-  SettingTexts left_out = {};  ///< of `common.flags`, what the reference does otherwise
+  SettingTexts left_out = {};  ///< `common.flags` that the reference overrides
 };
 
-/// What the contenders are measured against: as `common` has it, but with the techniques of preset "reference" in every
-/// slot and its values wherever some bias; with as many bounces as the contender that has the most, for light from
-/// longer paths is nobody's error; and with `own` on top. Throws Error for what does not fit.
+/// Settings of the reference: `common`, with the techniques of preset "reference" in every slot and its values of
+/// biasing settings. It has as many bounces as the contender with the most: light from longer paths is not an error of
+/// any contender. `own` is applied last. Throws Error for invalid settings.
 ReferenceSettings resolve_reference(const SettingSources& common, const std::vector<AllSettings>& contenders,
                                     const SettingTexts& own);
 

@@ -50,10 +50,10 @@ TEST(Contender, TechniquesAreNamedByTheirChoice) {
   ASSERT_EQ(list.size(), 4u);
   EXPECT_EQ(list[0].settings, (Pairs{{"cache", "psf"}}));
   EXPECT_EQ(list[1].settings, (Pairs{{"cache", "apsf+apg"}}));
-  EXPECT_EQ(list[2].preset, "adaptive");  // presets come first
+  EXPECT_EQ(list[2].preset, "adaptive");  // presets take precedence
   EXPECT_EQ(list[3].name, "fast");
   EXPECT_EQ(list[3].settings, (Pairs{{"denoise", "bmfr"}, {"lights", "vlc"}}));
-  EXPECT_NE(error_of("none").find("there is no preset 'none'"), std::string::npos);  // of several slots
+  EXPECT_NE(error_of("none").find("there is no preset 'none'"), std::string::npos);  // several slots have it
 }
 
 TEST(Contender, RefusesInOneSentence) {
@@ -130,7 +130,7 @@ TEST(ReferenceSettings, NoFlagForAllBiasesThem) {
   EXPECT_EQ(render.width, 64);
   EXPECT_EQ(render.texture_filter, TextureFilter::encoded);
   EXPECT_EQ(render.path.max_bounces, 5);
-  // What it does all the same is not left out, and what the scene says was no flag.
+  // Settings that the reference shares are not listed, and the scene's settings are no flags.
   const Pairs left_out{
       {"psf.cell-size", "20"}, {"lights", "uniform"}, {"cache", "psf"}, {"history", "none"}, {"denoise", "svgf"}};
   EXPECT_EQ(reference.left_out, left_out);

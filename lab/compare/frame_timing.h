@@ -1,4 +1,4 @@
-// How long frames take, without a look at what they show.
+// Frame times, independent of image content.
 #pragma once
 
 #include <functional>
@@ -21,22 +21,22 @@ struct TimedContender {
 
 struct FrameTiming {
   std::string name;
-  double ms = 0;  ///< of a frame, median
+  double ms = 0;  ///< per frame, median
   Interval ms_interval = {};
-  double ratio = 1;  ///< of a frame's time to that of the first contender's frame of the same round, median
+  double ratio = 1;  ///< frame time relative to the first contender's frame of the same round, median
   Interval ratio_interval = {};
-  std::vector<std::pair<std::string, double>> pass_ms = {};  ///< of a frame, means
+  std::vector<std::pair<std::string, double>> pass_ms = {};  ///< per frame, means
 };
 
-/// Renders `frames` frames of each contender after a quarter as many that are not counted, in which caches fill.
-/// Contenders take turns frame by frame: whatever else the machine does meets all alike. `clock` empty: wall_clock().
+/// Renders `frames` frames of each contender, after a quarter as many uncounted ones that fill caches. Contenders
+/// alternate frame by frame, so other load on the machine affects them equally. `clock` empty: wall_clock(). Returns
 /// std::nullopt if `stop` was requested.
 std::optional<std::vector<FrameTiming>> time_frames(const Scene& scene, const std::vector<TimedContender>& contenders,
                                                     int frames, const std::stop_token& stop,
                                                     const std::function<void(double)>& progress,
                                                     const FrameClock& clock = {});
 
-/// A line for each contender: name, ms, ratio to the first, bounds of both, and ms by pass.
+/// One line per contender: name, ms, ratio to the first, bounds of both, and ms per pass.
 std::string to_csv(const std::vector<FrameTiming>& timings);
 
 }  // namespace relume

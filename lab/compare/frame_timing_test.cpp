@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// A microsecond a ray, on every machine and however busy it is.
+/// One microsecond per ray, independent of machine and load.
 double ray_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
 
 RenderSettings settings_with_bounces(int max_bounces) {
@@ -27,7 +27,7 @@ TEST(FrameTiming, RatiosAreToTheFirstContender) {
   const FrameTiming& first = timings->front();
   EXPECT_EQ(first.name, "none");
   EXPECT_EQ(first.ratio, 1);
-  EXPECT_NEAR(first.ms, 0.192, 1e-9);  // a ray a pixel
+  EXPECT_NEAR(first.ms, 0.192, 1e-9);  // one ray per pixel
   const FrameTiming& second = timings->back();
   EXPECT_GT(second.ratio, 2);
   EXPECT_NEAR(second.ms / first.ms, second.ratio, 1e-6);

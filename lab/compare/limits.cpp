@@ -1,4 +1,4 @@
-// What limits a comparison, said before somebody finds out.
+// Limits of a comparison, stated with its results.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,8 +9,8 @@
 namespace relume {
 namespace {
 
-constexpr double kLargestShare = 0.1;   // of the reference's noise in a figure
-constexpr double kLargestRatio = 1.05;  // of times that are meant to be equal
+constexpr double kLargestShare = 0.1;   // of a figure, from the reference's noise
+constexpr double kLargestRatio = 1.05;  // of nominally equal times
 
 void note_times(const Comparison& c, std::vector<std::string>& notes) {
   std::vector<double> times;
@@ -42,9 +42,9 @@ void note_nonfinite(const Comparison& c, std::vector<std::string>& notes) {
   }
 }
 
-/// "35 % of the MSE", for each figure of which the reference's noise is much.
+/// "35 % of the MSE", for each figure with a large share of reference noise.
 std::vector<std::string> large_shares(const Comparison& c, const ContenderResult& contender) {
-  // Images made elsewhere are of the last frame.
+  // External images belong to the last frame.
   const ReferenceNoise noise =
       contender.is_image ? ReferenceNoise{c.reference.mse, c.reference.rel_mse, 0} : c.reference_noise;
   struct Part {

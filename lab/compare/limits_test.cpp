@@ -5,7 +5,7 @@
 namespace relume {
 namespace {
 
-/// Three repetitions, all alike.
+/// A comparison with three equal repetitions.
 Comparison compared(const Repetition& repetition) {
   Comparison c;
   c.reference.spp = 64;

@@ -1,4 +1,4 @@
-// Who has the least of a figure, as far as the repetitions can tell.
+// Ranking of contenders by a figure, as far as the repetitions distinguish them.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace relume {
 
-/// Whether the contender's errors say all: those of one with pixels that are not finite leave out what may be worst.
+/// Whether the contender's errors are complete. Errors exclude non-finite pixels, which may be the worst.
 bool is_ranked(const ContenderResult& contender);
 
-/// Indices of the contenders that may have the least of a figure, by their medians: the one whose median is least, and
-/// those whose intervals begin before its own ends. Below three repetitions nobody can be told apart: two values each
-/// of two that are alike lie apart in one of three cases. An image made elsewhere is exactly what it is, and is left
-/// out unless `with_images`. So are those that are not ranked.
+/// Indices of the contenders that may have the lowest figure: the one with the lowest median, and those whose intervals
+/// overlap its interval. Below three repetitions, contenders cannot be distinguished: two values each of equal
+/// contenders are disjoint in one of three cases. Unranked contenders are excluded, as are external images, whose
+/// figures are exact, unless `with_images`.
 std::vector<size_t> leaders(const Comparison& comparison, const Figure& figure, bool with_images);
 
 }  // namespace relume

@@ -17,14 +17,14 @@
 namespace relume {
 namespace {
 
-/// Part of the name of cached files; another one whenever references would come out differently.
+/// Part of the name of cached files; must change whenever the references would.
 constexpr uint64_t kFormat = 1;
-/// Seeds that settings do not allow, so that references are independent of what they judge.
+/// Seeds outside the setting's range, so that references are independent of the compared images.
 constexpr std::array<int, 2> kSeeds{1'000'000'007, 1'000'000'021};
 constexpr double kCheckpointInterval_s = 30;
 
 void estimate_error(const Image& a, const Image& b, Reference& reference) {
-  // Var(a - b) is twice that of a half, whose variance is twice that of the mean.
+  // Var(a - b) is twice the variance of a half, which is twice that of the mean.
   double squared = 0;
   double relative = 0;
   uint64_t count = 0;
@@ -114,7 +114,7 @@ ReferenceRenderer::ReferenceRenderer(const Scene& scene, const RenderSettings& s
     throw Error(fmt::format("{}: the folder for references cannot be made ({}); choose another", folder_.string(),
                             failure.message()));
   }
-  const PendingFile probe(folder_ / "reference.exr");  // better found now than after hours
+  const PendingFile probe(folder_ / "reference.exr");  // fails now rather than after hours
 }
 
 std::filesystem::path ReferenceRenderer::file(float time_s, float previous_time_s,
@@ -152,7 +152,7 @@ bool ReferenceRenderer::render_half(int half, const std::filesystem::path& check
   const auto wanted = static_cast<uint32_t>(half_spp_);
   bool changed = false;
   while (s.frames_since_change() < wanted) {
-    // What adapts renders a frame that has begun to its end.
+    // Adaptive sampling completes a frame once it has begun.
     if (stop.stop_requested() || !s.render_frame(stop)) break;
     changed = true;
     if (progress) progress(0.5 * half + 0.5 * s.frames_since_change() / wanted);

@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-/// An empty folder that is removed with what is in it.
+/// An empty folder, removed with its content.
 class ReferenceTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -46,7 +46,7 @@ TEST_F(ReferenceTest, IsRenderedOnce) {
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->cached);
   EXPECT_EQ(first->spp, 16);
-  EXPECT_EQ(file_count(), 1u);  // and no checkpoint
+  EXPECT_EQ(file_count(), 1u);  // no checkpoint remains
   const auto second = ReferenceRenderer(scene, small(), 16, folder_).render(0, {}, {});
   ASSERT_TRUE(second);
   EXPECT_TRUE(second->cached);
@@ -83,8 +83,8 @@ TEST_F(ReferenceTest, WhatIsDifferentHasAFileOfItsOwn) {
 }
 
 TEST_F(ReferenceTest, StatesItsOwnError) {
-  // Against an independent image of 512 samples, the distance is the sum of both variances. The lamp is out of sight:
-  // a few pixels on its edges would outweigh all others.
+  // Against an independent image of 512 samples, the distance is the sum of both variances. The lamp is out of view: a
+  // few pixels on its edges would outweigh all others.
   Scene scene = find_builtin_scene("cornell")->build();
   scene.cameras.front().fov_y_rad *= 0.5f;
   const auto reference = ReferenceRenderer(scene, small(), 64, folder_).render(0, {}, {});
@@ -96,7 +96,8 @@ TEST_F(ReferenceTest, StatesItsOwnError) {
   for (const Rgb& e : reference->squared_error.pixels) by_pixel += (e.x + e.y + e.z) / 3.0;
   EXPECT_NEAR(by_pixel / static_cast<double>(reference->squared_error.pixels.size()), reference->mse,
               1e-5 * reference->mse);
-  // 1 296 values, and low-discrepancy points do better than 1/n: a factor of two is what the estimate must keep.
+  // 1 296 values, and low-discrepancy points converge faster than 1/n: the estimate must be correct within a factor of
+  // two.
   EXPECT_GT(distance, 0.5 * reference->mse);
   EXPECT_LT(distance, 2.5 * reference->mse);
 }
@@ -106,7 +107,7 @@ TEST_F(ReferenceTest, GoesOnAfterAnInterruption) {
   const auto whole = ReferenceRenderer(scene, small(), 40, folder_).render(0, {}, {});
   const auto file = ReferenceRenderer(scene, small(), 40, folder_).file(0, 0, {});
   std::filesystem::remove(file);
-  // Twice: in the first half and in the second.
+  // Interrupts twice: in the first half and in the second.
   for (double share : {0.2, 0.7}) {
     std::stop_source stop;
     const auto stopped = ReferenceRenderer(scene, small(), 40, folder_).render(0, stop.get_token(), [&](double f) {
@@ -135,7 +136,7 @@ TEST_F(ReferenceTest, KnowsHowSurfacesMoved) {
   const auto turned = ReferenceRenderer(scene, small(), 4, folder_).render(0.2f, 0.1f, {}, {}, {});
   const size_t middle = 9 * 24 + 12;
   EXPECT_LT(std::hypot(still->surface.motion[middle].x, still->surface.motion[middle].y), 1e-3f);
-  // One degree of an image 24 pixels wide that covers 75°: a third of a pixel.
+  // One degree in an image 24 pixels wide that covers 75°: a third of a pixel.
   EXPECT_NEAR(std::fabs(turned->surface.motion[middle].x), 0.3f, 0.15f);
   EXPECT_GT(turned->surface.depth[middle], 0.5f);
 }

@@ -10,9 +10,9 @@
 namespace relume {
 namespace {
 
-constexpr double kTimedShare = 1.35;  // of the budget that is measured beforehand
+constexpr double kTimedShare = 1.35;  // share of the budget that is timed beforehand
 constexpr size_t kTimedFrames = 6;    // of an animation
-/// An allocation that gives hardly any pixel a sample must end too.
+/// Limits frames if adaptive sampling selects hardly any pixels.
 constexpr uint32_t kMostFramesPerSample = 64;
 
 ErrorPoint measure(const TimedSession& session, const Image& image, const Image& reference) {
@@ -20,14 +20,14 @@ ErrorPoint measure(const TimedSession& session, const Image& image, const Image&
   return {session.frames(), session.samples_per_pixel(), session.time_s(), m.mse, m.rel_mse, m.mape, m.nonfinite_a};
 }
 
-/// Contenders take turns; each renders its share of every round, so that all end together.
+/// Alternates between contenders. Each renders its share of every round, so that all end together.
 class Turns {
  public:
   Turns(const Sessions& sessions, const FramePlan& plan) : sessions_(sessions), plan_(plan) {
     for (const auto& session : sessions) first_sample_.push_back(session->samples_per_pixel());
   }
 
-  /// Calls `rendered(contender)` after each frame. False if `stop` was requested.
+  /// Calls `rendered(contender)` after each frame. Returns false if `stop` was requested.
   bool run(const std::stop_token& stop, const std::function<void(size_t)>& rendered) {
     const uint64_t rounds = plan_.frames.empty()
                                 ? kMostFramesPerSample * static_cast<uint64_t>(std::ceil(plan_.samples))
@@ -58,7 +58,7 @@ class Turns {
   std::vector<double> first_sample_;
 };
 
-/// Collects what a repetition of an animation or of a still scene measures.
+/// Records the measurements of a repetition of an animation or a still scene.
 class Recorder {
  public:
   Recorder(const Sessions& sessions, const ComparisonOptions& options, const std::vector<Reference>& references,
@@ -70,7 +70,7 @@ class Recorder {
     results_[i].curve.push_back(measure(*sessions_[i], sessions_[i]->session().image(), references_.front().image));
   }
 
-  /// After all contenders have rendered frame `frame` of the animation, or the still scene.
+  /// Called after all contenders have rendered frame `frame` of the animation, or the still scene.
   void image_done(size_t frame) {
     const Reference& reference = references_[frame];
     for (size_t i = 0; i < sessions_.size(); ++i) {
@@ -127,7 +127,7 @@ class Recorder {
 /// Seconds of frames, by contender and image.
 using FrameTimes = std::vector<std::vector<std::vector<double>>>;
 
-/// Whether frames make up `share_s` as cumulative_time() counts them, or some are so slow that no more are asked for.
+/// Whether frames fill `share_s` by cumulative_time(), or are so slow that no more are needed.
 bool fill(const std::vector<double>& frame_s, size_t first, double used_s, double share_s) {
   constexpr double kMostTimes = 4;
   if (used_s < share_s) return false;
@@ -135,8 +135,8 @@ bool fill(const std::vector<double>& frame_s, size_t first, double used_s, doubl
   return cumulative_time({frame_s.begin() + static_cast<std::ptrdiff_t>(first), frame_s.end()}).back() >= share_s;
 }
 
-/// Contenders take turns until each has rendered the first images of an animation, or the still scene, for `share_s`
-/// each. std::nullopt if `stop` was requested.
+/// Alternates between contenders until each has rendered the first images of an animation, or the still scene, for
+/// `share_s` each. Returns std::nullopt if `stop` was requested.
 std::optional<FrameTimes> time_images(const Sessions& sessions, const std::vector<float>& times_s, double share_s,
                                       const std::stop_token& stop, const std::function<void(double)>& progress) {
   const size_t images = std::clamp(times_s.size(), size_t{1}, kTimedFrames);
@@ -168,7 +168,7 @@ std::optional<FrameTimes> time_images(const Sessions& sessions, const std::vecto
   return frame_s;
 }
 
-/// Medians over the images of their first, second, … frame, of those that have one.
+/// Medians of the first, second, … frame over the images that have one.
 std::vector<double> median_frames(const std::vector<std::vector<double>>& images) {
   std::vector<double> usual;
   for (size_t k = 0;; ++k) {
@@ -185,7 +185,7 @@ std::vector<double> median_frames(const std::vector<std::vector<double>>& images
 
 std::optional<EqualTime> plan_equal_time(const Sessions& sessions, const std::vector<float>& times_s, double budget_s,
                                          const std::stop_token& stop, const std::function<void(double)>& progress) {
-  // The first frames of a process pay for memory that later ones find there.
+  // Warm-up: the first frames of a process include memory allocation.
   for (const auto& session : sessions) {
     if (stop.stop_requested()) return std::nullopt;
     session->render_frame();

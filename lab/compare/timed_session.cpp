@@ -15,7 +15,7 @@ namespace {
 constexpr double kBudgetTolerance = 0.2;
 constexpr double kGoodSpread = 0.01;
 
-/// Number of frames whose time is nearest to `time_s`; at least one.
+/// Number of frames with the cumulative time nearest to `time_s`; at least one.
 size_t nearest_count(const std::vector<double>& cumulative, double time_s) {
   const auto above = std::lower_bound(cumulative.begin(), cumulative.end(), time_s);
   if (above == cumulative.begin()) return 1;

@@ -8,7 +8,7 @@ namespace relume {
 namespace {
 
 TEST(EqualTime, CountsFillTheBudget) {
-  // 10 ms and 25 ms a frame.
+  // 10 ms and 25 ms per frame.
   std::vector<std::vector<double>> cumulative(2);
   for (int i = 1; i <= 300; ++i) cumulative[0].push_back(0.010 * i);
   for (int i = 1; i <= 120; ++i) cumulative[1].push_back(0.025 * i);
@@ -18,7 +18,7 @@ TEST(EqualTime, CountsFillTheBudget) {
 }
 
 TEST(EqualTime, ABudgetOfFewFramesMovesToWhereTimesAgree) {
-  // 30 ms and 40 ms in 100 ms: 120 ms is 4 and 3 frames, where 100 ms would be 90 against 80 or 120.
+  // 30 ms and 40 ms in 100 ms: at 120 ms, 4 and 3 frames agree, where 100 ms would give 90 against 80 or 120.
   std::vector<std::vector<double>> cumulative(2);
   for (int i = 1; i <= 6; ++i) {
     cumulative[0].push_back(0.030 * i);
@@ -53,7 +53,7 @@ TEST(EqualTime, AFrameThatWasInterruptedDoesNotCount) {
 }
 
 TEST(EqualTime, ARhythmIsNoInterruption) {
-  // A denoiser that filters every eighth frame.
+  // A denoiser that only filters every eighth frame.
   std::vector<double> frames(64, 0.010);
   for (size_t i = 7; i < frames.size(); i += 8) frames[i] = 0.050;
   EXPECT_NEAR(cumulative_time(frames).back(), 56 * 0.010 + 8 * 0.050, 1e-9);
