@@ -1,4 +1,4 @@
-// Each frame's sample joins the moments of its pixel.
+// Adds each frame's sample to the moments of its pixel.
 #pragma once
 
 #include "framebuffer/pixel_moments.h"
@@ -9,14 +9,14 @@ namespace relume {
 
 struct AccumulateKernel {
   View<const Rgb> radiance;         ///< of this frame's sample
-  View<const uint32_t> rays;        ///< traced for it
-  View<const uint32_t> allocation;  ///< samples that the pixel got in this frame, 0 or 1; empty: 1
-  MomentsView history;              ///< of the earlier samples that the pixel keeps
-  MutableMomentsView moments;       ///< with this frame's sample; may be the same buffers
+  View<const uint32_t> rays;        ///< rays traced for this frame's sample
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1 everywhere
+  MomentsView history;              ///< moments of the earlier samples that the pixel keeps
+  MutableMomentsView moments;       ///< moments with this frame's sample; may be the buffers of `history`
   View<uint32_t> taken;             ///< elements of its sequence that the pixel has used; may be empty
   View<uint32_t> ray_sum;
-  View<uint32_t> nonfinite;  ///< counts samples that were not finite and are taken as black
-  LightFilm film;            ///< of light paths, which `radiance` and the mean contain
+  View<uint32_t> nonfinite;  ///< count of samples that were not finite, which count as black
+  LightFilm film;            ///< splats of light paths, which `radiance` and the mean contain
   SpecularMean specular;     ///< the specular part of the mean
   bool keep = true;          ///< false: this frame's sample replaces all earlier ones
   uint32_t width = 0;
@@ -43,7 +43,7 @@ struct AccumulateKernel {
   }
 
  private:
-  /// This frame's sample without what light paths brought.
+  /// This frame's sample without the splats of light paths.
   RELUME_HD Rgb sample(uint32_t pixel) const {
     const Rgb value = film.empty() ? radiance[pixel] : radiance[pixel] - film.splat(pixel);
     if (is_finite(value)) return value;

@@ -99,7 +99,7 @@ bool AccumulatePass::run(const FrameContext& frame) {
   if (parts_.specular) kernel.specular = specular_mean(frame);
   kernel.keep = keep_ && !frame.ends_pilot;
   kernel.width = frame.width();
-  // Not to be stopped: sums change only after a complete frame, so that one that is stopped leaves nothing behind.
+  // Cannot be cancelled: sums must change only in complete frames.
   frame.launch("accumulate", kernel);
   return true;
 }

@@ -7,15 +7,15 @@ namespace relume {
 
 /// Moments accumulated besides the mean and the variance of luminance.
 struct AccumulatedParts {
-  bool m2_rgb = false;    ///< the sum of squared distances of all channels
-  bool film = false;      ///< light paths, in a film of their own
+  bool m2_rgb = false;    ///< sum of squared distances of all channels from their mean
+  bool film = false;      ///< a separate film of light paths
   bool specular = false;  ///< a separate mean of the specular part
 };
 
 /// The only writer of kMoments.
 class AccumulatePass final : public Pass {
  public:
-  /// `invalidated_by`: changes that clear the mean. `keep`: false shows this frame alone.
+  /// `invalidated_by`: changes that clear the mean. `keep`: false shows only the latest sample.
   AccumulatePass(Change invalidated_by, bool keep, const AccumulatedParts& parts)
       : invalidated_by_(invalidated_by), keep_(keep), parts_(parts) {}
 
@@ -28,15 +28,15 @@ class AccumulatePass final : public Pass {
   AccumulatedParts parts_;
 };
 
-/// The present stage's buffers of light paths, for LightFilm.
+/// Buffers of LightFilm, from the present stage.
 struct LightFilmBuffers {
   View<const float> m2;
   View<const float> weight;
   View<const uint32_t> frames;
 };
 
-/// Root of the mean variance of the pixels' means over the image's mean luminance, from AccumulateKernel's buffers. 0
-/// for a black image, infinite where a pixel has fewer than two samples.
+/// Root of the mean variance of the pixels' means, over the image's mean luminance. 0 for a black image, infinite if a
+/// pixel has fewer than two samples.
 double relative_error(const MomentsView& moments, const LightFilmBuffers& film = {});
 
 }  // namespace relume

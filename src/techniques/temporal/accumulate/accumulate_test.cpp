@@ -128,7 +128,7 @@ struct FilmedPixels : Pixels {
   FilmedPixels() : Pixels(2), splats(2), light_mean(2), light_m2(2), light_paths(2), light_frames(2) {
     allocation = {1, 0};
   }
-  /// One frame: what the camera sees at pixel 0, and what light paths bring to both.
+  /// Renders a frame: the camera's sample `seen` at pixel 0, splats `brought` at both.
   void frame(float seen, float brought, float paths) {
     splats = {Rgb(brought), Rgb(brought)};
     radiance = {Rgb(seen + brought), Rgb(brought)};

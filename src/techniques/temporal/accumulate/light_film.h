@@ -1,5 +1,5 @@
-// A film for what light paths bring, beside the mean of the camera's samples: adaptive allocation skips pixels, but
-// light paths reach those too.
+// A film of light paths, separate from the mean of the camera's samples: adaptive allocation skips pixels, but light
+// paths reach them too.
 #pragma once
 
 #include "core/vec.h"
@@ -7,14 +7,14 @@
 
 namespace relume {
 
-/// Mean of the frames' splats, weighted by the number of light paths behind them ([West79]).
+/// Mean of the frames' splats, weighted by their numbers of light paths ([West79]).
 struct LightFilm {
-  View<const Rgb> splats;  ///< of this frame, as the radiance that all of its light paths estimate; empty: no film
+  View<const Rgb> splats;  ///< splats of this frame, scaled to estimate the radiance of light paths; empty: no film
   View<Rgb> mean;
   View<float> m2;         ///< Σ weight · squared distance of luminance from its mean
-  View<float> weight;     ///< light paths a pixel
-  View<uint32_t> frames;  ///< that brought any
-  float paths = 0;        ///< light paths a pixel of this frame
+  View<float> weight;     ///< light paths per pixel
+  View<uint32_t> frames;  ///< frames with light paths
+  float paths = 0;        ///< light paths per pixel in this frame
 
   RELUME_HD bool empty() const { return splats.empty(); }
   RELUME_HD Rgb splat(uint32_t pixel) const { return empty() ? Rgb(0) : splats[pixel]; }

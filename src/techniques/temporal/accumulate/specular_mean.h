@@ -1,32 +1,31 @@
-// The specular part of the mean, which backward reprojection moves with the images in reflections while the rest moves
-// with the surface.
+// The specular part of the mean. Backward reprojection moves it with the images in reflections, and the rest of the
+// mean with the surface.
 #pragma once
 
 #include "framebuffer/pixel_moments.h"
 
 namespace relume {
 
-/// Both parts have a sample count of their own. While nothing moves, the counts are equal and the mean keeps its bits.
+/// Each part has a separate sample count. While nothing moves, the counts are equal and the mean keeps its bits.
 struct SpecularMean {
   View<const Rgb> radiance;  ///< specular part of this frame's sample
-  View<const Rgb> albedo;    ///< of specular lobes; black: the sample has no specular part
-  View<const Rgb> history;   ///< mean of the earlier samples
+  View<const Rgb> albedo;    ///< albedo of specular lobes; black: the sample has no specular part
+  View<const Rgb> history;   ///< mean of the specular part of earlier samples
   View<const uint32_t> history_samples;
   View<Rgb> mean;  ///< empty: the parts are not kept apart
   View<uint32_t> samples;
 
   RELUME_HD bool empty() const { return mean.empty(); }
 
-  /// For a pixel without a sample in this frame.
+  /// Keeps the history of a pixel without a sample in this frame.
   RELUME_HD void keep(uint32_t pixel) const {
     if (empty()) return;
     mean[pixel] = history[pixel];
     samples[pixel] = history_samples[pixel];
   }
 
-  /// Adds this frame's sample, whose radiance `total` has already joined `moments`. Where the counts differ, `moments`
-  /// changes by the difference that the own count of the specular part makes. `keep_history`: false replaces all
-  /// earlier samples.
+  /// Adds this frame's sample, whose radiance `total` has already joined `moments`. Where the counts differ, corrects
+  /// `moments` for the separate count of the specular part. `keep_history`: false replaces all earlier samples.
   RELUME_HD void add(uint32_t pixel, const Rgb& total, bool keep_history, PixelMoments& moments) const {
     const bool shows_image = max_component(albedo[pixel]) > 0.0f && is_finite(total) && is_finite(radiance[pixel]);
     const Rgb value = shows_image ? radiance[pixel] : Rgb(0);

@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// One pixel, which continues the history that it holds.
+/// One pixel, which continues its own history.
 struct Pixel {
   SpecularMean part(const std::vector<Rgb>& specular, const std::vector<Rgb>& albedo) {
     return {.radiance = view_of(specular),
