@@ -13,9 +13,9 @@ namespace {
 
 constexpr BufferKey<float> kSamplingNoise{"sampling-noise"};
 
-constexpr float kLeastShare = 0.1f;  ///< of the average number of samples, for pixels without noise
+constexpr float kLeastShare = 0.1f;  ///< least rate of a pixel without noise, as a fraction of the mean rate
 
-/// Σ value(row[x]), in partial sums that vector instructions add side by side.
+/// Σ value(row[x]), in partial sums that vectorise.
 template <typename Value>
 double sum_of(const Value& value, const float* row, uint32_t width) {
   constexpr uint32_t kLanes = 16;
@@ -151,7 +151,7 @@ double AdaptiveSamplingPass::mean_of(const FrameContext& frame, View<const float
 
 SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const float> deviation) {
   const double average = mean_of(frame, deviation, [](float d) { return d; });
-  if (!(average > 0)) return {0.0f, 1.0f};  // no noise is known: all alike
+  if (!(average > 0)) return {0.0f, 1.0f};  // no noise measured: sample every pixel
   const SampleRate rate = rate_that_cuts_little(frame, deviation, average);
   return rate.least >= kLeastShare * settings_.rate ? rate : rate_of_average(frame, deviation, average);
 }
@@ -159,7 +159,7 @@ SampleRate AdaptiveSamplingPass::rate_for(const FrameContext& frame, View<const 
 SampleRate AdaptiveSamplingPass::rate_that_cuts_little(const FrameContext& frame, View<const float> deviation,
                                                        double average) {
   constexpr double kKept = 0.95;
-  constexpr int kSteps = 6;  // Newton's, which fall to the solution, as the mean of min(s σ, 1) is concave in s
+  constexpr int kSteps = 6;  // Newton steps, which descend to the solution: the mean of min(s σ, 1) is concave in s
   double scale = 1 / (kKept * average);
   for (int i = 0; i < kSteps; ++i) {
     const SampleRate rate{static_cast<float>(scale), 0.0f};
@@ -173,7 +173,7 @@ SampleRate AdaptiveSamplingPass::rate_that_cuts_little(const FrameContext& frame
 
 SampleRate AdaptiveSamplingPass::rate_of_average(const FrameContext& frame, View<const float> deviation,
                                                  double average) {
-  constexpr int kSteps = 4;  // each comes closer to the average, which the bounds displace
+  constexpr int kSteps = 4;  // each approaches the rate, which the bounds displace
   SampleRate rate{static_cast<float>(settings_.rate / average), kLeastShare * settings_.rate};
   for (int i = 1; i < kSteps; ++i) rate.scale *= static_cast<float>(settings_.rate / mean_of(frame, deviation, rate));
   return rate;

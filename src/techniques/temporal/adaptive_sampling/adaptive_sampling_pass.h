@@ -1,4 +1,4 @@
-// The allocation "adaptive" as passes.
+// Adaptive sampling as passes.
 #pragma once
 
 #include <vector>
@@ -9,19 +9,19 @@
 
 namespace relume {
 
-/// Counts the samples that each pixel has taken from its sequence, which `FrameContext::index` reads: a pixel takes the
-/// elements of its sequence one after the other, whichever frames they fall in.
+/// Counts the elements that each pixel has taken from its sequence, which `FrameContext::index` reads. A pixel takes
+/// them one after the other, whichever frames they fall in.
 class SampleCountPass final : public Pass {
  public:
   PassDeclaration declaration() const override;
   bool run(const FrameContext& frame) override;
 };
-/// Probability with which a pixel gets a sample.
+/// Probability of a sample, by pixel.
 inline constexpr BufferKey<float> kSamplingProbability{"sampling-probability"};
 
 class AdaptiveSamplingPass final : public Pass {
  public:
-  /// `invalidated_by`: changes that the history does not survive.
+  /// `invalidated_by`: changes that end the history.
   AdaptiveSamplingPass(const AdaptiveSamplingSettings& settings, Change invalidated_by)
       : settings_(settings), invalidated_by_(invalidated_by) {}
 
@@ -35,15 +35,15 @@ class AdaptiveSamplingPass final : public Pass {
  private:
   void allocate_as_paper(const FrameContext& frame) const;
   void allocate_by_deviation(const FrameContext& frame);
-  /// Whether probabilities follow the samples in this frame: about once a sample of each pixel, as fewer new samples
-  /// tell little; in every frame while something changes.
+  /// Whether probabilities follow the samples in this frame. True in the first frames after a change, then about once
+  /// per sample of each pixel: fewer new samples carry little information.
   bool estimates_in(const FrameContext& frame) const;
   void estimate_deviation(const FrameContext& frame);
   SampleRate rate_for(const FrameContext& frame, View<const float> deviation);
-  /// The scale s at which the bound of one sample a frame cuts 5 % off what proportion asks for: the mean of
-  /// min(s σ, 1) is 0.95 s times the mean of σ, `average`.
+  /// The scale s at which the limit of one sample per frame removes 5 % of a proportional allocation. There the mean of
+  /// min(s σ, 1) is 0.95 s times `average`, the mean of σ.
   SampleRate rate_that_cuts_little(const FrameContext& frame, View<const float> deviation, double average);
-  /// The scale that gives `adaptive.rate` samples a pixel.
+  /// The scale that gives `adaptive.rate` samples per pixel.
   SampleRate rate_of_average(const FrameContext& frame, View<const float> deviation, double average);
   /// Mean over the pixels of value(values[pixel]).
   template <typename Value>
@@ -51,9 +51,9 @@ class AdaptiveSamplingPass final : public Pass {
 
   AdaptiveSamplingSettings settings_;
   Change invalidated_by_;
-  std::vector<PooledMoments> moments_;  ///< by pixel
-  std::vector<PooledMoments> rows_;     ///< sums over the pixels of a row around each pixel
-  std::vector<double> totals_;          ///< by row of pixels
+  std::vector<PooledMoments> moments_;  ///< statistics of single pixels
+  std::vector<PooledMoments> rows_;     ///< sums over the neighbours in the row of each pixel
+  std::vector<double> totals_;          ///< sums over each row of pixels
 };
 
 }  // namespace relume

@@ -19,7 +19,7 @@ namespace {
 struct Pixels {
   explicit Pixels(uint32_t n) : history(n, {Rgb(1), 0, 0, 0}), probability(n, 0), noise(n, 0), allocation(n, 0) {}
 
-  /// Samples given in one frame.
+  /// Number of samples in one frame.
   uint32_t allocate(uint32_t iteration, uint32_t frame = 0, bool scene_changed = false) {
     PaperAllocationKernel k;
     k.history = history.view();
@@ -50,8 +50,8 @@ struct Pixels {
 TEST(AdaptiveSampling, NoiseIsTheRelativeStandardDeviation) {
   // Grey samples 1 and 3: mean 2, variance 2.
   EXPECT_NEAR(adaptive_noise({Rgb(2), 2, 6, 2}), std::sqrt(2.0f) / 2.0f, 1e-3f);
-  EXPECT_FLOAT_EQ(adaptive_noise({Rgb(0), 0, 0, 4}), 1.0f);  // black so far: unknown, sampled like noise
-  EXPECT_GT(adaptive_noise({Rgb(0.1f), 1, 3, 4}), adaptive_noise({Rgb(1), 1, 3, 4}));  // dark areas come first
+  EXPECT_FLOAT_EQ(adaptive_noise({Rgb(0), 0, 0, 4}), 1.0f);                            // black so far: counts as noise
+  EXPECT_GT(adaptive_noise({Rgb(0.1f), 1, 3, 4}), adaptive_noise({Rgb(1), 1, 3, 4}));  // dark regions come first
 }
 
 TEST(AdaptiveSampling, ThresholdFallsLinearlyFromOneToZero) {
@@ -106,14 +106,14 @@ TEST(AdaptiveSampling, PixelsThatWereTakenAlongWaitForTheOthers) {
   EXPECT_EQ(p.allocation, (std::vector<uint32_t>{0, 1}));
 }
 
-// A view that keeps moving never gets past iteration 0.
+// A view in continuous motion stays at iteration 0.
 TEST(AdaptiveSampling, NothingIsFrozenWhileTheViewMoves) {
   // 4000 pixels of probability 1/4: mean 1000, standard deviation 27.
   Pixels p(4000);
   std::fill(p.history.samples.begin(), p.history.samples.end(), 50u);
   std::fill(p.probability.begin(), p.probability.end(), 0.25f);
   EXPECT_NEAR(p.allocate(0), 1000, 5 * 27);
-  std::fill(p.probability.begin(), p.probability.end(), 0.0f);  // not known yet: all
+  std::fill(p.probability.begin(), p.probability.end(), 0.0f);  // not yet settled: all pixels
   EXPECT_EQ(p.allocate(0), 4000u);
 }
 
@@ -132,7 +132,7 @@ TEST(AdaptiveSampling, RefusesAMaximumThatIsNotMoreThanTheMinimum) {
   for (const int max : {8, 64}) {
     settings.adaptive.max_samples = max;
     settings.allocation = AllocationChoice::uniform;
-    EXPECT_NO_THROW(check_combination(settings));  // nobody reads it
+    EXPECT_NO_THROW(check_combination(settings));  // unused
     settings.allocation = AllocationChoice::adaptive;
     EXPECT_THROW(check_combination(settings), Error) << max;
   }
@@ -201,7 +201,7 @@ TEST(AdaptiveSampling, ProbabilitiesFollowAboutOnceASampleOfEachPixel) {
   EXPECT_EQ(changed_in, (std::vector<uint32_t>{0, 2, 3, 4, 8, 12, 16})) << "two samples are the first that tell";
 }
 
-/// Mean probability of a sample after some frames of a built-in scene.
+/// Mean probability of a sample after 17 frames of a built-in scene.
 double average_rate(const char* scene, float least) {
   RenderSettings settings;
   settings.width = 32;

@@ -1,5 +1,5 @@
-// adaptive.method "paper" ([Schalk18] §3.1, alg. 1; alg. 2 where a history is reprojected): noisy pixels get more
-// samples until each has a probability of further ones.
+// adaptive.method "paper" ([Schalk18] §3.1, alg. 1, and alg. 2 with a reprojected history): noisy pixels get more
+// samples until each pixel has a probability of further ones.
 #pragma once
 
 #include "core/hash.h"
@@ -15,8 +15,8 @@ RELUME_HD inline float adaptive_noise(const PixelMoments& history) {
   return (std::sqrt(variance) + kEpsilon) / (luminance(history.mean) + kEpsilon);
 }
 
-/// Threshold τ of iteration `iteration`: 1 until `min_samples`, then falling linearly to 0 at `max_samples` (errata:
-/// the printed algorithm assigns where it should subtract).
+/// Threshold τ of iteration `iteration`: 1 until `min_samples`, then linear to 0 at `max_samples` (erratum: the printed
+/// algorithm assigns instead of subtracting).
 RELUME_HD inline float adaptive_threshold(uint32_t iteration, uint32_t min_samples, uint32_t max_samples) {
   if (iteration <= min_samples) return 1.0f;
   if (iteration >= max_samples) return 0.0f;
@@ -26,11 +26,11 @@ RELUME_HD inline float adaptive_threshold(uint32_t iteration, uint32_t min_sampl
 /// Decides for each pixel whether it gets a sample in this frame.
 struct PaperAllocationKernel {
   MomentsView history;
-  View<float> probability;     ///< of a sample once τ is 0; 0: not known yet
-  View<float> noise;           ///< eq. 12, for display
+  View<float> probability;     ///< probability of a sample once τ is 0; 0: not yet settled
+  View<float> noise;           ///< noise by eq. 12
   View<uint32_t> allocation;   ///< 0 or 1
   uint32_t iteration = 0;      ///< frames since the last change
-  bool scene_changed = false;  ///< lights or objects, since the frame before
+  bool scene_changed = false;  ///< whether lights or objects changed since the previous frame
   uint32_t min_samples = 4;
   uint32_t max_samples = 32;
   uint32_t seed = 0;
@@ -56,9 +56,9 @@ struct PaperAllocationKernel {
     if (iteration >= max_samples) return drawn(x, y, probability[pixel]);
     if (n < min_samples) return true;
     const bool settled = probability[pixel] > 0.0f;
-    // While things move, this is iteration 0 in every frame: pixels that waited for later ones would be frozen.
+    // In continuous motion every frame is iteration 0, and pixels that waited would never get a sample.
     if (iteration == 0) return !settled || drawn(x, y, probability[pixel]);
-    if (settled) return false;  // taken along by reprojection: others need samples first
+    if (settled) return false;  // reprojected: other pixels need samples first
     return noise[pixel] >= adaptive_threshold(iteration, min_samples, max_samples);
   }
   RELUME_HD bool drawn(uint32_t x, uint32_t y, float share) const {

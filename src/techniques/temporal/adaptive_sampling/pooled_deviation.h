@@ -1,5 +1,5 @@
-// adaptive.method "pooled": samples in proportion to the standard deviation of a pixel's samples, which its neighbours
-// estimate. For a given number of samples of all pixels that is the least sum of squared errors ([Neyman34], §4).
+// adaptive.method "pooled": samples in proportion to the standard deviation of a pixel's samples, estimated from its
+// neighbours. This minimises the sum of squared errors for a given total of samples ([Neyman34], §4).
 #pragma once
 
 #include "core/hash.h"
@@ -7,14 +7,14 @@
 
 namespace relume {
 
-/// Neighbours on each side that share an estimate: 5×5 pixels.
+/// Radius of the pool of neighbours: 5×5 pixels.
 inline constexpr uint32_t kPoolRadius = 2;
 
-/// Statistics of the samples of one pixel, or of several.
+/// Statistics of the samples of one or several pixels.
 struct alignas(16) PooledMoments {
-  float squares = 0;    ///< Σ squared distances of luminance from its pixel's mean
+  float squares = 0;    ///< Σ (Y − mean Y of the pixel)² of the samples' luminance Y
   float freedom = 0;    ///< Σ (samples − 1)
-  float luminance = 0;  ///< Σ of the pixels' means
+  float luminance = 0;  ///< Σ luminance of the pixels' means
   float pixels = 0;
 
   RELUME_HD void add(const PooledMoments& other) {
@@ -25,7 +25,7 @@ struct alignas(16) PooledMoments {
   }
 };
 
-/// The pixels of one row or column, at most kPoolRadius away from pixel `center`: [first, last].
+/// The pixels [first, last] of a row or column within kPoolRadius of pixel `center`.
 struct PoolSpan {
   uint32_t first = 0;
   uint32_t last = 0;
@@ -34,7 +34,7 @@ struct PoolSpan {
       : first(center < kPoolRadius ? 0 : center - kPoolRadius), last(relume::min(center + kPoolRadius, size - 1)) {}
 };
 
-/// The statistics of each pixel's own samples.
+/// Statistics of each pixel's own samples.
 struct OwnStatisticsKernel {
   MomentsView history;
   View<PooledMoments> moments;
@@ -49,7 +49,7 @@ struct OwnStatisticsKernel {
   }
 };
 
-/// The first of two passes over the pool: along rows.
+/// First of two separable passes over the pool: sums along rows.
 struct PoolRowsKernel {
   View<const PooledMoments> moments;
   View<PooledMoments> rows;
@@ -63,23 +63,23 @@ struct PoolRowsKernel {
   }
 };
 
-/// Slope of the sRGB curve at a luminance: by how much an image changes on a display. 0 above white.
+/// Slope of the sRGB curve at a luminance, 0 above white: the visible change of an image per change of radiance.
 RELUME_HD inline float display_slope(float luminance) {
-  constexpr float kLinear = 0.0031308f;  // the curve is a line up to here
+  constexpr float kLinear = 0.0031308f;  // end of the linear segment
   if (luminance > 1.0f) return 0.0f;
   return 1.055f / 2.4f * std::pow(relume::max(luminance, kLinear), 1.0f / 2.4f - 1.0f);
 }
 
-/// The standard deviation of one sample at each pixel, from its pool without the pixel itself: the values that are
-/// averaged then do not decide how many of them there are.
+/// Standard deviation of one sample at each pixel, from its pool without the pixel: the pixel's values thus do not
+/// decide its number of samples.
 struct PooledDeviationKernel {
   View<const PooledMoments> moments;
   View<const PooledMoments> rows;
-  View<float> deviation;  ///< 0 where the pool has fewer than two samples a pixel
+  View<float> deviation;  ///< 0 where no pixel of the pool has two samples
   uint32_t width = 0;
   uint32_t height = 0;
-  bool display = false;  ///< as a change on a display, not of radiance
-  float exposure = 1;    ///< factor that the display applies
+  bool display = false;  ///< measures display values instead of radiance
+  float exposure = 1;    ///< exposure factor of the display
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     constexpr float kLargest = 1e18f;
@@ -104,7 +104,7 @@ struct PooledDeviationKernel {
   }
 };
 
-/// Probability of a sample, from a deviation: at least `least`, so that no pixel starves.
+/// Probability of a sample from a deviation, at least `least`: every pixel keeps getting samples.
 struct SampleRate {
   float scale = 0;
   float least = 0;
@@ -119,7 +119,7 @@ struct PooledAllocationKernel {
   View<float> probability;
   View<uint32_t> allocation;  ///< 0 or 1
   SampleRate rate;
-  bool settled = false;  ///< probabilities stay: pilot samples found them
+  bool settled = false;  ///< keeps the probabilities: no estimate in this frame, or the pilot has ended
   uint32_t min_samples = 4;
   uint32_t seed = 0;
   uint32_t frame = 0;
@@ -132,7 +132,7 @@ struct PooledAllocationKernel {
   }
 
  private:
-  /// Multiples of the golden ratio: a pixel's samples spread evenly over frames.
+  /// Draws multiples of the golden ratio, which spread a pixel's samples evenly over frames.
   RELUME_HD bool drawn(uint32_t x, uint32_t y, float share) const {
     constexpr uint32_t kSalt = 0x7ed55d16u;
     constexpr uint32_t kGolden = 0x9e3779b9u;

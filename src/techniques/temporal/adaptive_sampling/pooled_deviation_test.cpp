@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Pixels that know of samples with the standard deviation 1, and their pools.
+/// Pixels with four samples of standard deviation 1, and their pools.
 struct Pool {
   Pool(uint32_t w, uint32_t h)
       : width(w), height(h), history(w * h, {Rgb(0.5f), 3, 0, 4}), moments(w * h), rows(w * h), deviation(w * h) {}
@@ -54,7 +54,7 @@ TEST(PooledDeviation, LeavesThePixelOut) {
 }
 
 TEST(PooledDeviation, WeighsPixelsByTheirSamples) {
-  // Three pixels: the left neighbour has 2 samples with a sum of squares of 8, the others know nothing.
+  // Three pixels: the neighbours have 2 and 5 samples, with sums of squares of 8 and 2.
   Pool pool(3, 1);
   pool.history.samples = {2, 0, 5};
   pool.history.m2 = {8, 0, 2};
@@ -86,7 +86,7 @@ struct Allocation {
   explicit Allocation(float deviation, uint32_t kept)
       : noise(kPixels, deviation), samples(kPixels, kept), probability(kPixels), allocation(kPixels) {}
 
-  /// Samples of each pixel over so many frames.
+  /// Samples of each pixel over `frames` frames.
   std::vector<uint32_t> run(uint32_t frames, bool settled = false) {
     std::vector<uint32_t> sum(kPixels);
     for (uint32_t frame = 0; frame < frames; ++frame) {

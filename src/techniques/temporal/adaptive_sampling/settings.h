@@ -1,4 +1,4 @@
-// Settings of the allocation "adaptive".
+// Settings of adaptive sampling.
 #pragma once
 
 #include "settings/setting.h"
@@ -20,7 +20,7 @@ struct AdaptiveSamplingSettings {
 
 SettingList describe(AdaptiveSamplingSettings& settings);
 
-/// Throws Error unless the largest number of samples is more than the least.
+/// Throws Error unless `max_samples` is more than `min_samples`.
 void check(const AdaptiveSamplingSettings& settings);
 
 }  // namespace relume
