@@ -1,5 +1,5 @@
-// Backward reprojection: where a pixel was one frame ago, as weights of four pixels. Denoisers and the history
-// "reproject" with method "backward" read the frame before through it.
+// Backward reprojection: the position of a pixel's surface in the previous frame, as weights of four pixels. Denoisers
+// and reprojection with method "backward" read the previous frame through it.
 #pragma once
 
 #include "core/ray.h"
@@ -8,7 +8,7 @@
 
 namespace relume {
 
-/// Four pixels of the frame before, weights that sum to one. Pixels with weight 0 are not valid.
+/// Four pixels of the previous frame, with weights that sum to one. Pixels of weight 0 are not valid.
 struct BackwardTaps {
   uint32_t pixels[4] = {0, 0, 0, 0};
   float weights[4] = {0, 0, 0, 0};
@@ -23,7 +23,7 @@ struct BackwardTaps {
     return sum;
   }
 
-  /// The least of the values at the taps; 0 where there are none.
+  /// Smallest value at the taps; 0 without any.
   RELUME_HD uint32_t least(const View<const uint32_t>& values) const {
     if (!valid) return 0;
     uint32_t result = 0xffffffffu;
@@ -33,7 +33,7 @@ struct BackwardTaps {
     return result;
   }
 
-  /// Those of them that know something: the others know as little as another surface does.
+  /// The taps with samples, by `counts`, normalised.
   RELUME_HD BackwardTaps known(const View<const uint32_t>& counts) const {
     BackwardTaps result = *this;
     bool all = true;
@@ -46,23 +46,23 @@ struct BackwardTaps {
     return result;
   }
 
-  /// Scales the weights to sum to one; not valid if there is next to nothing to be scaled.
+  /// Scales the weights to sum to one. Not valid if their sum is almost zero.
   RELUME_HD void normalise() {
-    constexpr float kLeastWeight = 1e-3f;  // less is a corner that happens to fit
+    constexpr float kLeastWeight = 1e-3f;  // a smaller sum is a corner that fits by chance
     const float sum = weights[0] + weights[1] + weights[2] + weights[3];
     valid = valid && sum > kLeastWeight;
     const float scale = valid ? 1.0f / sum : 0.0f;
     for (float& w : weights) w *= scale;
   }
 
-  /// Σ w²: the variance of what fetch() gives, as a share of that of a single pixel.
+  /// Σ w²: variance of fetch() as a fraction of a single pixel's variance.
   RELUME_HD float variance_share() const {
     float sum = 0;
     for (const float w : weights) sum += sqr(w);
     return sum;
   }
 
-  /// The pixel that counts most; the first of those that do. Only if valid.
+  /// The pixel with the largest weight, the first of several. Requires `valid`.
   RELUME_HD uint32_t heaviest() const {
     int most = 0;
     for (int k = 1; k < 4; ++k) {
@@ -72,26 +72,26 @@ struct BackwardTaps {
   }
 };
 
-/// What a pixel must share with the one it was: the cosine between their normals, and how far the old surface may lie
-/// from the plane of the new one, as a share of the depth.
+/// Tolerances of a match with the previous frame: cosine between the normals, and distance of the old surface from the
+/// new one's plane as a fraction of the depth.
 inline constexpr float kBackwardNormalCosine = 0.9f;
 inline constexpr float kBackwardPlaneDistance = 0.01f;
 
-/// Views on what pixels show, in this frame and in the one before: buffers of SurfacePass (primary_hits_pass.h) or of
+/// Surfaces of the pixels in this frame and the previous one: buffers of SurfacePass (primary_hits_pass.h) or of
 /// FeaturesPass (features_pass.h).
 struct BackwardReprojection {
-  View<const Vec2> motion;     ///< pixels, from the frame before to this one
-  View<const Vec3> came_from;  ///< where this frame's surface was one frame ago, metres
+  View<const Vec2> motion;     ///< pixels, from the previous frame to this one
+  View<const Vec3> came_from;  ///< position of this frame's surface in the previous frame, metres
   View<const Vec3> normal;
   View<const float> depth;       ///< metres
-  View<const uint32_t> surface;  ///< tells surfaces apart; kNoSurface: the background
+  View<const uint32_t> surface;  ///< identifier of the surface; kNoSurface: the background
   View<const Vec3> previous_position;
   View<const Vec3> previous_normal;
   View<const uint32_t> previous_surface;
   uint32_t width = 0;
   uint32_t height = 0;
 
-  /// Whether one of the four pixels around where pixel (x, y) was lies in the image.
+  /// Whether any of the four pixels around the previous position of pixel (x, y) lies in the image.
   RELUME_HD bool was_in_image(uint32_t x, uint32_t y) const {
     const Vec2& way = motion[y * width + x];
     const float x0 = std::floor(static_cast<float>(x) - way.x);
@@ -99,7 +99,7 @@ struct BackwardReprojection {
     return x0 >= -1.0f && y0 >= -1.0f && x0 < static_cast<float>(width) && y0 < static_cast<float>(height);
   }
 
-  /// Bilinear taps around where pixel (x, y) was; those on another surface are left out.
+  /// Bilinear taps around the previous position of pixel (x, y), without those on other surfaces.
   RELUME_HD BackwardTaps taps(uint32_t x, uint32_t y) const {
     BackwardTaps result;
     const uint32_t pixel = y * width + x;
@@ -126,8 +126,8 @@ struct BackwardReprojection {
     return result;
   }
 
-  /// taps() that know something by `counts`; where none of the four does, as on edges, whose pixels see one surface in
-  /// one frame and the other in the next, the nearest pixel of the eight around them that fits and does.
+  /// taps() with samples, by `counts`. Without any, the nearest of the eight surrounding pixels that fits and has
+  /// samples: pixels on an edge may show one surface in one frame and the other in the next.
   RELUME_HD BackwardTaps taps_or_nearest(uint32_t x, uint32_t y, const View<const uint32_t>& counts) const {
     BackwardTaps result = taps(x, y).known(counts);
     if (result.valid) return result;
@@ -136,7 +136,7 @@ struct BackwardReprojection {
     const float fx = std::floor(static_cast<float>(x) - motion[pixel].x + 0.5f);
     const float fy = std::floor(static_cast<float>(y) - motion[pixel].y + 0.5f);
     if (!(fx >= 0.0f && fy >= 0.0f && fx < static_cast<float>(width) && fy < static_cast<float>(height))) return result;
-    // By distance: beside, above and below first, then the corners.
+    // By distance: edge neighbours before corners.
     constexpr int kOffsets[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
     for (const auto& offset : kOffsets) {
       const int px = static_cast<int>(fx) + offset[0];
@@ -153,7 +153,7 @@ struct BackwardReprojection {
   }
 
  private:
-  /// taps() where nothing moves, or by whole pixels.
+  /// taps() without motion, or with motion by whole pixels.
   RELUME_HD BackwardTaps single_tap(uint32_t pixel, int x, int y) const {
     BackwardTaps result;
     if (x < 0 || y < 0) return result;
@@ -172,15 +172,15 @@ struct BackwardReprojection {
   }
 };
 
-/// Moments between pixels of the previous frame: means and variances are interpolated, counts are the least of the
-/// taps'.
+/// Moments between pixels of the previous frame: means and variances are interpolated, and the count is the smallest of
+/// the taps'.
 struct InterpolatedHistory {
   MomentsView before;
   MutableMomentsView now;
   View<const Rgb> specular_before = {};  ///< part of the means that moves separately; may be empty
-  View<const Rgb> specular = {};         ///< the same at this frame's pixels
+  View<const Rgb> specular = {};         ///< that part at this frame's pixels
 
-  /// Stores the history of the pixel, from `taps`. Returns the number of its samples.
+  /// Stores the pixel's history, interpolated from `taps`. Returns its sample count.
   RELUME_HD uint32_t inherit(uint32_t pixel, const BackwardTaps& taps) const {
     PixelMoments moments;
     moments.samples = taps.least(before.samples);
@@ -203,7 +203,7 @@ struct InterpolatedHistory {
     return sum;
   }
 
-  /// Sum of squares of `count` samples with the taps' mean variance. `count`: the least of the taps'.
+  /// Sum of squares of `count` samples that have the mean variance of the taps. `count`: the smallest of the taps'.
   RELUME_HD float squares(const BackwardTaps& taps, const View<const float>& sums, uint32_t count) const {
     float variance = 0;
     for (int k = 0; k < 4 && count > 1; ++k) {
@@ -215,8 +215,8 @@ struct InterpolatedHistory {
   }
 };
 
-/// The history "reproject" by looking back. What else follows the surface need not mean anything in between: it moves
-/// from the heaviest tap.
+/// Backward method of reprojection. Other surface buffers may not permit interpolation, so they move from the heaviest
+/// tap.
 struct BackwardHistoryKernel {
   BackwardReprojection reprojection;
   InterpolatedHistory history;

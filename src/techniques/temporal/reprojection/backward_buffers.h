@@ -1,4 +1,4 @@
-// Where passes get a backward reprojection from.
+// Creates a backward reprojection from the frame's buffers.
 #pragma once
 
 #include "frame/frame_context.h"

@@ -18,9 +18,9 @@ TEST(BackwardReprojection, InterpolatesAndLeavesOtherSurfacesOut) {
   for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
   const View<const float> old = view_of(values);
   const BackwardReprojection reprojection = plane.reprojection();
-  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between 6 and 7
-  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // 5 is another surface
-  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside
+  EXPECT_FLOAT_EQ(reprojection.taps(3, 1).fetch(old), 6.5f);  // between pixels 6 and 7
+  EXPECT_FLOAT_EQ(reprojection.taps(2, 1).fetch(old), 6.0f);  // pixel 5 is another surface
+  EXPECT_FLOAT_EQ(reprojection.taps(0, 1).fetch(old), 4.0f);  // half outside the image
   std::vector<uint32_t> counts(16, 20);
   counts[6] = 9;
   EXPECT_EQ(reprojection.taps(3, 1).least(view_of(counts)), 9u);
@@ -71,7 +71,7 @@ TEST(BackwardReprojection, InterpolatesVariances) {
   before.m2[7] = 8 * 5.0f;
   before.m2_rgb[6] = 2 * 6.0f;
   before.m2_rgb[7] = 8 * 12.0f;
-  kernel_of(plane, before, now)(3, 1);  // between 6 and 7
+  kernel_of(plane, before, now)(3, 1);  // between pixels 6 and 7
   EXPECT_EQ(now.moments.samples[7], 3u);
   EXPECT_FLOAT_EQ(now.moments.m2[7], 2 * 3.0f);
   EXPECT_FLOAT_EQ(now.moments.m2_rgb[7], 2 * 9.0f);
@@ -84,8 +84,8 @@ TEST(BackwardReprojection, InterpolatesVariances) {
 TEST(BackwardReprojection, PixelsWithoutAHistoryKnowWhy) {
   Plane plane;
   plane.motion[0] = Vec2(9, 0);
-  plane.motion[1] = Vec2(-1, -1);  // was where pixel 6 is, which knew nothing
-  plane.motion[2] = Vec2(1, -1);   // was where pixel 5 is, another surface
+  plane.motion[1] = Vec2(-1, -1);  // was at pixel 6, which has no samples
+  plane.motion[2] = Vec2(1, -1);   // was at pixel 5, another surface
   History before;
   NewHistory now;
   before.samples[6] = 0;

@@ -1,4 +1,4 @@
-// Votes on pixels, and what becomes of buffers, without a scene.
+// Votes and moves of buffers, without a scene.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(DepthTest, NearestVoteWinsThenTheLowestSample) {
 }
 
 TEST(DepthTest, OneRelitSampleEndsTheHistoryThatOthersVoteFor) {
-  const std::vector<uint64_t> votes{vote_of(1, 3), vote_of(1, 0)};  // of two samples a pixel
+  const std::vector<uint64_t> votes{vote_of(1, 3), vote_of(1, 0)};  // two samples per pixel
   const std::vector<uint32_t> limits_before{16, 0};
   std::vector<StoredSample> stored(4);
   std::vector<StoredPixel> pixels(2);

@@ -1,21 +1,20 @@
-// What forward reprojection does where no history comes to lie: the pixel looks back, among histories that passed
-// validation where they were.
+// Backward look-up for pixels without a vote in forward reprojection, among histories that passed validation.
 #pragma once
 
 #include "techniques/temporal/reprojection/backward.h"
 
 namespace relume {
 
-/// Finds the histories that a pixel may continue between.
+/// Finds the histories between which a pixel may continue.
 struct LookBack {
   BackwardReprojection reprojection;
-  View<const uint32_t> reject_reasons;  ///< RejectReason of the pixels of the frame before
-  View<const uint32_t> limits;          ///< samples that their histories may count for
+  View<const uint32_t> reject_reasons;  ///< RejectReason by pixel of the previous frame
+  View<const uint32_t> limits;          ///< sample counts to which their histories are limited
 
   RELUME_HD bool empty() const { return reprojection.motion.empty(); }
 
-  /// Bilinear taps that show this pixel's surface and passed validation. Those that saw several surfaces are among
-  /// them: this pixel's own surface is known.
+  /// Bilinear taps that show this pixel's surface and passed validation. Taps that saw several surfaces pass too: this
+  /// pixel's surface is given.
   RELUME_HD BackwardTaps taps(uint32_t x, uint32_t y) const {
     BackwardTaps result = reprojection.taps(x, y);
     for (int k = 0; k < 4; ++k) {
@@ -33,7 +32,7 @@ struct LookBack {
   }
 };
 
-/// After histories have moved: those of filled pixels are interpolated.
+/// Interpolates the histories of filled pixels, after the others have moved.
 struct FillKernel {
   LookBack look_back;
   View<const uint32_t> reasons;  ///< RejectReason

@@ -14,7 +14,7 @@ using enum RejectReason;
 
 constexpr uint32_t number(RejectReason reject_reason) { return static_cast<uint32_t>(reject_reason); }
 
-/// A plane that moves to the right by half a pixel: (3, 1) lies between pixels 6 and 7 of the frame before.
+/// A plane that moves to the right by half a pixel: (3, 1) was between pixels 6 and 7 of the previous frame.
 struct MovedPlane {
   LookBack look_back() const { return {plane.reprojection(), view_of(reject_reasons), view_of(limits)}; }
   BackwardTaps taps() const { return look_back().taps(3, 1); }
@@ -50,11 +50,11 @@ TEST(LookBack, KeepsTheBackground) {
   MovedPlane p;
   p.plane.instance.assign(16, kNoSurface);
   p.plane.before.assign(16, kNoSurface);
-  p.reject_reasons.assign(16, number(empty));  // no sample of the background can be projected
+  p.reject_reasons.assign(16, number(empty));  // the background has no samples to project
   EXPECT_TRUE(p.taps().valid);
 }
 
-/// Sixteen pixels and the votes on them. Every pixel of the frame before has one stored sample.
+/// Sixteen pixels and their votes. Every pixel of the previous frame has one stored sample.
 struct Sources {
   explicit Sources(const MovedPlane& plane) {
     kernel.votes = view_of(votes);
@@ -110,7 +110,7 @@ TEST(LookBack, AVoteOfAnotherSurfaceGivesWay) {
   const MovedPlane plane;
   Sources s(plane);
   s.votes[7] = vote_of(1, 11);
-  s.stored_before[11].hit.instance = 5;  // this frame's sample hits nothing
+  s.stored_before[11].hit.instance = 5;  // this frame's sample has no hit
   s.kernel(3, 1);
   EXPECT_EQ(s.sources[7], 6u);
   EXPECT_EQ(s.reasons[7], number(filled));

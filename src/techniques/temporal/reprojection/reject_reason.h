@@ -5,23 +5,23 @@
 
 namespace relume {
 
-/// Of the pixels of the previous frame (forward: `history-reject-reason`), and of those of this frame
-/// (`history-reason`). The numbers are what the buffers show.
+/// Reasons for pixels of the previous frame (forward: `history-reject-reason`) and of this frame (`history-reason`).
+/// The buffers contain these numbers.
 enum class RejectReason : uint32_t {
-  empty,           ///< no history, or the background; of this frame: no history moved here
+  empty,           ///< no history, or the background; in this frame: no history moved here
   none,            ///< the history is kept
-  off_screen,      ///< the surface has left the image; backward: was outside of the image
+  off_screen,      ///< the surface has left the image; backward: was outside the image
   occluded,        ///< another surface is in front of it
-  view_dependent,  ///< eq. 15: the reflection differs too much in this direction
-  near_specular,   ///< a mirror, or glass
+  view_dependent,  ///< eq. 15: the reflection in this direction differs too much
+  near_specular,   ///< a mirror or glass
   mixed,           ///< the pixel shows several surfaces
-  relit,           ///< its lighting has changed
+  relit,           ///< the light has changed
   covered,         ///< lost the depth test
   other_surface,   ///< backward: the previous pixel shows another surface; forward: this pixel does
-  filled,          ///< forward: no history moved here, so the pixel looked back for one
+  filled,          ///< forward: no history moved here, and the pixel looked back
 };
 
-/// The source of a pixel's history is a pixel of the previous frame, or this: none.
+/// Value in place of a source pixel in the previous frame: no source.
 inline constexpr uint32_t kNoSource = 0xffffffffu;
 
 }  // namespace relume

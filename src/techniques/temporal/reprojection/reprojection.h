@@ -1,5 +1,5 @@
-// Forward reprojection ([Schalk18] §3.2): histories move to the pixels in which their surfaces are visible in this
-// frame, after three validations, and two more for scenes in which objects and lights move.
+// Forward reprojection ([Schalk18] §3.2): moves histories to the pixels in which this frame shows their surfaces, after
+// three validations. Where objects and lights move, two light samples are validated too.
 #pragma once
 
 #include "core/fixed_point.h"
@@ -11,25 +11,25 @@ namespace relume {
 
 inline constexpr uint64_t kNoVote = ~uint64_t{0};
 
-/// A depth-test vote for a pixel. The smallest wins: the nearest depth, then the lowest stored sample.
+/// A depth-test vote for a pixel. The smallest wins: the least depth, then the lowest stored sample.
 RELUME_HD inline uint64_t vote_of(float depth, uint32_t stored_sample) {
   return (static_cast<uint64_t>(float_bits(depth)) << 32) | stored_sample;
 }
 
-/// A rejection is larger than every vote. A pixel without votes keeps that of the nearest rejected sample.
+/// A rejection, larger than every vote. A pixel without votes keeps the nearest rejection.
 inline constexpr uint64_t kRejected = uint64_t{1} << 63;
 RELUME_HD inline uint64_t rejection_of(float depth, RejectReason reject_reason) {
   return kRejected | vote_of(depth, static_cast<uint32_t>(reject_reason));
 }
 RELUME_HD inline bool is_vote(uint64_t vote) { return vote < kRejected; }
 
-/// The reason that the smallest vote of a pixel stands for.
+/// The reason in a pixel's smallest vote.
 RELUME_HD inline RejectReason reason_of(uint64_t vote) {
   if (is_vote(vote)) return RejectReason::none;
   return vote == kNoVote ? RejectReason::empty : static_cast<RejectReason>(static_cast<uint32_t>(vote));
 }
 
-/// Index of the pixel that film position `film` lies in.
+/// Index of the pixel that contains film position `film`.
 RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
   const UVec2 size(camera.resolution);
   const uint32_t x = relume::min(static_cast<uint32_t>(film.x), size.x - 1);
@@ -40,19 +40,19 @@ RELUME_HD inline uint32_t pixel_at(const CameraView& camera, const Vec2& film) {
 /// Each pixel of the previous frame votes for the pixels in which its stored samples are visible.
 struct DepthVoteKernel {
   SceneView scene;
-  View<const StoredSample> stored;  ///< capacity a pixel
+  View<const StoredSample> stored;  ///< `capacity` per pixel
   View<const StoredPixel> pixels;
-  View<uint64_t> votes;           ///< a pixel; kNoVote at first
-  View<uint32_t> reject_reasons;  ///< RejectReason, at the pixels of the previous frame
-  View<const Rgb> mean;           ///< of the frame before
-  View<uint32_t> limits;          ///< samples that its history may count for, because light has changed; 0: none
+  View<uint64_t> votes;           ///< smallest vote by pixel of this frame; kNoVote at first
+  View<uint32_t> reject_reasons;  ///< RejectReason by pixel of the previous frame
+  View<const Rgb> mean;           ///< mean of the previous frame
+  View<uint32_t> limits;          ///< maximum sample count of each history after changes of light; 0: the history ends
   uint32_t capacity = 1;
-  float max_error = 0;               ///< ε of eq. 15, in exposed display units
-  float max_light_error = 0;         ///< the same for light that changed, below which a history counts in full
-  float exposure = 1;                ///< radiance to display units
-  uint32_t max_samples_changed = 1;  ///< limit where light has changed by no more than max_light_error
+  float max_error = 0;        ///< ε of eq. 15, in exposed display units
+  float max_light_error = 0;  ///< change of light in exposed, tone-mapped units; larger ones reduce max_samples_changed
+  float exposure = 1;         ///< factor from radiance to display units
+  uint32_t max_samples_changed = 1;  ///< limit of the sample count for changes of light up to max_light_error
   bool lights_changed = false;
-  uint32_t seed = 0;  ///< of stochastic alpha
+  uint32_t seed = 0;  ///< seed of stochastic alpha
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -90,7 +90,7 @@ struct DepthVoteKernel {
     Vec2 film;
     if (!(ray.t_max > 0.0f) || !film_position(scene.camera, ray, &film)) return RejectReason::off_screen;
     const uint32_t target = pixel_at(scene.camera, film);
-    // Another sample of this pixel brings the same history there. Light is verified at as many points as there are.
+    // Another sample already moves this history to the pixel. Changes of light are tested at all samples.
     if (!lights_changed && voted.has(target)) return RejectReason::none;
 
     const float depth = ray.t_max;
@@ -104,7 +104,7 @@ struct DepthVoteKernel {
     return reject_reason;
   }
 
-  /// Whether a stored sample, whose surface is at `p`, may bring its history to where `ray` sees it.
+  /// Validates a stored sample, whose surface is at `p`, against the view along `ray`.
   RELUME_HD RejectReason judge(uint32_t index, const StoredPixel& pixel, const SurfacePosition& p,
                                const Ray& ray) const {
     const StoredSample& sample = stored[index];
@@ -120,7 +120,7 @@ struct DepthVoteKernel {
     return pixel.mixed ? RejectReason::mixed : RejectReason::none;
   }
 
-  /// From the camera to `p`; t_max is the distance, 0 behind the camera.
+  /// Ray from the camera to `p`; t_max is the distance, 0 behind the camera.
   RELUME_HD Ray ray_to(const Vec3& p) const {
     const CameraView& c = scene.camera;
     if (c.projection == Projection::orthographic) {
@@ -132,20 +132,19 @@ struct DepthVoteKernel {
     return {c.position, d / distance, distance};
   }
 
-  /// Second validation: whether something lies between the camera and the surface. The ray starts at the surface, clear
-  /// of it, and ends at the camera.
+  /// Second validation: whether a shadow ray from the surface to the camera is blocked.
   RELUME_HD bool hidden(const Ray& ray, const SurfacePoint& sp, uint32_t index) const {
     return occluded(scene.accel, shadow_ray(sp, -ray.direction, ray.t_max), hash(seed, index));
   }
 
-  /// A camera that turns in its place sees what rests from the same direction.
+  /// Whether camera and surface keep their positions. A camera that only turns sees them from the same direction.
   RELUME_HD bool seen_as_before(const SurfacePosition& p) const {
     const CameraView& before = scene.previous_camera;
     return before.projection != Projection::orthographic && before.position == scene.camera.position &&
            p.before == p.now;
   }
 
-  /// Third validation: eq. 15 for the direction of scattering and for that of next event estimation.
+  /// Third validation: eq. 15 for the directions of scattering and of next event estimation.
   RELUME_HD float view_error(const SurfacePoint& sp, const SurfacePosition& p, const StoredSample& sample,
                              const StoredPixel& pixel) const {
     const CameraView& c = scene.previous_camera;
@@ -160,32 +159,33 @@ struct DepthVoteKernel {
     return error * exposure;
   }
 
-  /// What was reflected before is evaluated in the surface's frame of now: viewer and light have turned about it.
+  /// Evaluates both reflections in this frame's shading frame. Viewer and light of the previous frame turn with the
+  /// object.
   RELUME_HD static float eq15(const SurfacePoint& sp, const Mat3& turn, const Vec3& wo_before, const Vec3& wi,
                               const Rgb& irradiance) {
     const Vec3 wi_before_local = sp.frame.to_local(glm::normalize(turn * wi));
     const Vec3 wo_before_local = sp.frame.to_local(glm::normalize(turn * wo_before));
-    if (wo_before_local.z <= 0.0f) return kInfinity;  // it was seen from the other side
+    if (wo_before_local.z <= 0.0f) return kInfinity;  // the previous view showed the other side
     const Rgb now = view_dependent_f(sp.bsdf, sp.wo_local, sp.frame.to_local(wi));
     const Rgb before = view_dependent_f(sp.bsdf, wo_before_local, wi_before_local);
     return max_component(abs(now - before) * irradiance);
   }
 
-  /// BSDF without what looks the same from everywhere.
+  /// BSDF without its Lambertian part, which is the same from all directions.
   RELUME_HD static Rgb view_dependent_f(const Bsdf& bsdf, const Vec3& wo, const Vec3& wi) {
     return is_lambert(bsdf) ? Rgb(0) : eval_pdf(bsdf, wo, wi).f;
   }
 
-  /// Beyond the paper: the more the light on a surface has changed, the fewer samples its history counts for. False if
-  /// that is less than one.
+  /// Beyond the paper: limits the history's sample count, the lower the more light on the surface has changed. False if
+  /// the limit is below one.
   RELUME_HD bool limit_samples(const SurfacePoint& sp, uint32_t index) const {
     const uint32_t pixel = index / capacity;
     const float shown = luminance(mean[pixel]) * exposure;
     const float change = relume::max(stored_light_change(sp, stored[index]), moved_light_change(sp, index));
-    const float error = change * exposure / (1.0f + shown);  // bright pixels hide more, as tone mapping has it
+    const float error = change * exposure / (1.0f + shown);  // tone-mapped: bright pixels hide more
     const float excess = error / max_light_error;
     if (excess > static_cast<float>(max_samples_changed)) {
-      limits[pixel] = 0;  // whatever the pixel's other samples find
+      limits[pixel] = 0;  // whatever the limits of the pixel's other samples
       return false;
     }
     const float limit = static_cast<float>(max_samples_changed) / relume::max(excess, 1.0f);
@@ -193,7 +193,7 @@ struct DepthVoteKernel {
     return true;
   }
 
-  /// The light of the stored sample, verified again: how much what it reflects differs.
+  /// Change of reflected light by the stored light sample, traced again.
   RELUME_HD float stored_light_change(const SurfacePoint& sp, const StoredSample& sample) const {
     if (sample.light == kNoLight || sample.light >= scene.lights.lights.size) return 0.0f;
     const Vec3 wi = sample.to_light ? unpack_direction(sample.to_light) : sp.frame.n;
@@ -202,7 +202,7 @@ struct DepthVoteKernel {
     return std::fabs(now.irradiance - sample.light_value) * sample.light_scale * f;
   }
 
-  /// One of the lights that have changed, chosen at random, as it is and as it was.
+  /// Change of reflected light by one of the changed lights, chosen at random, since the previous frame.
   RELUME_HD float moved_light_change(const SurfacePoint& sp, uint32_t index) const {
     const View<const LightId>& changed = scene.lights.changed;
     if (changed.empty()) return 0.0f;
@@ -215,7 +215,7 @@ struct DepthVoteKernel {
     return std::fabs(now.irradiance * now.f - before.irradiance * before.f) * static_cast<float>(changed.size);
   }
 
-  /// Luminance of radiance · cos / pdf_w that arrives from a light sample, 0 if it is hidden, and the BSDF for it.
+  /// Luminance of radiance · cos / pdf_w from a light sample, 0 if it is occluded, and the BSDF for its direction.
   struct Received {
     float irradiance = 0;
     float f = 0;
@@ -229,8 +229,8 @@ struct DepthVoteKernel {
   }
 };
 
-/// The sample whose vote won owns the pixel, and its pixel becomes the source. Pixels without an owner may look back
-/// for histories next to the place of their surface in the previous frame.
+/// Makes the pixel of the winning sample the source of each pixel. Pixels without a source may look back for histories
+/// around the previous position of their surface.
 struct SourceKernel {
   SceneView scene;
   View<const uint64_t> votes;
@@ -238,13 +238,13 @@ struct SourceKernel {
   View<const StoredPixel> pixels_before;
   View<const uint32_t> limits_before;
   LookBack look_back;    ///< empty: pixels without a vote start without a history
-  View<const Hit> hits;  ///< of this frame
+  View<const Hit> hits;  ///< hits of this frame
   View<StoredSample> stored;
   View<StoredPixel> pixels;
   View<uint32_t> limits;
-  View<uint32_t> sources;  ///< pixel of the frame before
-  View<uint32_t> kept;     ///< 1: goes on with a history, 0: begins anew
-  View<uint32_t> reasons;  ///< RejectReason of the pixel where it is
+  View<uint32_t> sources;  ///< source in the previous frame, or kNoSource
+  View<uint32_t> kept;     ///< 1: continues a history, 0: starts one
+  View<uint32_t> reasons;  ///< RejectReason by pixel of this frame
   uint32_t capacity = 1;
   float max_distance = 0;  ///< see far_apart()
   uint32_t width = 0;
@@ -284,7 +284,7 @@ struct SourceKernel {
     return elsewhere ? RejectReason::other_surface : RejectReason::none;
   }
 
-  /// Whether what is known speaks of other surfaces than the pixel's own.
+  /// Whether the reason concerns other surfaces than the pixel's own.
   RELUME_HD static bool may_look_back(RejectReason reason) {
     return reason == RejectReason::empty || reason == RejectReason::occluded || reason == RejectReason::mixed ||
            reason == RejectReason::other_surface;
@@ -301,7 +301,7 @@ struct SourceKernel {
     pixels[pixel].fresh_samples = 0;
   }
 
-  /// The first sample of the source that lies near this frame's hit; not valid if there is none.
+  /// The first sample of the source near this frame's hit; not valid if none is.
   RELUME_HD StoredSample near_sample(uint32_t source, const Hit& hit) const {
     for (uint32_t k = 0; k < capacity; ++k) {
       const StoredSample& sample = stored_before[source * capacity + k];
@@ -364,13 +364,13 @@ struct MoveMomentsKernel {
   }
 };
 
-/// Bounds the number of samples that a history counts as, so that new ones weigh more.
+/// Limits the sample counts of histories, so that new samples weigh more.
 struct LimitKernel {
   MutableMomentsView moments;
-  View<const uint32_t> limits;  ///< of each pixel; empty: none
+  View<const uint32_t> limits;  ///< limits by pixel; empty: none
   uint32_t max_samples = 0;
   uint32_t width = 0;
-  View<float> light_paths = {};  ///< weight of the film of light paths (LightFilm); empty: there is no film
+  View<float> light_paths = {};  ///< weight of the film of light paths (LightFilm); empty: no film
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;

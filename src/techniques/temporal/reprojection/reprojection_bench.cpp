@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// One stored sample a pixel of the Cornell box, judged from where it was stored.
+/// Votes of one stored sample per pixel of the Cornell box, with an unchanged camera.
 void bm_depth_vote(benchmark::State& state) {
   constexpr uint32_t kSize = 256;
   const CompiledScene scene(find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize});

@@ -27,7 +27,7 @@ void move_elements(const FrameContext& frame, std::vector<std::byte>& before, Bu
   frame.launch("reproject", MoveKernel<T>{old, moved, view_of(sources), frame.width()});
 }
 
-/// Whether kernels may look the sample up in the scene.
+/// Whether the sample refers to an existing surface, so that kernels may use it.
 bool exists_in(const SceneView& scene, const StoredSample& sample) {
   const auto in_unit_interval = [](float x) { return x >= 0.0f && x < 1.0f; };
   const Hit& hit = sample.hit;
@@ -134,7 +134,7 @@ void ReprojectionPass::move_moments(const FrameContext& frame, View<const uint32
 
 void ReprojectionPass::allocate(const FrameContext& frame) {
   sources_.resize(frame.pixels());
-  const bool forward = settings_.method == ReprojectionMethod::forward;  // backward, nobody reads the rest
+  const bool forward = settings_.method == ReprojectionMethod::forward;  // backward reprojection uses only `sources_`
   const size_t count = forward ? frame.pixels() : 0;
   const uint32_t capacity = forward ? settings_.capacity() : 0;
   if (capacity_ == capacity && pixels_.size() == count) return;
@@ -167,7 +167,7 @@ void ReprojectionPass::run_forward(const FrameContext& frame) {
   mark_covered(frame);
 }
 
-/// From `sources_`.
+/// Moves the elements by `sources_`.
 void ReprojectionPass::move(const FrameContext& frame, Buffer& buffer) {
   if (buffer.description().id.type == BufferType::rgb32f) {
     move_elements<Rgb>(frame, before_, buffer, sources_);
@@ -261,7 +261,7 @@ void ReprojectionPass::limit(const FrameContext& frame) const {
 
 void ReprojectionPass::set_all(const FrameContext& frame, bool kept) const {
   static_assert(static_cast<uint32_t>(RejectReason::empty) == 0 &&
-                static_cast<uint32_t>(RejectReason::none) == 1);  // as the three buffers show them
+                static_cast<uint32_t>(RejectReason::none) == 1);  // values in the three buffers
   const auto set = [&](const BufferKey<uint32_t>& key) {
     const View<uint32_t> values = frame.write(key);
     std::fill(values.begin(), values.end(), kept ? 1u : 0u);
@@ -283,12 +283,12 @@ void ReprojectionPass::save(std::ostream& out) const {
 }
 
 void ReprojectionPass::load(std::istream& in) {
-  // Whatever goes wrong, the next frame overwrites these.
+  // Buffers that the next frame overwrites: a failed load changes nothing.
   read_vector(in, stored_before_);
   read_vector(in, pixels_before_);
   const size_t stored = stored_before_.size();
   const bool nothing = stored == 0 && pixels_before_.empty();  // saved before the first frame, or backward
-  const size_t capacity = stored / pixel_count_;  // not settings_.capacity() if that has changed since a frame
+  const size_t capacity = stored / pixel_count_;  // not settings_.capacity() if that changed after the last frame
   if (!nothing && (pixels_before_.size() != pixel_count_ || stored != capacity * pixel_count_ || capacity < 1 ||
                    capacity > kMaxStoredSamples))
     in.setstate(std::ios::failbit);

@@ -1,4 +1,4 @@
-// The history "reproject" as two passes: one that takes the past along, one that remembers the present.
+// Reprojection as two passes: one moves histories, the other stores this frame's samples.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,17 @@
 
 namespace relume {
 
-// Whether histories were kept. The declaration lists the values.
+// Result by pixel. The declaration lists the values.
 inline constexpr BufferKey<uint32_t> kHistoryKept{"history-kept"};
 inline constexpr BufferKey<uint32_t> kHistoryReason{"history-reason"};
 inline constexpr BufferKey<uint32_t> kHistoryRejectReason{"history-reject-reason"};
 
-/// Moves the moments of pixels, and every buffer that follows the surface, to where the surface is in this frame. No
-/// history survives a change of materials or settings.
+/// Moves the moments of pixels, and all buffers that follow surfaces, to the surfaces' pixels in this frame. Changes of
+/// materials or settings end all histories.
 class ReprojectionPass final : public Pass {
  public:
-  /// `pixel_count`: of the image; a checkpoint must agree. `m2_rgb`: this member of the moments is kept, too.
+  /// `pixel_count`: pixels of the image, which a checkpoint must match. `m2_rgb`: also moves this member of the
+  /// moments.
   ReprojectionPass(const ReprojectionSettings& settings, uint32_t pixel_count, bool m2_rgb)
       : settings_(settings), pixel_count_(pixel_count), m2_rgb_(m2_rgb) {}
 
@@ -31,18 +32,18 @@ class ReprojectionPass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// What pixels have stored; for the pass that adds to it.
+  /// Stored samples, for StoreSamplesPass.
   std::vector<StoredSample>& stored() { return stored_; }
   std::vector<StoredPixel>& pixels() { return pixels_; }
   uint32_t capacity() const { return capacity_; }
 
  private:
   bool looks_back() const;
-  /// Whether pixels to which nothing came look back in this frame.
+  /// Whether pixels without a vote look back in this frame.
   bool fills(const FrameContext& frame) const;
   void allocate(const FrameContext& frame);
   void drop_unknown(const SceneView& scene);
-  /// Pixels keep their own histories, or start without any.
+  /// All pixels keep their own histories, or start without any.
   void stay(const FrameContext& frame);
   /// `sources`: see MoveMomentsKernel.
   void move_moments(const FrameContext& frame, View<const uint32_t> sources) const;
@@ -55,16 +56,16 @@ class ReprojectionPass final : public Pass {
   void run_backward(const FrameContext& frame);
   void move(const FrameContext& frame, Buffer& buffer);
   void limit(const FrameContext& frame) const;
-  /// For all pixels: they continue their own histories, or start without any.
+  /// Marks all pixels as kept, or as without a history.
   void set_all(const FrameContext& frame, bool kept) const;
 
   ReprojectionSettings settings_;
   const uint32_t pixel_count_;
   const bool m2_rgb_;
   uint32_t capacity_ = 0;
-  bool loaded_ = false;  ///< from a file, and not looked through yet
-  bool moved_ = false;   ///< stored samples, in this frame
-  bool rests_ = false;   ///< nothing has moved since the last frame, and the buffers say that all go on
+  bool loaded_ = false;  ///< stored samples come from a checkpoint and are not yet checked
+  bool moved_ = false;   ///< stored samples moved in this frame
+  bool rests_ = false;   ///< nothing has moved since the previous frame, and the buffers mark all pixels as kept
   std::vector<StoredSample> stored_;
   std::vector<StoredPixel> pixels_;
   std::vector<StoredSample> stored_before_;
@@ -72,9 +73,9 @@ class ReprojectionPass final : public Pass {
   std::vector<uint64_t> votes_;
   std::vector<uint32_t> sources_;
   std::vector<uint32_t> owned_;
-  std::vector<uint32_t> limits_;         ///< samples that each history may count for
-  std::vector<uint32_t> limits_before_;  ///< the same where the pixels were
-  std::vector<std::byte> before_;        ///< the buffer that is being moved
+  std::vector<uint32_t> limits_;         ///< maximum sample count of each history
+  std::vector<uint32_t> limits_before_;  ///< the same by pixel of the previous frame
+  std::vector<std::byte> before_;        ///< copy of the buffer being moved
 };
 
 /// Stores this frame's samples. Runs before AccumulatePass.

@@ -26,8 +26,8 @@ std::string state_of(const ReprojectionPass& pass) {
   return out.str();
 }
 
-/// What a pass saves that holds so many samples, the first of them `stored`, and empty pixels; of counts beyond all
-/// measure, without what they count.
+/// Saved state with `samples` stored samples, the first of them `stored`, and `pixels` empty pixels. Of larger counts,
+/// only 8 kPixels elements follow.
 std::string state_with(std::vector<StoredSample> stored, uint64_t samples, uint64_t pixels) {
   constexpr uint64_t kMost = 8 * kPixels;
   std::string state;
@@ -63,8 +63,7 @@ TEST(ReprojectionPass, LoadsWhatWasSavedBeforeTheFirstFrame) {
   EXPECT_TRUE(loads(pass, state_of(ReprojectionPass(settings, kPixels, false))));
 }
 
-// Counts are believed as far as there is something behind them, and only if they fit the image; the last would need
-// 384 GiB.
+// A count is accepted only if its elements follow and it fits the image; the last would need 384 GiB.
 TEST(ReprojectionPass, RefusesCountsThatDoNotFitTheImage) {
   const ReprojectionSettings settings;
   const std::vector<StoredSample> stored(4 * kPixels);
@@ -101,9 +100,9 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
   stored[0].hit = {0, 0, 0.25f, 0.5f, 3};                              // exists
   stored[4].hit = {scene.view().instances.size, 0, 0.25f, 0.5f, 3};    // no such instance
   stored[8].hit = {0, scene.view().triangles.size, 0.25f, 0.5f, 3};    // no such triangle
-  stored[12].hit = {0, 0, nan, 0.5f, 3};                               // nowhere on it
-  stored[16] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {nan, 0}};   // nowhere on a light
-  stored[20] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {0, -1e9}};  // the same
+  stored[12].hit = {0, 0, nan, 0.5f, 3};                               // outside the triangle
+  stored[16] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {nan, 0}};   // outside the light
+  stored[20] = {.hit = {0, 0, 0.25f, 0.5f, 3}, .light_u = {0, -1e9}};  // outside the light
   ReprojectionPass pass(settings, kPixels, false);
   ASSERT_TRUE(loads(pass, state_with(stored, 4 * kPixels, kPixels)));
 
@@ -116,8 +115,8 @@ TEST(ReprojectionPass, DropsLoadedSamplesThatTheSceneCannotHold) {
   for (const size_t i : {4, 8, 12, 16, 20}) EXPECT_FALSE(pass.stored()[i].valid()) << i;
 }
 
-/// A plane that has moved to the right by one pixel, and a history that adaptive sampling looks at: 1000 samples a
-/// pixel.
+/// A plane that moved to the right by one pixel, with a history of 1000 samples per pixel and a buffer of adaptive
+/// sampling.
 struct MovedPlane {
   explicit MovedPlane(const ReprojectionPass& pass) {
     for (const BufferDescription& buffer : pass.declaration().owns) buffers.add(buffer);
@@ -139,13 +138,13 @@ struct MovedPlane {
       buffers.mutable_view(kSurface.depth)[i] = 1;
     }
   }
-  /// Some value for pixel i.
+  /// A distinct value for pixel i.
   static float number(uint32_t i) { return static_cast<float>(i + 1); }
 
   BufferTable buffers{kSize, kSize};
 };
 
-/// The plane under backward reprojection.
+/// Backward reprojection of the plane.
 struct Backward {
   CompiledScene scene{find_builtin_scene("cornell")->build(), {.width = kSize, .height = kSize}};
   ReprojectionSettings settings{.method = ReprojectionMethod::backward};
@@ -168,10 +167,10 @@ TEST(ReprojectionPass, BackwardTakesAlongAllThatFollowsTheSurface) {
   const View<const float> probability = b.plane.buffers.view(kProbability);
   const View<const uint32_t> samples = b.plane.buffers.view(kInherited.samples);
   for (uint32_t i = 0; i < kPixels; ++i) {
-    const bool known = i % kSize > 0;  // or it comes from outside
+    const bool known = i % kSize > 0;  // column 0 enters the image
     const float number = known ? MovedPlane::number(i - 1) : 0.0f;
     EXPECT_EQ(samples[i], known ? 16u : 0u) << i;
-    // The variance of a sample stays, however few of them the history counts for.
+    // The variance of a sample stays under any limit of the count.
     EXPECT_FLOAT_EQ(m2[i] / 15, number / 999) << i;
     EXPECT_FLOAT_EQ(m2_rgb[i] / 15, 6 * number / 999) << i;
     EXPECT_EQ(probability[i], 0.01f * number) << i;
@@ -192,7 +191,7 @@ TEST(ReprojectionPass, SaysThatAllGoOnWhereNothingMoves) {
   };
   EXPECT_EQ(kept_after(Change::none), 0u);  // the first frame
   EXPECT_EQ(kept_after(Change::none), kPixels);
-  EXPECT_EQ(kept_after(Change::camera), kPixels - kSize);  // a column comes from outside
+  EXPECT_EQ(kept_after(Change::camera), kPixels - kSize);  // one column enters the image
   EXPECT_EQ(kept_after(Change::none), kPixels);
   EXPECT_EQ(kept_after(Change::materials), 0u);
   EXPECT_EQ(kept_after(Change::none), kPixels);
@@ -203,7 +202,7 @@ TEST(ReprojectionPass, BackwardStoresNoSamples) {
   b.run(1, Change::camera);
   EXPECT_TRUE(b.pass.stored().empty());
   EXPECT_LE(b.pass.memory_bytes(), 16 * kPixels);
-  EXPECT_EQ(state_of(b.pass).size(), 2 * sizeof(uint64_t));  // that there are none
+  EXPECT_EQ(state_of(b.pass).size(), 2 * sizeof(uint64_t));  // two counts of zero
   EXPECT_TRUE(loads(b.pass, state_of(b.pass)));
 }
 

@@ -18,19 +18,19 @@ namespace {
 constexpr uint32_t kSize = 24;
 constexpr uint32_t kPixels = kSize * kSize;
 
-/// A scene, and what one frame of it leaves behind.
+/// A scene and the buffers of one frame.
 struct Stage {
   explicit Stage(Scene source, std::vector<Index> movable = {})
       : scene(std::move(source), {.width = kSize, .height = kSize, .movable = std::move(movable)}) {}
 
-  /// To the camera's right, metres.
+  /// Moves the camera to its right, in metres.
   void shift_camera(float distance) {
     CameraPose camera = scene.camera();
     camera.to_world[3] += distance * camera.to_world[0];
     scene.set_camera(camera);
   }
 
-  /// About the vertical axis, radians.
+  /// Turns the camera about the vertical axis, in radians.
   void turn_camera(float angle) {
     CameraPose camera = scene.camera();
     camera.to_world = glm::rotate(camera.to_world, angle, Vec3(0, 1, 0));
@@ -112,7 +112,7 @@ struct Stage {
 
 Scene cornell() { return find_builtin_scene("cornell")->build(); }
 
-/// The Cornell box with one look for every surface that does not emit.
+/// The Cornell box, with one roughness and metalness for all materials.
 Scene cornell_of(float roughness, float metallic) {
   Scene scene = cornell();
   for (Material& m : scene.materials) {
@@ -163,7 +163,7 @@ TEST(Reprojection, LeavesTheScreenWhenTheCameraTurnsAway) {
 }
 
 TEST(Reprojection, NoticesWhatIsHiddenNow) {
-  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  // From the right, the tall box hides a part of the back wall that was visible.
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(1.2f);
@@ -187,11 +187,11 @@ TEST(Reprojection, MirrorsAreTakenAlongByAnEyeThatTurnsWhereAllElseRests) {
   stage.vote(0.0f, false);
   EXPECT_EQ(stage.count(RejectReason::near_specular), 0);
   EXPECT_GT(stage.count(RejectReason::none), static_cast<int>(kPixels) / 3);
-  stage.vote(10.0f, true);  // what they mirror may have moved
+  stage.vote(10.0f, true);  // mirrored objects may have moved
   EXPECT_EQ(stage.count(RejectReason::none), 0);
 }
 
-// The paper refuses materials, not lobes.
+// The paper rejects materials, not lobes.
 TEST(Reprojection, ASmoothCoatRefusesTheBaseBelowToo) {
   Scene scene = cornell_of(0.05f, 0.0f);
   for (Material& m : scene.materials) m.specular = 1.0f;
@@ -212,9 +212,9 @@ TEST(Reprojection, PixelsWithoutAHistoryKnowWhy) {
   mirrors.shift_camera(0.01f);
   mirrors.vote(10.0f, false);
   const int refused = mirrors.count(RejectReason::near_specular);
-  EXPECT_LE(reasons(mirrors, RejectReason::near_specular), refused);  // two may come to lie in one pixel
+  EXPECT_LE(reasons(mirrors, RejectReason::near_specular), refused);  // two rejections may share a pixel
   EXPECT_GT(reasons(mirrors, RejectReason::near_specular), refused * 9 / 10);
-  // From far to the left, the tall box hides a part of the back wall that was seen before.
+  // From the right, the tall box hides a part of the back wall that was visible.
   Stage stage(cornell());
   stage.render();
   stage.shift_camera(1.2f);
@@ -261,7 +261,7 @@ TEST(Reprojection, AHighlightDoesNotTurnWithItsObject) {
     return stage.count(RejectReason::view_dependent);
   };
   EXPECT_EQ(refused(0), 0);
-  EXPECT_GE(refused(20), 5);  // of the box, which has some dozen pixels; none if its frame had stayed
+  EXPECT_GE(refused(20), 5);  // of some dozen pixels of the box; none without the turn of its frame
 }
 
 TEST(Reprojection, LambertNeverDependsOnTheView) {
@@ -309,7 +309,7 @@ TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
   Stage stage(std::move(scene));
   stage.render();
   stage.vote(1.0f / 256.0f, true);
-  EXPECT_EQ(stage.count(RejectReason::relit), 0);  // verified, and the same
+  EXPECT_EQ(stage.count(RejectReason::relit), 0);  // verified, and unchanged
   const auto limited = [&] {
     return std::count_if(stage.limits.begin(), stage.limits.end(), [](uint32_t n) { return n < 16; });
   };
@@ -317,11 +317,11 @@ TEST(Reprojection, RefusesSurfacesWhoseLightHasChanged) {
   light.intensity = Rgb(4.5f);
   stage.scene.set_light(0, light);
   stage.vote(1.0f / 256.0f, true);
-  EXPECT_GT(limited(), 20);  // a little: they count for less
+  EXPECT_GT(limited(), 20);  // a small change: limited
   light.intensity = Rgb(0.5f);
   stage.scene.set_light(0, light);
   stage.vote(1.0f / 256.0f, true);
-  EXPECT_GT(stage.count(RejectReason::relit), 20);  // a lot: not at all
+  EXPECT_GT(stage.count(RejectReason::relit), 20);  // a large change: ended
   EXPECT_EQ(std::count(stage.limits.begin(), stage.limits.end(), 0u), stage.count(RejectReason::relit));
 }
 
@@ -332,8 +332,8 @@ TEST(Reprojection, ASampleOnAnotherSurfaceShortensAnInheritedHistory) {
   while (!stage.hits[other].valid() || stage.hits[other].instance == stage.hits[0].instance) ++other;
   stage.render();
   stage.pixels[other].inherited = 1;
-  stage.stored[other].hit = stage.hits[0];                           // what it inherited lies elsewhere
-  stage.history.mutable_view().store(other, {Rgb(7), 38, 114, 20});  // a variance of 2, and of 6 over all channels
+  stage.stored[other].hit = stage.hits[0];                           // the inherited sample lies elsewhere
+  stage.history.mutable_view().store(other, {Rgb(7), 38, 114, 20});  // variance 2, and 6 over all channels
   stage.render();
   EXPECT_EQ(stage.history.samples[other], kMixedSamples);
   EXPECT_EQ(stage.history.mean[other], Rgb(7));

@@ -1,4 +1,4 @@
-// Settings of the history "reproject".
+// Settings of reprojection.
 #pragma once
 
 #include <cstdint>

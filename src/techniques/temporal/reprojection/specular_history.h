@@ -1,5 +1,5 @@
-// The specular part of the history "reproject" by looking back. It is looked up where the image in a reflection was,
-// while the rest of the mean moves with the surface.
+// The specular part of backward reprojection, looked up at the previous position of the image in a reflection. The rest
+// of the mean moves with the surface.
 #pragma once
 
 #include "techniques/temporal/reprojection/backward.h"
@@ -13,7 +13,7 @@ struct SpecularHistoryKernel {
   View<const uint32_t> samples_before;
   View<Rgb> now;
   View<uint32_t> samples;
-  uint32_t max_samples = 1;  ///< that a history counts as, at most
+  uint32_t max_samples = 1;  ///< maximum sample count of a history
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * reflections.width + x;

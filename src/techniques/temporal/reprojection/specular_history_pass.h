@@ -1,4 +1,4 @@
-// The specular part of the history "reproject" as a pass. See specular_history.h.
+// The specular part of reprojection as a pass. See specular_history.h.
 #pragma once
 
 #include "frame/pass.h"

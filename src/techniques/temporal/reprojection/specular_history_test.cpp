@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kWidth = 8;
 
-/// One row of a floor whose reflections move by two pixels while it stands still.
+/// One row of a floor at rest, whose reflections move by two pixels.
 struct Row {
   std::vector<Vec2> motion = std::vector<Vec2>(kWidth, Vec2(2, 0));
   std::vector<Vec3> position = std::vector<Vec3>(kWidth, Vec3(0));

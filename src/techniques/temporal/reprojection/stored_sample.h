@@ -1,4 +1,4 @@
-// What a pixel remembers of its samples, so that they can be judged from another viewpoint ([Schalk18] §3.2.1).
+// Samples that a pixel stores for validation from another viewpoint ([Schalk18] §3.2.1).
 #pragma once
 
 #include "core/octahedral.h"
@@ -10,9 +10,9 @@ namespace relume {
 
 inline constexpr uint32_t kMaxStoredSamples = 4;
 
-/// One of the samples that a pixel stores: where it lies on the surface, and the directions it took from there.
+/// A stored sample of a pixel: its point on the surface and the directions sampled there.
 struct StoredSample {
-  Hit hit;                ///< instance kNoHit: nothing is stored
+  Hit hit;                ///< instance kNoHit: no sample
   uint32_t scatter = 0;   ///< octahedral; 0: none
   uint32_t to_light = 0;  ///< octahedral; 0: none
   LightId light = kNoLight;
@@ -23,30 +23,30 @@ struct StoredSample {
   RELUME_HD bool valid() const { return hit.valid(); }
 };
 
-/// What the samples of a pixel have in common.
+/// Data common to the samples of a pixel.
 struct StoredPixel {
   Rgb indirect{0};         ///< mean of FirstVertex::indirect over the samples
   Rgb direct{0};           ///< mean of FirstVertex::direct
-  uint32_t mixed = 0;      ///< 1: the samples lie further apart than one surface explains
-  uint32_t inherited = 0;  ///< 1: some of them come from before the last reprojection
-  Rgb fresh{0};            ///< mean of those that do not
+  uint32_t mixed = 0;      ///< 1: the samples lie on several surfaces
+  uint32_t inherited = 0;  ///< 1: some samples are older than the last reprojection
+  Rgb fresh{0};            ///< mean of the samples since the last reprojection
   uint32_t fresh_samples = 0;
 };
 
-/// Direction and back; 0 stands for "none", whose own code is given up.
+/// Octahedral code of a direction; 0 for a zero vector, so the direction with that code becomes 1.
 RELUME_HD inline uint32_t store_direction(const Vec3& w) {
   if (length_squared(w) == 0.0f) return 0;
   const uint32_t bits = pack_direction(w);
   return bits == 0 ? 1u : bits;
 }
 
-/// Whether a lobe shows something else as soon as the eye moves: [Schalk18] refuses small α and what refracts.
+/// Whether a lobe's reflection changes with any motion of the camera: [Schalk18] rejects small α and refraction.
 RELUME_HD inline bool near_specular(const Lobe& lobe) {
   return (transmits(lobe.kind) && is_specular(lobe.kind)) || is_narrow(lobe);
 }
 
-/// One such lobe is enough, as the paper refuses materials: a smooth coat over a diffuse base mirrors the room, and the
-/// mean that is kept cannot be taken apart into both.
+/// One such lobe suffices, since the paper rejects materials. A smooth coat over a diffuse base mirrors the room, and
+/// the kept mean does not separate the two.
 RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
   for (int i = 0; i < bsdf.lobe_count; ++i) {
     if (near_specular(bsdf.lobes[i])) return true;
@@ -54,9 +54,9 @@ RELUME_HD inline bool near_specular(const Bsdf& bsdf) {
   return false;
 }
 
-/// The distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette sees two surfaces, and its mean
-/// belongs to neither. Surfaces of different instances are told apart however close they are: a lamp lies on its
-/// ceiling. `max_distance`: between samples of one pixel, as a share of the distance to the camera.
+/// Distance test against aliasing ([Schalk18] §3.2.2): a pixel at a silhouette shows two surfaces, and its mean belongs
+/// to neither. Instances are told apart at any distance, for example a lamp on its ceiling. `max_distance`: between
+/// samples of one pixel, as a fraction of the distance to the camera.
 RELUME_HD inline bool far_apart(const SceneView& scene, const StoredSample& stored, const Hit& hit,
                                 float max_distance) {
   if (!stored.valid() || !hit.valid()) return stored.valid() != hit.valid();
@@ -66,23 +66,23 @@ RELUME_HD inline bool far_apart(const SceneView& scene, const StoredSample& stor
   return length_squared(a - b) > sqr(max_distance * hit.t);
 }
 
-/// Samples that an inherited history counts for at most once its pixel has shown another surface.
+/// Maximum sample count of an inherited history once its pixel has shown another surface.
 inline constexpr uint32_t kMixedSamples = 8;
 
-/// Stores this frame's sample, before it joins the moments of its pixel.
+/// Stores this frame's sample before it joins the moments of its pixel.
 struct StoreKernel {
-  View<const Hit> hits;  ///< of this frame
+  View<const Hit> hits;  ///< hits of this frame
   View<const FirstVertex> first_vertices;
-  View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: all have one
-  View<const uint32_t> edge_rays;   ///< not 0: radiance holds emission of what lies behind; empty: nowhere
-  View<const Rgb> radiance;         ///< of this frame
-  MutableMomentsView history;       ///< of the earlier samples that the pixel keeps
-  bool restarts = false;            ///< earlier samples leave the image with this frame
+  View<const uint32_t> allocation;  ///< 0: no sample in this frame; empty: a sample everywhere
+  View<const uint32_t> edge_rays;   ///< not 0: the emission is a mean over several surfaces; empty: 0 everywhere
+  View<const Rgb> radiance;         ///< radiance of this frame's sample
+  MutableMomentsView history;       ///< moments of the earlier samples that the pixel keeps
+  bool restarts = false;            ///< removes the earlier samples from the image
   SceneView scene;
-  View<StoredSample> stored;  ///< capacity a pixel
+  View<StoredSample> stored;  ///< `capacity` per pixel
   View<StoredPixel> pixels;
   uint32_t capacity = 1;
-  float max_distance = 0;  ///< between samples of one pixel, as a share of the distance to the camera
+  float max_distance = 0;  ///< between samples of one pixel, as a fraction of the distance to the camera
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -93,7 +93,7 @@ struct StoreKernel {
     StoredPixel& pixel = pixels[i];
     StoredSample* const samples_of_pixel = &stored[i * capacity];
     const uint32_t samples = (restarts ? 0u : history.samples[i]) + 1;
-    // A pixel that looked back may have a history without a stored sample.
+    // A filled pixel may have a history without a stored sample.
     const bool first = samples <= 1 || (pixel.inherited && !samples_of_pixel[0].valid());
     const bool elsewhere = !first && far_apart(scene, samples_of_pixel[0], hit, max_distance);
     if (samples <= 1) forget(pixel, samples_of_pixel);
@@ -122,8 +122,7 @@ struct StoreKernel {
     for (uint32_t k = 0; k < capacity; ++k) samples_of_pixel[k] = StoredSample{};
   }
 
-  /// A history from before the last reprojection saw one of the several surfaces that this pixel shows: it counts for
-  /// few samples from this frame on.
+  /// Limits the inherited part of the history: it belongs to only one of several surfaces in this pixel.
   RELUME_HD void shorten(uint32_t i) const {
     const StoredPixel& pixel = pixels[i];
     PixelMoments moments = MomentsView(history)[i];

@@ -1,4 +1,4 @@
-// A plane that has moved, and the moments of its pixels before: input of backward look-ups.
+// A moved plane and the moments of its pixels in the previous frame: input of backward look-ups.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace relume::testing {
 
-/// A plane that moves to the right by half a pixel; where pixel 5 was, another surface was seen.
+/// A plane that moves to the right by half a pixel. Pixel 5 showed another surface in the previous frame.
 struct Plane {
   BackwardReprojection reprojection() const {
     return {view_of(motion),
