@@ -13,12 +13,12 @@ BufferDescription kept(const BufferId& id, const char* help) {
   return {.id = id, .help = help, .persistent = true, .display = BufferDisplay::value};
 }
 
-/// Where pixels were one frame ago, by their features or by the images in their reflections.
+/// Backward reprojection by features, or by the images in reflections.
 BackwardReprojection feature_reprojection(const FrameContext& frame, LightPart part) {
   return backward_reprojection(frame, part == LightPart::specular ? kReflection : kFeature);
 }
 
-/// Samples that histories count for at most in this frame.
+/// Maximum sample count of histories in this frame.
 uint32_t history_limit(const FrameContext& frame, const DenoiserHistorySettings& settings) {
   if (includes(frame.changes, Change::geometry | Change::lights))
     return static_cast<uint32_t>(settings.max_history_changed);

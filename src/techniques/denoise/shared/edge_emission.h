@@ -1,5 +1,5 @@
-// The emission that pixels at the edges of something bright see, from more camera rays than the sample's. It takes the
-// place of what the sample saw of it: the mean of the pixel stays as it is, and most of its noise goes.
+// Emission at edges of lamps and sky, from more camera rays than the sample's. Their mean replaces the sample's
+// emission, which leaves the mean of the pixel unchanged and removes most of its noise.
 #pragma once
 
 #include "techniques/gbuffer/features/features.h"
@@ -7,18 +7,19 @@
 
 namespace relume {
 
-/// Finds such pixels and measures what they see.
+/// Finds pixels on edges of emission and measures their mean emission.
 struct MeasureEdgesKernel {
   SceneView scene;
   SampleIndex index;
-  View<const Rgb> radiance;         ///< of this frame's samples
-  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
-  View<const Rgb> albedo;           ///< the samples' features
+  View<const Rgb> radiance;         ///< radiance of this frame's samples
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1 everywhere
+  View<const Rgb> albedo;           ///< albedo of the samples' features
   View<const Rgb> emission;
-  View<Rgb> shown_emission;  ///< mean of the rays; elsewhere the sample's
-  View<uint32_t> edge_rays;  ///< their number, 0: no edge. An edge stays one until something changes: by chance in some
-                             ///< frames and not in others, the samples of a sequence would no longer complete it
-  uint32_t rays = 0;         ///< for each such pixel
+  View<Rgb> shown_emission;  ///< mean of the rays; elsewhere the sample's emission
+  /// Camera rays of the pixel; 0: no edge. An edge remains one until something changes: otherwise parts of a
+  /// low-discrepancy sequence would be left out by chance.
+  View<uint32_t> edge_rays;
+  uint32_t rays = 0;  ///< rays per pixel on an edge
   uint32_t max_steps = kMaxFeatureSteps;
   uint32_t width = 0;
   uint32_t height = 0;
@@ -40,8 +41,8 @@ struct MeasureEdgesKernel {
     return contrast > kEmissionContrast * darkest_around(x, y, width, height, shown);
   }
 
-  /// Mean luminance of what the surfaces around scatter: samples of single pixels are too noisy to say how dark it is
-  /// beside a lamp. Infinity where none was taken, which makes no edge.
+  /// Mean luminance of the light that neighbours scatter: single samples beside a lamp are too noisy. Infinity without
+  /// any sample, which makes no edge.
   RELUME_HD float scattered_around(uint32_t x, uint32_t y) const {
     float sum = 0;
     float count = 0;
@@ -65,15 +66,15 @@ struct MeasureEdgesKernel {
   }
 };
 
-/// Takes the sample's emission out of its radiance, and puts in what is shown.
+/// Replaces the sample's emission in its radiance by the shown emission.
 struct ReplaceEmissionKernel {
   View<const Rgb> emission;
   View<const Rgb> shown_emission;
   View<const uint32_t> edge_rays;
   View<const uint32_t> allocation;
   View<Rgb> radiance;
-  View<Rgb> scattered;  ///< radiance of the sample without its emission; beside a sun no sum of both would keep it
-  View<uint32_t> rays;  ///< of this frame's sample; camera rays of edges are added
+  View<Rgb> scattered;  ///< radiance without the sample's emission; added to that of a sun, it would be lost
+  View<uint32_t> rays;  ///< rays of this frame's sample, plus the camera rays of edges
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {

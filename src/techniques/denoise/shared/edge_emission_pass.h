@@ -1,4 +1,4 @@
-// Edges of lamps and sky as a pass; part of a frame if a denoiser is.
+// Edges of lamps and sky as a pass, which runs if the frame has a denoiser.
 #pragma once
 
 #include "frame/pass.h"

@@ -43,7 +43,7 @@ TEST(EmissionEdge, IsWhereNeighboursDifferByFarMoreThanItIsBright) {
   std::vector<float> emission(9, 0.0f);
   const auto contrast = [&] { return emission_contrast(1, 1, 3, 3, [&](uint32_t i) { return emission[i]; }); };
   EXPECT_EQ(contrast(), 0);
-  emission[4] = 10;  // the pixel itself has no say
+  emission[4] = 10;  // the pixel itself does not count
   EXPECT_EQ(contrast(), 0);
   emission[0] = 7;
   EXPECT_EQ(contrast(), 7);
@@ -78,16 +78,16 @@ TEST(EdgeEmission, StayEdgesUntilSomethingChanges) {
     before = now;
   }
   CameraPose camera = session.camera();
-  camera.to_world[3].y -= 4.0f;  // below the floor: no lamp in sight
+  camera.to_world[3].y -= 4.0f;  // below the floor: no lamp visible
   session.set_camera(camera);
   session.render_frame();
   EXPECT_LT(edges_of(session).size(), before);
 }
 
-/// Moments over frames of the radiance of some pixels.
+/// Moments over frames of the radiance of some pixels, averaged over the pixels.
 struct Moments {
   double mean = 0;
-  double variance = 0;  ///< of a pixel, averaged over pixels
+  double variance = 0;  ///< variance between frames
 };
 
 Moments moments(const std::vector<uint32_t>& pixels, const RenderSettings& settings, const char* scene, int frames) {
@@ -149,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Way{"vlc", "cornell", [](RenderSettings& s) { s.lights = LightSelectionChoice::vlc; }}),
     [](const auto& way) { return std::string(way.param.name); });
 
-/// Mean square distance of the upper third of the image, where the lamp is, from a reference.
+/// Mean squared error of the upper third of the image, which contains the lamp.
 double error_of(const Image& image, const Image& reference) {
   double sum = 0;
   for (size_t i = 0; i < 16 * kSize; ++i) {

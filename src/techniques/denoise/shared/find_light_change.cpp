@@ -10,7 +10,7 @@ View<const float> LightChange::discounts(const FrameContext& frame, const LightH
   const uint32_t rows = change_blocks(frame.height());
   departures_.resize(static_cast<size_t>(columns) * rows);
   discounts_.resize(departures_.size());
-  // Few blocks, and dear ones: a task for some of them.
+  // Blocks are few and expensive, so each task treats a small square of them.
   constexpr uint32_t kTasks = 4;
   const CompareBlocksKernel compare{history, mutable_view_of(departures_), frame.width(), frame.height()};
   frame.launch("light-change", compare, {columns, rows, kTasks});

@@ -1,4 +1,4 @@
-// Finds where the light has changed, for the passes of denoisers. See light_change.h.
+// Finds changes of light for the passes of denoisers. See light_change.h.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace relume {
 
 class LightChange {
  public:
-  /// LightHistory::discounts for this frame; empty if no light and no object has moved. Valid until the next call.
+  /// LightHistory::discounts of this frame; empty if no light or object has moved. Valid until the next call.
   View<const float> discounts(const FrameContext& frame, const LightHistory& history);
   size_t memory_bytes() const { return (departures_.size() + discounts_.size()) * sizeof(float); }
 

@@ -1,18 +1,18 @@
-// Settings that denoisers with a history of light share.
+// Settings common to denoisers with a history of light.
 #pragma once
 
 #include "settings/setting.h"
 
 namespace relume {
 
-/// How long the light at a surface and the filtered images are averaged.
+/// Lengths of the averages of light at surfaces and of filtered images.
 struct DenoiserHistorySettings {
   int max_history = 32;
   int max_history_changed = 8;
   float newest = 0.2f;
 };
 
-/// Adds them to a denoiser's own.
+/// Appends them to a denoiser's settings.
 inline void add_settings(SettingList& list, DenoiserHistorySettings& s) {
   list.push_back({"max-history",
                   &s.max_history,

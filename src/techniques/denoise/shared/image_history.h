@@ -1,4 +1,5 @@
-// The last step of a denoiser: images of several frames make smooth edges, as samples of a pixel fall on either side.
+// Last step of a denoiser: averages images over time. Samples of a pixel fall on either side of an edge, so the average
+// smooths it.
 #pragma once
 
 #include "core/lanes.h"
@@ -9,35 +10,35 @@
 
 namespace relume {
 
-/// Samples from which the variance of their mean counts as known.
+/// Least number of samples with a known variance of their mean.
 inline constexpr uint32_t kKnownSamples = 4;
 
-/// The specular part of images, which moves by its own motion.
+/// Specular part of images, which has a separate motion.
 struct SpecularImages {
   View<const Rgb> shown;
   View<const Rgb> before;
   View<const Vec2> motion;
-  View<Rgb> image;  ///< empty: it is not kept apart
+  View<Rgb> image;  ///< empty: not kept apart
 };
 
-/// Averages this frame's filtered image with those before. Where nothing has changed they show the same, the later
-/// ones better; but what no filter has touched, lamps and sky, all show equally well, and so they do how much of a
-/// pixel that covers: at edges other weights than equal ones would add noise. Where something moves, the image before
-/// is looked up along the motion and held to what is seen around the pixel now.
+/// Averages this frame's filtered image with earlier ones. While nothing changes, filtered images improve and get
+/// growing weights. Unfiltered pixels, such as lamps and sky, get equal weights, and so does the share of a pixel that
+/// they cover: unequal weights would add noise at edges. Where something moves, the previous image is looked up along
+/// the motion and clamped to the range of this frame's surrounding pixels.
 struct ImageHistoryKernel {
-  View<const Rgb> shown;  ///< of this frame
+  View<const Rgb> shown;  ///< filtered image of this frame
   View<const Rgb> before;
   View<const Vec2> motion;
   View<const Rgb> albedo;
-  View<const Rgb> emission;           ///< shown
-  View<const uint32_t> edge_rays;     ///< camera rays that it is the mean of; 0 or empty: the sample's alone
-  View<const Rgb> unfiltered_before;  ///< the frame before's `unfiltered`
-  View<Rgb> unfiltered;               ///< what of `image` was not filtered: a mean since the last change
-  View<float> filtered_share;         ///< of the frames since then; updated
+  View<const Rgb> emission;           ///< shown emission
+  View<const uint32_t> edge_rays;     ///< number of camera rays in the mean `emission`; 0 or empty: the sample's alone
+  View<const Rgb> unfiltered_before;  ///< `unfiltered` of the previous frame
+  View<Rgb> unfiltered;               ///< unfiltered part of `image`: a mean since the last change
+  View<float> filtered_share;         ///< fraction of frames since then that filtered the pixel; updated
   View<Rgb> image;
   SpecularImages specular;
-  float newest = 1;     ///< weight of this frame where something moves; 1: nothing of earlier ones is kept
-  uint32_t frames = 1;  ///< since the last change, this one among them
+  float newest = 1;     ///< weight of this frame where something moves; 1: discards earlier images
+  uint32_t frames = 1;  ///< frames since the last change, including this one
   bool still = false;   ///< nothing has changed
   uint32_t width = 0;
   uint32_t height = 0;
@@ -60,7 +61,7 @@ struct ImageHistoryKernel {
     } else if (apart()) {
       blend_parts(x, y);
     } else if (!edge_rays.empty() && edge_rays[pixel] > 0) {
-      // Many rays have measured the emission, which an image that was moved along could only blur.
+      // The emission is a mean of many rays, which a moved image would only blur.
       const auto scattered = [this](uint32_t i) { return shown[i] - emission[i]; };
       const auto scattered_before = [this](uint32_t i) { return before[i] - unfiltered_before[i]; };
       image[pixel] = glm::max(emission[pixel] + blended(x, y, motion[pixel], scattered, scattered_before), Rgb(0));
@@ -79,7 +80,7 @@ struct ImageHistoryKernel {
     specular.image[pixel] = history + (specular.shown[pixel] - history) * share;
   }
 
-  /// Each part is looked up along its own motion.
+  /// Looks each part up along its motion.
   RELUME_HD void blend_parts(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
     const Rgb reflected = blended(
@@ -95,7 +96,7 @@ struct ImageHistoryKernel {
     image[pixel] = glm::max(reflected + blended_rest + (edge ? emission[pixel] : Rgb(0)), Rgb(0));
   }
 
-  /// The image is what was not filtered + share · what was, the latter with weights that grow with their number.
+  /// image = unfiltered part + share · filtered part, the latter with linearly growing weights.
   RELUME_HD void average(uint32_t pixel, const Rgb& now, const Rgb& seen, bool filtered) const {
     const auto n = static_cast<float>(static_cast<int>(frames));
     const Rgb seen_before = unfiltered_before[pixel];
@@ -110,8 +111,8 @@ struct ImageHistoryKernel {
     image[pixel] = glm::max(mean + light * share, Rgb(0));
   }
 
-  /// Weights of four pixels in a row for a place that lies the share t behind the second of them ([Keys81], a = −1/2):
-  /// sharper than linear interpolation, which blurs more with every frame.
+  /// Weights of four pixels in a row for a position at fraction t between the second and the third ([Keys81], a =
+  /// −1/2). Linear interpolation would blur more with every frame.
   RELUME_HD static void cubic_weights(float t, float (&w)[4]) {
     w[0] = ((-0.5f * t + 1.0f) * t - 0.5f) * t;
     w[1] = (1.5f * t - 2.5f) * t * t + 1.0f;
@@ -119,7 +120,7 @@ struct ImageHistoryKernel {
     w[3] = (0.5f * t - 0.5f) * t * t;
   }
 
-  /// What is seen now and what was seen before where this pixel's surface was then.
+  /// Blend of this frame's value and the clamped history at the surface's previous position.
   template <typename Now, typename Before>
   RELUME_HD Rgb blended(uint32_t x, uint32_t y, const Vec2& way, const Now& now, const Before& past) const {
     const Rgb history = moved(x, y, way, now, past);
@@ -162,8 +163,8 @@ struct ImageHistoryKernel {
   }
 };
 
-/// Where the mean of all samples is by now known better than the filter's bias, the image turns into it: as far as
-/// the two differ, around the pixel, by more than the noise of the mean explains.
+/// Blends the image to the mean of all samples once the mean's error is below the filter's bias. The share is the part
+/// of their squared difference, around the pixel, that the noise of the mean does not explain.
 struct ConvergeKernel {
   View<const Rgb> image;
   View<const Rgb> mean;
@@ -185,11 +186,11 @@ struct ConvergeKernel {
     finish(y * width + x, sum);
   }
 
-  /// Host: looks at each pixel once, and adds up rows of the tile, which become vector code.
+  /// Host: reads each pixel once and sums rows of the tile, which vectorises.
   void operator()(const Tile& tile) const {
     SumsOfRow sums[kTileSize] = {};
     for (uint32_t j = 0; still && j < kEdge; ++j) {
-      const uint32_t y = tile.y0 + j - kReach;  // beyond the height if it lies above the image
+      const uint32_t y = tile.y0 + j - kReach;  // wraps beyond the height above the image
       if (y >= height) continue;
       const SumsOfRow row = row_around(tile.x0, y);
       for (uint32_t t = j > 2 * kReach ? j - 2 * kReach : 0; t <= j && t < kTileSize; ++t)
@@ -208,14 +209,14 @@ struct ConvergeKernel {
   static constexpr uint32_t kReach = 2;
   static constexpr uint32_t kEdge = kTileSize + 2 * kReach;
   static constexpr uint32_t kPaddedEdge = (kEdge + kLanes - 1) / kLanes * kLanes;
-  static constexpr float kStratifiedSamples = 16;  ///< beyond which they are believed to be
+  static constexpr float kStratifiedSamples = 16;  ///< sample count above which stratification is assumed
 
-  /// Sums over pixels. The one that differs most is told apart: it may be a firefly.
+  /// Sums over pixels. The largest difference is kept apart: it may be a firefly.
   struct Difference {
     float squared = 0;
     float variance = 0;
     float most_squared = 0;
-    float most_variance = 0;  ///< what stratification is believed to take off that pixel's
+    float most_variance = 0;  ///< assumed reduction of that pixel's variance by stratification
 
     RELUME_HD void operator+=(const Difference& other) {
       squared += other.squared;
@@ -247,7 +248,7 @@ struct ConvergeKernel {
     }
   };
 
-  /// Of kTileSize pixels from (x0, y) on, each with those beside it.
+  /// Differences of kTileSize pixels from (x0, y) on, each summed over its neighbours in the row.
   SumsOfRow row_around(uint32_t x0, uint32_t y) const {
     float squares[kPaddedEdge] = {};
     float variances[kPaddedEdge] = {};
@@ -266,8 +267,8 @@ struct ConvergeKernel {
     return row;
   }
 
-  /// Stratified samples spread less about their mean than their variance tells: about as n^(−3/2) rather than n⁻¹. Few
-  /// samples are not believed to: what one of eight has found is not stratified.
+  /// The variance of a mean of stratified samples falls about as n^(−3/2), not as n⁻¹, which the estimate assumes. Few
+  /// samples are not assumed to be stratified: light found by one of eight is not.
   RELUME_HD Difference at(uint32_t pixel) const {
     if (samples[pixel] < kKnownSamples) return {};
     const auto n = static_cast<float>(static_cast<int>(samples[pixel]));
@@ -302,7 +303,7 @@ struct ConvergeKernel {
     const float variance = around.variance + around.most_variance;
     float share = around.squared > 0.0f ? 1.0f - variance / around.squared : 0.0f;
     if (!(share > 0.0f) || samples[pixel] < kKnownSamples) share = 0.0f;
-    // At edges of emission samples that find less of it than is shown leave a mean a little below black.
+    // Samples that miss some of the shown emission may leave a mean slightly below black at edges.
     converged[pixel] = glm::max(image[pixel] + (mean[pixel] - image[pixel]) * share, Rgb(0));
   }
 };

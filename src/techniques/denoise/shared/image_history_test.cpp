@@ -15,7 +15,7 @@ constexpr uint32_t kWidth = 45;
 constexpr uint32_t kHeight = 37;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// Images of a gradient with noise.
+/// Buffers of constant images: 1 in this frame, 3 in the history.
 struct Images {
   void average(bool still, float newest) {
     const std::vector<Rgb> unfiltered_before = unfiltered;
@@ -60,7 +60,7 @@ struct Images {
   std::vector<uint32_t> samples = std::vector<uint32_t>(kPixels, 16);
 };
 
-/// A step of light on the surface at rest, and another one in its reflection, which moves by four pixels.
+/// A step of light on the surface at rest, and another in its reflection, which moves by four pixels.
 TEST(ImageHistory, PartsMoveByTheirOwnMotion) {
   Images p;
   std::vector<Rgb> reflected(kPixels);
@@ -83,7 +83,7 @@ TEST(ImageHistory, PartsMoveByTheirOwnMotion) {
     }
   }
   p.frames = 7;
-  p.average(true, 0.2f);  // at rest the part is averaged as the image is: a quarter
+  p.average(true, 0.2f);  // at rest, averaged like the image: weight 1/4
   EXPECT_EQ(result[21], Rgb(0.5f));
 }
 
@@ -91,12 +91,12 @@ TEST(ImageHistory, LaterImagesWeighMore) {
   Images p;
   p.frames = 7;
   p.average(true, 0.2f);
-  EXPECT_EQ(p.image[7], Rgb(2.5f));  // a quarter
+  EXPECT_EQ(p.image[7], Rgb(2.5f));  // weight 1/4
 }
 
 TEST(ImageHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
-  // In every third of twelve frames pixel 0 sees a lamp, pixel 1 the same beside an albedo, pixel 2 a sky as bright as
-  // the wall; what is filtered grows by one a frame but for pixel 2.
+  // In every third of twelve frames, pixel 0 shows a lamp, pixel 1 the same lamp on a filtered surface, pixel 2 a sky
+  // as bright as the wall. Filtered light grows by one per frame, except at pixel 2.
   Images p;
   const double parts[] = {1, 2, 4, 5, 7, 8, 10, 11};
   double sum_of_wall = 0;
@@ -120,7 +120,7 @@ TEST(ImageHistory, WhatIsNotFilteredCountsAlikeInEveryFrame) {
   EXPECT_NEAR(p.image[1].r, 10 + sum_of_all, 1e-4);
 }
 
-/// What rays measured of a lamp's edge differs from frame to frame; none of that is light that the surface scatters.
+/// The measured emission at a lamp's edge varies between frames. None of it is scattered light.
 TEST(ImageHistory, WhatAMovedImageKeepsIsWhatWasScattered) {
   Images p;
   std::fill(p.edge_rays.begin(), p.edge_rays.end(), 16u);
@@ -142,7 +142,7 @@ TEST(ImageHistory, WhatAMovedImageKeepsIsWhatWasScattered) {
 TEST(ImageHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
   Images p;
   for (int i = 0; i < 4; ++i) {
-    const bool lamp = i > 0;  // at its edge in a mirror: from then on features say so, and samples find nothing
+    const bool lamp = i > 0;  // at its edge in a mirror: features then show it, and samples miss it
     p.emission[0] = Rgb(lamp ? 18.0f : 0.0f);
     p.shown[0] = Rgb(lamp ? 0.0f : 5.0f);
     p.frames = static_cast<uint32_t>(i + 1);
@@ -156,7 +156,7 @@ TEST(ImageHistory, IsNoDarkerThanBlackWhereSamplesMissTheLampThatIsSeen) {
 TEST(ImageHistory, MovedImagesAreHeldToWhatIsSeenNow) {
   Images p;
   p.average(false, 0.25f);
-  EXPECT_EQ(p.image[7], Rgb(1));  // 3 is beyond anything around
+  EXPECT_EQ(p.image[7], Rgb(1));  // 3 exceeds the range around
 }
 
 TEST(ImageHistory, MotionIsFollowedWithoutBlur) {
@@ -166,7 +166,7 @@ TEST(ImageHistory, MotionIsFollowedWithoutBlur) {
     const auto x = static_cast<float>(i % kWidth);
     p.before[i] = wave(x);
     p.motion[i] = Vec2(2.5f, 0);
-    p.shown[i] = Rgb(i % 2 == 0 ? 0.0f : 4.0f);  // holds nothing back
+    p.shown[i] = Rgb(i % 2 == 0 ? 0.0f : 4.0f);  // clamps nothing
   }
   p.average(false, 1e-6f);
   for (uint32_t x = 6; x < kWidth - 6; ++x)
@@ -178,14 +178,14 @@ TEST(ImageHistory, ConvergesToTheMeanAsFarAsThatIsKnown) {
   const ConvergeKernel kernel = p.converge();
   kernel(20, 20);
   EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(1));
-  p.m2.assign(kPixels, 2.0f * 16 * 15);  // the mean's variance is half of the squared difference
+  p.m2.assign(kPixels, 2.0f * 16 * 15);  // half of the squared difference, as variance of the mean
   kernel(20, 20);
   EXPECT_NEAR(p.image[20 * kWidth + 20].r, 2.0f, 1e-5f);
   p.m2.assign(kPixels, 9.0f * 16 * 15);
   kernel(20, 20);
   EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(3));
   p.m2.assign(kPixels, 0.0f);
-  p.samples.assign(kPixels, 2);  // nobody knows
+  p.samples.assign(kPixels, 2);  // too few for a variance
   kernel(20, 20);
   EXPECT_EQ(p.image[20 * kWidth + 20], Rgb(3));
 }

@@ -1,6 +1,6 @@
-// Where the light has changed since the histories of denoisers were gathered. After a lamp or an object has moved, a
-// frame's samples differ from what is remembered; one sample is far too noisy to say so, those of a block of pixels and
-// of the blocks around it together are not.
+// Finds changes of light since the histories of denoisers were accumulated. After a lamp or an object has moved, a
+// frame's samples differ from the history. One sample is too noisy to show it; those of a block and the blocks around
+// it suffice.
 #pragma once
 
 #include "frame/launch.h"
@@ -9,19 +9,21 @@
 
 namespace relume {
 
-/// Compares the samples of each block with its history: a grid of change_blocks(width) × change_blocks(height).
+/// Compares the samples of each block with its history. Grid: change_blocks(width) × change_blocks(height).
 struct CompareBlocksKernel {
   LightHistory history;
-  View<float> departures;  ///< (Σ d)² / Σ d² over the block's pixels, d: luminance of the sample less that of the past.
-                           ///< While nothing changes it is about 1 on average, whatever the noise, once divided by
-                           ///< what neighbours share: pixels of the past that several fetch. Below 0: not known
+  /// (Σ d)² / Σ d² over the block's pixels, d: luminance of the sample minus that of the history. It is divided by its
+  /// expectation without a change, which is above 1 where pixels share parts of the history. Its mean is thus about 1
+  /// while nothing changes, for any noise. Below 0: unknown.
+  View<float> departures;
   uint32_t width = 0;
   uint32_t height = 0;
 
   RELUME_HD void operator()(uint32_t block_x, uint32_t block_y) const {
     float sum = 0;
     float squares = 0;
-    float variance_of_sum = 0;  // in variances of a sample: what each adds to (Σ d)², and to Σ d²
+    // Sums over pixels of their contributions to (Σ d)² and to Σ d² without a change, in variances of a sample.
+    float variance_of_sum = 0;
     float sum_of_variances = 0;
     uint32_t compared = 0;
     for (uint32_t y = block_y * kChangeBlock; y < (block_y + 1) * kChangeBlock && y < height; ++y) {
@@ -40,15 +42,15 @@ struct CompareBlocksKernel {
         ++compared;
       }
     }
-    constexpr uint32_t kFewest = 8;  // of fewer the quotient says too little
+    constexpr uint32_t kFewest = 8;  // minimum for a meaningful quotient
     departures[block_y * change_blocks(width) + block_x] =
         compared >= kFewest && squares > 0.0f ? sqr(sum) / squares * (sum_of_variances / variance_of_sum) : -1.0f;
   }
 };
 
-/// What the past of each block has lost. With a bias of b², of which the departures tell, and samples of variance v, of
-/// which a filter averages those of a block of n pixels, the error is least if the past counts for v / (n b²) samples:
-/// 1 / (departure − 1).
+/// Discounts the history of each block, whose bias b² the departures estimate. With samples of variance v, of which a
+/// filter averages the n of a block, the error is least if the history counts for v / (n b²) samples. With the block's
+/// departure, that is 1 / (departure − 1).
 struct DiscountBlocksKernel {
   View<const float> departures;
   View<float> discounts;  ///< LightHistory::discounts

@@ -15,7 +15,7 @@ constexpr uint32_t kPixels = kSize * kSize;
 constexpr uint32_t kAge = 8;
 constexpr uint32_t kColumns = change_blocks(kSize);
 
-/// A white wall at rest whose samples find light in one of eight.
+/// A white wall at rest, on which one sample in eight finds light.
 struct Wall {
   explicit Wall(uint32_t seed) {
     testing::Random random(seed);
@@ -76,7 +76,7 @@ TEST(LightChange, NoiseIsRarelyTakenForOne) {
 }
 
 TEST(LightChange, NoiseThatNeighboursShareIsNotTakenForOne) {
-  // Half a pixel of motion: each pixel of a past of a single sample is fetched by four.
+  // Half a pixel of motion: four pixels fetch each pixel of a history of one sample.
   double sum = 0;
   size_t blocks = 0;
   for (uint32_t seed = 1; seed <= 64; ++seed) {
@@ -102,7 +102,7 @@ TEST(LightChange, ALampThatGoesOutIsSeenWhereItShone) {
   const std::vector<float> discounts = wall.discounts();
   for (uint32_t i = 0; i < discounts.size(); ++i) {
     if (i % kColumns < kColumns / 2 - 1) {
-      EXPECT_GT(discounts[i], 1.0f) << i;  // no sample of the past is worth one of now
+      EXPECT_GT(discounts[i], 1.0f) << i;  // the history counts for less than one sample
     }
   }
 }
@@ -120,7 +120,7 @@ TEST(LightChange, TheMoreTheLightHasChangedTheLessThePastIsWorth) {
 }
 
 TEST(LightChange, IsSeenBesideTexelsThatKnowNothing) {
-  // Every other column is black; half a pixel of motion leaves no pixel without one of them among its taps.
+  // Every other column is black. After motion by half a pixel, each pixel has a black tap.
   Wall wall(1);
   std::fill(wall.motion.begin(), wall.motion.end(), Vec2(0.5f, 0));
   for (uint32_t i = 0; i < kPixels; ++i) {

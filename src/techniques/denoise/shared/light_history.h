@@ -1,5 +1,4 @@
-// What denoisers remember of a pixel: the light that arrives at its surface, accumulated over frames along with the
-// surface's motion.
+// Histories of denoisers: the light at each pixel's surface, accumulated over frames along the surface's motion.
 #pragma once
 
 #include "techniques/gbuffer/features/features.h"
@@ -7,19 +6,19 @@
 
 namespace relume {
 
-/// What a frame's sample says of the light at a pixel's surface.
+/// Light at a pixel's surface by this frame's sample.
 struct SurfaceLightSample {
   Rgb light{0};
-  bool valid = false;  ///< false: no path this frame, nothing to filter, or not finite
+  bool valid = false;  ///< false: no sample in this frame, nothing to filter, or not finite
 };
 
-/// Views on this frame's samples and features.
+/// Views of this frame's samples and features.
 struct SurfaceLight {
   View<const Rgb> radiance;
-  View<const Rgb> scattered;        ///< the same without the emission that the sample saw
-  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1
+  View<const Rgb> scattered;        ///< radiance without the sample's emission
+  View<const uint32_t> allocation;  ///< samples of the pixel in this frame, 0 or 1; empty: 1 everywhere
   View<const Rgb> albedo;
-  View<const Rgb> emission;  ///< that the image shows
+  View<const Rgb> emission;  ///< emission that the image shows
 
   RELUME_HD bool taken(uint32_t pixel) const { return allocation.empty() || allocation[pixel] != 0; }
 
@@ -28,27 +27,27 @@ struct SurfaceLight {
     return {light_at_surface(scattered[pixel], albedo[pixel]), true};
   }
 
-  /// The image from filtered light. What is not filtered shows this frame's sample or, without one, the emission
-  /// seen. Samples that miss some of the emission leave negative light behind; no image is darker than black.
+  /// The image from filtered light. Unfiltered pixels show this frame's sample or, without one, their emission. Samples
+  /// that miss some emission leave negative light, which is clamped to black.
   RELUME_HD Rgb image(uint32_t pixel, const Rgb& light) const {
     if (is_filtered(albedo[pixel])) return glm::max(emission[pixel] + albedo[pixel] * light, Rgb(0));
     return taken(pixel) && is_finite(radiance[pixel]) ? radiance[pixel] : emission[pixel];
   }
 };
 
-/// The two parts of this frame's samples, where they are kept apart.
+/// The two parts of this frame's samples if they are kept apart.
 struct SplitLight {
   SurfaceLight diffuse;
   View<const Rgb> specular_albedo;
 
   RELUME_HD bool reflects(uint32_t pixel) const { return is_filtered(specular_albedo[pixel]); }
 
-  /// What specular lobes return of filtered light. Only of a pixel that reflects.
+  /// Reflection of filtered light by specular lobes. Requires reflects().
   RELUME_HD Rgb specular_part(uint32_t pixel, const Rgb& light) const {
     return glm::max(specular_albedo[pixel] * light, Rgb(0));
   }
 
-  /// The image from filtered diffuse light and what specular_part() has made of the rest.
+  /// The image from filtered diffuse light and the result of specular_part().
   RELUME_HD Rgb image(uint32_t pixel, const Rgb& light, const Rgb& specular) const {
     if (is_filtered(diffuse.albedo[pixel])) return diffuse.image(pixel, light) + specular;
     if (reflects(pixel)) return diffuse.emission[pixel] + specular;
@@ -56,30 +55,30 @@ struct SplitLight {
   }
 };
 
-/// Pixels along the edge of a block in which changes of light are looked for.
+/// Edge of the blocks in which changes of light are detected, pixels.
 inline constexpr uint32_t kChangeBlock = 8;
 RELUME_HD constexpr uint32_t change_blocks(uint32_t size) { return (size + kChangeBlock - 1) / kChangeBlock; }
 
-inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< counts above are no longer exact as floats
+inline constexpr uint32_t kNoHistoryLimit = 1u << 24;  ///< larger counts are not exact as floats
 
-/// A pixel's past and its sample of this frame: how anything that is known of its samples is averaged.
+/// A pixel's history and its sample of this frame, for averages of any property of its samples.
 struct PixelHistory {
   BackwardTaps taps;
   SurfaceLightSample sample;
-  uint32_t age = 0;       ///< samples that the past counts for
-  float least_share = 0;  ///< of this frame's sample in the mean
+  uint32_t age = 0;       ///< sample count of the history
+  float least_share = 0;  ///< least weight of this frame's sample in the mean
 
-  /// Samples, this frame's included.
+  /// Samples, including this frame's.
   RELUME_HD uint32_t count() const { return age + (sample.valid ? 1u : 0u); }
 
-  /// What a buffer of the frame before holds where this pixel's surface was; zero where nothing is known.
+  /// Value of the previous frame's buffer at the surface's previous position; zero without a history.
   template <typename T>
   RELUME_HD T past(const View<const T>& before) const {
     return age > 0 ? taps.fetch(before) : T(0);
   }
 
-  /// The mean over all samples, from that of the frame before and this frame's `value`, which counts if the sample
-  /// does.
+  /// Mean over all samples, from the previous frame's mean and this frame's `value`, which counts only with a valid
+  /// sample.
   template <typename T>
   RELUME_HD T mean(const View<const T>& before, const T& value) const {
     T result = past(before);
@@ -90,18 +89,18 @@ struct PixelHistory {
   }
 };
 
-/// Accumulates the light at the pixels' surfaces: what the first kernels of denoisers have in common.
+/// Accumulates the light at the pixels' surfaces: common part of the first kernels of denoisers.
 struct LightHistory {
   BackwardReprojection reprojection;
   SurfaceLight samples;
   View<const Rgb> light_before;
   View<const uint32_t> count_before;
   View<Rgb> light;                         ///< mean of the samples
-  View<uint32_t> count;                    ///< of them
-  uint32_t max_samples = kNoHistoryLimit;  ///< that the past counts for at most
-  float least_share = 0;                   ///< of a frame's sample in the mean; 0: that of all others
-  /// 1 / samples that it counts for where the light has changed, block by block (light_change.h); 0: it has not. Empty:
-  /// nowhere.
+  View<uint32_t> count;                    ///< number of samples in `light`
+  uint32_t max_samples = kNoHistoryLimit;  ///< maximum sample count of the history
+  float least_share = 0;  ///< least weight of a frame's sample in the mean; 0: all samples have equal weights
+  /// Per block with changed light, 1 / maximum sample count of the history (light_change.h); 0: no change. Empty: no
+  /// change anywhere.
   View<const float> discounts;
 
   RELUME_HD uint32_t pixel(uint32_t x, uint32_t y) const { return y * reprojection.width + x; }
@@ -112,7 +111,7 @@ struct LightHistory {
     return discount * static_cast<float>(max_samples) > 1.0f ? static_cast<uint32_t>(1.0f / discount) : max_samples;
   }
 
-  /// Interpolated between the middles of blocks.
+  /// Interpolates between the centres of blocks.
   RELUME_HD float discount_at(uint32_t x, uint32_t y) const {
     const uint32_t columns = change_blocks(reprojection.width);
     const uint32_t rows = change_blocks(reprojection.height);
@@ -130,7 +129,7 @@ struct LightHistory {
     return row(y0) * (1.0f - wy) + row(y1) * wy;
   }
 
-  /// Brings the light of pixel (x, y) up to date. Black texels, too, carry the history of what surrounds them.
+  /// Updates the light of pixel (x, y). Black texels also carry the history of their surroundings.
   RELUME_HD PixelHistory accumulate(uint32_t x, uint32_t y) const {
     const uint32_t i = pixel(x, y);
     PixelHistory history;

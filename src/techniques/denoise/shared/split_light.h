@@ -1,14 +1,14 @@
-// Diffuse and specular light of this frame's samples, for denoisers that keep them apart.
+// Splits this frame's samples into diffuse and specular light, for denoisers that keep them apart.
 #pragma once
 
 #include "techniques/gbuffer/features/features.h"
 
 namespace relume {
 
-/// Divides what a sample has found between the two histories. Emission seen directly is in neither.
+/// Divides a sample's light between the two histories. Emission seen directly is in neither.
 struct SplitLightKernel {
-  View<const Rgb> scattered;       ///< radiance of the sample without the emission that it saw
-  View<const Rgb> specular_found;  ///< the part of it that specular lobes scattered
+  View<const Rgb> scattered;       ///< radiance without the sample's emission
+  View<const Rgb> specular_found;  ///< part of `scattered` from specular lobes
   View<const Rgb> diffuse_albedo;
   View<const Rgb> specular_albedo;
   View<Rgb> diffuse;

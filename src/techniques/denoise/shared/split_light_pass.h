@@ -1,4 +1,4 @@
-// The division of light as a pass; part of a frame if a denoiser keeps diffuse and specular light apart.
+// The split of light as a pass, which runs if a denoiser keeps diffuse and specular light apart.
 #pragma once
 
 #include "frame/pass.h"

@@ -1,4 +1,4 @@
-// How long a denoiser takes inside whole frames.
+// Time of a denoiser within whole frames.
 #pragma once
 
 #include <string_view>
@@ -10,8 +10,8 @@
 
 namespace relume::testing {
 
-/// Frames of 1280 × 720 pixels on as many threads as there are. Counts the passes whose names begin with `prefix`, as
-/// manual time.
+/// Renders frames of 1280 × 720 pixels on all threads. Reports the passes whose names begin with `prefix`, as manual
+/// time.
 inline void bench_denoiser(benchmark::State& state, DenoiseChoice denoiser, std::string_view prefix) {
   RenderSettings settings;
   settings.width = 1280;
