@@ -1,5 +1,5 @@
-// One level of the edge-avoiding à-trous filter of [Schied17] §4.4: a 5 × 5 B-spline whose taps lie apart, weighted by
-// how alike normals, planes and light are. Written once for a float and for lanes of them.
+// One level of the edge-avoiding à-trous filter of [Schied17] §4.4: a 5 × 5 B-spline with spaced taps, weighted by the
+// similarity of normals, planes and light. Written once for a float and for lanes of floats.
 #pragma once
 
 #include "core/lanes.h"
@@ -9,9 +9,9 @@
 
 namespace relume {
 
-/// What a level reads, an image each.
+/// Planes of features that a level reads.
 enum class AtrousPlane : uint32_t {
-  valid,  ///< 1: takes part, 0: does not
+  valid,  ///< 1: takes part in the filter, 0: does not
   normal_x,
   normal_y,
   normal_z,
@@ -22,16 +22,16 @@ enum class AtrousPlane : uint32_t {
   count,
 };
 inline constexpr uint32_t kAtrousPlanes = static_cast<uint32_t>(AtrousPlane::count);
-/// Place of a plane; of the one for a vector's component, counted from the first.
+/// Index of a plane. For vectors, `first` is the plane of the first component.
 RELUME_HD constexpr uint32_t place_of(AtrousPlane first, uint32_t component = 0) {
   return static_cast<uint32_t>(first) + component;
 }
-/// What a level filters: red, green, blue, and the variance of the luminance.
+/// Planes that a level filters: red, green, blue, and the variance of the luminance.
 inline constexpr uint32_t kAtrousChannels = 4;
 inline constexpr uint32_t kAtrousVariance = 3;
 
-/// Images one after another, with a margin on either side in which nothing is valid, so that strips of pixels may be
-/// read and written beyond the border.
+/// Planes one after another. Nothing is valid in the margin on either side, where strips of pixels may be read and
+/// written.
 struct AtrousImage {
   static constexpr uint32_t kMargin = 40;  ///< reach of the last level, 2 · 2⁴, and a strip
 
@@ -50,7 +50,7 @@ struct AtrousImage {
 
 namespace atrous_detail {
 
-/// (1 + x/8)⁻⁸ for x ≥ 0: e⁻ˣ but for at most 0.03, without a table.
+/// (1 + x/8)⁻⁸ for x ≥ 0: differs from e⁻ˣ by at most 0.03, without a table.
 template <typename F>
 RELUME_HD_INLINE F falloff(const F& x) {
   const F root = 1.0f + x * 0.125f;
@@ -66,7 +66,7 @@ RELUME_HD_INLINE F sharpened(F x) {
   return x;
 }
 
-/// What the filter knows of a pixel, or of kLanes in a row.
+/// Inputs of a pixel, or of kLanes pixels in a row.
 template <typename F>
 struct Pixels {
   F normal[3];
@@ -83,16 +83,16 @@ struct Pixels {
   RELUME_HD_INLINE F brightness() const { return luminance(channels[0], channels[1], channels[2]); }
 };
 
-/// What the taps of a pixel are compared with.
+/// Centre with which the taps of a pixel are compared.
 template <typename F>
 struct Centre {
   Pixels<F> pixels;
   F brightness;
-  F inverse_light;  ///< 1 / by how much brightness may differ
-  F inverse_plane;  ///< 1 / metres that a tap one step away may lie off the plane
+  F inverse_light;  ///< 1 / tolerance of brightness
+  F inverse_plane;  ///< 1 / tolerated distance of a tap one step away from the plane, metres
 };
 
-/// What the taps add up to.
+/// Sums over the taps of a pixel.
 template <typename F>
 struct TapSums {
   F channels[kAtrousChannels];
@@ -102,9 +102,9 @@ struct TapSums {
 }  // namespace atrous_detail
 
 struct AtrousKernel {
-  AtrousImage features;  ///< kAtrousPlanes
-  AtrousImage light;     ///< kAtrousChannels
-  AtrousImage filtered;  ///< kAtrousChannels
+  AtrousImage features;  ///< kAtrousPlanes planes
+  AtrousImage light;     ///< kAtrousChannels planes
+  AtrousImage filtered;  ///< kAtrousChannels planes
   uint32_t step = 1;     ///< pixels between taps
   float plane_tolerance = 1;
   float light_tolerance = 2;
@@ -123,7 +123,7 @@ struct AtrousKernel {
     return offset == 0 ? 0.375f : (offset == 1 || offset == -1 ? 0.25f : 0.0625f);
   }
 
-  /// Variance over 3 × 3 neighbours, which steadies the tolerance of light ([Schied17 eq. 5]).
+  /// Variance smoothed over 3 × 3 pixels, for a steady tolerance of light ([Schied17 eq. 5]).
   template <typename F>
   RELUME_HD_INLINE F steady_variance(uint32_t x, uint32_t y) const {
     using namespace atrous_detail;
@@ -143,7 +143,7 @@ struct AtrousKernel {
     return sum / max(total, F(1e-6f));
   }
 
-  /// `column` may be negative, as an unsigned number that wraps around.
+  /// `column` may be negative, wrapped to unsigned.
   RELUME_HD_INLINE static const float* at(const AtrousImage& image, uint32_t plane, uint32_t column, uint32_t row) {
     return image.at(plane, 0, row) + static_cast<int32_t>(column);
   }

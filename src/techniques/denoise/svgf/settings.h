@@ -1,4 +1,4 @@
-// Settings of the denoiser "svgf".
+// Settings of SVGF.
 #pragma once
 
 #include "techniques/denoise/shared/history_settings.h"

@@ -1,5 +1,5 @@
-// Spatiotemporal variance-guided filtering ([Schied17]), around the filter itself (atrous.h): light and its moments are
-// accumulated over frames, and their variance says how far the filter may reach.
+// Spatiotemporal variance-guided filtering ([Schied17]), except the filter itself (atrous.h): accumulates light and its
+// moments over frames. Their variance sets the reach of the filter.
 #pragma once
 
 #include "techniques/denoise/shared/light_history.h"
@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Histories shorter than this know too little of their variance: neighbours help out ([Schied17] §4.2).
+/// Shorter histories take their variance from neighbours ([Schied17] §4.2).
 inline constexpr uint32_t kYoungHistory = 4;
 
 /// Temporal accumulation of light and of the first two moments of its luminance.
@@ -23,7 +23,7 @@ struct SvgfAccumulateKernel {
   }
 };
 
-/// Variance of the accumulated light, and everything laid out for the filter.
+/// Computes the variance of the accumulated light and lays out the planes of the filter.
 struct SvgfPrepareKernel {
   View<const Vec3> position;
   View<const Vec3> normal;
@@ -34,8 +34,8 @@ struct SvgfPrepareKernel {
   View<const uint32_t> count;
   AtrousImage features;
   AtrousImage planes;     ///< light and variance
-  float cone_width = 0;   ///< of a pixel at the camera, metres
-  float cone_spread = 0;  ///< growth a metre
+  float cone_width = 0;   ///< width of a pixel at the camera, metres
+  float cone_spread = 0;  ///< growth of that width per metre
   uint32_t width = 0;
   uint32_t height = 0;
 
@@ -65,12 +65,12 @@ struct SvgfPrepareKernel {
   }
 
  private:
-  static constexpr int kReach = 3;  ///< of the estimate from neighbours: 7 × 7
+  static constexpr int kReach = 3;  ///< radius of the estimate from neighbours: 7 × 7
 
-  /// What pixels around that show the same plane have in common.
+  /// Means over the surrounding pixels on the same plane.
   struct Surroundings {
     Rgb light{0};
-    float variance = 0;  ///< of one of them
+    float variance = 0;  ///< variance of a single sample
     float count = 0;
   };
 
@@ -79,7 +79,7 @@ struct SvgfPrepareKernel {
     *features.at(place_of(plane), x, y) = value;
   }
 
-  /// Of the mean of n samples whose moments are known.
+  /// Variance of the mean of n samples with moments `m`.
   RELUME_HD static float variance_of(const Vec2& m, uint32_t n) {
     return relume::max(m.y - sqr(m.x), 0.0f) / static_cast<float>(n - 1);
   }
@@ -129,7 +129,7 @@ struct SvgfPresentKernel {
   }
 };
 
-/// The same where diffuse and specular light are kept apart.
+/// The image from filtered diffuse and specular light.
 struct SvgfPresentPartsKernel {
   SplitLight samples;
   AtrousImage diffuse;

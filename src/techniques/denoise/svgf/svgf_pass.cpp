@@ -18,7 +18,7 @@ constexpr BufferKey<uint32_t> kSvgfSpecularSamples{"svgf-specular-samples"};
 constexpr BufferKey<Rgb> kSvgfSpecularImage{"svgf-specular-image"};
 constexpr BufferKey<Rgb> kSvgfSpecularShown{"svgf-specular-shown"};
 
-/// What one part of the light is filtered by: features, and the pass's own buffers.
+/// Features and histories of one part of the light.
 struct PartBuffers {
   BufferKey<Rgb> light;
   BufferKey<Vec2> moments;
@@ -124,7 +124,7 @@ bool SvgfPass::prepare(const FrameContext& frame, LightPart part) {
   return frame.launch_or_stop("svgf-prepare", kernel);
 }
 
-/// Leaves the result in `light`.
+/// Replaces `light` by the result.
 bool SvgfPass::filter(const FrameContext& frame, std::vector<float>& light) {
   for (int level = 0; level < settings_.levels; ++level) {
     AtrousKernel kernel;

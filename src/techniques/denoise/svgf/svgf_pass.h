@@ -1,4 +1,4 @@
-// The denoiser "svgf" as a pass.
+// SVGF as a pass.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace relume {
 
 class SvgfPass final : public Pass {
  public:
-  /// `split`: keep diffuse and specular light apart.
+  /// `split`: keeps diffuse and specular light apart.
   SvgfPass(const SvgfSettings& settings, bool split) : settings_(settings), split_(split) {}
 
   void configure(const SvgfSettings& settings) { settings_ = settings; }
@@ -27,14 +27,14 @@ class SvgfPass final : public Pass {
   }
 
  private:
-  // False: a stop was requested first.
+  // These return false if a stop was requested first.
   bool accumulate(const FrameContext& frame, LightPart part);
   bool prepare(const FrameContext& frame, LightPart part);
   bool filter(const FrameContext& frame, std::vector<float>& light);
   bool present(const FrameContext& frame);
   void forget_specular(const FrameContext& frame) const;
   bool present_parts(const FrameContext& frame);
-  /// Of light that is not specular, and of light that is.
+  /// Index of the buffers of a part: 1 for specular light, else 0.
   static size_t place_of(LightPart part) { return part == LightPart::specular ? 1 : 0; }
 
   SvgfSettings settings_;

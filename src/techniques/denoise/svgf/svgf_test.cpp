@@ -9,11 +9,11 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 77;  // no multiple of lanes or tiles
+constexpr uint32_t kWidth = 77;  // not a multiple of lanes or tiles
 constexpr uint32_t kHeight = 45;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// Light on a plane that the camera sees from the front; a pixel is a millimetre wide.
+/// Light on a plane that faces the camera. A pixel is a millimetre wide.
 struct Wall {
   Wall() {
     for (uint32_t i = 0; i < kPixels; ++i)
@@ -59,7 +59,7 @@ struct Wall {
   /// A channel of the result.
   float at(uint32_t channel, uint32_t x, uint32_t y) { return *image(planes).at(channel, x, y); }
 
-  /// Every pixel one sample of mean 1 and variance 1.
+  /// Gives every pixel `samples` samples of mean 1 and variance 1.
   void make_noise(uint32_t samples) {
     std::mt19937 generator(3);
     std::exponential_distribution<float> exponential(1.0f);
@@ -166,7 +166,7 @@ TEST(Svgf, KeepsEdgesOfLightWithoutNoise) {
 TEST(Svgf, StopsAtNormalsAndPlanes) {
   for (const bool turn : {true, false}) {
     Wall wall;
-    wall.moments.assign(kPixels, Vec2(0, 1e4f));  // noise that hides any contrast
+    wall.moments.assign(kPixels, Vec2(0, 1e4f));  // noise above any contrast
     for (uint32_t i = 0; i < kPixels; ++i) {
       const bool right = i % kWidth >= 40;
       wall.light[i] = Rgb(right ? 2.0f : 1.0f);
