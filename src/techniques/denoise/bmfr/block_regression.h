@@ -1,7 +1,6 @@
-// Least squares over one block of pixels: which combination of features comes closest to the light that was measured
-// ([Koskela19] §3.3). Householder's QR decomposition, in strips of a column that become vector code; a block comes in
-// panels that fit into the nearest cache, each of which is reduced together with the triangle that those before it
-// left.
+// Least squares over one block of pixels: finds the combination of features that is closest to the measured light
+// ([Koskela19] §3.3). Householder's QR decomposition treats columns in strips, which vectorise. A block arrives in
+// panels that fit into the nearest cache. Each panel is reduced together with the triangle of the earlier ones.
 #pragma once
 
 #include <cmath>
@@ -16,7 +15,7 @@ inline constexpr uint32_t kBlockPixels = kBlockSize * kBlockSize;
 
 /// 1, normal, position, squared position; positions lie in [−1, 1]³.
 inline constexpr int kBlockFeatures = 10;
-/// The same and three channels of light.
+/// The features and three channels of light.
 inline constexpr int kBlockColumns = kBlockFeatures + 3;
 
 /// Coefficients of the features for each channel.
@@ -26,14 +25,14 @@ struct BlockFit {
 
 /// Minimises the sum of squared differences between the rows' light and one combination of their features.
 struct BlockRegression {
-  static constexpr uint32_t kTriangle = 16;  ///< first rows: what earlier panels came to
+  static constexpr uint32_t kTriangle = 16;  ///< first rows: triangle of the earlier panels
   static constexpr uint32_t kPanelRows = 256;
   static constexpr uint32_t kRows = kTriangle + kPanelRows;
 
-  /// Row kTriangle + i is pixel i of the panel: features, then light. All of them have to be set for each panel.
+  /// Row kTriangle + i is pixel i of the panel: features, then light. The caller sets all of them for each panel.
   alignas(64) float columns[kBlockColumns][kRows];
 
-  /// Before the first panel.
+  /// Call before the first panel.
   RELUME_HD void begin() {
     for (auto& column : columns) {
       for (uint32_t i = 0; i < kTriangle; ++i) column[i] = 0.0f;
@@ -51,7 +50,7 @@ struct BlockRegression {
     }
   }
 
-  /// Of all panels so far. Features that depend on those before them get 0.
+  /// Fit of all panels so far. Features that depend on earlier ones get 0.
   RELUME_HD BlockFit fit() const {
     BlockFit result;
     for (int channel = 0; channel < 3; ++channel) {
@@ -68,10 +67,10 @@ struct BlockRegression {
   }
 
  private:
-  /// A column that has less than this share of its squared length left depends on those before it.
+  /// A column with less than this fraction of its squared length left depends on earlier columns.
   static constexpr float kDependent = 1e-9f;
 
-  /// Turns column k onto its diagonal and moves row k into `r`, so that it is zero for the steps that follow.
+  /// Reflects column k onto its diagonal and moves row k into `r`, which leaves zeros for later steps.
   RELUME_HD_INLINE void eliminate(int k, float length_before, float (&r)[kBlockColumns]) {
     float* v = columns[k];
     const float square = squared_length(v);
@@ -102,7 +101,7 @@ struct BlockRegression {
     return sum_of(even + odd);
   }
 
-  /// Reflects kCount columns: a −= scale (v · a) v. They share each load of v.
+  /// Reflects kCount columns: a −= scale (v · a) v. Each load of v serves all of them.
   template <int kCount>
   RELUME_HD_INLINE static void reflect(const float* v, float scale, float (*a)[kRows]) {
     Lanes sums[kCount];

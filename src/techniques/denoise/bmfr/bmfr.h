@@ -1,23 +1,23 @@
-// Blockwise multi-order feature regression ([Koskela19]), around the regression itself (regression_kernel.h): light is
-// accumulated over frames before it, and what it fits is accumulated again.
+// Blockwise multi-order feature regression ([Koskela19]), except the regression itself (regression_kernel.h):
+// accumulates light over frames before it, and fits after it.
 #pragma once
 
 #include "techniques/denoise/shared/light_history.h"
 
 namespace relume {
 
-/// Samples of equal weight whose mean has the variance of an exponential average in which the newest has the weight
-/// `alpha`.
+/// Number of equally weighted samples whose mean has the variance of an exponential average with weight `alpha` of the
+/// newest.
 inline float independent_samples(float alpha) { return alpha > 0.0f ? (2.0f - alpha) / alpha : kInfinity; }
 
-/// First accumulation: this frame's samples join the history of their surface. Histories of what was fitted come along.
+/// First accumulation: adds this frame's samples to the history of their surface. Also moves the history of fits.
 struct BmfrAccumulateKernel {
   LightHistory history;
   View<const Rgb> fitted_before;
   View<const float> square_before;
-  View<Rgb> fitted_history;  ///< fitted_before where this frame's surface was
+  View<Rgb> fitted_history;  ///< fitted_before at the surface's previous position
   View<float> square;        ///< mean square of the samples' luminance
-  View<uint32_t> age;        ///< samples that were known before this frame
+  View<uint32_t> age;        ///< sample count of the history, without this frame
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const PixelHistory pixel = history.accumulate(x, y);
@@ -28,12 +28,12 @@ struct BmfrAccumulateKernel {
   }
 };
 
-/// Second accumulation, of what was fitted for one part of the light.
+/// Second accumulation: averages the fits of one part of the light.
 struct FitHistory {
   View<const Rgb> albedo;
   View<const uint32_t> age;
   View<const Rgb> history;
-  View<Rgb> fitted;  ///< of this frame; becomes the accumulated fit
+  View<Rgb> fitted;  ///< fit of this frame; replaced by the accumulated fit
   uint32_t max_fits = 10;
 
   RELUME_HD Rgb accumulate(uint32_t pixel) const {
@@ -47,7 +47,7 @@ struct FitHistory {
   }
 };
 
-/// Accumulates fits and makes the image of them.
+/// Accumulates fits and computes the image from them.
 struct BmfrPresentKernel {
   SurfaceLight samples;
   FitHistory fits;
@@ -60,7 +60,7 @@ struct BmfrPresentKernel {
   }
 };
 
-/// The same where diffuse and specular light are kept apart.
+/// The same with separate diffuse and specular light.
 struct BmfrPresentPartsKernel {
   SplitLight samples;
   FitHistory diffuse;

@@ -1,4 +1,4 @@
-// What the denoiser remembers of a pixel from frame to frame.
+// Histories of the denoiser.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -10,11 +10,11 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 77;  // no multiple of a block
+constexpr uint32_t kWidth = 77;  // not a multiple of a block
 constexpr uint32_t kHeight = 45;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// A still or moving image of light on one plane.
+/// Light on one plane, at rest or in motion.
 struct History {
   History() {
     for (uint32_t i = 0; i < kPixels; ++i)
@@ -83,7 +83,7 @@ TEST(Bmfr, StillPixelsKeepTheMeanOfTheirSamples) {
   EXPECT_NEAR(h.light[17].r, 3.0f / 0.5f, 1e-5f);  // mean over albedo
   EXPECT_NEAR(h.square[17], 11.0f / 0.25f, 1e-3f);
   EXPECT_EQ(h.age[17], 4u);
-  h.accumulate(3);  // the history now counts for three
+  h.accumulate(3);  // limits the history to three samples
   EXPECT_EQ(h.count[17], 4u);
   EXPECT_NEAR(h.light[17].r, (3.0f * 6.0f + 10.0f) / 4.0f, 1e-5f);
 }
@@ -114,7 +114,7 @@ TEST(Bmfr, FadingLightCountsForTheSamplesThatItsVarianceTells) {
   double squared = 0;
   for (const Rgb& light : h.light) squared += static_cast<double>(sqr(light.g - 0.5f)) / kPixels;
   const double of_one = 1.0 / 12;
-  // The variance of 3465 such numbers is known to 2.4 %; four times that.
+  // The variance of 3465 such numbers is known to 2.4 %; the tolerance is four times that.
   EXPECT_NEAR(of_one / squared / static_cast<double>(independent_samples(0.2f)), 1.0, 0.1);
 }
 
@@ -122,7 +122,7 @@ TEST(Bmfr, LightFollowsItsSurface) {
   History h;
   for (uint32_t i = 0; i < kPixels; ++i) h.radiance[i] = Rgb(static_cast<float>(i % kWidth));
   h.accumulate(kNoHistoryLimit);
-  // The image moves three pixels to the right: what was at x − 3 is at x.
+  // The image moves three pixels to the right.
   h.motion.assign(kPixels, Vec2(3, 0));
   for (uint32_t i = 0; i < kPixels; ++i) h.came_from[i] = h.position[i] - Vec3(3, 0, 0);
   for (Rgb& radiance : h.radiance) radiance = Rgb(0);
@@ -132,7 +132,7 @@ TEST(Bmfr, LightFollowsItsSurface) {
     EXPECT_EQ(h.count[row + x], 2u);
     EXPECT_NEAR(h.light[row + x].r, static_cast<float>(x - 3), 1e-4f);  // half of (x − 3) / albedo
   }
-  EXPECT_EQ(h.count[row + 1], 1u);  // came in at the border
+  EXPECT_EQ(h.count[row + 1], 1u);  // entered at the border
 }
 
 TEST(Bmfr, BlackTexelsTakeNothingFromTheHistoryBesideThem) {
@@ -179,7 +179,7 @@ TEST(Bmfr, EmissionAndBlackSurfacesAreNotFiltered) {
   EXPECT_NEAR(h.light[5].g, 0.5f, 1e-6f);  // (1 − 0.75) / 0.5
   const SurfaceLight samples = h.samples();
   EXPECT_NEAR(samples.image(5, h.light[5]).g, 1.0f, 1e-6f);
-  EXPECT_EQ(samples.image(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: no darker than black
+  EXPECT_EQ(samples.image(5, Rgb(-2)), Rgb(0));  // samples missed the lamp: clamped to black
   h.albedo[5] = Rgb(0);
   EXPECT_FALSE(samples.at(5).valid);
   EXPECT_EQ(samples.image(5, Rgb(100)), Rgb(1));  // the sample itself

@@ -27,12 +27,12 @@ constexpr BufferKey<Rgb> kBmfrSpecularFitHistory{"bmfr-specular-fit-history"};
 constexpr BufferKey<Rgb> kBmfrSpecularShown{"bmfr-specular-shown"};
 constexpr BufferKey<uint32_t> kBmfrSpecularAge{"bmfr-specular-age"};
 
-/// Fits that a frame without a past is the mean of: the first, and one after a cut.
+/// Fits averaged in a frame without a history: the first, and one after a cut.
 constexpr uint32_t kFirstFits = 8;
-/// And a frame in which the light has changed in places, which forget earlier fits.
+/// Fits averaged in a frame with changes of light, where regions discard earlier fits.
 constexpr uint32_t kFitsOfChangedLight = 4;
 
-/// Radical inverse of `i` in `base`, in [0, kBlockSize).
+/// Radical inverse of `i` in `base`, scaled to [0, kBlockSize).
 uint32_t shift_of(uint32_t i, uint32_t base) {
   float value = 0;
   float digit = 1;
@@ -40,7 +40,7 @@ uint32_t shift_of(uint32_t i, uint32_t base) {
   return std::min(static_cast<uint32_t>(value * kBlockSize), kBlockSize - 1);
 }
 
-/// What one part of the light is fitted by: features, and the pass's own buffers.
+/// Features and histories of one part of the light.
 struct PartBuffers {
   BufferKey<Rgb> light;
   BufferKey<float> square;
@@ -154,7 +154,7 @@ bool BmfrPass::fit(const FrameContext& frame, LightPart part) const {
   kernel.width = frame.width();
   kernel.height = frame.height();
   const Grid blocks{BlockRegressionKernel::blocks(frame.width()), BlockRegressionKernel::blocks(frame.height()), 1};
-  // Without fits of earlier frames the edges of blocks would show.
+  // Without earlier fits, the edges of blocks would show.
   uint32_t fits = 1;
   if (includes(frame.changes, Change::geometry | Change::lights)) fits = kFitsOfChangedLight;
   if (lacks_history(frame, kBmfrSamples, split_ && reflecting_.now() ? kBmfrSpecularSamples : BufferKey<uint32_t>{}))

@@ -1,4 +1,4 @@
-// The denoiser "bmfr" as a pass.
+// BMFR as a pass.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace relume {
 
 class BmfrPass final : public Pass {
  public:
-  /// `split`: keep diffuse and specular light apart.
+  /// `split`: keeps diffuse and specular light apart.
   BmfrPass(const BmfrSettings& settings, bool split) : settings_(settings), split_(split) {}
 
   void configure(const BmfrSettings& settings) { settings_ = settings; }
@@ -28,7 +28,7 @@ class BmfrPass final : public Pass {
 
  private:
   void accumulate(const FrameContext& frame, LightPart part);
-  /// False: a stop was requested first, as for present().
+  /// False if a stop was requested first, also for present().
   bool fit(const FrameContext& frame, LightPart part) const;
   bool present(const FrameContext& frame) const;
   void forget_specular(const FrameContext& frame) const;
@@ -38,7 +38,7 @@ class BmfrPass final : public Pass {
   BmfrSettings settings_;
   bool split_;
   ReflectingFrames reflecting_;
-  LightChange change_[2];  ///< of light that is not specular, and of light that is
+  LightChange change_[2];  ///< changes of light without the specular part, and of specular light
   std::vector<float> noise_;
 };
 

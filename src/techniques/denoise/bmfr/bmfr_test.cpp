@@ -1,4 +1,4 @@
-// The regression of blocks, and the kernel around it.
+// Block regression and its kernel.
 
 #include <gtest/gtest.h>
 
@@ -94,11 +94,11 @@ TEST(BlockRegression, LeavesOutFeaturesThatDependOnOthers) {
   EXPECT_NEAR(fit.coefficients[0][0], 0.0f, 1e-5f);
 }
 
-constexpr uint32_t kWidth = 77;  // no multiple of a block
+constexpr uint32_t kWidth = 77;  // not a multiple of a block
 constexpr uint32_t kHeight = 45;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// A bumpy surface, and light on it.
+/// A bumpy surface and the light on it.
 struct Surface {
   Surface() {
     for (uint32_t i = 0; i < kPixels; ++i) {
@@ -159,7 +159,7 @@ TEST(Bmfr, KeepsLightThatFeaturesExplain) {
   for (const UVec2 shift : {UVec2(0, 0), UVec2(13, 31), UVec2(31, 1)}) {
     s.fit(shift.x, shift.y, 0.0f);
     for (uint32_t i = 0; i < kPixels; ++i)
-      ASSERT_LT(max_component(abs(s.fitted[i] - s.light[i])), 1e-3f) << i;  // of about 4: float's rounding
+      ASSERT_LT(max_component(abs(s.fitted[i] - s.light[i])), 1e-3f) << i;  // rounding of floats of about 4
   }
 }
 
@@ -174,7 +174,7 @@ TEST(Bmfr, KeepsAConstantDespiteTheNoiseOfFeatures) {
 TEST(Bmfr, FitsCanBeAveraged) {
   Surface s;
   s.share = 0.25f;
-  s.fit(7, 20, 0.0f);  // light of (2, 1, 0.5) on top of 4
+  s.fit(7, 20, 0.0f);  // light of (2, 1, 0.5) averaged with 4
   for (uint32_t i = 0; i < kPixels; ++i) ASSERT_NEAR(s.fitted[i].g, 3.25f, 1e-4f) << i;
 }
 
@@ -186,7 +186,7 @@ TEST(Bmfr, KeepsTheEnergyOfEachBlock) {
   s.fit(0, 0, 0.0f);
   double before = 0;
   double after = 0;
-  for (uint32_t y = 0; y < kBlockSize; ++y) {  // the first block, whose window is what it writes
+  for (uint32_t y = 0; y < kBlockSize; ++y) {  // the first block writes its whole window
     for (uint32_t x = 0; x < kBlockSize; ++x) {
       before += static_cast<double>(s.light[y * kWidth + x].g);
       after += static_cast<double>(s.fitted[y * kWidth + x].g);
@@ -203,7 +203,7 @@ TEST(Bmfr, RemovesNoiseThatFeaturesDoNotExplain) {
   s.fit(5, 9, 0.01f);
   double squared = 0;
   for (const Rgb& value : s.fitted) squared += static_cast<double>(sqr(value.g - 1.0f));
-  // Ten coefficients from 1024 pixels of variance 1 leave 10 / 1024 of it; border blocks share pixels.
+  // Ten coefficients from 1024 pixels of variance 1 keep 10 / 1024 of it; border blocks share pixels.
   EXPECT_LT(squared / kPixels, 0.02);
 }
 
@@ -223,7 +223,7 @@ TEST(Bmfr, PixelsWithoutSamplesTakeNoPartButAreFitted) {
 }
 
 TEST(BlockRegression, FadingLightIsNoBetterKnownThanItsSamplesTell) {
-  // Noise about one value, of which a cell's every pixel claims a hundred samples.
+  // Noise around one value. Each pixel claims a hundred samples.
   const auto spread = [](float most_samples) {
     Surface s;
     std::mt19937 generator(4);
@@ -231,7 +231,7 @@ TEST(BlockRegression, FadingLightIsNoBetterKnownThanItsSamplesTell) {
     for (uint32_t i = 0; i < kPixels; ++i) {
       s.samples[i] = 100;
       s.light[i] = Rgb(1.0f + uniform(generator));
-      s.square[i] = sqr(s.light[i].g) + (9.0f - 1.0f) / 12.0f;  // such as nine samples of that variance have
+      s.square[i] = sqr(s.light[i].g) + (9.0f - 1.0f) / 12.0f;  // as for nine samples whose mean has that variance
     }
     s.detail = 1.5f;
     s.most_samples = most_samples;
@@ -240,7 +240,7 @@ TEST(BlockRegression, FadingLightIsNoBetterKnownThanItsSamplesTell) {
     for (const Rgb& value : s.fitted) squared += static_cast<double>(sqr(value.g - 1.5f)) / kPixels;
     return squared;
   };
-  EXPECT_GT(spread(kInfinity), 0.04);  // taken for details: half of the noise's 1/12
+  EXPECT_GT(spread(kInfinity), 0.04);  // kept as details: half of the noise's 1/12
   EXPECT_LT(spread(9), 0.01);
 }
 

@@ -8,10 +8,11 @@
 
 namespace relume {
 
-/// Random numbers of a frame that keep a block's features independent: one a feature (but the constant one) and pixel.
+/// Random numbers per frame that keep a block's features independent: one per pixel and feature, except the constant
+/// one.
 inline constexpr uint32_t kBlockNoise = (kBlockFeatures - 1) * kBlockPixels;
 
-/// Fills them, uniform in [−1, 1). A grid of kBlockPixels × (kBlockFeatures − 1).
+/// Fills them, uniform in [−1, 1). Grid: kBlockPixels × (kBlockFeatures − 1).
 struct BlockNoiseKernel {
   View<float> noise;
   uint32_t frame = 0;
@@ -27,31 +28,30 @@ struct BlockPixels {
   alignas(64) float position[3][kBlockPixels];
   alignas(64) float light[3][kBlockPixels];
   alignas(64) float fit[3][kBlockPixels];
-  alignas(64) float weight[kBlockPixels];    ///< 0: takes no part
-  alignas(64) float filtered[kBlockPixels];  ///< 1, or 0: shows no surface
-  alignas(64) float known[kBlockPixels];     ///< 1, or 0: the variance is not known
-  alignas(64) float variance[kBlockPixels];  ///< of the luminance of the light where it is known, else 0
+  alignas(64) float weight[kBlockPixels];    ///< root of the sample count; 0: takes no part
+  alignas(64) float filtered[kBlockPixels];  ///< 1, or 0: no surface to filter
+  alignas(64) float known[kBlockPixels];     ///< 1, or 0: variance unknown
+  alignas(64) float variance[kBlockPixels];  ///< variance of the light's luminance if known, else 0
 };
 
-/// What a fit leaves of the light is looked at in cells of this edge, pixels.
+/// Edge of the cells in which details are restored, pixels.
 inline constexpr uint32_t kDetailCell = 8;
 
-/// Fits the light of one block a call and writes the fit for its pixels: a grid of blocks(width) × blocks(height).
-/// Blocks lie on a grid that is shifted from frame to frame; what it cuts off at the border is fitted with as many
-/// pixels as any other block.
+/// Fits the light of one block per call and writes the fit for its pixels. Grid: blocks(width) × blocks(height). The
+/// grid of blocks is shifted from frame to frame. Blocks cut off by the border are fitted to a full window of pixels.
 struct BlockRegressionKernel {
   View<const Vec3> position;
   View<const Vec3> normal;
   View<const Rgb> albedo;
-  View<const Rgb> light;           ///< accumulated
-  View<const uint32_t> samples;    ///< that are in it; 0: takes no part
-  View<const float> square;        ///< mean square of their luminance
-  View<const float> noise;         ///< BlockNoiseKernel's
-  View<Rgb> fitted;                ///< of pixels that are filtered
-  float share = 1;                 ///< of this fit in it; below 1 it is averaged with what is there
-  float most_samples = kInfinity;  ///< that light of many samples counts for
+  View<const Rgb> light;           ///< accumulated light
+  View<const uint32_t> samples;    ///< samples in `light`; 0: takes no part
+  View<const float> square;        ///< mean square of the samples' luminance
+  View<const float> noise;         ///< numbers of BlockNoiseKernel
+  View<Rgb> fitted;                ///< fit at filtered pixels
+  float share = 1;                 ///< weight of this fit; below 1, an average with the value in `fitted`
+  float most_samples = kInfinity;  ///< maximum sample count of light
   float noise_scale = 0;
-  float detail = 0;      ///< variances by which the light must differ from the fit to be kept; 0: never
+  float detail = 0;  ///< variances of the noise that the difference of light and fit must exceed; 0: restores nothing
   uint32_t shift_x = 0;  ///< in [0, kBlockSize)
   uint32_t shift_y = 0;
   uint32_t width = 0;
@@ -75,13 +75,13 @@ struct BlockRegressionKernel {
   }
 
  private:
-  static constexpr float kFar = 1e30f;  ///< beyond every position, metres
+  static constexpr float kFar = 1e30f;  ///< larger than any position, metres
 
   RELUME_HD static uint32_t start(uint32_t block, uint32_t shift, uint32_t size) {
     const uint32_t unshifted = block * kBlockSize;
     return unshifted < shift ? 0u : (unshifted - shift < size ? unshifted - shift : size);
   }
-  /// First pixel of the window that a block is fitted in.
+  /// First pixel of a block's window.
   RELUME_HD static uint32_t origin(uint32_t first, uint32_t last, uint32_t size) {
     if (first == 0 || size <= kBlockSize) return 0;
     return last == size ? size - kBlockSize : first;
@@ -91,7 +91,7 @@ struct BlockRegressionKernel {
     return relume::min(static_cast<float>(static_cast<int>(samples[pixel])), most_samples);
   }
 
-  /// False if no pixel is to be fitted.
+  /// Loads the block's pixels. False if none is filtered.
   RELUME_HD bool gather(uint32_t x0, uint32_t y0, BlockPixels& p) const {
     const uint32_t columns = width - x0 < kBlockSize ? width - x0 : kBlockSize;
     const uint32_t rows = height - y0 < kBlockSize ? height - y0 : kBlockSize;
@@ -105,7 +105,7 @@ struct BlockRegressionKernel {
     return true;
   }
 
-  /// `count` pixels of the image from `pixel` on, to those of the block from `first` on.
+  /// Loads `count` pixels of the image from `pixel` on into the block, from `first` on.
   RELUME_HD void gather_row(uint32_t pixel, uint32_t first, uint32_t count, BlockPixels& p) const {
     uint32_t i = 0;
     for (; i + kLanes <= count; i += kLanes) {
@@ -116,7 +116,7 @@ struct BlockRegressionKernel {
       lanes.put(first + i, p);
     }
     if (i == count) return;
-    // What is left of images smaller than a block.
+    // Remainder of images smaller than a block.
     float values[4][3 * kLanes] = {};
     float numbers[kLanes] = {};
     float squares[kLanes] = {};
@@ -179,7 +179,7 @@ struct BlockRegressionKernel {
     }
   };
 
-  /// Of a component of the positions of pixels that are filtered; low above high if there are none.
+  /// Range of a position's component over filtered pixels; low above high without any.
   RELUME_HD static void range_of(const BlockPixels& p, int c, float& low, float& high) {
     const Lanes one(1.0f);
     const Lanes far(kFar);
@@ -199,7 +199,7 @@ struct BlockRegressionKernel {
     }
   }
 
-  /// Positions to [−1, 1].
+  /// Scales positions to [−1, 1].
   RELUME_HD static void normalise(const Vec3& low, const Vec3& high, BlockPixels& p) {
     for (int c = 0; c < 3; ++c) {
       const float extent = high[c] - low[c];
@@ -210,7 +210,7 @@ struct BlockRegressionKernel {
     }
   }
 
-  /// A feature of kLanes pixels.
+  /// Feature f of kLanes pixels.
   RELUME_HD_INLINE static Lanes feature(const BlockPixels& p, int f, uint32_t i) {
     if (f == 0) return Lanes(1.0f);
     if (f < 4) return load_lanes(p.normal[f - 1] + i);
@@ -248,16 +248,15 @@ struct BlockRegressionKernel {
     }
   }
 
-  /// Cell by cell: as far as the light differs from the fit by more than its noise explains, the difference is no
-  /// noise, and is put back (Wiener's filter). What features cannot tell survives in this way: caustics, shadows,
-  /// reflections.
+  /// Puts back the share of the difference of light and fit that noise does not explain, cell by cell (Wiener's
+  /// filter). This keeps light that features cannot express: caustics, shadows, reflections.
   RELUME_HD void restore_details(BlockPixels& p) const {
     for (uint32_t top = 0; top < kBlockSize; top += kDetailCell) {
       for (uint32_t left = 0; left < kBlockSize; left += kDetailCell) restore_cell(top * kBlockSize + left, p);
     }
   }
 
-  /// The cell whose first pixel is `first`.
+  /// Restores the cell whose first pixel is `first`.
   RELUME_HD void restore_cell(uint32_t first, BlockPixels& p) const {
     static_assert(kDetailCell == kLanes);
     constexpr uint32_t kEnd = kDetailCell * kBlockSize;

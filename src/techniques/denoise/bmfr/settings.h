@@ -1,4 +1,4 @@
-// Settings of the denoiser "bmfr".
+// Settings of BMFR.
 #pragma once
 
 #include "techniques/denoise/shared/history_settings.h"
