@@ -1,5 +1,4 @@
-// Limits samples that are much brighter than their neighbours. It trades the energy of rare bright paths for less
-// noise.
+// Limits samples that are much brighter than their neighbours. Loses energy of rare bright paths and reduces noise.
 #pragma once
 
 #include "core/vec.h"
@@ -8,17 +7,16 @@
 
 namespace relume {
 
-/// Pixels on each side of a sample that its neighbourhood reaches.
+/// Radius of a sample's neighbourhood, pixels.
 inline constexpr uint32_t kFireflyRadius = 2;
 
-/// Factor in (0, 1] that takes the luminance of each pixel's sample down to `limit` times the mean of its neighbours'.
-/// Factor 1 stays where there is nothing to compare with, among black samples; and for emission that the camera sees,
-/// at pixels of emitters and of the background.
+/// Factor in (0, 1] that limits the luminance of each pixel's sample to `limit` times the mean of its neighbours. It
+/// stays 1 among black samples, which give no scale, and at pixels of emitters and the background.
 struct FireflyFactorKernel {
   SceneView scene;
   View<const Hit> hits;
-  View<const Rgb> radiance;         ///< of this frame's samples
-  View<const uint32_t> allocation;  ///< samples of a pixel in this frame, 0 or 1; empty: 1
+  View<const Rgb> radiance;         ///< radiance of this frame's samples
+  View<const uint32_t> allocation;  ///< samples of a pixel in this frame, 0 or 1; empty: 1 everywhere
   View<float> factors;
   float limit = 0;
   uint32_t width = 0;
@@ -44,7 +42,7 @@ struct FireflyFactorKernel {
     return max_component(scene.materials[mesh.material].emission) > 0.0f;
   }
 
-  /// Mean luminance of the samples around (x, y), without its own; infinite if there are none.
+  /// Mean luminance of the samples around (x, y), without its own; infinity without any.
   RELUME_HD float mean_around(uint32_t x, uint32_t y) const {
     float sum = 0;
     float count = 0;

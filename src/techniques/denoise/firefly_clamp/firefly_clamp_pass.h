@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Scales this frame's samples down before anything is made of them.
+/// Scales this frame's samples down before histories, denoisers and adaptive sampling use them.
 class FireflyClampPass final : public Pass {
  public:
   explicit FireflyClampPass(const FireflySettings& settings) : settings_(settings) {}

@@ -88,11 +88,11 @@ TEST(FireflyClamp, LeavesASampleWithoutNeighbours) {
 
 struct Rendered {
   double mean = 0;      ///< luminance
-  double variance = 0;  ///< of a pixel's luminance from frame to frame, mean over the pixels
+  double variance = 0;  ///< variance of a pixel's luminance between frames, mean over the pixels
   std::vector<Rgb> pixels;
 };
 
-/// Frames of one sample a pixel.
+/// Renders frames of one sample per pixel.
 Rendered render(const Scene& scene, float limit, int frames, DenoiseChoice denoise = DenoiseChoice::none) {
   RenderSettings settings;
   settings.width = 64;
@@ -121,7 +121,7 @@ Rendered render(const Scene& scene, float limit, int frames, DenoiseChoice denoi
   return result;
 }
 
-// Rare bright paths carry a sixth of the light here.
+// Rare bright paths carry a sixth of the light in this scene.
 TEST(FireflyClamp, CutsMoreVarianceThanEnergy) {
   const Scene gallery = find_builtin_scene("mine")->build();
   const Rendered all = render(gallery, 0, 64);
