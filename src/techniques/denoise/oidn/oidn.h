@@ -1,4 +1,4 @@
-// What Open Image Denoise is given besides the image.
+// Auxiliary images for Open Image Denoise.
 #pragma once
 
 #include "core/vec.h"
@@ -6,19 +6,19 @@
 
 namespace relume {
 
-/// Means of albedo and normal over the frames since the last change: as smooth at edges as the image.
+/// Means of albedo and normal over the frames since the last change, as smooth at edges as the image.
 struct OidnAuxiliaryKernel {
   View<const Rgb> feature_albedo;
   View<const Rgb> feature_emission;
   View<const Vec3> feature_normal;
   View<Rgb> albedo;
   View<Vec3> normal;
-  float share = 1;  ///< of this frame
+  float share = 1;  ///< weight of this frame
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
-    // The library wants emitters white, not black.
+    // The library expects emitters to be white.
     const Rgb now = glm::min(feature_albedo[pixel] + feature_emission[pixel], Rgb(1));
     const Rgb before = share < 1.0f ? albedo[pixel] : Rgb(0);
     const Vec3 normal_before = share < 1.0f ? normal[pixel] : Vec3(0);
@@ -27,9 +27,8 @@ struct OidnAuxiliaryKernel {
   }
 };
 
-/// Whether the image is filtered after `frames` frames without a change: always at first, then each time that an
-/// eighth has been added to the largest power of two below. A filter takes longer than a frame, and changes less and
-/// less.
+/// Whether the image is filtered after `frames` frames without a change. True up to 15, then each time that an eighth
+/// of the power of two below has been added: a filter takes longer than a frame, and its result changes less and less.
 constexpr bool oidn_filters_at(uint32_t frames) {
   uint32_t eighth = 1;
   while (eighth * 16 <= frames) eighth *= 2;

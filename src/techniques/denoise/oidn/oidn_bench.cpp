@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// The library on an image of 640 × 360 pixels, where it is there.
+/// The library on an image of 640 × 360 pixels, if available.
 void bm_oidn(benchmark::State& state) {
   constexpr uint32_t kWidth = 640;
   constexpr uint32_t kHeight = 360;

@@ -1,4 +1,4 @@
-// Intel's Open Image Denoise behind two functions. Whether the library was there is decided when relume is built.
+// Intel's Open Image Denoise behind two functions. The build decides whether the library is available.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace relume {
 
-/// Empty if the library can be used; otherwise a sentence that says how to get it.
+/// Empty if the library is available; otherwise a sentence on how to get it.
 std::string oidn_missing();
 
 /// Images of width × height pixels, row by row.
@@ -21,7 +21,7 @@ struct OidnImages {
   uint32_t height = 0;
 };
 
-/// Filters with as many threads. Throws Error with the library's message if it fails, or if it is missing.
+/// Filters with `threads` threads. Throws Error with the library's message on failure, or if the library is missing.
 void oidn_filter(const OidnImages& images, int threads);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// The denoiser "oidn" as a pass.
+// Open Image Denoise as a pass.
 #pragma once
 
 #include "frame/pass.h"

@@ -1,4 +1,4 @@
-// The calls are tested against a stand-in (testing/), so that they compile and are looked at where the library is not.
+// Tests the calls with a mock of the library (testing/), so that they compile and run without it.
 #include <OpenImageDenoise/oidn.hpp>
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST(Oidn, AuxiliaryImagesAreMeans) {
   kernel.feature_emission = view_of(bright);
   kernel.share = 0.5f;
   kernel(0, 0);
-  EXPECT_NEAR(mean_albedo[0].g, 0.6f, 1e-6f);  // of 0.2 and a white emitter
+  EXPECT_NEAR(mean_albedo[0].g, 0.6f, 1e-6f);  // mean of 0.2 and a white emitter
   EXPECT_EQ(mean_normal[0], Vec3(0, 1, 0));
 }
 

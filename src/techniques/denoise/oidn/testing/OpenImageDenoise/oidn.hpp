@@ -1,5 +1,4 @@
-// Stands in for the library in tests, on machines without it: the same names as far as relume uses them, and a filter
-// that halves the image.
+// Mock of the library for tests on machines without it: the names that relume uses, and a filter that halves the image.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +12,7 @@ enum class DeviceType { Default, CPU };
 enum class Format { Float3 };
 enum class Error { None, Unknown };
 
-/// What was asked of the stand-in last.
+/// The latest calls.
 struct Log {
   std::map<std::string, int> device;
   std::map<std::string, bool> flags;
@@ -22,7 +21,7 @@ struct Log {
   size_t height = 0;
   bool device_committed = false;
   bool filter_committed = false;
-  const char* failure = nullptr;  ///< the next filter fails with this message
+  const char* failure = nullptr;  ///< message with which the next filter fails
 };
 inline Log log;
 
