@@ -1,9 +1,8 @@
-// An octree over the surfaces of a scene whose leaves are the regions that temporal reuse learns in
-// ([Dittebrandt20, §6]): what kernels read.
+// The view of the octree that kernels read ([Dittebrandt20, §6]). Its leaves are the regions of adaptive structures.
 //
-// An inner node is one word: which of its eight children are leaves (low 8 bits), and where its inner children stand,
-// one after the other (24 bits above). Leaves have no words: leaf `child` of node n is number 8 n + child. Numbers
-// whose child is an inner node stay unused.
+// An inner node is one word. The low 8 bits mask the children that are leaves; the upper 24 are the number of the
+// first inner child, which the others follow. Leaves have no words: leaf `child` of node n is number 8 n + child.
+// Numbers of inner children are unused.
 #pragma once
 
 #include <bit>
@@ -14,7 +13,7 @@
 
 namespace relume {
 
-/// Levels below the root, at most: positions are cut into 2^20 steps along each axis.
+/// Maximum number of levels below the root. Positions are quantised to 2^20 steps along each axis.
 inline constexpr uint32_t kMaxOctreeDepth = 20;
 inline constexpr uint32_t kMaxOctreeNodes = 1u << 24;
 
@@ -30,7 +29,7 @@ RELUME_HD constexpr uint32_t octree_inner_child(uint32_t node, uint32_t child) {
   return octree_first_child(node) + static_cast<uint32_t>(std::popcount(inner_before));
 }
 
-/// A cell of the tree: integer coordinates of its low corner in steps of the finest level, and its depth (root: 0).
+/// A cell: its low corner in steps of the finest level, and its depth (root: 0).
 struct OctreeCell {
   UVec3 corner{0};
   uint32_t depth = 0;
@@ -38,13 +37,14 @@ struct OctreeCell {
   RELUME_HD uint32_t size() const { return 1u << (kMaxOctreeDepth - depth); }
 };
 
-/// Where a point belongs.
+/// The leaf of a point.
 struct OctreeLeaf {
   uint32_t leaf = kNoRegion;
   uint32_t depth = 0;
 };
 
-/// The leaf to take estimates from and the leaf to leave samples in; they differ where surfaces move.
+/// The leaf from which a vertex takes estimates and the one in which it records samples. They differ on moving
+/// surfaces.
 struct RegionPair {
   uint32_t sample = kNoRegion;
   uint32_t store = kNoRegion;
@@ -52,16 +52,16 @@ struct RegionPair {
 
 struct OctreeView {
   View<const uint32_t> nodes;
-  Vec3 corner{0};   ///< of the cube, metres
-  float scale = 0;  ///< finest steps a metre
+  Vec3 corner{0};   ///< low corner of the cube, metres
+  float scale = 0;  ///< finest steps per metre
 
   RELUME_HD bool empty() const { return nodes.empty(); }
 
-  /// Points outside belong to the nearest cell of the border.
+  /// Coordinates in finest steps. Points outside are clamped to the cube.
   RELUME_HD UVec3 quantise(const Vec3& p) const {
     constexpr float kSteps = static_cast<float>(1u << kMaxOctreeDepth);
     const Vec3 q = (p - corner) * scale;
-    // In this order a coordinate that is not a number becomes zero.
+    // In this order, NaN becomes zero.
     const auto step = [](float x) { return static_cast<uint32_t>(relume::min(relume::max(x, 0.0f), kSteps - 1.0f)); };
     return {step(q.x), step(q.y), step(q.z)};
   }
@@ -71,7 +71,7 @@ struct OctreeView {
     return ((q.x >> shift) & 1u) | (((q.y >> shift) & 1u) << 1) | (((q.z >> shift) & 1u) << 2);
   }
 
-  /// Goes on from `node` at `depth`.
+  /// Continues a traversal from `node` at `depth`.
   RELUME_HD OctreeLeaf descend(const UVec3& q, uint32_t node, uint32_t depth) const {
     for (;;) {
       const uint32_t child = child_at(q, depth++);
@@ -84,8 +84,8 @@ struct OctreeView {
   RELUME_HD OctreeLeaf find(const UVec3& q) const { return descend(q, 0, 0); }
   RELUME_HD uint32_t find(const Vec3& p) const { return empty() ? kNoRegion : find(quantise(p)).leaf; }
 
-  /// The leaf at a point near `q`: off by up to half of `share` of the edge of q's own leaf, along each axis as `u` in
-  /// [0, 1)³ says. Points near a border so belong to either side in turn.
+  /// The leaf at a random point near `q`, to hide borders. `u` in [0, 1)³ moves the point along each axis by up to
+  /// half of `share` times the edge of q's leaf.
   RELUME_HD uint32_t find_near(const UVec3& q, float share, const Vec3& u) const {
     constexpr float kLast = static_cast<float>((1u << kMaxOctreeDepth) - 1u);
     const float reach = share * static_cast<float>(1u << (kMaxOctreeDepth - find(q).depth));
@@ -97,7 +97,7 @@ struct OctreeView {
     return find(near).leaf;
   }
 
-  /// Both leaves at once: one traversal until the two ways part ([Dittebrandt20, §6.3]).
+  /// Both leaves with one traversal until their paths diverge ([Dittebrandt20, §6.3]).
   RELUME_HD RegionPair find_pair(const Vec3& previous, const Vec3& current) const {
     if (empty()) return {};
     const UVec3 a = quantise(previous);

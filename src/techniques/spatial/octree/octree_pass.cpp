@@ -13,12 +13,12 @@ namespace {
 
 constexpr uint32_t kJitterSeed = 0x6a09e667u;
 
-// What a checkpoint begins with.
+// First byte of a checkpoint.
 constexpr uint8_t kNoTree = 0;
 constexpr uint8_t kTree = 1;
-constexpr uint8_t kPreparedTree = 2;  ///< the frame that follows was abandoned
+constexpr uint8_t kPreparedTree = 2;  ///< the next frame was abandoned
 
-/// About all surfaces as they stand now. What moves out later belongs to cells at the border.
+/// The tree around the current surfaces. Surfaces that move out of it later belong to cells at its border.
 OctreeTree first_tree(const SceneView& scene) {
   Box box = world_box(scene);
   if (box.empty()) box.add(Vec3(0));
@@ -41,14 +41,14 @@ OctreeThresholds thresholds_of(const OctreeSettings& s, uint32_t pixels) {
 
 bool OctreePass::run(const FrameContext& frame) {
   const uint32_t vertices = static_cast<uint32_t>(settings_.vertices);
-  // Before the records are grouped: other passes look them up until the next frame.
+  // Resized before they are grouped, because other passes read the groups until the next frame.
   stream_.resize(frame.pixels(), vertices);
   begins_again_ = std::exchange(prepared_, false);
   if (!tree_) {
     tree_ = first_tree(frame.scene);
   } else {
     snapshot_.begin_frame(frame.begins_epoch, *tree_);
-    // An abandoned frame left incomplete samples, to be written over.
+    // The samples of an abandoned frame are incomplete and are overwritten.
     if (!begins_again_) adapt(frame);
   }
   frame.backend.run("octree.depths", [&] { depths_ = tree_->leaf_depths(); });

@@ -1,4 +1,4 @@
-// The octree as a pass, ahead of those that learn in its regions.
+// The octree as a pass, which runs before the passes that adapt to its regions.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,16 @@
 
 namespace relume {
 
-/// Thresholds for so many pixels: given for 1920 × 1080 with two records a pixel, and scaled with both. Below 1024
-/// samples a region learns too little, so the scaled ones stop there.
+/// Thresholds for an image of `pixels` pixels. The settings apply to 1920 × 1080 pixels with two records each, and
+/// `scale` scales them with the number of records. Regions of fewer than 1024 samples adapt poorly, so scaling does
+/// not lower `split` below that.
 OctreeThresholds thresholds_of(const OctreeSettings& settings, uint32_t pixels);
 
-/// Groups the last frame's samples by region and makes the next tree from their numbers. Passes behind it build what
-/// the regions of the *previous* tree hold from the groups, and hand it on to the new one.
+/// Groups the last frame's samples by region and builds the next tree from their numbers. Later passes update the data
+/// of the *previous* tree's regions from the groups and copy it to the new tree.
 class OctreePass final : public Pass {
  public:
-  /// `epochs`: several frames may sample with the same tree, as a history adds them up.
+  /// `epochs`: several frames may sample the same tree, because a history accumulates them.
   OctreePass(const OctreeSettings& settings, bool epochs) : settings_(settings), epochs_(epochs) {}
 
   void configure(const OctreeSettings& settings) { settings_ = settings; }
@@ -32,21 +33,21 @@ class OctreePass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Whether this frame was begun before and abandoned: tree() has taken in the samples of the last complete frame
-  /// already, and so has what regions hold.
+  /// Whether this frame restarts an abandoned one. tree() and the data of its regions then already include the samples
+  /// of the last complete frame.
   bool begins_again() const { return begins_again_; }
-  /// Whether the last frame left samples: previous() and groups() are valid.
+  /// Whether the last frame recorded samples: previous() and groups() are valid.
   bool has_samples() const { return previous_.has_value(); }
   const OctreeTree& previous() const { return *previous_; }
   SampleGroupsView groups() const { return stream_.groups(); }
-  /// The tree whose regions this frame's samples belong to.
+  /// The tree in which this frame's samples are recorded.
   const OctreeTree& tree() const { return *tree_; }
-  /// The tree whose regions this frame samples with: that of the first frame of the epoch.
+  /// The tree from which this frame's paths take estimates: that of the epoch's first frame.
   const OctreeTree& sampled() const { return snapshot_.of(*tree_); }
-  /// Where this frame's paths leave samples.
+  /// Records of this frame's paths.
   const PathRecording& recording() const { return recording_; }
   View<const VertexSample> samples() const { return {recording_.samples.data, recording_.samples.size}; }
-  /// Level of each leaf of this frame's tree.
+  /// Depth of each leaf of tree(), by slot.
   View<const uint8_t> depths() const { return view_of(depths_); }
 
  private:
@@ -54,7 +55,7 @@ class OctreePass final : public Pass {
 
   OctreeSettings settings_;
   bool epochs_;
-  bool prepared_ = false;  ///< for the next frame
+  bool prepared_ = false;  ///< whether the tree is already that of the next frame
   bool begins_again_ = false;
   std::optional<OctreeTree> tree_;
   Snapshot<OctreeTree> snapshot_;
@@ -67,7 +68,7 @@ class OctreePass final : public Pass {
 inline constexpr BufferKey<uint32_t> kRegion{"region"};
 inline constexpr BufferKey<uint32_t> kRegionDepth{"region-depth"};
 
-/// Fills buffers that show the regions.
+/// Writes the layers `region` and `region-depth`.
 class RegionViewPass final : public Pass {
  public:
   explicit RegionViewPass(const OctreePass& octree) : octree_(octree) {}

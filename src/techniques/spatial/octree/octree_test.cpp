@@ -16,7 +16,7 @@ namespace {
 
 bool is_leaf(const OctreeTree& tree, uint32_t slot) { return (tree.view().nodes[slot / 8] >> (slot % 8)) & 1u; }
 
-/// A surface with detail: points on a sphere, half of them in one small spot.
+/// Points on a sphere of radius 3, half of them in one small spot.
 std::vector<Vec3> surface_points(int count, const Vec3& shift, uint32_t seed) {
   testing::Random random(seed);
   std::vector<Vec3> points;
@@ -84,7 +84,7 @@ TEST(Octree, FindsTheCellThatHoldsThePoint) {
     ASSERT_TRUE(is_leaf(tree, leaf));
     EXPECT_TRUE(inside(cell_of(tree, leaf), tree.view().quantise(p)));
   }
-  // Outside, infinitely far or not a number: some leaf, and no crash.
+  // Points outside, at infinity or not a number belong to some leaf.
   for (const Vec3& p : {Vec3(1e9f), Vec3(-1e30f, 0, 0), Vec3(kInfinity), Vec3(std::nanf(""), 0, 0)})
     EXPECT_TRUE(is_leaf(tree, tree.view().find(p)));
 }
@@ -112,7 +112,7 @@ TEST(Octree, SplitsUntilRegionsHaveTheirSharesAndThenStays) {
   for (const uint32_t count : count_samples(tree, points)) EXPECT_LE(count, kThresholds.split);
   const OctreeTree again = adapted(tree, points, kThresholds);
   EXPECT_EQ(again.node_count(), tree.node_count());
-  for (uint32_t slot = 0; slot < tree.leaf_slots(); ++slot) {  // nothing moved: each leaf stems from itself
+  for (uint32_t slot = 0; slot < tree.leaf_slots(); ++slot) {  // nothing moved: each leaf is its own origin
     EXPECT_EQ(again.links().previous[slot], is_leaf(tree, slot) ? slot : kNoRegion);
   }
 }
@@ -131,7 +131,7 @@ TEST(Octree, JoinsRegionsThatWentEmpty) {
   OctreeTree tree = adapted(OctreeTree(Vec3(0), 16), surface_points(20000, Vec3(2, 0, 0), 1), kThresholds, 12);
   const uint32_t full = tree.node_count();
   tree = adapted(tree, surface_points(20000, Vec3(-2, 0, 0), 2), kThresholds, 20);
-  EXPECT_LT(tree.node_count(), 1.2 * full);  // where the surface was nothing is left of it
+  EXPECT_LT(tree.node_count(), 1.2 * full);  // the old position of the surface has no nodes
   tree = adapted(tree, {}, kThresholds, 20);
   EXPECT_EQ(tree.node_count(), 1u);
 }
@@ -161,7 +161,7 @@ TEST(Octree, NeighboursShareAFace) {
       }
       const OctreeLeaf expected = tree.view().find(beyond);
       if (expected.depth > cell.depth) {
-        EXPECT_EQ(neighbour, kNoRegion);  // finer there: several neighbours, none is named
+        EXPECT_EQ(neighbour, kNoRegion);  // several finer neighbours: no link
       } else {
         EXPECT_EQ(neighbour, expected.leaf);
         ++found;
@@ -182,7 +182,7 @@ TEST(Octree, FirstTreeHasItsLinks) {
 }
 
 TEST(Octree, LeavesKnowWhatTheyStemFrom) {
-  // The surface moves between frames, so that some leaves are split and others joined.
+  // The surface moves between frames, so some leaves are split and others joined.
   Backend backend(1);
   OctreeTree tree = adapted(OctreeTree(Vec3(0), 16), surface_points(20000, Vec3(2, 0, 0), 1), kThresholds, 8);
   int unchanged = 0;
@@ -198,7 +198,7 @@ TEST(Octree, LeavesKnowWhatTheyStemFrom) {
       ASSERT_TRUE(previous < tree.leaf_slots() && is_leaf(tree, previous));
       const OctreeCell now = cell_of(next, slot);
       const OctreeCell before = cell_of(tree, previous);
-      if (before.depth <= now.depth) {  // the same region, or the one it was cut out of
+      if (before.depth <= now.depth) {  // the same region or the one that was split
         EXPECT_TRUE(inside(before, now.corner));
         ++(before.depth == now.depth ? unchanged : split);
         EXPECT_EQ(before.depth == now.depth, counts[previous] <= kThresholds.split);
@@ -256,7 +256,7 @@ TEST(Octree, ComesBackFromAFileAndRefusesDamage) {
     EXPECT_EQ(other.leaf_count(), 8u);
   }
   std::string damaged = bytes;
-  damaged.replace(0, 16, 16, '\xff');  // place and scale are no numbers
+  damaged.replace(0, 16, 16, '\xff');  // corner and scale are not numbers
   std::stringstream in(damaged);
   other.load(in);
   EXPECT_TRUE(in.fail());

@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Depth of every node: each inner child lies one below its parent, and children stand after their parents.
+/// Depth of each node. Children follow their parents, so one pass suffices.
 std::vector<uint8_t> depths_of(const std::vector<uint32_t>& nodes) {
   std::vector<uint8_t> depths(nodes.size(), 0);
   for (uint32_t node = 0; node < nodes.size(); ++node) {
@@ -19,7 +19,7 @@ std::vector<uint8_t> depths_of(const std::vector<uint32_t>& nodes) {
   return depths;
 }
 
-/// Whether nodes make up a tree as rebuild() leaves it, of a depth that positions can tell apart.
+/// Whether `nodes` are a tree as rebuild() builds it, within kMaxOctreeDepth and kMaxOctreeNodes.
 bool is_breadth_first(const std::vector<uint32_t>& nodes) {
   if (nodes.empty() || nodes.size() > kMaxOctreeNodes) return false;
   std::vector<uint8_t> depths(nodes.size(), 0);
@@ -35,13 +35,13 @@ bool is_breadth_first(const std::vector<uint32_t>& nodes) {
   return next == nodes.size();
 }
 
-/// Breadth-first, one level after the other. A tree that would have more nodes than offsets can number keeps its
-/// leaves.
+/// Builds the new nodes breadth-first. Leaves are only split while the tree has at most kMaxOctreeNodes nodes, the
+/// range of child numbers.
 std::vector<uint32_t> rebuild(const std::vector<uint32_t>& nodes, const std::vector<uint8_t>& split,
                               const std::vector<uint8_t>& collapse) {
   std::vector<uint32_t> result;
   size_t room = kMaxOctreeNodes - nodes.size();  // for inner nodes
-  std::vector<uint32_t> queue{0};                // inner nodes of the new tree: which they were before, or kNoRegion
+  std::vector<uint32_t> queue{0};                // inner nodes of the new tree: number in the old one, or kNoRegion
   for (size_t i = 0; i < queue.size(); ++i) {
     const uint32_t old = queue[i];
     const uint32_t first = static_cast<uint32_t>(queue.size());

@@ -1,6 +1,6 @@
-// The topology of one octree with its links, and the four passes that make the next frame's from it
-// ([Dittebrandt20, §6.2]): mark, rebuild, augment, populate. Populating is up to whoever stores something per leaf; the
-// links say from where.
+// The topology of an octree with its links, and the passes that build the next frame's tree from it
+// ([Dittebrandt20, §6.2]): mark, rebuild, augment. Owners of data per leaf do the fourth pass, populate, along
+// OctreeLinks::previous.
 #pragma once
 
 #include <iosfwd>
@@ -11,41 +11,39 @@
 
 namespace relume {
 
-/// When a region has too many samples or too few. A region is split above `split`, and eight are joined when they have
-/// fewer than `collapse` together.
+/// A region with more than `split` samples is split. Eight sibling regions with a total below `collapse` are joined.
 struct OctreeThresholds {
   uint32_t collapse = 2048;
   uint32_t split = 4096;
   uint32_t max_depth = 16;
 };
 
-/// Links of leaves. Numbers that are no leaf of the tree have kNoRegion everywhere.
+/// Links of nodes and leaves. Unused leaf slots have kNoRegion everywhere.
 struct OctreeLinks {
-  std::vector<uint32_t> parents;     ///< by node: the node above; the root's is itself
-  std::vector<uint32_t> neighbours;  ///< 6 a leaf, −x +x −y +y −z +z: the leaf that covers the face, or kNoRegion
-  std::vector<uint32_t> previous;    ///< by leaf: the leaf of the tree before that it stems from
+  std::vector<uint32_t> parents;     ///< parent by node; the root's is the root
+  std::vector<uint32_t> neighbours;  ///< 6 per leaf, −x +x −y +y −z +z: the leaf that covers the face, or kNoRegion
+  std::vector<uint32_t> previous;    ///< origin by leaf: the leaf of the previous tree from which data is copied
 };
 
 /// Owns nodes and links.
 class OctreeTree {
  public:
-  /// A root with eight leaves over the cube of edge `edge` about `center`.
+  /// A root with eight leaves over the cube around `center`; `edge` in metres.
   OctreeTree(const Vec3& center, float edge);
 
   OctreeView view() const;
   uint32_t node_count() const { return static_cast<uint32_t>(nodes_.size()); }
-  /// Leaves are numbered below this; some numbers are unused.
+  /// Upper bound of leaf numbers; some numbers are unused.
   uint32_t leaf_slots() const { return 8 * node_count(); }
   uint32_t leaf_count() const;
-  std::vector<uint8_t> leaf_depths() const;  ///< by slot; those of unused slots say nothing
-  uint32_t depth() const { return depth_; }  ///< of the deepest leaf
+  std::vector<uint8_t> leaf_depths() const;  ///< depths by slot; meaningless for unused slots
+  uint32_t depth() const { return depth_; }  ///< depth of the deepest leaf
   const OctreeLinks& links() const { return links_; }
   size_t memory_bytes() const;
   void save(std::ostream& out) const;
   void load(std::istream& in);
 
-  /// The tree for the next frame from this frame's samples a leaf (`counts`, one a slot). Links of the result refer to
-  /// this tree.
+  /// The next frame's tree for this frame's number of samples per leaf slot (`counts`). Its links refer to this tree.
   OctreeTree adapted(Backend& backend, View<const uint32_t> counts, const OctreeThresholds& thresholds) const;
 
  private:
@@ -59,10 +57,10 @@ class OctreeTree {
   OctreeLinks links_;
 };
 
-/// Which leaves are split and which nodes are joined: one bit a child in `split`, one flag a node in `collapse`.
+/// Marks leaves to split and nodes to join: a bit per child in `split`, a flag per node in `collapse`.
 struct OctreeMarkKernel {
   View<const uint32_t> nodes;
-  View<const uint8_t> depths;  ///< by node
+  View<const uint8_t> depths;  ///< depth by node
   View<const uint32_t> counts;
   OctreeThresholds thresholds;
   View<uint8_t> split;
@@ -83,7 +81,7 @@ struct OctreeMarkKernel {
   }
 };
 
-/// Writes each node's number into its inner children's parents.
+/// Writes the parent of each inner node.
 struct OctreeParentsKernel {
   View<const uint32_t> nodes;
   View<uint32_t> parents;
@@ -96,8 +94,8 @@ struct OctreeParentsKernel {
   }
 };
 
-/// Reconstructs each leaf's place from the parents and looks up its neighbours in this tree and its origin in the
-/// previous one.
+/// Reconstructs the cell of each leaf from the parents. Then looks up its neighbours in this tree and its origin in
+/// the previous one.
 struct OctreeLeafLinksKernel {
   OctreeView tree;
   OctreeView previous_tree;
@@ -109,7 +107,7 @@ struct OctreeLeafLinksKernel {
   RELUME_HD void operator()(uint32_t slot, uint32_t) const;
 };
 
-/// The cell of leaf `slot`, from the links upwards.
+/// The cell of leaf `slot`, found by walking up the parents.
 RELUME_HD inline OctreeCell octree_cell_of(const View<const uint32_t>& nodes, const View<const uint32_t>& parents,
                                            uint32_t slot) {
   uint32_t children[kMaxOctreeDepth];
@@ -130,8 +128,8 @@ RELUME_HD inline OctreeCell octree_cell_of(const View<const uint32_t>& nodes, co
   return cell;
 }
 
-/// The leaf of `tree` that covers `q` and is no deeper than `depth`; kNoRegion where the tree is finer. `inner` then
-/// receives the node that is as large.
+/// The leaf of `tree` that covers `q` and is no deeper than `depth`. Where the tree is finer, returns kNoRegion and
+/// sets `inner` to the node of that depth.
 RELUME_HD inline uint32_t octree_leaf_no_deeper(const OctreeView& tree, const UVec3& q, uint32_t depth,
                                                 uint32_t* inner) {
   uint32_t node = 0;
@@ -154,14 +152,14 @@ RELUME_HD inline void OctreeLeafLinksKernel::operator()(uint32_t slot, uint32_t)
   for (uint32_t face = 0; face < 6; ++face) {
     UVec3 q = cell.corner;
     uint32_t& coordinate = q[static_cast<int>(face / 2)];
-    // Going below zero wraps around to a number that is too large as well.
+    // A difference below zero wraps around to a coordinate that is out of range, too.
     coordinate += face % 2 == 0 ? 0u - cell.size() : cell.size();
     if (coordinate >> kMaxOctreeDepth) continue;
     neighbours[6 * slot + face] = octree_leaf_no_deeper(tree, q, cell.depth, &inner);
   }
   previous[slot] = octree_leaf_no_deeper(previous_tree, cell.corner, cell.depth, &inner);
   if (previous[slot] != kNoRegion) return;
-  // Joined from eight: the one that saw most stands for all.
+  // Joined from eight leaves: the origin is the one with most samples.
   uint32_t largest = 0;
   for (uint32_t child = 1; child < 8; ++child) {
     if (previous_counts[8 * inner + child] > previous_counts[8 * inner + largest]) largest = child;

@@ -1,4 +1,4 @@
-// Records of the first vertices of paths.
+// Records the first vertices of paths.
 #pragma once
 
 #include "core/hash.h"
@@ -10,41 +10,41 @@ namespace relume {
 
 struct PathRecorder;
 
-/// Makes recorders, which need it as long as they live.
+/// Creates recorders. Must outlive them.
 struct PathRecording {
-  OctreeView octree;   ///< to whose regions samples belong
-  OctreeView sampled;  ///< whose regions paths sample with
+  OctreeView octree;   ///< tree in which samples are recorded
+  OctreeView sampled;  ///< tree from which paths take estimates
   View<VertexSample> samples;
   uint32_t vertices = 0;
   uint32_t pixels = 0;
-  float jitter = 0;     ///< of places that samples are taken from, in edges of leaves
-  uint32_t seed = 0;    ///< of that; differs from frame to frame
-  bool frozen = false;  ///< the two octrees differ: `sampled` is of an earlier frame of the epoch
+  float jitter = 0;     ///< width of the jitter of look-ups, in edges of leaves
+  uint32_t seed = 0;    ///< seed of the jitter, different in each frame
+  bool frozen = false;  ///< whether the trees differ: `sampled` is that of an earlier frame of the epoch
 
   RELUME_HD PathRecorder begin(uint32_t pixel) const;
-  /// Where a vertex takes estimates from and leaves its sample.
+  /// The regions of a vertex without jitter.
   RELUME_HD RegionPair find(const SurfacePoint& sp) const {
     if (frozen) return {sampled.find(sp.previous_position), octree.find(sp.position)};
     return octree.find_pair(sp.previous_position, sp.position);
   }
   RELUME_HD VertexSample& sample(uint32_t vertex, uint32_t pixel) const { return samples[vertex * pixels + pixel]; }
-  /// Nothing from this pixel.
+  /// Clears the records of `pixel`.
   RELUME_HD void skip(uint32_t pixel) const {
     for (uint32_t v = 0; v < vertices; ++v) sample(v, pixel) = {};
   }
 };
 
-/// The policy of one path (techniques/transport/path/path_policy.h). Radiance found along a direction is what the
-/// path's radiance grew by after it was chosen, over the throughput then, except for emission that next event
-/// estimation could have found. Small, as hosts keep one for each of the paths that they follow side by side.
+/// The policy of one path (techniques/transport/path/path_policy.h). The radiance sampled along a direction is the
+/// increase of the path's radiance since its choice, divided by the throughput at that time. Emission that next event
+/// estimation could sample is excluded. The recorder is small, because hosts keep one per path in flight.
 struct PathRecorder {
   const PathRecording* recording;
   uint32_t pixel;
-  uint32_t current = 0;                  ///< vertex
-  uint32_t reached = 0;                  ///< vertices so far, up to those that are recorded; what follows is of these
-  Rgb throughput[kMaxRecordedVertices];  ///< when the path went on
-  Rgb radiance[kMaxRecordedVertices];
-  float factor[kMaxRecordedVertices];  ///< cos θ / pdf_w; 0: no direction
+  uint32_t current = 0;                  ///< current vertex
+  uint32_t reached = 0;                  ///< number of recorded vertices; valid elements of the arrays below
+  Rgb throughput[kMaxRecordedVertices];  ///< throughput after the direction was chosen
+  Rgb radiance[kMaxRecordedVertices];    ///< radiance of the path up to then, with the excluded emission
+  float factor[kMaxRecordedVertices];    ///< cos θ / pdf_w; 0: no direction
 
   template <typename Path>
   RELUME_HD bool arrived(SurfacePoint& sp, const Path& path) {

@@ -1,11 +1,11 @@
-// The octree as images show it.
+// Layers that show the octree.
 #pragma once
 
 #include "techniques/spatial/octree/sample_stream.h"
 
 namespace relume {
 
-/// What the octree did at each pixel's first hit, to be looked at.
+/// Writes number and depth of the leaf at each pixel's first hit; 0 without a hit.
 struct RegionViewKernel {
   View<const VertexSample> samples;
   View<const uint8_t> depths;

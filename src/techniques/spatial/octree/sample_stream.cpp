@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Parts that are counted side by side. Fixed, so that it says nothing of the machine.
+/// Parts that are counted in parallel. Constant, so results do not depend on the machine.
 constexpr uint32_t kChunks = 16;
 
 }  // namespace
@@ -19,7 +19,7 @@ void SampleStream::group(Backend& backend, uint32_t region_count) {
   backend.run("octree.group", [&] {
     const uint32_t size = static_cast<uint32_t>(samples_.size());
     const uint32_t chunk_size = (size + kChunks - 1) / kChunks;
-    // By chunk and region: 64 bytes a region, for as long as this takes.
+    // By chunk and region: temporarily 64 bytes per region.
     std::vector<uint32_t> chunk_starts(size_t{kChunks} * region_count, 0);
     offsets_.resize(region_count);
     counts_.resize(region_count);

@@ -19,7 +19,7 @@ SampleStream random_stream(uint32_t pixels, uint32_t regions) {
   stream.resize(pixels, 2);
   testing::Random random(3);
   for (VertexSample& s : stream.samples()) {
-    // Some regions get most of the samples; a third have none.
+    // Low regions have most of the samples; three in ten records are empty.
     s.region =
         random.next() < 0.3f ? kNoRegion : static_cast<uint32_t>(sqr(random.next()) * static_cast<float>(regions));
   }
@@ -78,7 +78,7 @@ TEST(SampleStream, LeavesOutRegionsThatAreNot) {
   stream.resize(3, 1);
   stream.samples()[1].region = 7;
   Backend backend(1);
-  stream.group(backend, 7);  // there is no region 7
+  stream.group(backend, 7);  // region 7 is out of range
   EXPECT_EQ(stream.groups().order.size, 0u);
   stream.group(backend, 8);
   EXPECT_EQ(stream.groups().order.size, 1u);
@@ -98,7 +98,7 @@ TEST(SampleStream, ComesBackFromAStream) {
   EXPECT_FALSE(cut);
 }
 
-/// What PathRecorder needs to know of a path.
+/// The members of a path that PathRecorder reads.
 struct FakePath {
   Ray ray;
   Rgb throughput{1};
@@ -142,7 +142,7 @@ TEST_F(Recording, TakesFromWhereTheSurfaceWasAndLeavesWhereItIs) {
   EXPECT_EQ(samples_[3].region, 7u);
   EXPECT_EQ(samples_[3].light, kNoLight);
   EXPECT_EQ(samples_[3].value, 0.0f);
-  EXPECT_EQ(samples_[13].region, kNoRegion);  // there was no second vertex
+  EXPECT_EQ(samples_[13].region, kNoRegion);  // the path has no second vertex
 }
 
 TEST_F(Recording, KeepsLightsAndWhetherTheyWereVisible) {
@@ -155,7 +155,7 @@ TEST_F(Recording, KeepsLightsAndWhetherTheyWereVisible) {
   recorder.connected(point_, path_, FakeConnection{43}, false);
   path_.bounce = 2;
   recorder.arrived(point_, path_);
-  recorder.connected(point_, path_, FakeConnection{44}, true);  // beyond what is recorded
+  recorder.connected(point_, path_, FakeConnection{44}, true);  // beyond the recorded vertices
   recorder.finished(path_);
   EXPECT_EQ(samples_[0].light, 42u | kVisibleLight);
   EXPECT_EQ(samples_[10].light, 43u);
@@ -166,10 +166,10 @@ TEST_F(Recording, ValueIsWhatWasFoundWithoutTheBsdfAndWithoutWhatLightsKnow) {
   place(Vec3(0.5f), Vec3(0.5f));
   recorder.arrived(point_, path_);
   path_.radiance = Rgb(5);             // direct light at the first vertex
-  path_.throughput = Rgb(0.5f, 0, 1);  // no green: what it would find is unknown
+  path_.throughput = Rgb(0.5f, 0, 1);  // no green, so the incident green is unknown
   path_.bounce = 1;
   recorder.scattered(point_, BsdfSample{}, path_);
-  path_.radiance += path_.throughput * Rgb(100);  // the ray meets a lamp
+  path_.radiance += path_.throughput * Rgb(100);  // the ray hits a lamp
   recorder.emitted(path_, true);
   recorder.arrived(point_, path_);
   path_.radiance += path_.throughput * Rgb(2, 9, 3);
@@ -179,7 +179,7 @@ TEST_F(Recording, ValueIsWhatWasFoundWithoutTheBsdfAndWithoutWhatLightsKnow) {
   const Vec2 direction = unpack_square(samples_[0].direction);
   EXPECT_NEAR(glm::dot(direction_from_square(direction), path_.ray.direction), 1.0f, 1e-6f);
 
-  // A lamp that light selection does not know counts.
+  // The emission of a lamp that light sampling does not cover counts.
   PathRecorder other = recording_.begin(1);
   FakePath path = path_;
   path.bounce = 0;

@@ -1,4 +1,4 @@
-// A copy of a structure that learns, for the frames of an epoch to sample with.
+// A copy of an adaptive structure that the frames of an epoch sample.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace relume {
 
-/// Structures take in samples in every frame, but an epoch samples with what its first frame had: samples may then be
-/// stratified over its frames, and stay independent of what guides them. Copies only where an epoch has a second frame.
+/// A structure receives samples in every frame, but the frames of an epoch sample its state in the first of them.
+/// Their samples can then be stratified and stay independent of the structure. Only epochs of several frames copy.
 template <typename T>
 class Snapshot {
  public:
-  /// Call in each frame before `learning` takes in samples.
+  /// Call in each frame before `learning` receives samples.
   void begin_frame(bool begins_epoch, const T& learning) {
     if (begins_epoch) {
       copy_.reset();
@@ -22,7 +22,7 @@ class Snapshot {
       copy_ = learning;
     }
   }
-  /// The structure to sample with; `learning` where the epoch began with this frame.
+  /// The structure to sample; `learning` in the first frame of an epoch.
   const T& of(const T& learning) const { return copy_ ? *copy_ : learning; }
   T& of(T& learning) { return copy_ ? *copy_ : learning; }
   bool frozen() const { return copy_.has_value(); }
@@ -34,7 +34,7 @@ class Snapshot {
     write_value(out, static_cast<uint8_t>(frozen()));
     if (copy_) copy_->save(out);
   }
-  /// `empty`: what load() of the structure may start from.
+  /// `empty`: a structure whose load() is called.
   void load(std::istream& in, T empty) {
     copy_.reset();
     uint8_t is_frozen = 0;

@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// A structure that counts the frames whose samples it has taken in.
+/// A structure that counts the frames whose samples it has received.
 struct Counter {
   uint32_t frames = 0;
   size_t memory_bytes() const { return 100; }
