@@ -1,5 +1,5 @@
-// What a cell of the hash grid holds: this frame's samples as integer sums, whose value does not depend on the order in
-// which threads add, and the moments of earlier frames as floats, which one writer changes between frames.
+// Contents of a cell of the hash grid: integer sums of this frame's samples and float moments of earlier frames. The
+// sums do not depend on the order of additions; a single writer updates the moments between frames.
 #pragma once
 
 #include "core/fixed_point.h"
@@ -8,24 +8,24 @@ namespace relume {
 
 /// Largest component of a sample; larger ones are clamped and counted as saturated.
 inline constexpr float kCellSampleMax = 0x1p24f;
-/// One unit of a sample's weight, and the largest weight: samples are to be taken with at least its inverse as the
-/// probability.
+/// Unit of a sample's weight, and the largest weight. Samples must have a probability of at least 1 / kCellWeightMax.
 inline constexpr float kCellWeightUnit = 0x1p-8f;
 inline constexpr float kCellWeightMax = 0x1p12f;
 
-/// Non-negative number of 128 bits: `high` counts units of 2^64 of `low`.
+/// Non-negative number of 128 bits: high · 2^64 + low.
 struct WideInteger {
   uint64_t low = 0;
   uint64_t high = 0;
 };
 
-/// `x` ≥ 0 in units of 2^-fraction_bits, rounded down. Exact in between: x · 2^fraction_bits must be below 2^128.
+/// `x` ≥ 0 in units of 2^-fraction_bits, rounded down. Intermediate results are exact. x · 2^fraction_bits must be
+/// below 2^128.
 template <int fraction_bits>
 RELUME_HD inline WideInteger to_wide(double x) {
   static_assert(fraction_bits < 64);
   constexpr double kLowUnits = static_cast<double>(uint64_t{1} << fraction_bits);
   const double in_high = x * (kLowUnits * 0x1p-64);
-  // By way of a signed integer, for which processors have an instruction.
+  // Via a signed integer, for which processors have an instruction.
   if (in_high < 0x1p-1) return {static_cast<uint64_t>(static_cast<int64_t>(x * kLowUnits)), 0};
   const auto high = static_cast<uint64_t>(in_high);
   return {static_cast<uint64_t>((in_high - static_cast<double>(high)) * 0x1p64), high};
@@ -40,8 +40,8 @@ RELUME_HD inline double from_wide(uint64_t low, uint64_t high) {
 /// Moments of the samples in a cell.
 struct CellMoments {
   Rgb mean{0};
-  float mean_square = 0;  ///< of the luminance
-  float count = 0;        ///< samples behind the moments; bounded by the maximum cell size
+  float mean_square = 0;  ///< mean square of the luminance
+  float count = 0;        ///< number of samples, bounded by the maximum cell size
 
   /// Variance of the luminance of one sample, unbiased for samples of equal weight ([Schipek22 eq. 3.2]).
   RELUME_HD float variance() const {
@@ -50,16 +50,16 @@ struct CellMoments {
   }
 };
 
-/// This frame's samples. Sunlight and dusk differ by more than 64 bits when squared, so every sum has two limbs:
-/// carries out of the lower one are rare, and the upper one is touched only then.
+/// Sums of this frame's samples. The squares of sunlight and dusk differ by more than 64 bits, so sums have two limbs.
+/// Carries into the upper limb are rare, and only they access it.
 struct alignas(64) CellSums {
-  static constexpr int kRadianceBits = 40;  ///< binary places of the sums of radiance
-  static constexpr int kSquareBits = 56;    ///< binary places of the sum of squares
+  static constexpr int kRadianceBits = 40;  ///< fractional bits of the sums of radiance
+  static constexpr int kSquareBits = 56;    ///< fractional bits of the sum of squares
 
   uint64_t low[3] = {};
   uint64_t square_low = 0;
   uint64_t square_high = 0;
-  uint64_t weight = 0;  ///< in units of kCellWeightUnit
+  uint64_t weight = 0;  ///< sum of weights in units of kCellWeightUnit
   uint32_t high[3] = {};
   uint32_t count = 0;
 
@@ -94,7 +94,7 @@ struct alignas(64) CellSums {
   }
 
  private:
-  /// 1 if the addition overflowed.
+  /// Returns the carry.
   RELUME_HD static uint64_t add_low(uint64_t* target, uint64_t value) {
     if (value == 0) return 0;
     const uint64_t before = atomic_fetch_add(target, value);
@@ -106,49 +106,49 @@ static_assert(sizeof(CellSums) == 64);
 /// Moments of earlier frames.
 struct CellHistory {
   CellMoments moments;
-  CellMoments recent;     ///< of the latest frames: a window too short yet to say anything of changes
+  CellMoments recent;     ///< window of the latest frames, still too small for a comparison
   uint32_t age = 0;       ///< frames since the last sample
-  int32_t departure = 0;  ///< windows in a row whose mean lay above (positive) or below what the history allows
-  uint32_t frames = 0;    ///< frames with samples since the cell began
+  int32_t departure = 0;  ///< windows in a row above (positive) or below the history's confidence interval
+  uint32_t frames = 0;    ///< frames with samples since the cell started
 
   RELUME_HD bool empty() const { return moments.count <= 0.0f; }
 };
 static_assert(sizeof(CellHistory) == 52);
 
-/// How histories take in a frame.
+/// Parameters of pooling a frame with a history.
 struct AveragingRule {
-  float max_count = 1024;      ///< maximum cell size N ([Schipek22 §5.3]); what is above is forgotten exponentially
-  float change_threshold = 0;  ///< standard errors a window's mean may stray from the history; 0: no limit
-  float min_count = 8;         ///< samples below which a cell is thin and neither it nor a window tells of changes
+  float max_count = 1024;      ///< maximum cell size N ([Schipek22 §5.3]); beyond it the average is exponential
+  float change_threshold = 0;  ///< allowed deviation of a window's mean in standard errors; 0: no limit
+  float min_count = 8;         ///< samples below which a cell is undersampled and cells and windows are not compared
 };
 
-/// What to do about cells with fewer samples than `min_count`.
+/// Treatment of undersampled cells, which have fewer samples than `min_count`.
 enum class ThinCells : int {
-  keep,       ///< take them as they are
-  coarser,    ///< look up to three levels higher
-  neighbours  ///< pool the eight nearest cells
+  keep,       ///< the cell alone
+  coarser,    ///< pooled with cells of up to three coarser levels
+  neighbours  ///< pooled with the eight nearest cells
 };
 
-/// Windows in a row that must stray to one side before the history is given up: a single one may be an outlier.
+/// Windows in a row that must deviate to one side before a history is discarded. A single one may be an outlier.
 inline constexpr int kDeparturesOfAChange = 2;
 
-/// How far the luminance of a window's mean lies from the history's, and what would explain it.
+/// Deviation of a window's mean luminance from the history's, and its expected size without a change.
 struct Departure {
   float difference = 0;
-  float noise_squared = 0;     ///< of the difference, by the spread of samples
-  float rounding_squared = 0;  ///< error of the means themselves
+  float noise_squared = 0;     ///< variance of the difference
+  float rounding_squared = 0;  ///< squared rounding error of the means
 };
 
 RELUME_HD inline Departure departure_of(const CellMoments& history, const CellMoments& window) {
   constexpr float kRoundingError = 1e-4f;
   const float before = luminance(history.mean);
-  // Either side's spread may be the one that is underestimated, where bright samples are rare.
+  // Where bright samples are rare, either variance may be underestimated.
   const float variance = relume::max(history.variance(), window.variance());
   return {luminance(window.mean) - before, variance * (1.0f / history.count + 1.0f / window.count),
           sqr(kRoundingError * before)};
 }
 
-/// −1 or 1 if the luminance of the window's mean lies below or above the confidence interval of the history, else 0.
+/// −1 or 1 if the luminance of the window's mean is below or above the confidence interval of the history, else 0.
 RELUME_HD inline int departure(const CellMoments& history, const CellMoments& window, const AveragingRule& rule) {
   if (history.count < rule.min_count) return 0;
   const Departure d = departure_of(history, window);
@@ -156,7 +156,7 @@ RELUME_HD inline int departure(const CellMoments& history, const CellMoments& wi
   return d.difference < 0.0f ? -1 : 1;
 }
 
-/// Exponential average by batches ([Schipek22 §5.3]): the samples of both are pooled, then their number is cut to N.
+/// Exponential average by batches ([Schipek22 §5.3]): pools the samples of both, then limits their number to N.
 RELUME_HD inline CellMoments pooled(const CellMoments& history, const CellMoments& frame, float max_count) {
   const float count = history.count + frame.count;
   if (!(count > 0.0f)) return {};

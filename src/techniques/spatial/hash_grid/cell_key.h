@@ -1,5 +1,5 @@
-// Which cell of the hash grid a surface point belongs to ([Binder19], algorithm 1): position, jittered in the tangent
-// plane and then quantised at a level of detail, and what else the key tells apart.
+// Keys of the hash grid ([Binder19], algorithm 1). They distinguish the position, jittered in the tangent plane and
+// quantised at a level of detail, the normal, the direction and the layer.
 #pragma once
 
 #include <bit>
@@ -11,13 +11,13 @@
 
 namespace relume {
 
-/// A point as keys see it. Compact, so that a pass can store it for a later one, which then finds the same cell.
+/// The inputs of a key. Compact, so that a pass can store them and a later pass finds the same cell.
 struct CellPoint {
-  Vec3 position{0};         ///< after the jitter, metres, world space
-  uint32_t normal = 0;      ///< quantised
-  uint32_t direction = 0;   ///< to the viewer, quantised; 0: not told apart
-  uint16_t layer = 0;       ///< whatever else must not mix: depths, lobes
-  uint16_t coarsening = 0;  ///< levels above the one that the place asks for
+  Vec3 position{0};         ///< jittered position in world space, metres
+  uint32_t normal = 0;      ///< quantised normal
+  uint32_t direction = 0;   ///< quantised direction to the viewer; 0: not distinguished
+  uint16_t layer = 0;       ///< separates depths or lobes
+  uint16_t coarsening = 0;  ///< levels above the level of detail of the position
 };
 
 /// 2^exponent, for exponents of normal floating-point numbers.
@@ -35,7 +35,7 @@ RELUME_HD constexpr uint64_t mixed(uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Where a key lives. `bucket_hash` decides the slot; `fingerprint`, never 0, tells apart the keys that meet there.
+/// The hashes of a key. `bucket_hash` chooses the slots to probe. `fingerprint`, never 0, identifies the key there.
 struct CellAddress {
   uint64_t fingerprint = 0;
   uint32_t bucket_hash = 0;
@@ -45,14 +45,13 @@ struct CellAddress {
 inline constexpr int kMinCellLevel = -48;
 inline constexpr int kMaxCellLevel = 48;
 
-/// The resolution s(k) of keys and their hashes. Everything scales with the footprint of a pixel, so no scene needs
-/// tuning.
+/// The resolution s(k) of keys and their hashes. Cells scale with the footprint of a pixel, so no scene needs tuning.
 struct CellKeys {
   Vec3 camera{0};
-  float cone_width = 0;    ///< metres of a pixel's footprint at the camera
-  float cone_spread = 0;   ///< metres it grows a metre
+  float cone_width = 0;    ///< width of a pixel's footprint at the camera, metres
+  float cone_spread = 0;   ///< growth of the footprint per metre of distance
   float cell_size = 8;     ///< edge of a cell in footprints; rounded to the nearest power of two in metres
-  int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not told apart
+  int normal_bins = 2;     ///< steps of a normal's component in [0, 1]; 0: normals are not distinguished
   int direction_bins = 0;  ///< the same for directions of directional points
   bool jitter = true;
 
@@ -65,12 +64,12 @@ struct CellKeys {
     return static_cast<int>(float_bits(edge * kSqrt2) >> 23) - 127;
   }
 
-  /// Level of a point's own cell.
+  /// Level of the cell of `p`.
   RELUME_HD int level_of(const CellPoint& p) const {
     return level_of_detail(p.position) + static_cast<int>(p.coarsening);
   }
 
-  /// Moves `p` by up to half a cell along each axis of its tangent plane. The level of what comes out is found anew.
+  /// Moves `p` by up to half a cell along each axis of its tangent plane. Keys use the level at the new position.
   RELUME_HD Vec3 jittered(const Vec3& p, const Vec3& ng, const Vec2& u, int coarsening = 0) const {
     if (!jitter) return p;
     const float edge = power_of_two(level_of_detail(p) + coarsening);
@@ -78,9 +77,9 @@ struct CellKeys {
     return p + ((u.x - 0.5f) * edge) * tangent.t + ((u.y - 0.5f) * edge) * tangent.b;
   }
 
-  /// `u` in [0, 1)² for the jitter. The direction to the viewer counts if `directional`. Cells that are coarser than
-  /// the place asks for tell geometric normals apart, in steps twice as large: what normal maps add is finer than they
-  /// are.
+  /// The inputs of the key of `sp`. `u` in [0, 1)² is for the jitter. Keys distinguish the direction to the viewer if
+  /// `directional`. With `coarsening`, they use geometric normals in steps twice as large, because normal maps vary
+  /// within such cells.
   RELUME_HD CellPoint point(const SurfacePoint& sp, const Vec2& u, uint16_t layer, bool directional,
                             uint16_t coarsening = 0) const {
     const uint32_t normal = coarsening == 0 ? bins(sp.frame.n, normal_bins) : bins(sp.ng, (normal_bins + 1) / 2);
@@ -88,7 +87,7 @@ struct CellKeys {
             coarsening};
   }
 
-  /// Components rounded to steps of 1/count: axis-aligned directions fall into the middle of their bins.
+  /// Quantises components to steps of 1/count. Axis-aligned directions are in the middle of their bins.
   RELUME_HD static uint32_t bins(const Vec3& d, int count) {
     if (count <= 0) return 0;
     const float steps = static_cast<float>(count);
@@ -96,25 +95,25 @@ struct CellKeys {
     return 1u + bin(d.x) + 64u * (bin(d.y) + 64u * bin(d.z));
   }
 
-  /// Address of the cell that holds `p`, `coarser` levels above its own. Cells that stand in for thin ones are separate
-  /// from the ordinary cells of their level, because they get their samples with another probability.
+  /// Address of the cell that contains `p`, `coarser` levels above its own. Substitutes for undersampled cells are
+  /// separate from the ordinary cells of their level, because their samples have another probability.
   RELUME_HD CellAddress address(const CellPoint& p, int coarser = 0) const {
     return address_at(glm::dvec3(p.position), p, level_of(p) + coarser, coarser);
   }
 
-  /// Address of the cell at `position` that has all else in common with `p`.
+  /// Address of the cell at `position` with the other inputs of `p`.
   RELUME_HD CellAddress address_at(const glm::dvec3& position, const CellPoint& p, int level, int coarser) const {
     return address_of(glm::i64vec3(glm::floor(grid_position(position, level))), p, level, coarser);
   }
 
-  /// The middle of the cell that holds `p` at a level, metres.
+  /// Centre of the cell at `level` that contains `p`, metres.
   RELUME_HD glm::dvec3 middle(const Vec3& p, int level) const {
     const glm::dvec3 cell = glm::floor(grid_position(glm::dvec3(p), level));
     return (cell + 0.5 - grid_shift(level)) * wide_power_of_two(level);
   }
 
-  /// Position in units of cells. Grids of different levels are shifted against each other, and none has a plane through
-  /// the origin: walls like to stand at round numbers, where rounding errors would tear their cells apart.
+  /// Position in units of cells. Each level's grid has its own shift, and none has a plane through the origin. Walls
+  /// often have round coordinates, where rounding errors would split their cells.
   RELUME_HD glm::dvec3 grid_position(const glm::dvec3& position, int level) const {
     return position * wide_power_of_two(-level) + grid_shift(level);
   }
@@ -122,13 +121,13 @@ struct CellKeys {
     return glm::dvec3(0.7548776662, 0.5698402910, 0.8191725134) * (static_cast<double>(level) + 0.5);
   }
 
-  /// Hashes of the key. The level is in both ([Binder19] leaves it out). Normal and direction are in the fingerprint
-  /// alone, so that cells of one voxel are neighbours in the table.
+  /// Hashes of the key. The level is in both ([Binder19] omits it). Normal and direction are only in the fingerprint,
+  /// so cells of one voxel are neighbours in the table.
   RELUME_HD CellAddress address_of(const glm::i64vec3& v, const CellPoint& p, int level, int coarser) const {
     const auto cell_kind =
         static_cast<uint64_t>(int64_t{level - kMinCellLevel} * (1 << 18) + coarser * (1 << 16) + p.layer);
     const uint64_t place = place_of(v, cell_kind);
-    // Cells that are coarser than their place asks for are others than those whose place asks for as much.
+    // Coarsened cells are separate from the ordinary cells of the same level.
     const uint64_t coarsened = p.coarsening > 0 ? uint64_t{1} << 63 : 0;
     const uint64_t facing = (coarsened | static_cast<uint64_t>(p.direction) << 32 | p.normal) * 0xdb4f0b9175ae2165u;
     CellAddress result;
@@ -141,7 +140,7 @@ struct CellKeys {
   }
 
  private:
-  /// A sum with large odd factors: two keys share it only if they differ by millions of cells.
+  /// A sum with large odd factors. Two keys have the same sum only if they are millions of cells apart.
   RELUME_HD static uint64_t place_of(const glm::i64vec3& v, uint64_t cell_kind) {
     return static_cast<uint64_t>(v.x) * 0x9e3779b97f4a7c15u + static_cast<uint64_t>(v.y) * 0xd1b54a32d192ed03u +
            static_cast<uint64_t>(v.z) * 0xabc98388fb8fac03u + cell_kind * 0x8cb92ba72f3d8dd7u;

@@ -53,7 +53,7 @@ TEST(CellKey, JitterStaysInTheTangentPlaneAndWithinHalfACell) {
     const float edge = std::exp2(static_cast<float>(k.level_of_detail(p)));
     const Vec2 u(random.next(), random.next());
     const Vec3 moved = k.jittered(p, n, u) - p;
-    EXPECT_LE(std::fabs(glm::dot(moved, n)), 1e-5f);                       // rounding of coordinates up to 20
+    EXPECT_LE(std::fabs(glm::dot(moved, n)), 1e-5f);                       // rounding error of coordinates up to 20
     EXPECT_NEAR(glm::length(moved), edge * glm::length(u - 0.5f), 1e-5f);  // uniform in the square if u is
   }
   CellKeys still = k;
@@ -67,7 +67,7 @@ TEST(CellKey, TellsApartWhatMustNotMix) {
   EXPECT_TRUE(same(k.address(p), k.address(p)));
   const CellAddress other_side = k.address(at(p.position, Vec3(0, -1, 0)));
   EXPECT_NE(other_side.fingerprint, k.address(p).fingerprint);
-  EXPECT_EQ(other_side.bucket_hash, k.address(p).bucket_hash);  // neighbours in the table
+  EXPECT_EQ(other_side.bucket_hash, k.address(p).bucket_hash);  // neighbouring slots
   EXPECT_FALSE(same(k.address(at(p.position + Vec3(0.1f, 0, 0))), k.address(p)));
   CellPoint layered = p;
   layered.layer = 3;
@@ -114,7 +114,7 @@ TEST(CellKey, WallsAtRoundCoordinatesAreNotTorn) {
 }
 
 TEST(CellKey, EveryPointOfAFlatPatchIsInOneOfFewCells) {
-  // 64 × 64 pixels of a plane seen head-on: between 4 and 12 cells a side, and their shared edges.
+  // 64 × 64 pixels of a plane seen head-on: 4 to 12 cells per side, and one more for cells cut by the border.
   const CellKeys k = keys();
   std::set<uint64_t> cells;
   for (int y = 0; y < 64; ++y) {
@@ -135,7 +135,7 @@ TEST(CellKey, CoarsenedPointsShareLargerCells) {
   std::set<uint64_t> cells[3];
   for (int i = 0; i < 64 * 64; ++i) {
     sp.position = Vec3(static_cast<float>(i % 64) * 1e-3f, static_cast<float>(i / 64) * 1e-3f, 1.0f);
-    // A normal map: in fine cells it counts, in coarse ones it does not.
+    // A normal map, which only fine cells distinguish.
     sp.frame = make_frame(glm::normalize(Vec3(i % 2 == 0 ? 0.4f : -0.4f, 0, -1)));
     for (uint16_t coarsening = 0; coarsening < 3; ++coarsening) {
       const CellPoint p = k.point(sp, Vec2(0.5f), 2, false, coarsening);

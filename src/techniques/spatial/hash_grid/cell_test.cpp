@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// Moments by the definition, in double precision.
+/// Moments by definition, in double precision.
 struct BruteForce {
   glm::dvec3 sum{0};
   double square = 0;
@@ -27,7 +27,7 @@ struct BruteForce {
 };
 
 void expect_equal(const CellMoments& m, const BruteForce& b) {
-  // Rounding of the result to float: 2^-24.
+  // Rounding error of the result in float: 2^-24.
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(m.mean[c] / (b.sum[c] / b.weight), 1.0, 2e-7);
   EXPECT_NEAR(m.mean_square / (b.square / b.weight), 1.0, 2e-7);
   EXPECT_EQ(m.count, b.count);
@@ -46,7 +46,7 @@ TEST(CellSums, HoldWhatBruteForceHolds) {
 }
 
 TEST(CellSums, HoldSunlightAndDuskTogether) {
-  // Squares from 1e-10 to 1e14: no single 64-bit integer has them all.
+  // Squares from 1e-10 to 1e14 exceed the range of one 64-bit integer.
   testing::Random random(2);
   CellSums dusk;
   BruteForce expected_dusk;
@@ -55,10 +55,10 @@ TEST(CellSums, HoldSunlightAndDuskTogether) {
     dusk.add(value, 1.0f);
     expected_dusk.add(value, 1.0);
   }
-  for (int c = 0; c < 3; ++c) {  // one unit of 2^-40 is 1e-7 of these values
+  for (int c = 0; c < 3; ++c) {  // the unit 2^-40 is 1e-7 of these values
     EXPECT_NEAR(dusk.moments().mean[c] / (expected_dusk.sum[c] / expected_dusk.weight), 1.0, 2e-7);
   }
-  // One unit of 2^-56 is 1.4e-7 of these squares.
+  // The unit 2^-56 is 1.4e-7 of these squares.
   EXPECT_NEAR(dusk.moments().mean_square / (expected_dusk.square / expected_dusk.weight), 1.0, 3e-7);
   BruteForce expected_both = expected_dusk;
   for (int i = 0; i < 1000; ++i) {
@@ -125,7 +125,7 @@ TEST(CellHistory, PoolsFramesUpToTheMaximumCellSize) {
   h = advanced(h, constant(4, 8), rule);
   EXPECT_FLOAT_EQ(h.moments.mean.r, 2.5f);
   EXPECT_EQ(h.moments.count, 16.0f);
-  // From here on exponential: 16 of 24 samples are old.
+  // The average is exponential from here: 16 of 24 samples are old.
   h = advanced(h, constant(0, 8), rule);
   EXPECT_FLOAT_EQ(h.moments.mean.r, 2.5f * 16.0f / 24.0f);
   EXPECT_EQ(h.moments.count, 16.0f);
@@ -142,13 +142,13 @@ TEST(CellHistory, StartsAnewWhenTwoFramesStrayToOneSide) {
   };
   CellHistory h;
   for (int i = 0; i < 200; ++i) h = advanced(h, frame(1), rule);
-  EXPECT_GT(h.moments.count, 10000.0f);  // chance alone resets nothing
+  EXPECT_GT(h.moments.count, 10000.0f);  // noise alone causes no restart
   h = advanced(h, frame(3), rule);
   EXPECT_NE(h.departure, 0);
   EXPECT_NEAR(h.moments.mean.r, 1.0f, 0.05f);
   h = advanced(h, frame(3), rule);
   EXPECT_EQ(h.moments.count, 64.0f);
-  EXPECT_NEAR(h.moments.mean.r, 3.0f, 1.1f);  // five standard errors of 64 samples that spread by 1.73
+  EXPECT_NEAR(h.moments.mean.r, 3.0f, 1.1f);  // five standard errors of 64 samples of standard deviation 1.73
 }
 
 TEST(CellHistory, GathersThinFramesUntilTheyTell) {
@@ -162,8 +162,8 @@ TEST(CellHistory, GathersThinFramesUntilTheyTell) {
   CellHistory h;
   for (int i = 0; i < 2000; ++i) h = advanced(h, frame(1), rule);
   EXPECT_EQ(h.moments.count, 1024.0f);
-  // Windows of eight samples, four frames; the first may have begun before the change. Two in a row must stray by four
-  // of their standard errors, so the spread, 0.1 of the mean, leaves no doubt.
+  // Windows have eight samples in four frames; the first may begin before the change. Two in a row must deviate by four
+  // standard errors. The standard deviation is only 0.16 of the mean.
   const auto steady = [](float mean, int k) {
     CellSums sums;
     for (const float side : {-1.0f, 1.0f})
@@ -198,7 +198,7 @@ TEST(CellHistory, DoesNotDriftOverManyFrames) {
     h = advanced(h, sums.moments(), rule);
     if (f >= kFrames / 2) mean += static_cast<double>(h.moments.mean.r) / (kFrames / 2);
   }
-  // 40,000 samples that spread by 0.58 of their mean: five standard errors are 1.5 %.
+  // Five standard errors of 40,000 samples, whose standard deviation is 0.58 of the mean, are 1.5 %.
   EXPECT_NEAR(mean, 0.5, 0.5 * 0.015);
 }
 

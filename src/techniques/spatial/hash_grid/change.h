@@ -1,6 +1,6 @@
-// Whether part of the scene has changed: what its cells have gathered of late against what they remembered. One cell
-// with a few noisy samples says little. The cells of a region say it together: after a change all of them tend to stray
-// by more than their noise, if not to the same side.
+// Detects changes of the light in cells: compares windows of recent samples with histories. One cell with a few noisy
+// samples is no evidence. Together, the cells of a region are: after a change most of them deviate by more than their
+// noise, though not all to the same side.
 #pragma once
 
 #include "sampling/chi2_bound.h"
@@ -8,16 +8,16 @@
 
 namespace relume {
 
-/// Regions are cubes of 2^kRegionLevels cells along an edge, of one level and layer. A key's bucket hash holds a hash
-/// of its region in the lowest bits; regions that share one are seen as one.
+/// Regions are cubes of 2^kRegionLevels cells along an edge, of one level and layer. The lowest bits of a key's bucket
+/// hash are a hash of its region. Regions with the same hash are treated as one.
 inline constexpr uint32_t kRegionBits = 14;
 inline constexpr int kRegionLevels = 3;
 inline constexpr uint32_t kRegions = 1u << kRegionBits;
 
 RELUME_HD constexpr uint32_t region_of(uint32_t bucket_hash) { return bucket_hash & (kRegions - 1); }
 
-/// Squared difference between the means of a window and of the history, in units of what noise makes of it: 1 on
-/// average while nothing changes. Bounded, for single bright samples must not decide.
+/// Squared difference between the means of a window and of the history, divided by its expected value under noise: 1
+/// on average while nothing changes. Bounded, so that single bright samples do not decide.
 RELUME_HD inline float squared_departure(const CellMoments& history, const CellMoments& window) {
   constexpr float kLargest = 9;
   const Departure d = departure_of(history, window);
@@ -25,7 +25,7 @@ RELUME_HD inline float squared_departure(const CellMoments& history, const CellM
   return expected > 0.0f ? relume::min(sqr(d.difference) / expected, kLargest) : 0.0f;
 }
 
-/// The cells of a region in one frame, as integers: the order in which they come does not matter.
+/// Sums over the cells of a region in one frame, as integers that do not depend on the order of additions.
 struct RegionChange {
   static constexpr float kUnit = 0x1p-16f;
   uint64_t squares = 0;  ///< sum of squared_departure() in units of kUnit
@@ -37,7 +37,7 @@ struct RegionChange {
     atomic_add(&cells, uint64_t{1});
   }
 
-  /// By how much the mean square exceeds 1, if chance does not explain it; else 0. `threshold`: standard errors.
+  /// The mean square minus 1 if it exceeds the χ² bound at `threshold` standard errors, else 0.
   RELUME_HD float excess(float threshold) const {
     if (cells == 0) return 0.0f;
     const auto count = static_cast<float>(cells);
@@ -46,11 +46,12 @@ struct RegionChange {
   }
 };
 
-/// Regions are asked only after something has changed somewhere. That makes half as many standard errors enough.
+/// Factor of the cells' threshold for regions. Half as many standard errors suffice, because regions are tested only
+/// after a change of the scene.
 inline constexpr float kRegionThreshold = 0.5f;
 
-/// What a history is worth after a change: it counts for as many samples as would be off by as much. `excess`: of
-/// squared_departure() over 1.
+/// The history after a change, with the number of samples whose noise would equal its expected error. `excess`: mean
+/// squared_departure() minus 1.
 RELUME_HD inline CellMoments discounted(const CellMoments& history, const CellMoments& window, float excess) {
   const float noise = 1.0f / history.count + 1.0f / window.count;
   CellMoments m = history;
@@ -58,16 +59,16 @@ RELUME_HD inline CellMoments discounted(const CellMoments& history, const CellMo
   return m;
 }
 
-/// In a region that has changed, a cell may have changed by more than the others.
+/// Excess of one cell in a changed region: its own square minus 1 where that is larger and beyond two standard errors.
 RELUME_HD inline float own_excess(const CellMoments& history, const CellMoments& window, float region) {
   constexpr float kNoise = 4;  // two standard errors
   const float square = squared_departure(history, window);
   return square > kNoise ? relume::max(region, square - 1.0f) : region;
 }
 
-/// The history after a frame with the samples `frame` (at least one). Frames with few samples are gathered in a window
-/// until they are enough to be compared with the history; what has changed starts anew from the window. `excess`: of
-/// the cell's region, RegionChange::excess().
+/// The history after a frame with the samples `frame` (at least one). A window pools frames until it has enough samples
+/// to be compared with the history. A changed cell restarts from the window. `excess`: RegionChange::excess() of the
+/// cell's region.
 RELUME_HD inline CellHistory advanced(const CellHistory& history, const CellMoments& frame, const AveragingRule& rule,
                                       float excess = 0) {
   CellHistory next;

@@ -9,14 +9,13 @@
 namespace relume {
 namespace {
 
-/// Cells of a region, each with samples of its own.
+/// The cells of a region with independent samples.
 class Region {
  public:
   Region(int cells, int samples, uint32_t seed)
       : histories_(static_cast<size_t>(cells)), samples_(samples), random_(seed) {}
 
-  /// A frame in which cell k has the mean `mean(k)`, and samples that spread evenly from 0 to twice that. Returns the
-  /// excess.
+  /// Adds a frame whose samples in cell k are uniform between 0 and 2 mean(k). Returns the excess.
   template <typename Mean>
   float render(const Mean& mean) {
     std::vector<CellMoments> frame;
@@ -49,21 +48,21 @@ TEST(RegionChange, ChanceIsNone) {
     Region region(64, samples, 3);
     int alarms = 0;
     for (int i = 0; i < 500; ++i) alarms += region.render(one) > 0 ? 1 : 0;
-    EXPECT_LT(alarms, 0.14 * 500) << samples;  // the bound is exp(-2) a frame
+    EXPECT_LT(alarms, 0.14 * 500) << samples;  // the bound is exp(−2) per frame
   }
 }
 
 TEST(RegionChange, WhatOneCellCannotTellARegionDoes) {
   Region region(64, 64, 4);
   for (int i = 0; i < 50; ++i) region.render(one);
-  // Some become brighter, others darker by a quarter, three and a half standard errors of a frame's 64 samples; none
-  // leaves its confidence interval, and the region's mean stays the same.
+  // Half of the cells become brighter, half darker by a quarter, 3.5 standard errors of a frame's 64 samples. None
+  // leaves its confidence interval, and the mean of the region is unchanged.
   const auto changed = [](size_t k) { return k % 2 == 0 ? 1.25f : 0.75f; };
   EXPECT_GT(region.render(changed), 1.0f);
   for (int i = 0; i < 3; ++i) region.render(changed);
   double missing = 0;
   for (size_t k = 0; k < 64; ++k) missing += static_cast<double>(std::fabs(region.mean(k) - changed(k))) / 64;
-  // Four frames of plain averaging would leave four fifths of the quarter; noise of 256 samples is 0.036.
+  // Averaging four frames would leave four fifths of the quarter. The standard error of 256 samples is 0.036.
   EXPECT_LT(missing, 0.08);
 }
 
@@ -79,7 +78,7 @@ TEST(RegionChange, DiscountedHistoriesWeighWhatTheyAreWorth) {
   history.count = 1000;
   CellMoments window;
   window.count = 50;
-  // Off by as much as the noise of 50 samples: worth about 50.
+  // An error as large as the noise of 50 samples leaves a count of about 50.
   EXPECT_NEAR(discounted(history, window, 1).count, 1.0f / (1.0f / 1000 + 1.0f / 50 + 1.0f / 1000), 1e-3f);
   EXPECT_LT(discounted(history, window, 8).count, 7.0f);
 }

@@ -1,6 +1,6 @@
 // The hash grid: an open-addressing table of cells that kernels fill and read at the same time ([Binder19], §3.2).
-// Samples of the running frame go into integer sums, what is read are moments that a pass of its own makes of them, so
-// nothing that a kernel reads depends on what others have written ([Schipek22 §5.3], double buffering).
+// Samples of the running frame are added to integer sums. Kernels read moments, which a pass between frames computes
+// from the sums. No value that a kernel reads therefore depends on other threads ([Schipek22 §5.3], double buffering).
 #pragma once
 
 #include "core/view.h"
@@ -13,61 +13,61 @@ namespace relume {
 /// No slot: the cell is not in the table.
 inline constexpr uint32_t kNoCell = 0xffffffffu;
 
-/// Slots that are probed for a new key. Samples of a key that finds none of them free wait until the table has grown.
+/// Slots probed for a new key. If none is free, its samples wait until the table has grown.
 inline constexpr uint32_t kMaxProbes = 256;
 
-/// Slots over which the cells of one voxel spread; a power of two.
+/// Slots among which the cells of one voxel start probing; a power of two.
 inline constexpr uint32_t kBucketSlots = 64;
 
-/// Events that the program reports.
+/// Counts of events for statistics.
 struct HashGridCounters {
-  uint64_t dropped = 0;           ///< samples for which there was no memory
+  uint64_t dropped = 0;           ///< samples dropped for lack of memory
   uint64_t saturated = 0;         ///< samples clamped to kCellSampleMax
-  uint64_t nonfinite = 0;         ///< samples that were not finite, and were left out
-  uint64_t made = 0;              ///< keys that this frame has placed in the table
-  uint64_t inherited_cells = 0;   ///< cells of this frame that begin with what another level knows
-  uint64_t skipped_vertices = 0;  ///< vertices of paths that took no sample, as too many before them waited for theirs
+  uint64_t nonfinite = 0;         ///< rejected samples that were not finite
+  uint64_t made = 0;              ///< keys inserted in this frame
+  uint64_t inherited_cells = 0;   ///< new cells of this frame that inherit moments from another level
+  uint64_t skipped_vertices = 0;  ///< vertices of paths without a sample, behind too many waiting ones
 };
 
-/// Levels above its own that a thin cell may be replaced from, and the probability with which a sample goes one higher.
+/// Coarser levels with which an undersampled cell is pooled, and a sample's probability to be added one level higher.
 inline constexpr int kCoarserLevels = 3;
 inline constexpr float kCoarserProbability = 0.125f;
 
 struct HashGridView {
   View<uint64_t> fingerprints;   ///< 0: free
-  View<uint32_t> bucket_hashes;  ///< hash that chose the slot, for moving cells to another table
-  View<uint32_t> parents;        ///< slot of the cell that a new one begins with, or kNoCell
-  View<CellSums> sums;           ///< this frame
+  View<uint32_t> bucket_hashes;  ///< bucket hash by slot, for moving cells to another table
+  View<uint32_t> parents;        ///< slot of the cell from which a new one inherits, or kNoCell
+  View<CellSums> sums;           ///< sums of this frame
   View<const CellHistory> histories;
   HashGridCounters* counters = nullptr;
   OverflowView overflow;
-  uint32_t probe_limit = kMaxProbes;  ///< slots between a key and its first slot, at most
-  bool renumbered = false;            ///< the table has been rebuilt since the paths of this frame
+  uint32_t probe_limit = kMaxProbes;  ///< maximum number of slots probed for a key
+  bool renumbered = false;            ///< whether the table was rebuilt since the paths of this frame
   CellKeys keys;
   AveragingRule rule;
   ThinCells thin_cells = ThinCells::coarser;
-  float inherited_count = 0;  ///< most samples that a new cell takes over from another level; 0: none
-  float clamp_factor = 0;     ///< samples are cut to this multiple of their cell's mean; 0: not
+  float inherited_count = 0;  ///< maximum number of samples that a new cell inherits; 0: none
+  float clamp_factor = 0;     ///< multiple of the cell's mean to which samples are clamped; 0: no clamping
 
   RELUME_HD uint32_t slot_of(uint32_t bucket_hash) const {
     return static_cast<uint32_t>((static_cast<uint64_t>(bucket_hash) * fingerprints.size) >> 32);
   }
 
-  /// Where probing begins. Cells of one voxel, which share a bucket hash, begin at different slots close by: at curved
-  /// or bumpy surfaces there are many of them, and each would be probed past all the others.
+  /// The slot where probing begins. Cells of one voxel have the same bucket hash but begin at different slots nearby.
+  /// Curved and bumpy surfaces have many per voxel, each of which would be probed past all the others.
   RELUME_HD uint32_t first_slot(const CellAddress& address) const {
     const uint32_t slot =
         slot_of(address.bucket_hash) + (static_cast<uint32_t>(address.fingerprint) & (kBucketSlots - 1));
     return slot < fingerprints.size ? slot : slot % fingerprints.size;
   }
 
-  /// Slots between a key in `slot` and where probing for it begins.
+  /// Slots between the first slot of a key and `slot`, where it is.
   RELUME_HD uint32_t displacement(const CellAddress& address, uint32_t slot) const {
     const uint32_t first = first_slot(address);
     return slot >= first ? slot - first : slot + fingerprints.size - first;
   }
 
-  /// Send for what will be read of a cell soon, or added to: it is rarely near, and who adds cannot go on meanwhile.
+  /// Prefetch a cell that will soon be read or added to. It is rarely in cache, and atomic additions would stall.
   RELUME_HD void prefetch_moments(const CellAddress& address) const {
     const uint32_t slot = first_slot(address);
     prefetch(&fingerprints[slot]);
@@ -79,7 +79,7 @@ struct HashGridView {
     prefetch(&sums[slot]);
   }
 
-  /// Slot of a cell that is in the table, else kNoCell.
+  /// Slot of a cell, or kNoCell if it is not in the table.
   RELUME_HD uint32_t find(const CellAddress& address) const {
     uint32_t slot = first_slot(address);
     for (uint32_t i = 0; i < probe_limit; ++i) {
@@ -91,12 +91,12 @@ struct HashGridView {
     return kNoCell;
   }
 
-  /// The same for a cell whose slot may have been noted while the paths of this frame were traced.
+  /// Slot of the cell of `p`. `noted`: its slot while the paths of this frame were traced, or kNoCell.
   RELUME_HD uint32_t find(const CellPoint& p, uint32_t noted) const {
     return noted != kNoCell && !renumbered ? noted : find(keys.address(p));
   }
 
-  /// Slot of a cell, made if necessary; kNoCell if there is no room.
+  /// Slot of a cell, inserted if necessary; kNoCell if no probed slot is free.
   RELUME_HD uint32_t find_or_insert(const CellAddress& address) const {
     uint32_t slot = first_slot(address);
     for (uint32_t i = 0; i < probe_limit; ++i) {
@@ -115,10 +115,9 @@ struct HashGridView {
     return kNoCell;
   }
 
-  /// Adds a sample to the cell of `p` and, at random, to the coarser ones that replace it while it is thin. Samples of
-  /// one cell must have weights in inverse proportion to the probabilities with which they were taken. `u` in [0, 1).
-  /// `slot`: of the cell of `p`, if it is known to have one. `alone`: no other cell ever replaces this one. Returns the
-  /// slot; kNoCell if the sample was left out or waits for the table to grow.
+  /// Adds a sample to the cell of `p` and, at random, to coarser substitutes. Weights within a cell must be inversely
+  /// proportional to the probabilities of the samples. `u` in [0, 1). `slot`: of the cell of `p`, if known. `alone`:
+  /// the cell has no substitutes and inherits nothing. Returns the slot; kNoCell if the sample was rejected or waits.
   RELUME_HD uint32_t insert(const CellPoint& p, Rgb value, float weight, float u, uint32_t slot = kNoCell,
                             bool alone = false) const {
     if (!is_finite(value)) {
@@ -135,7 +134,7 @@ struct HashGridView {
     return slot;
   }
 
-  /// Adds to the cell in `slot`; kNoCell: the sample waits.
+  /// Adds a sample to the cell in `slot`, or to the waiting list for kNoCell.
   RELUME_HD void add(const WaitingSample& sample, uint32_t slot) const {
     if (slot == kNoCell) {
       if (!overflow.add(sample)) atomic_add(&counters->dropped, uint64_t{1});
@@ -146,10 +145,10 @@ struct HashGridView {
     if (is_first && inherits && histories[slot].empty()) choose_parent(sample.point, slot);
   }
 
-  /// Moments at `p`; too thin cells are replaced as `thin_cells` says. Count 0: nothing is known.
+  /// Moments at `p`, for undersampled cells pooled according to `thin_cells`. Their count is 0 without samples.
   RELUME_HD CellMoments moments(const CellPoint& p) const { return moments(p, find(keys.address(p))); }
 
-  /// The same, if the slot of the cell of `p` is known already (kNoCell: it has none).
+  /// The same with the known slot of the cell of `p` (kNoCell: none).
   RELUME_HD CellMoments moments(const CellPoint& p, uint32_t slot) const {
     const CellMoments own = own_moments(slot);
     if (!undersampled(own) || thin_cells == ThinCells::keep) return own;
@@ -160,12 +159,12 @@ struct HashGridView {
     return sum;
   }
 
-  /// Moments of a cell itself, whatever stands in for it.
+  /// Moments of the cell alone.
   RELUME_HD CellMoments own_moments(uint32_t slot) const {
     return slot == kNoCell ? CellMoments{} : histories[slot].moments;
   }
 
-  /// What the new cell in `slot` begins with.
+  /// Moments that the new cell in `slot` inherits.
   RELUME_HD CellMoments inherited(uint32_t slot) const {
     CellMoments m = own_moments(parents[slot]);
     m.count = relume::min(m.count, inherited_count);
@@ -174,9 +173,9 @@ struct HashGridView {
 
   RELUME_HD bool undersampled(const CellMoments& m) const { return m.count < rule.min_count; }
 
-  /// Share of taken slots among those where probing begins: how crowded that part of the table is.
+  /// Share of occupied slots near the one where probing begins.
   RELUME_HD float occupancy(const CellAddress& address) const {
-    constexpr uint32_t kWindow = 8;  // one line of a processor's cache
+    constexpr uint32_t kWindow = 8;  // fingerprints in a cache line
     const uint32_t first = first_slot(address) & ~(kWindow - 1);
     uint32_t taken = 0;
     uint32_t count = 0;
@@ -200,7 +199,7 @@ struct HashGridView {
     return v;
   }
 
-  /// A cell that is new where the level has changed goes on from what the other level knows of its middle.
+  /// Links a new cell to the cell of the next coarser level that contains its centre, else of the finer one.
   RELUME_HD void choose_parent(const CellPoint& p, uint32_t slot) const {
     const int level = keys.level_of(p);
     const glm::dvec3 middle = keys.middle(p.position, level);
@@ -213,7 +212,7 @@ struct HashGridView {
     }
   }
 
-  /// The eight cells around the corner nearest to `p`, its own among them.
+  /// Pools the eight cells around the corner nearest to `p`, including its own.
   RELUME_HD CellMoments neighbourhood(const CellPoint& p) const {
     const int level = keys.level_of(p);
     const glm::i64vec3 corner(glm::floor(keys.grid_position(glm::dvec3(p.position), level) - 0.5));

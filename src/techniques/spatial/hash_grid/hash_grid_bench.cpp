@@ -1,4 +1,4 @@
-// Filling, reading and upkeep of the table, as frames of 1080p and 4K ask for them.
+// Filling, reading and maintaining the table at the sizes of 1080p and 4K.
 #include <benchmark/benchmark.h>
 
 #include "techniques/spatial/hash_grid/hash_grid_table.h"
@@ -7,11 +7,11 @@ namespace relume {
 namespace {
 
 constexpr uint32_t kWidth = 960;
-/// Rows of the grid that is filled: 1080p and 4K have 2 and 8 million pixels.
+/// Rows of the launch: 1080p and 4K have 2 and 8 million pixels.
 constexpr uint32_t kRows1080p = 2160;
 constexpr uint32_t kRows4K = 8640;
 
-/// A plane that tilts away from the camera, seen through pixels of 1/1000 rad.
+/// A camera whose pixels are 1/1000 rad wide, one metre above the plane of plane_point().
 CameraView camera() {
   CameraView c;
   c.half_extent = Vec2(0.5f);
@@ -45,7 +45,7 @@ struct LookUpKernel {
   }
 };
 
-/// Cells as a session would expect them for so many pixels.
+/// Expected number of cells for an image of kWidth × rows pixels, as sessions estimate it.
 uint64_t expected_cells(uint32_t rows) { return uint64_t{kWidth} * rows / 16; }
 
 void bm_hash_grid_fill(benchmark::State& state) {
@@ -86,7 +86,7 @@ void bm_hash_grid_look_up(benchmark::State& state) {
 }
 BENCHMARK(bm_hash_grid_look_up)->ArgNames({"rows"})->Arg(kRows1080p)->Unit(benchmark::kMillisecond);
 
-/// Averaging and eviction over a filled table.
+/// Pooling and eviction in a filled table.
 void bm_hash_grid_end_frame(benchmark::State& state) {
   const auto rows = static_cast<uint32_t>(state.range(0));
   HashGrid grid(HashGridSettings{}, expected_cells(rows));

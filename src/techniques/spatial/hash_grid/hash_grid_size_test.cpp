@@ -1,4 +1,4 @@
-// The size of the table: limits, growth, cleaning, and what checkpoints say about it.
+// The size of the table: limits, growth, cleaning and checkpoints.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ HashGridSettings with_limit(int max_cells) {
   return s;
 }
 
-/// One sample for each of `count` cells, from the cell numbered `first` on.
+/// Adds one sample to each of `count` cells, starting at cell `first`.
 void fill(HashGrid& grid, int first, int count) {
   const HashGridView v = grid.view(grid_camera());
   for (int i = first; i < first + count; ++i) {
@@ -39,7 +39,7 @@ TEST(HashGridSize, CleansAFullTableOfItsLargestSize) {
   Backend backend(1);
   fill(grid, 0, 75);
   grid.end_frame(backend);
-  for (int frame = 0; frame < 4; ++frame) {  // the first 75 die, 105 live: less than half of the keys are dead
+  for (int frame = 0; frame < 4; ++frame) {  // 75 cells are evicted, 105 live: less than half of the keys are dead
     fill(grid, 75, 105);
     grid.end_frame(backend);
   }
@@ -141,7 +141,7 @@ TEST(HashGridSize, DiscardsTheOldestCells) {
   Backend backend(1);
   fill(grid, 0, 200);
   grid.end_frame(backend);
-  fill(grid, 100, 200);  // 0 to 99 were not seen in this frame
+  fill(grid, 100, 200);  // 0 to 99 have no sample in this frame
   grid.end_frame(backend);
   EXPECT_EQ(grid.statistics().cells, 224u);
   EXPECT_EQ(grid.statistics().discarded, 76u);
@@ -160,7 +160,7 @@ TEST(HashGridSize, SamplesWithoutMemoryAreDroppedAndCounted) {
   grid.end_frame(backend);
   EXPECT_EQ(grid.statistics().samples, 128u);
   EXPECT_EQ(grid.statistics().dropped, 872u);
-  HashGrid hasty(with_limit(64), 1, HashGridBounds{.samples_a_frame = 100});  // waiting
+  HashGrid hasty(with_limit(64), 1, HashGridBounds{.samples_a_frame = 100});  // length of the waiting list
   fill(hasty, 0, 1000);
   hasty.end_frame(backend);
   EXPECT_EQ(hasty.statistics().samples, 164u);
@@ -179,7 +179,7 @@ TEST(HashGridSize, KeepsToALimitThatWasLowered) {
   EXPECT_EQ(grid.statistics().cells, 3000u);
   grid.clear();
   EXPECT_EQ(grid.statistics().slots, 4096u);
-  // What it saves it can load.
+  // A saved state can be loaded.
   HashGrid other(with_limit(4096), 64);
   EXPECT_TRUE(other.load(grid.save()));
   grid.configure(with_limit(1 << 16));  // and grows again
@@ -188,7 +188,7 @@ TEST(HashGridSize, KeepsToALimitThatWasLowered) {
   EXPECT_GT(grid.statistics().slots, 4096u);
 }
 
-// Each sample without a place would probe the whole table, and each look-up after that.
+// Otherwise each sample without a slot would probe the whole table, as would each later look-up.
 TEST(HashGridSize, AFullMemoryIsNotSearchedInVain) {
   HashGrid grid(with_limit(64), 1, HashGridBounds{.slots = 64, .memory_slots = 1 << 16});
   Backend backend(1);
@@ -234,7 +234,7 @@ TEST(HashGridSize, DoesNotBelieveCheckpointsThatLieAboutSizes) {
               twice.begin() + static_cast<std::ptrdiff_t>(bytes.size()));
   EXPECT_FALSE(grid.load(twice));  // the same cell
   EXPECT_EQ(grid.statistics().cells, 2u);
-  // Whatever the guess at the number of cells, an empty table has slots, and no more than the limit.
+  // With any expected number of cells, an empty table has slots, and no more than the limit.
   for (const uint64_t expected : {uint64_t{0}, uint64_t{1} << 28}) {
     ASSERT_TRUE(grid.load(lie(sizeof(uint32_t), expected)));
     grid.clear();
@@ -260,7 +260,7 @@ TEST(HashGridSize, AnOpenLimitFollowsTheImageWithinTheMemory) {
   const auto slots = [](uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
     return bounds_for(pixels, depths, memory_bytes).slots;
   };
-  // 1.5 cells a pixel, as path graphs have in Sponza, leave a table for 4K half empty.
+  // 1.5 cells per pixel, as path graphs have in Sponza, leave a table for 4K half empty.
   EXPECT_GE(slots(kPixels4K, 7, kRoomy), 3 * kPixels4K);
   EXPECT_EQ(slots(kPixels4K, 2, kRoomy), 2 * slots(kPixels4K, 1, kRoomy));
   EXPECT_LE(slots(kPixels4K, 64, kRoomy), uint64_t{kMostSlots});
@@ -268,7 +268,7 @@ TEST(HashGridSize, AnOpenLimitFollowsTheImageWithinTheMemory) {
   EXPECT_GE(slots(1, 1, 0), 1u);
   HashGrid grid(with_limit(0), 64, {.slots = 5000});
   EXPECT_EQ(grid.limit(), 5000u);
-  grid.configure(with_limit(300), {.slots = 5000});  // a limit that is set wins
+  grid.configure(with_limit(300), {.slots = 5000});  // the setting takes precedence
   EXPECT_EQ(grid.limit(), 300u);
 }
 

@@ -8,13 +8,13 @@
 namespace relume {
 namespace {
 
-/// Slots for each cell that is expected. adjust_size() keeps the table at most half full, so that probing stays short.
+/// Slots per expected cell. adjust_size() keeps the table at most half full, so that probing stays short.
 constexpr uint64_t kSlotsPerCell = 4;
 constexpr uint32_t kMinSlots = 1024;
 
 constexpr uint64_t kSlotBytes = sizeof(uint64_t) + 2 * sizeof(uint32_t) + sizeof(CellSums) + sizeof(CellHistory);
 
-/// Probes as many slots as there are.
+/// Probes all slots.
 constexpr uint32_t kAnywhere = kNoCell;
 
 uint32_t rows_of(size_t slots) { return static_cast<uint32_t>((slots + kMaintenanceRow - 1) / kMaintenanceRow); }
@@ -33,10 +33,10 @@ T take(std::span<const std::byte>& bytes) {
   return value;
 }
 
-/// Cells that a table of its largest size keeps: seven eighths, so that probing ends.
+/// Maximum number of cells between frames: seven eighths of the slots, so that probing ends.
 uint64_t capacity_of(uint32_t slots) { return std::max<uint64_t>(1, uint64_t{slots} * 7 / 8); }
 
-/// What goes into a checkpoint: the number of slots, counters, and each cell.
+/// A checkpoint has the number of slots, counters and all cells.
 constexpr size_t kSavedHeaderBytes = sizeof(uint32_t) + sizeof(HashGridCounters) + 4 * sizeof(uint64_t);
 constexpr size_t kSavedCellBytes = sizeof(uint64_t) + sizeof(uint32_t) + sizeof(CellHistory);
 
@@ -45,7 +45,7 @@ struct SavedCell {
   CellHistory history;
 };
 
-/// Different keys among the samples that wait. None of them is in the table.
+/// Number of distinct keys of waiting samples. None of them is in the table.
 uint64_t distinct_keys(const View<const WaitingSample>& samples, const CellKeys& keys) {
   std::vector<uint64_t> fingerprints(samples.size);
   for (uint32_t i = 0; i < samples.size; ++i)
@@ -54,7 +54,7 @@ uint64_t distinct_keys(const View<const WaitingSample>& samples, const CellKeys&
   return static_cast<uint64_t>(std::unique(fingerprints.begin(), fingerprints.end()) - fingerprints.begin());
 }
 
-/// The cells behind the header of a checkpoint; empty if some are impossible.
+/// The cells after the header of a checkpoint; empty if any is invalid.
 std::vector<SavedCell> read_cells(std::span<const std::byte> bytes) {
   std::vector<SavedCell> cells(bytes.size() / kSavedCellBytes);
   for (SavedCell& cell : cells) {
@@ -75,7 +75,7 @@ std::vector<SavedCell> read_cells(std::span<const std::byte> bytes) {
 HashGridBounds bounds_for(uint64_t pixels, uint64_t depths, uint64_t memory_bytes) {
   const uint64_t in_memory = std::clamp(memory_bytes / 8 / kSlotBytes, uint64_t{kMinSlots}, uint64_t{kMostSlots});
   const uint64_t wanted = std::max(pixels * depths * kSlotsPerCell, uint64_t{1} << 20);
-  // One sample in eight goes to a coarser cell, too.
+  // One sample in eight is added to a coarser cell, too.
   return {std::min(wanted, in_memory), in_memory, pixels * depths * 5 / 4 + kMinSlots};
 }
 
@@ -146,8 +146,8 @@ HashGridView HashGrid::placing_view(uint32_t probes) {
   return v;
 }
 
-/// Grows the table if its keys fill more than half of it, and gives the samples that wait their cells. Which samples
-/// wait depends on timing; the number of keys does not.
+/// Grows the table if its keys fill more than half of it, then adds the waiting samples. The set of waiting samples
+/// depends on timing; the number of keys does not.
 void HashGrid::settle(Backend& backend) {
   const auto waiting = static_cast<uint32_t>(std::min(uint64_t{overflow_count_}, overflow_capacity_));
   const View<const WaitingSample> samples{reinterpret_cast<const WaitingSample*>(overflow_.get()), waiting};
@@ -155,7 +155,7 @@ void HashGrid::settle(Backend& backend) {
   const uint64_t wanted = std::max(2 * keys, uint64_t{wanted_slots(keys)});
   const auto slots = static_cast<uint32_t>(std::min(wanted, uint64_t{memory_limit_}));
   if (2 * keys > fingerprints_.size() && slots > fingerprints_.size()) rebuild(backend, slots);
-  // A table that memory does not let grow may be full; probing all of it for each sample would take forever.
+  // A table at its memory limit may be full. Probing all of it for each sample would take too long.
   const uint32_t probes = 2 * keys <= memory_limit_ ? kAnywhere : 4 * kMaxProbes;
   if (waiting > 0) {
     launch(backend, "cells", AddWaitingSamplesKernel{samples, placing_view(probes), &longest_}, kMaintenanceRow,
@@ -193,22 +193,22 @@ void HashGrid::abandon_frame() {
   abandoned_ = true;
 }
 
-/// Forgets the samples of a frame that was abandoned, and the keys that it made.
+/// Discards the samples of an abandoned frame and the keys that it inserted.
 void HashGrid::drop_frame(Backend& backend) {
   abandoned_ = false;
   std::fill(sums_.begin(), sums_.end(), CellSums{});
   if (!std::exchange(has_abandoned_keys_, false)) return std::fill(parents_.begin(), parents_.end(), kNoCell);
   rebuild(backend, static_cast<uint32_t>(fingerprints_.size()));
-  --rebuilds_;  // none that a frame asked for
+  --rebuilds_;  // not counted
 }
 
 void HashGrid::adjust_size(Backend& backend) {
   if (abandoned_) drop_frame(backend);
   const uint64_t slots = fingerprints_.size();
   if (census_.live > capacity_of(limit_)) discard_oldest(census_.live - capacity_of(limit_));
-  // Emptied cells keep their slots, or probing would stop at the gaps, until a rebuild.
+  // Emptied cells keep their slots until a rebuild, because probing stops at gaps.
   const uint32_t wanted = wanted_slots(census_.live);
-  // Cleaning takes a pass over the table: it has to free some of it.
+  // Cleaning takes a pass over the table, so it must free at least an eighth of it.
   const bool worthwhile = (census_.taken - census_.live) * 8 >= slots;
   const bool crowded = census_.taken * 2 > slots && (wanted > slots || worthwhile);
   const bool spacious = uint64_t{wanted} * 8 < slots && wanted >= first_slots_;
@@ -221,7 +221,7 @@ void HashGrid::discard_oldest(uint64_t count) {
   for (uint32_t i = 0; i < histories_.size(); ++i) {
     if (!histories_[i].empty()) cells.push_back(i);
   }
-  // A total order, or the choice would depend on the slots.
+  // A total order, so the choice does not depend on slots.
   const auto rank = [&](uint32_t i) {
     return std::tuple(histories_[i].age, -histories_[i].moments.count, fingerprints_[i], bucket_hashes_[i]);
   };
@@ -295,7 +295,7 @@ HashGridStatistics HashGrid::statistics() const {
 }
 
 std::vector<std::byte> HashGrid::save() const {
-  // Cells without a history are those that an abandoned frame made, or were evicted.
+  // Cells without a history were inserted by an abandoned frame or evicted.
   const auto is_saved = [&](size_t i) {
     return fingerprints_[i] != 0 && !(has_abandoned_keys_ && histories_[i].empty());
   };

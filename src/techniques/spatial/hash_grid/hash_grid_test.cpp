@@ -20,7 +20,7 @@ Rgb value(uint32_t i) {
   return {std::exp2(16.0f * to_unit_float(hash(i, 3u)) - 8.0f), to_unit_float(hash(i, 4u)), 1.0f};
 }
 
-/// One sample an element.
+/// Inserts one sample per element.
 struct FillKernel {
   HashGridView grid;
   uint32_t first = 0;
@@ -62,12 +62,12 @@ TEST(HashGrid, MomentsOfEveryCellEqualBruteForce) {
     s.p = point(i);
   }
   EXPECT_GT(expected.size(), 1000u);
-  EXPECT_EQ(v.moments(expected.begin()->second.p).count, 0.0f);  // not before all samples are in
+  EXPECT_EQ(v.moments(expected.begin()->second.p).count, 0.0f);  // no moments before advance()
   grid.advance(backend);
   for (const auto& [key, s] : expected) {
     const CellMoments m = v.moments(s.p);
     ASSERT_EQ(m.count, s.count);
-    // Sums of floats of up to 24 bits by up to thousands of terms: exact; then one rounding to float.
+    // Sums of up to thousands of floats with 24 bits are exact in double; one rounding to float remains.
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(m.mean[c] / (s.value[c] / s.count), 1.0, 3e-7);
     ASSERT_NEAR(m.mean_square / (s.square / s.count), 1.0, 5e-7);
   }
@@ -76,7 +76,7 @@ TEST(HashGrid, MomentsOfEveryCellEqualBruteForce) {
   EXPECT_EQ(grid.statistics().dropped, 0u);
 }
 
-/// All moments, found by key.
+/// Moments of points 0 to count − 1, looked up by key.
 std::vector<CellMoments> everything(HashGrid& grid, uint32_t count) {
   const HashGridView v = grid.view(grid_camera());
   std::vector<CellMoments> all;
@@ -84,7 +84,7 @@ std::vector<CellMoments> everything(HashGrid& grid, uint32_t count) {
   return all;
 }
 
-/// Moments of all cells after four frames, each with twice as many samples as the one before.
+/// Moments of all cells after four frames, each with twice the samples of the previous one.
 std::vector<CellMoments> four_frames(const HashGridSettings& settings, int threads, HashGridStatistics& statistics) {
   HashGrid grid(settings, 2048);
   Backend backend(threads);
@@ -96,7 +96,7 @@ std::vector<CellMoments> four_frames(const HashGridSettings& settings, int threa
   return everything(grid, 36000);
 }
 
-/// Which slots are taken when the samples of one frame are in.
+/// Whether each slot is occupied after one frame.
 std::vector<bool> taken_slots(const HashGridSettings& settings, int threads) {
   HashGrid grid(settings, 64);
   Backend backend(threads);
@@ -166,7 +166,7 @@ TEST(HashGrid, EvictsByAgeAndUsesTheRoomAgain) {
   grid.end_frame(backend);
   EXPECT_EQ(grid.statistics().cells, 0u);
   EXPECT_EQ(grid.statistics().evicted, cells);
-  // Ever new cells pass through a table that could not hold them all.
+  // New cells in each frame, in total more than fit into the table.
   for (uint32_t frame = 0; frame < 60; ++frame) {
     fill(grid, backend, 8, 100'000 + frame * 512);
     grid.end_frame(backend);
@@ -191,7 +191,7 @@ TEST(HashGrid, FollowsTheNumberOfCells) {
 }
 
 TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
-  // Bumpy surfaces: 24 normals in each of 500 voxels, a table that is a third full.
+  // A bumpy surface with 24 normals in each of 500 voxels. The table is a third full.
   HashGrid grid(plain(), 9000);
   Backend backend(1);
   const HashGridView v = grid.view(grid_camera());
@@ -205,7 +205,7 @@ TEST(HashGrid, ManyOrientationsInAVoxelAreFoundSoon) {
   }
   grid.advance(backend);
   EXPECT_GT(grid.statistics().occupancy, 0.25f);
-  EXPECT_LT(grid.statistics().mean_probes, 6.0f);  // 12.5 and more if all began at one slot
+  EXPECT_LT(grid.statistics().mean_probes, 6.0f);  // at least 12.5 if all of a voxel began at one slot
 }
 
 TEST(HashGrid, ComesBackFromACheckpoint) {
@@ -263,11 +263,11 @@ TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
   HashGridSettings settings = plain();
   settings.inherited_count = 16;
   Backend backend(1);
-  for (const float scale : {0.5f, 2.0f}) {  // before the camera came here, the cell was twice as large, or half
+  for (const float scale : {0.5f, 2.0f}) {  // cells were twice or half as large before
     HashGrid grid(settings, 1 << 12);
     CameraView before = grid_camera();
     before.resolution *= scale;
-    // The middle of the new cell is what counts.
+    // The centre of the new cell decides.
     const CellKeys keys = grid.view(grid_camera()).keys;
     CellPoint p = point(0);
     p.position = Vec3(keys.middle(p.position, keys.level_of_detail(p.position)));
@@ -276,7 +276,7 @@ TEST(HashGrid, NewCellsBeginWithWhatTheOtherLevelKnows) {
     for (int i = 0; i < 16; ++i) grid.view(grid_camera()).insert(p, Rgb(1), 1, 0.9f);
     grid.end_frame(backend);
     const CellMoments m = grid.view(grid_camera()).moments(p);
-    EXPECT_EQ(m.count, 32.0f);  // 16 of the 40, and its own
+    EXPECT_EQ(m.count, 32.0f);  // 16 inherited of 40, and 16 new ones
     EXPECT_NEAR(m.mean.r, 2.0f, 1e-6f);
     EXPECT_EQ(grid.statistics().inherited, 1u);
   }
@@ -293,7 +293,7 @@ TEST(HashGrid, CellsThatStandAloneTellNoOther) {
     CellPoint beside = point(0);
     beside.position.x += 1.25f * edge;
     for (int frame = 0; frame < 2; ++frame) {
-      // The one beside is new in the second frame, and could inherit.
+      // The neighbour is new in the second frame and could inherit.
       const HashGridView v = grid.view(grid_camera());
       for (int i = 0; i < 64; ++i) v.insert(point(0), Rgb(2), 1, 0.0f, kNoCell, alone);
       if (frame == 1) v.insert(beside, Rgb(0), 1, 0.9f, kNoCell, alone);
@@ -312,7 +312,7 @@ TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
   HashGrid grid(settings, 1 << 12);
   Backend backend(1);
   const HashGridView v = grid.view(grid_camera());
-  // One sample a cell over a patch of several coarser cells, all of which pass on (u = 0).
+  // One sample per cell over several coarser cells; u = 0 adds each to all coarser levels.
   const float edge = std::exp2(static_cast<float>(v.keys.level_of_detail(point(0).position)));
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 16; ++x) {
@@ -323,9 +323,9 @@ TEST(HashGrid, ThinCellsLookAtCoarserOnes) {
   }
   grid.end_frame(backend);
   const CellMoments m = grid.view(grid_camera()).moments(point(0));
-  EXPECT_GE(m.count, 8.0f);  // 4^2 cells make one that is two levels coarser
+  EXPECT_GE(m.count, 8.0f);  // a cell two levels coarser covers 4² cells
   EXPECT_EQ(m.mean, Rgb(2));
-  // Without any sample of its own, too.
+  // A cell without samples is pooled, too.
   CellPoint lone = point(0);
   lone.position += edge * Vec3(0.4f, 8.2f, 0);
   EXPECT_GT(grid.view(grid_camera()).moments(lone).count, 0.0f);
@@ -355,13 +355,13 @@ TEST(HashGrid, ThinCellsPoolTheirNeighbours) {
   const int level = v.keys.level_of_detail(point(0).position);
   const float edge = std::exp2(static_cast<float>(level));
   double sum = 0;
-  for (int i = 0; i < 9; ++i) {  // the cell itself and the eight around it in the plane
+  for (int i = 0; i < 9; ++i) {  // the cell and the eight around it in the plane
     CellPoint p = point(0);
     p.position += edge * Vec3(static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 - 1), 0);
     v.insert(p, Rgb(static_cast<float>(i)), 1, 0.0f);
   }
   grid.end_frame(backend);
-  // Which quarter of its cell the point is in decides which neighbours are nearest.
+  // The quarter of the cell that contains the point determines the nearest neighbours.
   const glm::dvec3 x = v.keys.grid_position(glm::dvec3(point(0).position), level);
   const int dx = x.x - std::floor(x.x) < 0.5 ? -1 : 1;
   const int dy = x.y - std::floor(x.y) < 0.5 ? -1 : 1;

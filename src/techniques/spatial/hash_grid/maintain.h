@@ -1,5 +1,5 @@
-// Passes over the table after the paths of a frame: histories take in what it has added, cells that nobody has used for
-// long are emptied, and what is left moves to a table of another size when that pays.
+// Passes over the table after the paths of a frame. They pool sums with histories, empty cells that were unused for
+// long, and move cells to a table of another size.
 #pragma once
 
 #include "frame/launch.h"
@@ -7,20 +7,20 @@
 
 namespace relume {
 
-/// What the passes have counted.
+/// Counts of the passes.
 struct HashGridCensus {
   uint64_t taken = 0;          ///< slots with a key
   uint64_t live = 0;           ///< cells with samples
   uint64_t evicted = 0;        ///< cells emptied in this pass
-  uint64_t samples = 0;        ///< added in the frame
-  uint64_t changed = 0;        ///< cells in regions that have changed
-  uint64_t displacements = 0;  ///< distance of the cells from their first slots, summed
+  uint64_t samples = 0;        ///< samples added in the frame
+  uint64_t changed = 0;        ///< cells in changed regions
+  uint64_t displacements = 0;  ///< sum of the distances of cells from their first slots
 };
 
-/// Slots side by side in the grid over which the passes run.
+/// Width of the launches, in slots.
 inline constexpr uint32_t kMaintenanceRow = 16;
 
-/// Gives new cells what they take over from another level; one call a slot. Reads no cell that it writes.
+/// Copies inherited moments to new cells; one call per slot. Reads no cell that it writes.
 struct InheritCellsKernel {
   HashGridView grid;
   View<CellHistory> histories;
@@ -33,7 +33,7 @@ struct InheritCellsKernel {
   }
 };
 
-/// Compares what cells have gathered with what they remember, for each region; one call a slot.
+/// Sums the squared departures of windows from histories per region; one call per slot.
 struct MeasureChangesKernel {
   HashGridView grid;
   View<RegionChange> regions;
@@ -49,13 +49,13 @@ struct MeasureChangesKernel {
   }
 };
 
-/// Averages and evicts; one call a slot.
+/// Pools sums with histories and evicts old cells; one call per slot.
 struct MaintainCellsKernel {
   HashGridView grid;
   View<CellHistory> histories;
-  View<const RegionChange> regions;  ///< empty: nothing is known of changes
+  View<const RegionChange> regions;  ///< results of MeasureChangesKernel; empty: regions are not tested
   HashGridCensus* census = nullptr;
-  uint32_t max_age = 0;  ///< frames without samples after which a cell is emptied
+  uint32_t max_age = 0;  ///< maximum number of frames without samples
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     HashGridCensus part;
@@ -105,15 +105,15 @@ struct MaintainCellsKernel {
   }
 };
 
-/// Copies the cells of one table that hold anything into another, empty one; one call a slot of the source.
+/// Copies all cells with samples to an empty table; one call per slot of the source.
 struct MoveCellsKernel {
   View<const uint64_t> fingerprints;
   View<const uint32_t> bucket_hashes;
   View<const CellSums> sums;
   View<const CellHistory> source;
   HashGridView target;
-  View<CellHistory> histories;  ///< of the target
-  uint32_t* longest = nullptr;  ///< largest number of slots between a cell and its first slot
+  View<CellHistory> histories;  ///< histories of the target
+  uint32_t* longest = nullptr;  ///< largest displacement of a cell
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t from = y * kMaintenanceRow + x;
@@ -126,7 +126,7 @@ struct MoveCellsKernel {
   }
 };
 
-/// Takes the links to parents along, when MoveCellsKernel is through; one call a slot of the source.
+/// Copies the links to parents after MoveCellsKernel; one call per slot of the source.
 struct MoveParentsKernel {
   View<const uint64_t> fingerprints;
   View<const uint32_t> bucket_hashes;
@@ -142,7 +142,7 @@ struct MoveParentsKernel {
   }
 };
 
-/// Adds the samples that wait to their cells; one call a sample.
+/// Adds waiting samples to their cells; one call per sample.
 struct AddWaitingSamplesKernel {
   View<const WaitingSample> samples;
   HashGridView grid;

@@ -1,5 +1,5 @@
-// Samples whose cells found no slot while paths were traced. They wait in a list, in any order, until the table has
-// grown: sums of cells do not depend on the order of their samples, so neither does the image.
+// Samples whose keys found no slot while paths were traced. They wait in an unordered list until the table has grown.
+// The image does not depend on their order, because the sums of cells do not.
 #pragma once
 
 #include "core/fixed_point.h"
@@ -13,13 +13,13 @@ struct WaitingSample {
   CellPoint point;
   Rgb value{0};
   float weight = 0;
-  int coarser = 0;  ///< levels above the cell of `point`
+  int coarser = 0;  ///< levels of the target above the cell of `point`
   bool alone = false;
 };
 
 struct OverflowView {
   View<WaitingSample> samples;
-  uint32_t* count = nullptr;  ///< additions so far, beyond the end of the list too
+  uint32_t* count = nullptr;  ///< additions so far, including those beyond the end of the list
 
   /// Thread-safe. False if the list is full.
   RELUME_HD bool add(const WaitingSample& sample) const {

@@ -1,4 +1,4 @@
-// Settings of the hash grid, for whichever technique keeps its cells in one.
+// Settings of the hash grid, shared by the techniques that use one.
 #pragma once
 
 #include "settings/setting.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// No table has more slots.
+/// Maximum number of slots of a table.
 inline constexpr int kMostSlots = 1 << 28;
 
 struct HashGridSettings {
@@ -21,7 +21,7 @@ struct HashGridSettings {
   ThinCells thin_cells = ThinCells::coarser;
   float clamp = 0;
   float change_detection = 4;
-  int max_cells = 0;  ///< slots of the table at most; 0: as image and memory ask for
+  int max_cells = 0;  ///< maximum number of slots between frames; 0: from the sizes of image and memory
 };
 
 SettingList describe(HashGridSettings& settings);

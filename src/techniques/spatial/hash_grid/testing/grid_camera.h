@@ -1,11 +1,11 @@
-// The camera with which tests of the hash grid look at their cells.
+// The camera of the hash grid's tests.
 #pragma once
 
 #include "scene/camera_view.h"
 
 namespace relume {
 
-/// At the origin, along -Z; the image at distance 1 is 1 by 1, of 1000 × 1000 pixels.
+/// A camera at the origin that looks along −Z. Its image at distance 1 is 1 × 1 with 1000 × 1000 pixels.
 inline CameraView grid_camera() {
   CameraView camera;
   camera.axes = make_frame(Vec3(0, 0, 1));
