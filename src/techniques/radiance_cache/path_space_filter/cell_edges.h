@@ -1,4 +1,4 @@
-// More camera rays for pixels at the edges of something bright, whose emission goes past the cells.
+// More camera rays for pixels at the edges of light sources, whose emission is not filtered.
 #pragma once
 
 #include "techniques/gbuffer/primary_hits/emission_edges.h"
@@ -6,16 +6,16 @@
 
 namespace relume {
 
-/// Finds pixels at the edges of something bright and measures how much of it they see.
+/// Finds pixels at the edges of light sources and estimates their mean emission.
 struct CellEdges {
   PathContext context;
   SampleIndex index;
   View<const FilteredPixel> pixels;
-  uint32_t rays = 0;  ///< for each such pixel; 0: none gets any
+  uint32_t rays = 0;  ///< camera rays per pixel at an edge; 0: no pixel has more
   uint32_t width = 0;
   uint32_t height = 0;
 
-  /// Whether something bright ends around pixel (x, y).
+  /// Whether pixel (x, y) is at the edge of a light source.
   RELUME_HD bool contains(const HashGridView& grid, uint32_t x, uint32_t y) const {
     const float contrast =
         emission_contrast(x, y, width, height, [&](uint32_t i) { return luminance(pixels[i].seen); });
@@ -24,7 +24,7 @@ struct CellEdges {
     return contrast > kEmissionContrast * darkest_around(x, y, width, height, radiance);
   }
 
-  /// Mean emission of what pixel (x, y) sees.
+  /// Mean emission within pixel (x, y).
   RELUME_HD Rgb emission(uint32_t x, uint32_t y) const {
     SurfacePoint points[2];
     points[1].bsdf.lobe_count = 0;  // the camera
@@ -41,7 +41,7 @@ struct CellEdges {
  private:
   RELUME_HD static Rgb shown(const HashGridView& grid, const FilteredPixel& p) {
     if (!p.filtered) return p.seen;
-    // Whether a path knew its cell depends on whether another one had just made it.
+    // The path may have missed a cell that another thread inserted later, so kNoCell is looked up again.
     const uint32_t slot = grid.find(p.point, p.slot);
     return p.seen + p.factor * grid.own_moments(slot).mean;
   }

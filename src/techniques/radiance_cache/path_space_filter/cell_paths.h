@@ -1,4 +1,4 @@
-// What caches in a hash grid have in common where they trace paths: their output, and random numbers of their own.
+// Shared parts of caches that fill a hash grid: the output of their paths and random numbers for keys.
 #pragma once
 
 #include "techniques/radiance_cache/path_space_filter/filtered_pixel.h"
@@ -6,7 +6,7 @@
 
 namespace relume {
 
-/// Random numbers of a pixel and frame for keys, apart from those of the path. `purpose` keeps them apart.
+/// Random numbers of a pixel and frame that are independent of the path's. `purpose` distinguishes uses.
 RELUME_HD inline float filter_random(const SampleIndex& index, uint32_t x, uint32_t y, uint32_t purpose) {
   const uint32_t frame = hash(index.seed, index.frame, index.sample, 0x2545f491u + purpose);
   return to_unit_float(hash(frame, x, y));
@@ -15,11 +15,11 @@ RELUME_HD inline Vec2 filter_random_2d(const SampleIndex& index, uint32_t x, uin
   return {filter_random(index, x, y, 2 * purpose + 0x10000u), filter_random(index, x, y, 2 * purpose + 0x10001u)};
 }
 
-/// Fills the cells. `Cache` has a path policy,
+/// Output of paths that fill cells. `Cache` has a path policy,
 ///   Policy
 ///   policy(index, x, y)
-/// which steers paths, gives their samples to the cells when they are finished, and has
-///   pixel()        what the pixel is made of once the cells have all samples
+/// which steers paths and adds their samples to cells in finished(). It has
+///   pixel()        the FilteredPixel for the pass that reads the cells
 template <typename Cache>
 struct CellsOutput {
   using Policy = typename Cache::Policy;
@@ -34,7 +34,7 @@ struct CellsOutput {
   RELUME_HD void leave_out(uint32_t pixel) const { pixels[pixel] = {}; }
 };
 
-/// Traces one path a pixel and fills the cells.
+/// Traces one path per pixel and fills the cells.
 template <typename Cache>
 using CellPathsKernel = PathKernel<CellsOutput<Cache>>;
 

@@ -8,10 +8,10 @@
 namespace relume {
 namespace {
 
-/// Cells a patch of cell-size² pixels has: neighbours that the jitter reaches, orientations, coarser levels.
+/// Cells per patch of cell-size² pixels, with neighbours in reach of the jitter, other orientations and coarser levels.
 constexpr float kCellsPerPatch = 4;
 
-/// Light goes from cell to cell, so that what has changed shows here or there for some frames.
+/// Frames after a change in which regions are tested, because light propagates from cell to cell.
 constexpr uint32_t kWatchedFrames = 24;
 
 constexpr BufferKey<uint32_t> kCellIdentity{"cell-identity"};
@@ -36,7 +36,7 @@ bool CellsPass::run(const FrameContext& frame) {
   ready_ = true;
   grid_.configure(settings_.grid, bounds);
   if (includes(frame.changes, Change::settings)) grid_.clear();
-  grid_.adjust_size(frame.backend);  // the limit may be another one now
+  grid_.adjust_size(frame.backend);  // the limit may have changed
   watched_before_ = watched_frames_;
   if (watched_frames_ > 0) --watched_frames_;
   if (includes(frame.changes, Change::geometry | Change::lights | Change::materials)) watched_frames_ = kWatchedFrames;

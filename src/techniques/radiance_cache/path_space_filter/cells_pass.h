@@ -1,5 +1,5 @@
-// The passes around the paths of every cache that keeps its cells in a hash grid: one makes the grid ready, one turns
-// cells into pixels and keeps the grid in shape.
+// The passes before and after the paths of caches in a hash grid. One prepares the grid; the other computes pixels from
+// cells and maintains the grid.
 #pragma once
 
 #include <memory>
@@ -14,16 +14,17 @@
 
 namespace relume {
 
-/// Per pixel, what its path leaves for the cells.
+/// Results of each pixel's path for ResolveCellsPass.
 inline constexpr BufferKey<FilteredPixel> kFilteredPixels{"filtered-pixels"};
-/// Per pixel, the bounce, from 1, at which its path ceased to count.
+/// Bounce, from 1, at which the contribution of each pixel's path ended.
 inline constexpr BufferKey<float> kCellTermination{"cell-termination"};
 
-/// Owns the cells. Does not adapt() in the sense of Pass: frames go on with one low-discrepancy sequence a pixel, whose
-/// evenness one sample a pixel lives on; a pixel's earlier samples are one in hundreds of those that its cell knows.
+/// Owns the cells. Its longest_epoch() is 0: all frames continue one low-discrepancy sequence per pixel, because images
+/// of one sample need its stratification. Of a cell's samples, only one in hundreds is an earlier one of the same
+/// pixel.
 class CellsPass final : public Pass {
  public:
-  /// `depths`: vertices of a path that have cells of their own; for the table's first size.
+  /// `depths`: number of path vertices with separate cells, for the size of the table.
   CellsPass(const PathSpaceFilterSettings& settings, uint32_t depths) : settings_(settings), depths_(depths) {}
 
   void configure(const PathSpaceFilterSettings& settings) { settings_ = settings; }
@@ -37,28 +38,28 @@ class CellsPass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// Valid from the first run() on.
+  /// Valid after the first run().
   const FilterContext& filter() const { return filter_; }
   uint32_t edge_rays() const { return static_cast<uint32_t>(settings_.edge_rays); }
-  /// When all samples are in: what is read through filter() from then on includes them.
+  /// Call after all samples of the frame. Moments that filter() reads then include them.
   void advance(const FrameContext& frame);
-  /// When nobody knows slots any more.
+  /// Call when no slot is in use.
   void adjust_size(Backend& backend) { grid_.adjust_size(backend); }
 
  private:
   PathSpaceFilterSettings settings_;
   uint32_t depths_;
   HashGrid grid_;
-  uint32_t watched_frames_ = 0;  ///< for which cells still look for changes
+  uint32_t watched_frames_ = 0;  ///< remaining frames in which regions are tested for changes
   uint32_t watched_before_ = 0;  ///< the same before this frame
   bool ready_ = false;
   FilterContext filter_;
 };
 
-/// Shows the cells. Owns the layers that say what they are like.
+/// Computes pixels from paths and cells. Owns the layers that show cells.
 class ResolveCellsPass final : public Pass {
  public:
-  /// `sharpens_edges`: whether pixels at edges of emission get more camera rays here; denoisers see to that themselves.
+  /// `sharpens_edges`: whether this pass traces more camera rays at edges of light sources. Denoisers trace their own.
   ResolveCellsPass(const PathSource& source, CellsPass& cells, bool sharpens_edges)
       : source_(source), cells_(cells), sharpens_edges_(sharpens_edges) {}
 
@@ -72,10 +73,10 @@ class ResolveCellsPass final : public Pass {
   PathSource source_;
   CellsPass& cells_;
   bool sharpens_edges_;
-  View<const FilteredPixel> pixels_;  ///< of the last frame
+  View<const FilteredPixel> pixels_;  ///< pixels of the last frame
 };
 
-/// Of a pass that traces paths and fills cells: owns what estimators own, and what pixels leave for the cells.
+/// Declaration of a pass that traces paths and fills cells. It owns the buffers of estimators and kFilteredPixels.
 PassDeclaration cell_paths_declaration();
 
 /// Traces paths and fills cells; `cache` as for CellsOutput.

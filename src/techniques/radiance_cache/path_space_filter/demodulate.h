@@ -1,33 +1,33 @@
-// Taking the albedo out of a vertex: cells hold what a surface would reflect if its albedo were one, so textures stay
-// sharp under a filter ([Schipek22 eq. 2.15]).
+// Demodulation of a vertex: cells store reflected radiance divided by the albedo, so textures stay sharp under a filter
+// ([Schipek22 eq. 2.15]).
 #pragma once
 
 #include "scene/surface_point.h"
 
 namespace relume {
 
-/// Diffuse colours below are raised before radiance is divided by the albedo. A black texel says nothing of the light
-/// that falls on it; its raised twin does, and the product with the true albedo stays black.
+/// Minimum of diffuse colours where radiance is divided by the albedo. With a raised colour, a black texel samples its
+/// incident light. The product with the true albedo stays black.
 inline constexpr float kSmallestDiffuseColor = 1e-3f;
-/// Lobes below this α depend on the direction to the viewer so much that keys may tell directions apart.
+/// α below which lobes are glossy: keys may distinguish the direction to the viewer.
 inline constexpr float kGlossyAlpha = 0.25f;
 
-/// How a vertex is demodulated. Delta lobes take no part: what they show is never filtered.
+/// Albedos of a vertex. Delta lobes are excluded, because their light is never filtered.
 struct Demodulation {
-  Rgb albedo{0};           ///< ρ: directional albedo of all lobes but delta ones
+  Rgb albedo{0};           ///< ρ: directional albedo of all lobes except delta ones
   Rgb raised{0};           ///< ρ': the same with raised diffuse colours
-  bool filtered = false;   ///< whether the vertex may be filtered at all: narrow lobes reflect at most half
-  bool glossy = false;     ///< some lobe is glossy
-  bool has_delta = false;  ///< there are delta lobes, which stay outside the cell
+  bool filtered = false;   ///< whether the vertex may be filtered: narrow lobes reflect at most half
+  bool glossy = false;     ///< whether a lobe is glossy
+  bool has_delta = false;  ///< whether delta lobes exist, which stay outside the cell
 
-  /// What radiance is divided by: ρ', 1 where nothing is reflected but what delta lobes show.
+  /// Divisor of radiance: ρ', or 1 in channels where only delta lobes reflect.
   RELUME_HD Rgb divisor() const {
     const auto positive = [](float x) { return x > 0.0f ? x : 1.0f; };
     return {positive(raised.r), positive(raised.g), positive(raised.b)};
   }
 };
 
-/// Colour of a diffuse lobe that radiance may be divided by.
+/// Colour of a diffuse lobe, raised so that radiance can be divided by it.
 RELUME_HD inline Rgb raised_color(const Rgb& color) { return glm::max(color, Rgb(kSmallestDiffuseColor)); }
 
 RELUME_HD inline Rgb raised_albedo(Lobe lobe, const EnergyTables& tables, float cos_theta_o) {
@@ -35,8 +35,8 @@ RELUME_HD inline Rgb raised_albedo(Lobe lobe, const EnergyTables& tables, float 
   return lobe_albedo(lobe, tables, cos_theta_o);
 }
 
-/// Demodulates `bsdf` and raises its diffuse colours to match. Lobes whose α is below `narrow_alpha` are narrow: a
-/// filter would blur what they show. Where they reflect more than half, the vertex is not filtered and stays as it is.
+/// Demodulates `bsdf` and raises its diffuse colours to match. Lobes with α below `narrow_alpha` are narrow: a filter
+/// would blur their reflections. If they reflect more than half, the vertex is neither filtered nor changed.
 RELUME_HD inline Demodulation demodulate(Bsdf& bsdf, float cos_theta_o, float narrow_alpha) {
   if (is_lambert(bsdf)) {
     Lobe& lobe = bsdf.lobes[0];

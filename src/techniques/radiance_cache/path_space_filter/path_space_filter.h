@@ -1,5 +1,6 @@
-// Path space filtering ([Binder19], [Schipek22 §2.4]): the radiance that a path brings to its first vertex that is not
-// nearly specular goes, without that vertex's albedo, into a cell of the hash grid; the pixel shows the cell's mean.
+// Path space filtering ([Binder19], [Schipek22 §2.4]). The filtered vertex of a path is the first that is not nearly
+// specular. Its radiance is divided by the albedo and added to a cell of the hash grid. The pixel shows the cell's
+// mean.
 #pragma once
 
 #include "techniques/radiance_cache/path_space_filter/cell_edges.h"
@@ -10,18 +11,18 @@ namespace relume {
 
 class FilterVertex;
 
-/// What the vertices of all paths share.
+/// Constants of all paths.
 struct FilterContext {
   using Policy = FilterVertex;
 
   HashGridView grid;
-  float narrow_alpha = 0.04f;  ///< lobes below are not filtered
+  float narrow_alpha = 0.04f;  ///< α below which lobes are not filtered
 
   RELUME_HD FilterVertex policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
-/// Takes the first vertex that may be filtered out of a path. What a delta lobe there shows is followed like any other
-/// path, but stays outside the cell.
+/// Diverts a path's radiance at the first vertex that may be filtered to a cell. A path that leaves through a delta
+/// lobe there continues as usual but stays outside the cell.
 class FilterVertex : public NoPolicy {
  public:
   FilterVertex() = default;
@@ -47,7 +48,7 @@ class FilterVertex : public NoPolicy {
     anchor_ = path.throughput * d.divisor();
     path.radiance = Rgb(0);
     path.throughput = 1.0f / d.divisor();
-    // Roulette compares with what leaves this vertex: about 1.
+    // Russian roulette compares with the throughput after this vertex, about 1.
     path.rr_reference = 1.0f;
     path.eta_scale = 1.0f;
     return true;
@@ -64,7 +65,7 @@ class FilterVertex : public NoPolicy {
     path.rr_reference *= max_component(anchor_);
   }
 
-  /// Gives the path's sample to the cell.
+  /// Adds the path's sample to the cell.
   RELUME_HD void finished(const PathState& path) {
     if (!reached()) {
       pixel_.unfiltered = path.radiance;
@@ -85,34 +86,34 @@ class FilterVertex : public NoPolicy {
   uint32_t x_ = 0;
   uint32_t y_ = 0;
   FilteredPixel pixel_;
-  Rgb anchor_{0};  ///< what turns demodulated throughput behind the vertex into true one
+  Rgb anchor_{0};  ///< ratio of true to demodulated throughput after the vertex
   Rgb sample_{0};
-  bool scatters_ = false;  ///< the path has met a surface that takes it on
+  bool scatters_ = false;  ///< whether the path has hit a surface
   bool left_ = false;
-  bool apart_ = false;  ///< the path has left through a delta lobe
+  bool apart_ = false;  ///< whether the path left through a delta lobe
 };
 
 RELUME_HD inline FilterVertex FilterContext::policy(const SampleIndex& index, uint32_t x, uint32_t y) const {
   return {*this, index, x, y};
 }
 
-/// Traces one path a pixel and fills the cells.
+/// Traces one path per pixel and fills the cells.
 using PathSpaceFilterKernel = CellPathsKernel<FilterContext>;
 
-/// What the cells look like, pixel by pixel; empty views are left out. 0 where nothing is filtered.
+/// Layers that show the cell of each pixel; empty views are not written. Pixels that are not filtered have 0.
 struct CellLayers {
-  View<uint32_t> identity;  ///< a hash that differs from cell to cell
+  View<uint32_t> identity;  ///< hash of the cell's fingerprint
   View<float> level;        ///< log2 of the edge in metres
-  View<float> count;        ///< samples
-  View<float> age;          ///< frames with samples since the cell began
-  View<float> variance;     ///< of a sample's luminance
-  View<float> survival;     ///< probability with which the path was followed
+  View<float> count;        ///< number of samples
+  View<float> age;          ///< frames with samples since the cell started
+  View<float> variance;     ///< variance of a sample's luminance
+  View<float> survival;     ///< probability of following the path
   View<float> blend;        ///< share of the cell in the pixel
-  View<float> termination;  ///< bounce at which cells took over; 0: nowhere
-  View<float> occupancy;    ///< share of taken slots around the cell's
+  View<float> termination;  ///< bounce, from 1, at which the path's contribution ended; 0: not recorded
+  View<float> occupancy;    ///< share of occupied slots near the cell's
 };
 
-/// Puts together what paths and cells say, after the cells have taken in all samples of the frame.
+/// Computes pixels from paths and cells, whose moments include all samples of the frame.
 struct ResolveCellsKernel {
   HashGridView grid;
   View<const FilteredPixel> pixels;
@@ -120,7 +121,7 @@ struct ResolveCellsKernel {
   CellLayers layers;
   uint32_t width = 0;
   CellEdges edges;
-  View<uint32_t> rays;  ///< of this sample; those of the edges are added
+  View<uint32_t> rays;  ///< rays of this sample, to which edge rays are added
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     const uint32_t i = y * width + x;

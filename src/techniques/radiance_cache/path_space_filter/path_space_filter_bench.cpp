@@ -1,4 +1,4 @@
-// One frame of one sample a pixel on one thread: paths alone, and with cells.
+// One frame of one sample per pixel on one thread: path tracing, and path space filtering.
 #include <benchmark/benchmark.h>
 
 #include "builtin_scenes/builtin.h"

@@ -28,7 +28,7 @@ glm::dvec3 mean_of(const std::vector<Rgb>& pixels) {
   return sum / static_cast<double>(pixels.size());
 }
 
-/// Mean square error of what is reflected: pixels that see the lamp, at its edge also a little of it, do not count.
+/// Mean squared error of reflected radiance. Pixels that see any of the lamp are excluded.
 double mse(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += max_component(b[i]) < 1.0f ? length_squared(a[i] - b[i]) : 0.0f;
@@ -50,7 +50,7 @@ TEST(PathSpaceFilter, CellsHoldWhatTheirPixelsTraced) {
   for (const FilteredPixel& p : frames.pixels()) {
     if (p.slot == kNoCell) continue;
     ASSERT_EQ(grid.find(grid.keys.address(p.point)), p.slot);
-    // No albedo of this scene is 0, so the demodulated sample can be had back; each division rounds once.
+    // No albedo of this scene is 0, so division recovers the demodulated sample, with one rounding.
     const Rgb sample = p.traced / p.factor;
     Sum& s = expected[p.slot];
     s.value += glm::dvec3(sample);
@@ -94,7 +94,7 @@ TEST(PathSpaceFilter, JitterKeepsTheMean) {
   };
   const glm::dvec3 with = mean(true);
   const glm::dvec3 without = mean(false);
-  // The same paths; only which cell they go to differs, and cells straddle edges by a pixel or two of 48.
+  // The same paths in other cells. Cells reach over edges by a pixel or two of 48.
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(with[c] / without[c], 1.0, 0.02);
 }
 
@@ -113,7 +113,7 @@ TEST(PathSpaceFilter, LeavesTheMeanOfThePathTracerAlone) {
 }
 
 TEST(PathSpaceFilter, DoesNotFilterEmission) {
-  // The emitter's edge stays as sharp as without a filter: what is seen directly is equal bit by bit.
+  // Emission seen directly has the same bits with and without a filter, so edges of emitters stay sharp.
   CachedFrameSettings settings = small(64);
   settings.max_bounces = 0;
   CachedFrames filtered(build("cornell"), settings);
@@ -138,8 +138,7 @@ TEST(PathSpaceFilter, WaitsForAVertexThatIsNotNearlySpecular) {
   size_t behind_mirror = 0;
   for (const FilteredPixel& p : frames.pixels()) {
     if (!p.filtered) continue;
-    // The mirror's wall reflects 0.9: what is seen in it has less factor than any wall has albedo by itself.
-    behind_mirror += p.point.position.z > 3.0f ? 1 : 0;  // behind the camera: seen in the mirror only
+    behind_mirror += p.point.position.z > 3.0f ? 1 : 0;  // behind the camera: visible only in the mirror
   }
   EXPECT_GT(behind_mirror, 20u);
 }
@@ -152,7 +151,7 @@ Material coated(const Rgb& color) {
 }
 
 TEST(PathSpaceFilter, DeltaLobesPassTheCellsBy) {
-  // A smooth coat over a black-and-red base: the sky's reflection is the same with and without the filter.
+  // A smooth coat over a red base: the sky's reflection is the same with and without the filter.
   const Scene scene = testing::plate_under_sky(coated({0.5f, 0, 0}));
   CachedFrameSettings settings = small(16);
   CachedFrames filtered(scene, settings);
@@ -169,7 +168,7 @@ TEST(PathSpaceFilter, DeltaLobesPassTheCellsBy) {
 }
 
 TEST(PathSpaceFilter, BlackTexelsDoNotDarkenTheirCells) {
-  // Left half black, right half white, and cells that span both: the white half shows all of the light.
+  // The left half is black in green, the right half white, and cells span both. The white half shows all of the light.
   Scene scene = testing::plate_under_sky(testing::matte(Rgb(0.9f, 0, 0.9f)));
   Mesh right;
   right.positions = {{0, 1e-4f, -5}, {0, 1e-4f, 5}, {5, 1e-4f, 5}, {5, 1e-4f, -5}};
@@ -203,7 +202,7 @@ TEST(PathSpaceFilter, LayersSayWhatTheCellsAreLike) {
   EXPECT_GT(*std::max_element(count.begin(), count.end()), before);
   EXPECT_GT(occupancy[16 * 32 + 16], 0.0f);
   EXPECT_NE(identity[16 * 32 + 4], identity[16 * 32 + 28]);
-  // The power of two next to eight footprints of a pixel.
+  // The power of two nearest to eight footprints of a pixel.
   const CameraView camera = frames.scene().view().camera;
   const float distance = glm::length(frames.pixels()[16 * 32 + 16].point.position - camera.position);
   EXPECT_EQ(level[16 * 32 + 16], std::round(std::log2(8 * camera.cone_spread() * distance)));

@@ -1,4 +1,4 @@
-// Settings of path space filtering; its relatives share them.
+// Settings of path space filtering, shared by the caches derived from it.
 #pragma once
 
 #include "techniques/spatial/hash_grid/settings.h"
@@ -7,7 +7,7 @@ namespace relume {
 
 struct PathSpaceFilterSettings {
   HashGridSettings grid;
-  float min_roughness = 0.2f;  ///< below, lobes count as specular
+  float min_roughness = 0.2f;  ///< roughness below which lobes count as specular
   int edge_rays = 16;
 };
 
