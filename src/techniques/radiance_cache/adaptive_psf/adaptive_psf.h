@@ -1,5 +1,5 @@
-// Adaptive path space filtering at primary surfaces ([Schipek22 §4.1]): the variance of a pixel's cell in earlier
-// frames decides with which probability a path is followed, and how cell and path are mixed.
+// Adaptive path space filtering at primary surfaces ([Schipek22 §4.1]). The variance of a pixel's cell in earlier
+// frames determines the probability of following its path and the blend of cell and path.
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/variance_functions.h"
@@ -13,11 +13,11 @@ struct AdaptivePsf {
   VarianceMeasure measure = VarianceMeasure::relative;
   VarianceThresholds survival_thresholds;
   VarianceThresholds blend_thresholds;
-  float survival_floor = 0.1f;  ///< no cell starves
-  float min_count = 128;        ///< samples below which a cell's variance is not believed
+  float survival_floor = 0.1f;  ///< minimum probability, so that each cell receives samples
+  float min_count = 128;        ///< samples below which a cell's variance counts as infinite
   bool enabled = true;
 
-  /// The variance that thresholds are compared with. Infinite for what is too thin to have one.
+  /// The variance to compare with thresholds, in units of `measure`; infinite for undersampled cells.
   RELUME_HD float variance(const HashGridView& grid, const CellMoments& cell) const {
     if (cell.count < relume::max(min_count, grid.rule.min_count)) return kInfinity;
     const float v = cell.variance();
@@ -26,13 +26,13 @@ struct AdaptivePsf {
     return mean > 0.0f ? v / sqr(mean) : 0.0f;
   }
 
-  /// Decides about the path of a pixel whose filter vertex has just been reached: fills slot, survival, blend, culled.
-  /// False if the path is not to be followed; the pixel then shows its cell, whatever the blend would have asked for,
-  /// since there is no path to blend with. Paths that a delta lobe may need always survive. `u` in [0, 1).
+  /// Decides at the filter vertex whether the path is followed. Sets slot, survival, blend and culled. A culled pixel
+  /// shows its cell with any blend function, because it has no sample. Paths at vertices with delta lobes always
+  /// survive. `u` in [0, 1).
   RELUME_HD bool decide(const HashGridView& grid, FilteredPixel& pixel, float u) const {
     if (!enabled) return true;
     if (pixel.slot == kNoCell) pixel.slot = grid.find(grid.keys.address(pixel.point));
-    // The cell's own moments: whoever shares the key must come to the same probability.
+    // The cell's own moments: all pixels with the same key must have the same probability.
     const CellMoments cell = grid.own_moments(pixel.slot);
     const float v = variance(grid, cell);
     const bool known = v < kInfinity;

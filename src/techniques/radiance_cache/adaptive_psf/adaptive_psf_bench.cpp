@@ -1,4 +1,4 @@
-// One frame of one sample a pixel on one thread, when the cells are known.
+// One frame of one sample per pixel on one thread, with filled cells.
 #include <benchmark/benchmark.h>
 
 #include "builtin_scenes/builtin.h"

@@ -7,7 +7,7 @@
 
 namespace relume {
 
-/// Traces the paths that survive, of the pixels that the allocation gives one, and gives what they find to the cells.
+/// Traces the surviving paths of the pixels that the allocation samples, and adds their radiance to the cells.
 class AdaptivePsfPass final : public Pass {
  public:
   AdaptivePsfPass(const AdaptivePsfSettings& settings, const PathSource& source, const CellsPass& cells)

@@ -23,7 +23,7 @@ TEST(VarianceFunctions, LinearSurvivalIsEquation41) {
 }
 
 TEST(VarianceFunctions, SmoothLinearSurvivalIsEquation42) {
-  // By hand for v0 = 1, v1 = 3: e1 = 0.75, x(v) = (v − 2)/10 + 0.375, smoothstep over [0, 0.75].
+  // For v0 = 1, v1 = 3: e1 = 0.75, x(v) = (v − 2)/10 + 0.375, smoothstep over [0, 0.75].
   const auto by_hand = [](double v) {
     double s = ((v - 2.0) / 10.0 + 0.375) / 0.75;
     s = s < 0 ? 0 : (s > 1 ? 1 : s);
@@ -31,7 +31,7 @@ TEST(VarianceFunctions, SmoothLinearSurvivalIsEquation42) {
   };
   for (const double v : {-5.0, 0.0, 1.0, 2.0, 3.0, 4.5, 9.0})
     EXPECT_NEAR(smooth_linear_survival(kThresholds, static_cast<float>(v)), by_hand(v), 1e-6);
-  // As the errata say: about one third at v0 and two thirds at v1.
+  // According to the errata, about one third at v0 and two thirds at v1.
   const VarianceThresholds narrow{0.1f, 0.2f};
   EXPECT_NEAR(smooth_linear_survival(narrow, 0.1f), 1.0 / 3.0, 0.03);
   EXPECT_NEAR(smooth_linear_survival(narrow, 0.2f), 2.0 / 3.0, 0.03);
@@ -79,7 +79,7 @@ TEST(AdaptivePsf, UnknownCellsFollowEveryPath) {
 
 TEST(AdaptivePsf, CulledPixelsShowTheirCellWhateverTheBlend) {
   CachedFrameSettings settings = small(48);
-  settings.apsf.blend = BlendFunction::zero;  // asks for the path, always
+  settings.apsf.blend = BlendFunction::zero;  // the path alone
   settings.apsf.survival_v0 = 1;
   settings.apsf.survival_v1 = 8;
   CachedFrames frames(build("cornell"), settings);
@@ -91,7 +91,7 @@ TEST(AdaptivePsf, CulledPixelsShowTheirCellWhateverTheBlend) {
   for (size_t i = 0; i < frames.pixels().size(); ++i) {
     const FilteredPixel& p = frames.pixels()[i];
     if (!p.filtered) continue;
-    if (!p.culled) {  // its cell may be known or not
+    if (!p.culled) {  // with and without a known cell
       EXPECT_EQ(frames.radiance()[i], p.unfiltered + p.traced);
     }
     if (!p.culled) continue;
@@ -107,7 +107,7 @@ TEST(AdaptivePsf, TheSurvivalFloorFeedsEveryCell) {
   CachedFrameSettings settings = small(16);
   settings.apsf.survival = SurvivalFunction::linear;
   settings.apsf.survival_floor = 0.25f;
-  // Without noise every variance is 0, so every path survives with the floor's probability.
+  // Without noise all variances are 0, so each path survives with the floor's probability.
   CachedFrames frames(testing::plate_under_sky(testing::matte(Rgb(0.5f))), settings);
   for (int i = 0; i < 8; ++i) frames.render();
   double alive = 0;
@@ -117,7 +117,7 @@ TEST(AdaptivePsf, TheSurvivalFloorFeedsEveryCell) {
     for (const FilteredPixel& p : frames.pixels()) alive += p.culled ? 0 : 1;
   }
   alive /= 16 * 16 * kFrames;
-  EXPECT_NEAR(alive, 0.25, 0.02);  // 16,384 decisions: five standard errors are 0.017
+  EXPECT_NEAR(alive, 0.25, 0.02);  // five standard errors of 16,384 decisions are 0.017
 }
 
 TEST(AdaptivePsf, TracesFewerRays) {

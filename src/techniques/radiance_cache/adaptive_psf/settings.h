@@ -26,7 +26,7 @@ SettingList describe(AdaptivePsfSettings& settings);
 /// Throws Error if thresholds are outside the domain of their functions.
 void check(const AdaptivePsfSettings& settings);
 
-/// For kernels. `automatic`: what the blend is if the settings leave it open. Throws as check() does.
+/// Parameters for kernels. `automatic`: the blend for BlendFunction::automatic. Throws as check() does.
 AdaptivePsf make_adaptive_psf(const AdaptivePsfSettings& settings, BlendFunction automatic = BlendFunction::one);
 
 }  // namespace relume
