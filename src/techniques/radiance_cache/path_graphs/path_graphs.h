@@ -1,9 +1,10 @@
-// Adaptive path graphs ([Schipek22 §4.2]): a path adds up the variance that its vertices bring into the pixel, as cells
-// of earlier frames estimate it, and lets a cell take over where the sum would exceed a constant. Every vertex feeds
-// its cell with its own direct light and what the cell of the next vertex reflects, so light creeps along the cells
-// from frame to frame; but for those behind eight others whose samples wait for a cell that knows enough, as in the
-// first frames of long paths, which are counted. Cells of different depths are separate; no cell can feed itself.
-// Departures from the thesis' algorithm 2, which loses energy, are in README.md.
+// Adaptive path graphs ([Schipek22 §4.2]). A path sums the variance that its vertices contribute to the pixel, as
+// estimated by cells of earlier frames. Where the sum would exceed a constant, a cell replaces the rest of the path.
+//
+// Every vertex adds a sample to its cell: its direct light and the radiance that the next vertex's cell reflects. Light
+// therefore propagates from cell to cell by one bounce per frame. Vertices behind eight waiting samples add none and
+// are counted; this occurs on long paths in the first frames. Cells of different depths are separate, so no cell feeds
+// itself. README.md lists the deviations from the thesis' algorithm 2, which loses energy.
 #pragma once
 
 #include "techniques/radiance_cache/adaptive_psf/adaptive_psf.h"
@@ -12,23 +13,23 @@ namespace relume {
 
 class PathGraph;
 
-/// What the vertices of all paths share.
+/// Constants of all paths.
 struct PathGraphContext {
   using Policy = PathGraph;
 
   FilterContext filter;
   AdaptivePsf primary;             ///< survival at the first vertex, and blend of its cell with the graph, if enabled
-  float variance_constant = 0.1f;  ///< variance that a path may bring; in units of the measure
-  VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: to the square of what the first cell shows
-  float feed = 0.25f;  ///< share of the paths that go on to feed cells when they no longer count for the pixel; more of
-                       ///< them where samples would weigh more than kCellWeightMax
+  float variance_constant = 0.1f;  ///< maximum variance of a path, in units of `measure`
+  VarianceMeasure measure = VarianceMeasure::relative;  ///< relative: the squared radiance that the first cell shows
+  float feed = 0.25f;  ///< share of paths that continue to feed cells after their contribution ended; raised where
+                       ///< weights would exceed kCellWeightMax
   uint16_t deep_coarsening = 1;  ///< levels by which cells beyond the first vertex are coarser
 
   RELUME_HD PathGraph policy(const SampleIndex& index, uint32_t x, uint32_t y) const;
 };
 
-/// What a path graph does at the vertices of one path. Between two vertices that have cells ("anchors"), the path's
-/// throughput and radiance are relative to the demodulated first of them.
+/// The policy of one path. Between two vertices with cells ("anchors"), the path's throughput and radiance are relative
+/// to the demodulated first of them.
 class PathGraph : public NoPolicy {
  public:
   PathGraph() = default;
@@ -64,8 +65,8 @@ class PathGraph : public NoPolicy {
     if (!first) advance(path);
     at_first_ = first;
     before_ = now_;
-    // Cells that nobody sees directly have no other to stand in for them: who reaches a cell that is rarely reached
-    // would be given the light of places that many reach, and the light of the rare ones would be lost.
+    // Beyond the first vertex no other cell replaces an undersampled one. Rarely reached cells would receive the light
+    // of frequently reached ones, and their own would be lost.
     const CellMoments cell = first ? grid().moments(point_, slot) : grid().own_moments(slot);
     if (first) limit_ = variance_limit(d.albedo, cell);
     if (!grid().undersampled(cell)) {
@@ -74,7 +75,7 @@ class PathGraph : public NoPolicy {
       if (now_.share <= 0.0f && !is_followed(d)) return false;
     }
     const bool wanted = now_.share > 0.0f || feeds_;
-    // Whether there is room must not depend on how the path goes on: samples would be chosen by what they find.
+    // Whether a vertex takes a sample must not depend on the rest of the path, or the samples would be biased.
     has_own_ = wanted && (closed_ || open_count_ < kMaxOpen);
     if (wanted && !has_own_) ++skipped_;
     if (has_own_) {
@@ -95,7 +96,7 @@ class PathGraph : public NoPolicy {
       if (closed_) insert_open();
       return;
     }
-    // The cell holds nothing of delta lobes: its sample ends here, and the path goes on as if there were no cell.
+    // Cells exclude the light of delta lobes. The sample is complete, and the path continues as if without a cell.
     settle(path);
     closed_ = false;
     if (has_own_) insert(own_);
@@ -110,7 +111,7 @@ class PathGraph : public NoPolicy {
     path.rr_reference *= max_component(divisor_);
   }
 
-  /// Gives the samples that are still open to their cells.
+  /// Adds all waiting samples to their cells.
   RELUME_HD void finished(PathState& path) {
     if (!pixel_.filtered) {
       pixel_.unfiltered = path.radiance;
@@ -123,28 +124,28 @@ class PathGraph : public NoPolicy {
     if (has_own_) insert(own_);
     if (skipped_ > 0) atomic_add(&grid().counters->skipped_vertices, uint64_t{skipped_});
     if (!now_.terminated) pixel_.termination = static_cast<uint16_t>(path.bounce + 1u);
-    // What a delta lobe at the first anchor shows is no part of what its cell stands for.
+    // The first anchor's cell excludes the light of its delta lobes.
     if (past_cell_) pixel_.unfiltered += contribution_ - beside_;
     const Rgb traced = past_cell_ ? beside_ : contribution_;
     pixel_.traced = is_finite(traced) ? traced : Rgb(0);
   }
 
  private:
-  /// A sample for a cell. While the cell of the next anchor is unknown it waits for the rest of the path. Without
-  /// initial values: a path has room for many and uses few.
+  /// A sample for a cell. While the next anchor's cell is undersampled, it waits for the rest of the path. Has no
+  /// initial values, because a path has space for many and uses few.
   struct Sample {
     CellPoint point;
-    uint32_t slot;  ///< of the cell, if it has one already
+    uint32_t slot;  ///< slot of the cell, or kNoCell
     Rgb value;
-    Rgb transport;  ///< from radiance that leaves the current anchor to the sample
+    Rgb transport;  ///< factor of radiance that leaves the current anchor
     float weight;
-    bool deep;  ///< beyond the first anchor
+    bool deep;  ///< whether the vertex is beyond the first anchor
   };
   static constexpr uint32_t kMaxOpen = 8;
 
   struct Progress {
-    float share = 1;     ///< of what the path finds in the pixel: 1, then α, then 0
-    float variance = 0;  ///< brought into the pixel so far
+    float share = 1;     ///< share of sampled radiance that the pixel receives: 1, then α, then 0
+    float variance = 0;  ///< variance of the pixel so far
     bool terminated = false;
   };
 
@@ -165,7 +166,7 @@ class PathGraph : public NoPolicy {
     return context_->primary.decide(grid(), pixel_, filter_random(*index_, x_, y_, 1));
   }
 
-  /// From the last anchor to the vertex that has been reached.
+  /// Advances from the last anchor to the current vertex.
   RELUME_HD void advance(PathState& path) {
     settle(path);
     const Rgb step = albedo_ * path.throughput;
@@ -176,11 +177,11 @@ class PathGraph : public NoPolicy {
       open_[open_count_++] = own_;
     }
     has_own_ = false;
-    // Roulette goes on comparing the whole throughput with that behind the first anchor.
+    // Russian roulette still compares the whole throughput with that after the first anchor.
     path.rr_reference /= max_component(step);
   }
 
-  /// Shares out what the path has found since the last anchor.
+  /// Distributes the radiance sampled since the last anchor to the pixel and the samples.
   RELUME_HD void settle(PathState& path) {
     const Rgb found = path.radiance;
     path.radiance = Rgb(0);
@@ -190,9 +191,9 @@ class PathGraph : public NoPolicy {
     for (uint32_t i = 0; i < open_count_ && !closed_; ++i) open_[i].value += open_[i].transport * leaving;
   }
 
-  /// The cell of this vertex, which reflects `leaving`, stands for the rest of all samples behind, but for what a delta
-  /// lobe shows; and, if a cell has taken over with α > 0 at the last vertex, for the rest of that α (algorithm 2 drops
-  /// it).
+  /// Completes all waiting samples with the radiance `leaving` that this vertex's cell reflects, except for light of
+  /// its delta lobes. If an earlier cell left a share α > 0 to the path, this cell contributes it to the pixel
+  /// (algorithm 2 drops it).
   RELUME_HD void close_samples(const Rgb& leaving) {
     for (uint32_t i = 0; i < open_count_; ++i) open_[i].value += open_[i].transport * leaving;
     closed_ = demodulation_.has_delta;
@@ -202,7 +203,7 @@ class PathGraph : public NoPolicy {
     now_.share = 0.0f;
   }
 
-  /// Eq. 4.14 and 4.15.
+  /// Applies the variance budget: eq. 4.14 and 4.15.
   RELUME_HD void take_over(const Rgb& albedo, const CellMoments& cell, uint32_t bounce) {
     if (now_.terminated) return;
     const Rgb throughput = arriving_ * albedo;
@@ -223,20 +224,20 @@ class PathGraph : public NoPolicy {
     return context_->variance_constant * sqr(luminance(arriving_ * albedo * cell.mean));
   }
 
-  /// Whether a path that no longer counts is followed: to feed cells, or because a delta lobe may lead past the cell.
+  /// Whether a path continues after its contribution ended: to feed cells, or because a delta lobe bypasses the cell.
   RELUME_HD bool is_followed(const Demodulation& d) {
     if (!decided_) feeds_ = filter_random(*index_, x_, y_, 2) < feed_share();
     decided_ = true;
     return feeds_ || d.has_delta;
   }
 
-  /// Probability of that: as asked for, or what keeps the weight of samples within kCellWeightMax. 0: never.
+  /// Probability of feeding: `feed`, raised where weights would exceed kCellWeightMax; 0: never.
   RELUME_HD float feed_share() const {
     const float least = context_->feed > 0.0f ? 1.0f / (kCellWeightMax * pixel_.survival) : 0.0f;
     return relume::max(context_->feed, least);
   }
 
-  /// Inverse probability with which a sample at this vertex is taken.
+  /// Inverse probability of a sample at this vertex.
   RELUME_HD float sample_weight() const { return (now_.share > 0.0f ? 1.0f : 1.0f / feed_share()) / pixel_.survival; }
 
   RELUME_HD void insert(const Sample& sample) const {
@@ -255,28 +256,28 @@ class PathGraph : public NoPolicy {
   uint32_t x_ = 0;
   uint32_t y_ = 0;
   FilteredPixel pixel_;
-  // Of the vertex that was reached last.
+  // State of the current vertex.
   Demodulation demodulation_;
   CellPoint point_;
   CellAddress address_;
   Rgb contribution_{0};
-  Rgb beside_{0};    ///< of it, what was found before the path left the first anchor through a delta lobe
+  Rgb beside_{0};    ///< part of it sampled before the path left the first anchor through a delta lobe
   Rgb arriving_{1};  ///< throughput from the camera to the last anchor, without its albedo
   Rgb albedo_{1};    ///< ρ of the last anchor
-  Rgb divisor_{1};   ///< of the last anchor's radiance
+  Rgb divisor_{1};   ///< divisor of the last anchor's radiance
   float limit_ = kInfinity;
   Progress now_;
-  Progress before_;        ///< on arrival at the last anchor
-  bool scatters_ = false;  ///< the path has met a surface that takes it on
+  Progress before_;        ///< progress on arrival at the last anchor
+  bool scatters_ = false;  ///< whether the path has hit a surface
   bool at_anchor_ = false;
-  bool at_first_ = false;   ///< the last anchor is the first one
-  bool past_cell_ = false;  ///< the path has left that one through a delta lobe
-  bool closed_ = false;     ///< open samples wait for what a delta lobe of the last anchor shows, for nothing else
+  bool at_first_ = false;   ///< whether the last anchor is the first one
+  bool past_cell_ = false;  ///< whether the path left the first anchor through a delta lobe
+  bool closed_ = false;     ///< whether waiting samples lack only the light of delta lobes of the last anchor
   bool has_own_ = false;
   bool feeds_ = false;
   bool decided_ = false;
   uint32_t open_count_ = 0;
-  uint32_t skipped_ = 0;  ///< vertices without room for their sample
+  uint32_t skipped_ = 0;  ///< vertices behind too many waiting samples
   Sample own_;
   Sample open_[kMaxOpen];
 };
@@ -285,7 +286,7 @@ RELUME_HD inline PathGraph PathGraphContext::policy(const SampleIndex& index, ui
   return {*this, index, x, y};
 }
 
-/// Traces one path a pixel, lets cells take over, and feeds them.
+/// Traces one path graph per pixel and fills the cells.
 using PathGraphKernel = CellPathsKernel<PathGraphContext>;
 
 }  // namespace relume

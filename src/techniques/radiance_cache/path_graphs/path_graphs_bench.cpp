@@ -1,5 +1,4 @@
-// One frame of one sample a pixel on one thread, when the cells are known. The argument is the share that feeds, in per
-// cent.
+// One frame of one sample per pixel on one thread, with filled cells. The argument is apg.feed in per cent.
 #include <benchmark/benchmark.h>
 
 #include "builtin_scenes/builtin.h"

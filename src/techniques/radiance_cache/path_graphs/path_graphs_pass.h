@@ -8,11 +8,11 @@
 
 namespace relume {
 
-/// Cells of a path graph over those of the first vertex, for the table's first size. What lies further along paths is
-/// out of sight as well: four dropped eight thousand samples of the first frame in Sponza.
+/// Ratio of all cells of path graphs to those of first vertices, for the size of the table. Later vertices also reach
+/// surfaces outside the image: a ratio of 4 dropped eight thousand samples of Sponza's first frame.
 inline constexpr uint32_t kGraphDepths = 8;
 
-/// Traces one path for each pixel that the allocation gives one, lets cells take over, and feeds them.
+/// Traces one path graph for each pixel that the allocation samples, and fills the cells.
 class PathGraphPass final : public Pass {
  public:
   /// `primary`: survival and blend at the first vertex, if `adapts_primary`.

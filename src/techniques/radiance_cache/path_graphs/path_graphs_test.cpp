@@ -31,7 +31,7 @@ double mean_of(const std::vector<Rgb>& pixels) {
   return sum / static_cast<double>(pixels.size());
 }
 
-/// Mean over `count` frames after `skip` others.
+/// Mean luminance over `count` frames after `skip` others.
 double mean_over(CachedFrames& frames, int skip, int count) {
   for (int i = 0; i < skip; ++i) frames.render();
   double sum = 0;
@@ -39,7 +39,7 @@ double mean_over(CachedFrames& frames, int skip, int count) {
   return sum;
 }
 
-/// Mean variance of a pixel from frame to frame.
+/// Mean over all pixels of the variance between frames.
 double variance_of_frames(CachedFrames& frames) {
   constexpr int kFrames = 16;
   for (int i = 0; i < 8; ++i) frames.render();
@@ -48,7 +48,7 @@ double variance_of_frames(CachedFrames& frames) {
   for (int i = 0; i < kFrames; ++i) {
     const std::vector<Rgb>& image = frames.render();
     for (size_t k = 0; k < image.size(); ++k) {
-      const double y = std::min(2.0, static_cast<double>(luminance(image[k])));  // edges of the lamp are no matter here
+      const double y = std::min(2.0, static_cast<double>(luminance(image[k])));  // ignores noise at edges of the lamp
       sums[k] += y / kFrames;
       squares[k] += y * y / kFrames;
     }
@@ -74,8 +74,8 @@ TEST_P(Furnace, ClosedWithAlbedoOneHalf) {
       settings.apg.variance = measure;
       settings.apsf.min_samples = 16;
       CachedFrames frames(testing::closed_furnace(0.5f), settings);
-      // 23,000 paths whose values spread by a quarter of their mean: five standard errors are 0.8 %. Cells of the first
-      // frames have few samples; they are part of what is tested.
+      // Five standard errors of 23,000 paths, whose standard deviation is a quarter of the mean, are 0.8 %. The first
+      // frames, whose cells have few samples, are included.
       EXPECT_NEAR(mean_over(frames, 0, 40) / testing::closed_furnace_radiance(0.5, kBounces), 1.0, 0.01)
           << "constant " << constant;
       if (!graph) break;
@@ -91,7 +91,7 @@ TEST_P(Furnace, PlateIsExact) {
     settings.russian_roulette = false;
     CachedFrames frames(testing::plate_under_sky(testing::matte(Rgb(0.5f, 0.25f, 0.125f))), settings);
     for (int i = 0; i < 4; ++i) frames.render();
-    for (const Rgb& p : frames.radiance()) {  // no noise, only rounding
+    for (const Rgb& p : frames.radiance()) {  // only rounding errors, no noise
       ASSERT_NEAR(p.r, 0.5f, 1e-4f);
       ASSERT_NEAR(p.g, 0.25f, 1e-4f);
       ASSERT_NEAR(p.b, 0.125f, 1e-4f);
@@ -107,7 +107,7 @@ TEST_P(Furnace, DoesNotDriftOverTenThousandFrames) {
   CachedFrames frames(testing::closed_furnace(0.5f), settings);
   const double early = mean_over(frames, 50, 1000);
   const double late = mean_over(frames, 7950, 1000);
-  // 36,000 paths each: as above.
+  // 36,000 paths each, with standard errors as above.
   EXPECT_NEAR(early / testing::closed_furnace_radiance(0.5, 3), 1.0, 0.01);
   EXPECT_NEAR(late / early, 1.0, 0.01);
 }
@@ -161,7 +161,7 @@ TEST_P(Caches, ATableSixteenTimesTooSmallForgets) {
   EXPECT_EQ(roomy.grid().statistics().dropped, 0u);
   EXPECT_EQ(tight.grid().statistics().dropped, 0u);
   EXPECT_GT(tight.grid().statistics().discarded, 0u);
-  // Most cells know one frame only: more noise, the same mean.
+  // Most cells have the samples of one frame only: more noise, the same mean.
   EXPECT_NEAR(mean / expected, 1.0, 0.06);
   const double noise = variance_of_frames(roomy);
   const double more_noise = variance_of_frames(tight);
@@ -169,7 +169,7 @@ TEST_P(Caches, ATableSixteenTimesTooSmallForgets) {
 }
 
 std::string case_name(const ::testing::TestParamInfo<CacheKind>& info) { return testing::name_of(info.param); }
-/// Diffuse walls below smooth interfaces: what their delta lobes show at a later vertex is light like any other.
+/// Diffuse walls below smooth interfaces. The light of delta lobes at later vertices must not be lost.
 TEST_P(Caches, PolishedWallsLoseNoLight) {
   Scene scene = build("cornell");
   for (Material& m : scene.materials) {
@@ -188,7 +188,7 @@ TEST_P(Caches, PolishedWallsLoseNoLight) {
     for (const BlendFunction blend : {BlendFunction::zero, BlendFunction::one}) {
       settings.apg.variance_constant = constant;
       settings.apsf.blend = blend;
-      // Standard errors of 0.6 % each, and the 3 % that path graphs may be off by.
+      // Standard errors of 0.6 % each and the bias of path graphs, up to 3 %.
       EXPECT_NEAR((mean_with(settings, 6) - lamp) / expected, 1, 0.045)
           << "constant " << constant << ", blend " << static_cast<int>(blend);
     }
@@ -254,7 +254,7 @@ TEST(PathGraphWithSurvival, ShowsTheGraphWhereNoPathIsCulled) {
     CachedFrames both(build("cornell"), settings);
     settings.kind = CacheKind::apg;
     CachedFrames graph(build("cornell"), settings);
-    for (int i = 0; i < 12; ++i) {  // cells of less and of more samples than apsf.min-samples
+    for (int i = 0; i < 12; ++i) {  // cells with fewer and with more samples than apsf.min-samples
       const std::vector<Rgb>& a = both.render();
       const std::vector<Rgb>& b = graph.render();
       ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(Rgb)), 0) << constant << " " << i;
@@ -279,7 +279,7 @@ TEST(PathGraphWithSurvival, SurvivorsShowTheGraphAndCulledPixelsTheirCell) {
       const FilteredPixel& p = both.pixels()[k];
       const Rgb shown = both.radiance()[k];
       culled += p.culled ? 1 : 0;
-      for (int c = 0; c < 3 && !p.culled; ++c)  // without an end the graph is the path tracer
+      for (int c = 0; c < 3 && !p.culled; ++c)  // with an infinite constant, the graph equals the path tracer
         ASSERT_NEAR(shown[c], path.radiance()[k][c], 1e-4f * (1.0f + shown[c])) << k;
       EXPECT_EQ(p.blend, p.culled ? 1.0f : 0.0f);
     }
@@ -295,7 +295,7 @@ TEST(PathGraphWithSurvival, TheConstantChangesTheImageAsItDoesWithout) {
       CachedFrames frames(build("corridor"), settings);
       return variance_of_frames(frames);
     };
-    // 0.0018 and 0.0196 for both. With cells shown in place of graphs both would be as the former.
+    // 0.0196 and 0.0018 for both caches. If cells were shown instead of graphs, both would be 0.0018.
     EXPECT_GT(variance(1e12f), 5 * variance(0.3f)) << testing::name_of(kind);
   }
 }
@@ -312,14 +312,14 @@ TEST(PathGraph, CoarserCellsBeyondTheFirstVertexAreFewer) {
   }
 }
 
-// Whether a vertex takes a sample must not depend on whether its path goes on: those that end early would be darker.
+// Whether a vertex takes a sample must not depend on the rest of its path, or cells would be biased to dark samples.
 TEST(PathGraph, VerticesBehindTooManyThatWaitTakeNoSampleAndAreCounted) {
   CachedFrameSettings settings = small(CacheKind::apg, 16);
   settings.max_bounces = 16;
   settings.russian_roulette = false;
-  settings.psf.grid.thin_cells = ThinCells::keep;  // samples for no other cells
+  settings.psf.grid.thin_cells = ThinCells::keep;  // no samples for coarser cells
   CachedFrames frames(testing::closed_furnace(0.9f), settings);
-  frames.render();  // no cell knows anything: of 16 vertices, eight wait until the path has ended at the last
+  frames.render();  // all cells are empty: of 16 vertices, eight have samples, which wait for the end of the path
   EXPECT_EQ(frames.grid().statistics().samples, 8u * 16u * 16u);
   EXPECT_EQ(frames.grid().statistics().skipped_vertices, 8u * 16u * 16u);
 }
@@ -327,19 +327,19 @@ TEST(PathGraph, VerticesBehindTooManyThatWaitTakeNoSampleAndAreCounted) {
 TEST(PathGraph, SamplesWeighNoMoreThanCellsHold) {
   CachedFrameSettings settings = small(CacheKind::apg, 64);
   settings.apg.feed = 1e-4f;
-  settings.apg.variance_constant = 0;  // cells take over at once
+  settings.apg.variance_constant = 0;  // the contribution ends at the first cell
   settings.max_bounces = 3;
   CachedFrames frames(build("cornell"), settings);
   float heaviest = 0;
   for (int i = 0; i < 20; ++i) {
-    frames.trace();  // the samples that render() is about to take
+    frames.trace();  // the samples of the next render()
     for (const CellSums& sums : frames.grid().view(frames.scene().view().camera).sums) {
       const float weight = static_cast<float>(sums.weight) * kCellWeightUnit;
       if (sums.count == 1) heaviest = std::max(heaviest, weight);
     }
     frames.render();
   }
-  EXPECT_GT(heaviest, 0.5f * kCellWeightMax);  // some fed, though few were asked to
+  EXPECT_GT(heaviest, 0.5f * kCellWeightMax);  // some paths feed, although apg.feed is below 1 / kCellWeightMax
   EXPECT_LE(heaviest, 1.001f * kCellWeightMax);
 }
 

@@ -1,4 +1,4 @@
-// Scenes whose image is known in closed form, for tests of the caches.
+// Scenes with analytic images for tests of the caches.
 #pragma once
 
 #include "builtin_scenes/shapes.h"
@@ -32,7 +32,7 @@ inline void add_camera(Scene& scene, const Camera& camera, const Vec3& position,
   scene.add_node(eye);
 }
 
-/// A camera inside a closed box whose walls reflect `albedo` and emit radiance 1 each. With D bounces every pixel is
+/// A camera inside a closed box whose walls have the albedo `albedo` and emit radiance 1. With D bounces every pixel is
 /// 1 + albedo + … + albedo^D.
 inline Scene closed_furnace(float albedo) {
   Scene scene;
@@ -53,8 +53,8 @@ inline double closed_furnace_radiance(double albedo, int bounces) {
   return sum;
 }
 
-/// A plate in y = 0, seen from above by an orthographic camera that it fills, under a constant sky of radiance 1: every
-/// pixel is the albedo, without noise.
+/// A plate at y = 0 under a constant sky of radiance 1, seen from above. It fills the image of an orthographic camera,
+/// and every pixel is the albedo without noise.
 inline Scene plate_under_sky(const Material& material) {
   Scene scene;
   scene.name = "plate";

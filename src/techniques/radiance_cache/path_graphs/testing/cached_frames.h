@@ -1,4 +1,4 @@
-// Frames of all caches that live in a hash grid, without a session: for tests and benchmarks.
+// Frames of all caches in a hash grid without a session, for tests and benchmarks.
 #pragma once
 
 #include <memory>
@@ -32,7 +32,7 @@ struct CachedFrameSettings {
   uint32_t max_bounces = 8;
   uint32_t seed = 0;
   bool russian_roulette = true;
-  bool watched = false;  ///< two policies watch the paths that the cache steers
+  bool watched = false;  ///< whether two policies observe the paths that the cache steers
   PathSpaceFilterSettings psf;
   AdaptivePsfSettings apsf;
   PathGraphSettings apg;
@@ -66,7 +66,7 @@ class CachedFrames {
     return sum;
   }
 
-  /// One sample a pixel; radiance() then holds what is shown.
+  /// Renders one sample per pixel; returns the image.
   const std::vector<Rgb>& render() {
     trace();
     resolve();
@@ -105,7 +105,7 @@ class CachedFrames {
     }
   }
 
-  /// Takes the frame into the cells and shows them.
+  /// Pools the frame's samples with the cells and computes the image.
   void resolve() {
     if (settings_.kind == CacheKind::none) return;
     grid_.advance(backend_);
