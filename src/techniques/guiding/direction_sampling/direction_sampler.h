@@ -1,5 +1,5 @@
-// The slot "direction sampling": where a path goes on from a vertex. Guiding strategies mix with the BSDF inside, so
-// pdf() is always the density of the whole mixture.
+// The slot "direction sampling": chooses the direction in which a path continues from a vertex. Guides are mixed with
+// the BSDF here, so pdf() is always the density of the whole mixture.
 #pragma once
 
 #include "sampling/sampler.h"
@@ -12,9 +12,9 @@ enum class DirectionSamplerKind : int { bsdf, quadtree };
 
 struct DirectionSampler {
   DirectionSamplerKind kind = DirectionSamplerKind::bsdf;
-  QuadtreeArray quadtrees;     ///< by region
-  float bsdf_fraction = 0.5f;  ///< of directions, where there is a choice
-  bool stratified = false;     ///< how quadtrees are sampled
+  QuadtreeArray quadtrees;     ///< quadtrees by region
+  float bsdf_fraction = 0.5f;  ///< probability of the BSDF at guided vertices
+  bool stratified = false;     ///< whether quadtrees are sampled by sample_stratified()
 
   RELUME_HD BsdfSample sample(const SurfacePoint& sp, Sampler& sampler,
                               TransportMode mode = TransportMode::radiance) const {
@@ -22,7 +22,7 @@ struct DirectionSampler {
     return sample_bsdf(sp, sampler, mode);
   }
 
-  /// Density of sample() in direction `wi`, given the BSDF's value there.
+  /// pdf_w of sample() for direction `wi`; `bsdf`: the BSDF's value there.
   RELUME_HD float pdf(const SurfacePoint& sp, const Vec3& wi, const BsdfEval& bsdf) const {
     if (!guides(sp)) return bsdf.pdf_forward;
     return mixed(bsdf.pdf_forward, quadtrees.load(sp.region).pdf(wi));
@@ -42,8 +42,8 @@ struct DirectionSampler {
     return relume::sample(sp, u_lobe, sampler.next_2d(), mode);
   }
 
-  /// One sample of the mixture of BSDF and quadtree. `eta_scale` takes the ratio of densities, so that roulette sees
-  /// the weight that the BSDF alone would have given: guided directions have small weights because they are likely.
+  /// One sample of the mixture of BSDF and quadtree. `eta_scale` includes the ratio of densities, so that Russian
+  /// roulette uses the weight of BSDF sampling. Guided directions have small weights because they are likely.
   RELUME_HD BsdfSample sample_mixture(const SurfacePoint& sp, Sampler& sampler) const {
     const DirectionalQuadtree tree = quadtrees.load(sp.region);
     BsdfSample s;

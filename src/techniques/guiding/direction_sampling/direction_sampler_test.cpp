@@ -1,5 +1,5 @@
-// The contract of direction samplers: samples follow the density of the mixture, weights are f cos / pdf, and what only
-// the BSDF can find keeps its share.
+// The contract of direction samplers: samples follow the density of the mixture, weights are f cos θ / pdf_w, and
+// delta lobes keep their weight.
 #include "techniques/guiding/direction_sampling/direction_sampler.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-/// A sampler that guides in region 0.
+/// A sampler with a quadtree for region 0 only.
 struct Guide {
   explicit Guide(float bsdf_fraction, bool stratified) {
     sampler.kind = DirectionSamplerKind::quadtree;
@@ -29,7 +29,7 @@ struct Guide {
   DirectionSampler sampler;
 };
 
-/// A point in region 0, in a frame that is not the world's.
+/// A point in region 0 whose frame is rotated against the world's.
 SurfacePoint make_point(const testing::BsdfCase& c) {
   SurfacePoint sp{};
   sp.frame = make_frame(glm::normalize(Vec3(0.3f, 0.9f, -0.2f)));
@@ -40,13 +40,13 @@ SurfacePoint make_point(const testing::BsdfCase& c) {
   return sp;
 }
 
-/// Numbers of the i-th of many independent samples: strata would make χ² too small.
+/// Random numbers of the i-th sample, independent of the others: stratification would make χ² too small.
 Sampler numbers(uint32_t i) { return Sampler::sequence(11, i, 0, 0, 0); }
 
-/// Lobes of all widths, through which light passes or not, some with a delta lobe over a wide one.
+/// Reflecting and transmitting lobes of all widths, some with a delta lobe over a wide one.
 std::vector<testing::BsdfCase> materials() { return testing::material_cases({0.0f, 0.3f, 0.8f}); }
 
-/// Directions about that in which the material has a peak, if it has one.
+/// A chart of directions around the material's peak, if it has one.
 testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint& sp) {
   const testing::PeakDirections peaks = testing::peak_directions(c, sp.wo_local);
   return {make_frame(sp.frame.to_world(peaks.above)), clamp(double{c.alpha}, 0.02, 0.5)};
@@ -54,7 +54,7 @@ testing::DirectionChart chart_of(const testing::BsdfCase& c, const SurfacePoint&
 
 TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
   constexpr int kSamples = 40000;
-  // χ² of so many samples over 256 bins shows a density that is off by 6 %; 576 bins would show 7 %.
+  // With 256 bins, χ² detects a density that is wrong by 6 %; with 576, 7 %.
   constexpr int kBins = 16;
   for (const bool stratified : {false, true}) {
     const Guide guide(stratified ? 0.25f : 0.5f, stratified);
@@ -76,7 +76,7 @@ TEST(DirectionSampler, SamplesFollowTheDensityOfTheMixture) {
         const BsdfEval e = eval_pdf(sp, w);
         return is_black(e.f) || e.pdf_forward <= 0.0f ? 0.0 : double{guide.sampler.pdf(sp, w, e)};
       };
-      constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, and quadrature misses slips of them
+      constexpr double kMaxStrays = 5e-4;  // the horizon cuts bins, of which quadrature misses small parts
       EXPECT_GT(histogram.test(chart.density(pdf), 7, 2, kMaxStrays).p_value, testing::significance())
           << c.name << (stratified ? ", stratified" : "");
     }
@@ -144,7 +144,7 @@ TEST(DirectionSampler, IsTheBsdfWhereNothingIsKnown) {
   const Guide guide(0.5f, false);
   const testing::BsdfCase c = materials().back();
   SurfacePoint sp = make_point(c);
-  sp.region = 1;  // for which there is no tree
+  sp.region = 1;  // has no tree
   for (uint32_t i = 0; i < 100; ++i) {
     Sampler a = numbers(i);
     Sampler b = numbers(i);
