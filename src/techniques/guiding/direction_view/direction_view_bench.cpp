@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// The view of frames of 256 × 128 pixels, whose left half shows 128 × 128 directions.
+/// The view in frames of 256 × 128 pixels, with 128 × 128 directions per map.
 void bm_direction_view(benchmark::State& state) {
   RenderSettings settings;
   settings.width = 256;

@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Random numbers apart from those of the image.
+/// Makes random numbers independent of the image's.
 constexpr uint32_t kViewSeed = 0x7f4a7c15u;
 
 uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& frame) {
@@ -19,7 +19,7 @@ uint32_t chosen_pixel(const DirectionalQuadtreeSettings& s, const FrameContext& 
   return place(s.view_y, frame.height()) * frame.width() + place(s.view_x, frame.width());
 }
 
-/// Writes an octahedral map into the left (0) or right (1) half of the image, unscaled, in the middle.
+/// Writes an octahedral map into the centre of the left (0) or right (1) half of the layer, unscaled.
 template <typename Value>
 void draw_map(const FrameContext& frame, uint32_t half, uint32_t edge, const Value& value) {
   const View<float> out = frame.write(kDirections);
@@ -47,7 +47,7 @@ bool DirectionViewPass::run(const FrameContext& frame) {
   const uint32_t edge = std::min(frame.width() / 2, frame.height());
   const View<float> out = frame.write(kDirections);
   if (!settings_.view || edge == 0) {
-    if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // until now it was shown
+    if (!sums_.empty()) std::fill(out.begin(), out.end(), 0.0f);  // clear the last frame's view
     sums_.clear();
     return true;
   }
@@ -102,7 +102,7 @@ void DirectionViewPass::load(std::istream& in) {
   read_vector(in, sums);
   if (!in) return;
   pixel_ = pixel;
-  sums_ = std::move(sums);  // run() drops what does not fit
+  sums_ = std::move(sums);  // run() discards sums of another size
 }
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// What guiding knows of one point beside what it should know: two octahedral maps, side by side.
+// Densities of the guide and of the incident light at one point: two octahedral maps, side by side.
 #pragma once
 
 #include "techniques/guiding/directional_quadtree/directional_quadtree_pass.h"
@@ -8,10 +8,10 @@ namespace relume {
 
 inline constexpr BufferKey<float> kDirections{"directions"};
 
-/// Shows the point at the first hit of one pixel (`cdq.view-x`, `cdq.view-y`), if `cdq.view` asks for it. The left half
-/// of the buffer "directions" has the quadtree's density over the directions, the right half that which follows the
-/// light that comes in there, without what next event estimation finds. Each texel of the latter traces a path a frame.
-/// Both are per steradian, so their colours compare; integrals are 1.
+/// Fills the layer "directions" for the first hit of one pixel (`cdq.view-x`, `cdq.view-y`) while `cdq.view` is on. The
+/// left half is the quadtree's density over directions. The right half is the density of the incident light times
+/// cos θ, without light that next event estimation samples there. Each of its texels traces one path per frame. Both
+/// are per steradian with integral 1, so their colours are comparable.
 class DirectionViewPass final : public Pass {
  public:
   DirectionViewPass(const DirectionalQuadtreeSettings& settings, const PathSource& source, const OctreePass& octree)
@@ -29,7 +29,7 @@ class DirectionViewPass final : public Pass {
   DirectionalQuadtreeSettings settings_;
   PathSource source_;
   const OctreePass& octree_;
-  std::vector<float> sums_;  ///< of what the texels' paths found since the point was chosen
+  std::vector<float> sums_;  ///< sums by texel over the frames since the last change
   uint32_t pixel_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What images show of regions, known lights and directions, by value.
+// Values of the layers that show regions, known lights and directions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr float kSide = 8;  // metres
 
-/// A floor from above; `lamps` quads of two lights each hang over it.
+/// A floor seen from above, below `lamps` quads of two lights each, or below a constant sky without lamps.
 Scene floor_scene(int lamps) {
   SceneBuilder builder("floor");
   builder.add("floor", quad({-kSide / 2, 0, kSide / 2}, {kSide, 0, 0}, {0, 0, -kSide}),
@@ -60,7 +60,7 @@ void render(Session& session, int frames) {
 TEST(DirectionView, ShowsTheCosineBesideADensity) {
   constexpr int kEdge = 32;
   RenderSettings s = settings_of(2 * kEdge, kEdge);
-  s.light_selection.environment = false;  // left to paths
+  s.light_selection.environment = false;  // only paths sample it
   s.guide = GuideChoice::cdq;
   s.cdq.view = true;
   Session session(floor_scene(0), s);
@@ -78,7 +78,7 @@ TEST(DirectionView, ShowsTheCosineBesideADensity) {
       const auto right = static_cast<double>(shown[row + kEdge + static_cast<size_t>(x)]);
       known += left * texel;
       light += right * texel;
-      // Directions differ by up to 0.1 within a texel, of which 32 frames leave a sixth.
+      // Directions differ by up to 0.1 within a texel; the mean of 32 frames reduces this to a sixth.
       const double cosine = std::max(0.0, static_cast<double>(w.y)) / 3.14159265358979;
       if (std::abs(w.y) > 0.1f) {
         EXPECT_NEAR(right, cosine, 0.02) << x << ' ' << y;
@@ -107,7 +107,7 @@ TEST(DirectionView, ShowsNothingOnceItIsOff) {
 
 TEST(DirectionView, GoesOnFromACheckpoint) {
   RenderSettings s = settings_of(32, 16);
-  s.light_selection.environment = false;  // left to paths
+  s.light_selection.environment = false;  // only paths sample it
   s.guide = GuideChoice::cdq;
   s.cdq.view = true;
   const auto shown_by = [](const Session& session) {
@@ -135,7 +135,7 @@ TEST(RegionView, ShowsLeavesThatAreAsLargeAsTheirDepthSays) {
   const View<const Hit> hits = buffer_table(session).view(kPrimaryHits);
   std::map<uint32_t, std::pair<Vec2, Vec2>> boxes;
   std::map<uint32_t, uint32_t> depth_of;
-  const float pixel = 2 * 5 * std::tan(glm::radians(30.0f)) / 48;  // on the floor
+  const float pixel = 2 * 5 * std::tan(glm::radians(30.0f)) / 48;  // width on the floor, metres
   for (uint32_t i = 0; i < regions.size; ++i) {
     ASSERT_TRUE(hits[i].valid());
     const Vec2 at = (Vec2(static_cast<float>(i % 48), static_cast<float>(i / 48)) - 23.5f) * pixel;
@@ -161,7 +161,7 @@ TEST(KnownLightsView, CountsTheLightsOfTheRegion) {
   const View<const uint32_t> known = buffer_table(session).view(kKnownLights);
   uint32_t all = 0;
   for (const uint32_t count : known) {
-    EXPECT_LE(count, 6u);  // two triangles a lamp
+    EXPECT_LE(count, 6u);  // two triangles per lamp
     all += count == 6 ? 1 : 0;
   }
   EXPECT_GT(all, known.size / 2);

@@ -1,11 +1,11 @@
-// The light that comes in at a point, direction by direction.
+// Incident radiance at a point by direction.
 #pragma once
 
 #include "techniques/transport/path/path.h"
 
 namespace relume {
 
-/// Leaves out what next event estimation at the first vertex could have found, and guides no direction.
+/// Excludes light that next event estimation at the first vertex could sample, and guides no direction.
 struct IncidentPolicy : NoPolicy {
   Rgb known{0};
 
@@ -18,14 +18,14 @@ struct IncidentPolicy : NoPolicy {
   }
 };
 
-/// Estimate of the radiance that arrives at `sp` from `wi`, without what next event estimation at `sp` finds.
+/// Estimate of the incident radiance at `sp` from `wi`, without light that next event estimation at `sp` samples.
 RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint& sp, const Vec3& wi, Sampler& sampler) {
   PathState path;
   path.ray = sp.spawn_ray(wi);
   path.cone_width = sp.footprint;
   path.wavelength_nm = path_wavelength(c.scene, sampler);
   path.delta = false;
-  path.pdf_w = 1.0f;  // only the ratio to next event estimation's, whose share is left out anyway
+  path.pdf_w = 1.0f;  // only affects the MIS weight of light that is excluded
   path.bounce = 1;
   SurfacePoint points[2];
   points[0] = sp;
@@ -34,7 +34,7 @@ RELUME_HD inline Rgb incident_radiance(const PathContext& c, const SurfacePoint&
   return path.radiance - policy.known;
 }
 
-/// Adds a path's find times |cos θ| to each texel of an octahedral map of edge `edge`.
+/// Adds the incident luminance of one path times |cos θ| to each texel of an octahedral map of edge `edge`.
 struct IncidentLightKernel {
   PathContext context;
   SurfacePoint point;
