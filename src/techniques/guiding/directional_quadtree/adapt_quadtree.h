@@ -1,4 +1,4 @@
-// Moves leaves of a directional quadtree to where samples found most ([Dittebrandt20, §5.1]).
+// Moves leaves of a directional quadtree to the directions of the brightest samples ([Dittebrandt20, §5.1]).
 #pragma once
 
 #include "core/view.h"
@@ -6,32 +6,31 @@
 
 namespace relume {
 
-/// What one path found along the direction in which it left a vertex.
+/// A path's sample of the incident light at a vertex.
 struct DirectionSample {
-  uint32_t direction;  ///< in the unit square, 16 bits a coordinate
-  float value;         ///< Li cos θ / pdf_w, luminance; pdf_w is that of the whole mixture
+  uint32_t direction;  ///< position in the unit square, 16 bits per coordinate
+  float value;         ///< luminance of Li cos θ / pdf_w, with pdf_w of the whole mixture
 };
 
 struct QuadtreeAdaption {
-  float stability = 0.1f;   ///< a leaf must hold 1 / stability times what it displaces
-  uint32_t migrations = 1;  ///< at most, in one call
-  float kept = 0;           ///< share of what earlier calls found that still counts; 0: the paper
-  float spread = 0;         ///< share of what a leaf's samples found that counts around it too; 0: the paper
+  float stability = 0.1f;   ///< factor of a leaf's sum, which must exceed the sum of the node that is joined
+  uint32_t migrations = 1;  ///< maximum number of migrations in one call
+  float kept = 0;           ///< factor of the sums of earlier calls; 0: as in the paper
+  float spread = 0;         ///< share of a leaf's sum that is also added around it; 0: as in the paper
 };
 
-/// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes. What outlasts a call
-/// decides with more care than the paper's: a leaf is split for what has been found since its parent was split, without
-/// the largest of its squares, so that no single bright sample draws the tree to itself for as long as it is
-/// remembered.
+/// Sums of squared contributions to leaves, at the leaves' bits; 0 at those of inner nodes. Sums that outlast a call
+/// are used with more care than in the paper. A leaf is split for the squares since its parent was split, without the
+/// largest one. A single bright sample therefore does not attract leaves frame after frame.
 struct QuadtreeWeights {
   static constexpr uint32_t kBits = BitField::kWords * 32;
-  static constexpr float kMost = 1e37f;  ///< a sum of eight is still a number
-  float found[kBits] = {};               ///< in the leaf itself
-  float largest[kBits] = {};             ///< square among them
-  float inherited[kBits] = {};           ///< the leaf's share of what was found before its parent was split
+  static constexpr float kMost = 1e37f;  ///< limit of sums; eight of them are still finite
+  float found[kBits] = {};               ///< sum of squares since the leaf's parent was split
+  float largest[kBits] = {};             ///< largest of these squares
+  float inherited[kBits] = {};           ///< the leaf's share of the parent's sum before it was split
 
   RELUME_HD void add(uint32_t bit, float square) { add(bit, square, square); }
-  /// A sum of squares, and the largest of them.
+  /// Adds a sum of squares whose largest is `most`.
   RELUME_HD void add(uint32_t bit, float squares, float most) {
     found[bit] = relume::min(found[bit] + squares, kMost);
     largest[bit] = relume::max(largest[bit], most);
@@ -41,7 +40,6 @@ struct QuadtreeWeights {
     const uint32_t b = 4 * group;
     return held(b) + held(b + 1) + held(b + 2) + held(b + 3);
   }
-  /// All of them lose some of their importance.
   RELUME_HD void scale(float factor) {
     for (uint32_t i = 0; i < kBits; ++i) {
       found[i] *= factor;
@@ -59,7 +57,7 @@ struct QuadtreeWeights {
     largest[bit] = 0;
     inherited[bit] = inherits;
   }
-  /// The node at `bit` becomes a leaf in place of its children.
+  /// Replaces the children in `group` by a leaf at `bit`.
   RELUME_HD void join(uint32_t bit, uint32_t group) {
     set(bit, 0);
     for (uint32_t i = 4 * group; i < 4 * group + 4; ++i) {
@@ -70,9 +68,9 @@ struct QuadtreeWeights {
   }
 };
 
-/// Collapses the inner node whose bit is `inner` (all of its children are leaves) and splits the leaf `leaf`, which is
-/// none of these children. Weights move along: the collapsed node gets the sum of its children, those of the split leaf
-/// inherit `share` of what it held each. Returns the group of the new leaves.
+/// Joins the children of the inner node at bit `inner`, which must be leaves, and splits another leaf at bit `leaf`.
+/// The joined node receives the sum of its children's weights. Each part of the split leaf inherits `share` of its
+/// weight. Returns the group of the new leaves.
 RELUME_HD inline uint32_t migrate(DirectionalQuadtree& tree, QuadtreeWeights& w, uint32_t inner, uint32_t leaf,
                                   float share) {
   const uint32_t removed = tree.bits.rank(inner + 1);
@@ -91,14 +89,15 @@ RELUME_HD inline uint32_t migrate(DirectionalQuadtree& tree, QuadtreeWeights& w,
   return inserted;
 }
 
-/// The two ends of a migration.
+/// The leaf to split and the inner node whose children are joined.
 struct MigrationChoice {
   uint32_t leaf = 0;
   uint32_t inner = 0;
   bool found = false;
 };
 
-/// Heaviest leaf and lightest inner node that has only leaves below it. Ties go to the first in breadth-first order.
+/// Chooses the heaviest leaf and the lightest inner node whose children are all leaves. In a tie, the first in
+/// breadth-first order is chosen.
 RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tree, const QuadtreeWeights& w,
                                                   const QuadtreeAdaption& options) {
   MigrationChoice choice;
@@ -123,8 +122,8 @@ RELUME_HD inline MigrationChoice choose_migration(const DirectionalQuadtree& tre
   return choice;
 }
 
-/// Adds the squares of `count` samples to the leaves, or only to those of one group. Samples with values that are not
-/// finite and positive are left out.
+/// Adds the squares of `count` samples to the leaves, or only to those of one group. Values and squares that are not
+/// positive and finite are ignored.
 template <typename Samples>
 RELUME_HD inline void add_squares(const DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples,
                                   uint32_t count, uint32_t only_group = ~0u) {
@@ -136,18 +135,18 @@ RELUME_HD inline void add_squares(const DirectionalQuadtree& tree, QuadtreeWeigh
   }
 }
 
-/// Adds to `w` an eighth of `share` of what `now` found in the leaf at `bit` for each of the eight squares of its size
-/// around it, unless finer leaves are there already.
+/// Spreads the sum of the leaf at `bit` in `now` to the eight squares of its size around it. Each adds share / 8 of it
+/// to `w`, unless finer leaves exist there.
 RELUME_HD inline void add_around(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
                                  float share, uint32_t bit) {
   const QuadtreeCell cell = tree.cell_of(bit);
   const float edge = cell.edge();
-  // A coarse leaf may hold several of the squares: it gets their parts at once, as one largest square.
+  // A coarse leaf may contain several of the squares. It receives their parts at once, as one largest square.
   uint32_t leaves[8];
   float parts[8];
   uint32_t count = 0;
   for (int i = 0; i < 9; ++i) {
-    if (i == 4) continue;  // the leaf itself
+    if (i == 4) continue;  // the leaf
     const Vec2 step(static_cast<float>(i % 3) - 0.5f, static_cast<float>(i / 3) - 0.5f);
     const QuadtreeCell beside = tree.find(wrap_square(cell.corner + step * edge));
     if (beside.depth > cell.depth || beside.bit == bit) continue;
@@ -162,8 +161,8 @@ RELUME_HD inline void add_around(const DirectionalQuadtree& tree, QuadtreeWeight
   for (uint32_t k = 0; k < count; ++k) w.add(leaves[k], parts[k] * now.found[bit], parts[k] * now.largest[bit]);
 }
 
-/// Adds to `w` what `now` found, and a share of it around each leaf. A light's rim in a coarse leaf is met rarely, and
-/// then with a small density and a large weight: leaves beside those that are bright become fine before that happens.
+/// Adds the sums of `now` to `w`, and a share of them around each leaf. The rim of a light in a coarse leaf is sampled
+/// rarely, and then with a small density and a large weight. Leaves beside bright ones become fine before that happens.
 RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeights& w, const QuadtreeWeights& now,
                                  float share) {
   for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
@@ -173,8 +172,8 @@ RELUME_HD inline void add_spread(const DirectionalQuadtree& tree, QuadtreeWeight
   }
 }
 
-/// Adapts `tree` to samples; `samples(i)` is the i-th of `count`. Squares make the tree follow variance as well as
-/// energy. `w`: what the last call left of this tree, or nothing. Returns how many leaves were split.
+/// Adapts `tree` to samples; `samples(i)` is the i-th of `count`. With squares, the tree follows variance as well as
+/// energy. `w`: this tree's weights after the last call, or empty ones. Returns the number of migrations.
 template <typename Samples>
 RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, const Samples& samples, uint32_t count,
                                 const QuadtreeAdaption& options) {
@@ -186,8 +185,8 @@ RELUME_HD inline uint32_t adapt(DirectionalQuadtree& tree, QuadtreeWeights& w, c
   } else {
     add_squares(tree, w, samples, count);
   }
-  // As in the paper, the present samples tell exactly what the parts of a split leaf hold; of what was remembered, or
-  // spread from around, each inherits a quarter.
+  // As in the paper, the samples of this call give the exact sums of a split leaf's parts. Of earlier sums and of those
+  // spread from around, each part inherits a quarter.
   const bool exact = !(options.kept > 0.0f) && !(options.spread > 0.0f);
   uint32_t moved = 0;
   while (moved < options.migrations) {

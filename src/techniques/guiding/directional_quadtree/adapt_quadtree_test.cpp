@@ -18,7 +18,7 @@ using testing::random_tree;
 
 constexpr uint32_t kBitCounts[] = {32, 64, 96, 128};
 
-/// Samples spread like the tree's own density, as in rendering, so that values are L / pdf.
+/// Samples of the tree's density as in rendering, with the values L / pdf_w.
 template <typename Radiance>
 std::vector<DirectionSample> observe(const DirectionalQuadtree& tree, int count, uint32_t seed,
                                      const Radiance& radiance) {
@@ -31,7 +31,7 @@ std::vector<DirectionSample> observe(const DirectionalQuadtree& tree, int count,
   return samples;
 }
 
-/// Without a memory, as in the paper.
+/// Adapts without memory, as in the paper.
 template <typename Samples>
 uint32_t adapt_afresh(DirectionalQuadtree& tree, const Samples& samples, uint32_t count,
                       const QuadtreeAdaption& options) {
@@ -52,7 +52,7 @@ TEST(AdaptQuadtree, MovesTowardsASmallBrightSpotAndStopsThere) {
       if (frame >= 100) moved_late += moved;
     }
     EXPECT_GT(tree.pdf(sun), 8 * before) << bit_count;
-    EXPECT_LE(moved_late, 10u) << bit_count;  // of twenty: a tenth as stability, so that it does not flutter
+    EXPECT_LE(moved_late, 10u) << bit_count;  // of twenty: a stability of 0.1 prevents oscillation
     EXPECT_TRUE(is_quadtree(tree));
   }
 }
@@ -79,11 +79,11 @@ TEST(AdaptQuadtree, FollowsTheLightWhenItMoves) {
   const int one = frames_until_adapted(1);
   const int four = frames_until_adapted(4);
   EXPECT_LT(one, 40);
-  EXPECT_LT(four, one);  // that is what several migrations are for
+  EXPECT_LT(four, one);  // the purpose of several migrations
 }
 
 TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
-  // After every migration of a run the sums at the leaves must be those of counting from scratch.
+  // After each migration, the sums at the leaves must equal those of a new count.
   for (const uint32_t bit_count : kBitCounts) {
     DirectionalQuadtree tree = random_tree(bit_count, 9);
     std::vector<DirectionSample> samples;
@@ -101,15 +101,16 @@ TEST(AdaptQuadtree, WeightsMoveWithTheNodes) {
       const uint32_t group = migrate(tree, w, choice.inner, choice.leaf, 0);
       const QuadtreeWeights expected = count_from_scratch();
       for (uint32_t i = 0; i < bit_count; ++i) {
-        if (i >> 2 == group) continue;  // the split leaf's samples have not been told apart yet
+        if (i >> 2 == group) continue;  // the parts of the split leaf have no sums yet
         ASSERT_EQ(w.found[i], tree.bits.get(i) ? 0.0f : expected.found[i]) << bit_count << " " << i;
       }
     }
   }
 }
 
-/// Frames of `count` samples each under a light whose disk has the cosine `rim`, and a little light from all around.
-/// Returns the second moment ∫ L² / pdf of the mixture of tree and uniform directions, summed over adapted frames.
+/// Adapts a tree in frames of `count` samples. The light is a disc whose rim has the cosine `rim`, with weak light from
+/// all other directions. Returns the second moment ∫ L² / pdf_w of the mixture of tree and uniform directions, summed
+/// over adapted frames.
 double adapted_moment(const QuadtreeAdaption& options, float rim, uint32_t count) {
   const Vec3 sun = glm::normalize(Vec3(0.4f, 0.8f, 0.3f));
   const auto radiance = [&](const Vec3& w) {
@@ -144,12 +145,12 @@ double adapted_moment(const QuadtreeAdaption& options, float rim, uint32_t count
 }
 
 TEST(AdaptQuadtree, AMemoryServesWhereFramesHaveFewSamples) {
-  // Twenty samples a frame; one in fifty would meet the spot.
+  // Of twenty samples per frame, one in fifty would hit the light with uniform directions.
   EXPECT_LT(adapted_moment({.kept = 8.0f / 9}, 0.96f, 20), 0.8 * adapted_moment({.kept = 0}, 0.96f, 20));
 }
 
 TEST(AdaptQuadtree, ASpreadCatchesTheRimOfASmallLight) {
-  // A disk of 10 degrees; what of it lies in coarse leaves makes up most of the second moment.
+  // A disc of 10 degrees, whose parts in coarse leaves contribute most of the second moment.
   const QuadtreeAdaption memory{.migrations = 4, .kept = 8.0f / 9};
   QuadtreeAdaption spread = memory;
   spread.spread = 1;
@@ -176,7 +177,7 @@ TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
     EXPECT_EQ(w.found[from.bit], 8.0f);
     EXPECT_LE(around, 4.0);
   }
-  // Where all leaves around are alike, each of eight gets its part.
+  // If all leaves around have the same size, each of the eight receives its part.
   const DirectionalQuadtree even = uniform_quadtree(128);
   const QuadtreeCell from = even.find(Vec2(0.8f, 0.8f));
   QuadtreeWeights now;
@@ -186,7 +187,7 @@ TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
   int parts = 0;
   for (uint32_t bit = 0; bit < even.bit_count; ++bit) parts += bit != from.bit && w.found[bit] > 0.0f ? 1 : 0;
   EXPECT_EQ(parts, 8);
-  // Beyond the border lies what is near on the sphere.
+  // Beyond the border of the square, the neighbour is the one on the sphere.
   QuadtreeWeights beyond;
   QuadtreeWeights at_border;
   at_border.add(even.find(Vec2(0.99f, 0.7f)).bit, 8.0f);
@@ -194,7 +195,7 @@ TEST(AdaptQuadtree, ASpreadReachesLeavesAroundThatAreNotFiner) {
   EXPECT_GT(beyond.found[even.find(Vec2(0.99f, 0.3f)).bit], 0.0f);
 }
 
-/// Corners and depths of all inner nodes but the root.
+/// Depths and corners of all inner nodes except the root.
 std::set<std::tuple<uint32_t, float, float>> inner_nodes(const DirectionalQuadtree& tree) {
   std::set<std::tuple<uint32_t, float, float>> nodes;
   for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
@@ -205,7 +206,7 @@ std::set<std::tuple<uint32_t, float, float>> inner_nodes(const DirectionalQuadtr
 }
 
 TEST(AdaptQuadtree, WhatIsSplitInACallIsNotJoinedInIt) {
-  // Leaves beside a bright one have a weight, but no samples of their own that would tell what their parts hold.
+  // Leaves beside a bright one have a weight, but no samples that determine the weights of their parts.
   for (const float kept : {0.0f, 0.9f}) {
     DirectionalQuadtree tree = uniform_quadtree(128);
     uint32_t all_moved = 0;
@@ -233,8 +234,8 @@ TEST(AdaptQuadtree, ASingleBrightSampleThatIsRememberedDrawsNoLeaves) {
   EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 1, {.kept = 0.9f}), 0u);
   for (int frame = 0; frame < 20; ++frame)
     EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 0, {.kept = 0.9f}), 0u);
-  EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 2, {.kept = 0.9f}), 1u);  // two of a kind do
-  // Nor around it, also where a coarse leaf lies beside several squares of a fine one.
+  EXPECT_EQ(adapt(tree, w, [&](uint32_t) { return bright; }, 2, {.kept = 0.9f}), 1u);  // but two bright samples do
+  // Nor does it attract leaves around it, even if a coarse leaf contains several of the squares beside a fine one.
   for (int i = 0; i < 64; ++i) {
     const Vec2 place((static_cast<float>(i % 8) + 0.9f) / 8, (static_cast<float>(i / 8) + 0.4f) / 8);
     const DirectionSample single{pack_square(place), 1000.0f};
@@ -249,7 +250,7 @@ TEST(AdaptQuadtree, LeavesTheTreeAloneWhereNothingIsFoundOrNothingIsBetter) {
   const std::vector<DirectionSample> bad{{0, 0.0f}, {1, -1.0f}, {2, kInfinity}, {3, std::nanf("")}, {4, 1e30f}};
   EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return bad[i]; }, 5, {}), 0u);
   EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return bad[i]; }, 0, {}), 0u);
-  // Uniform light, with as many samples as leaves can tell apart: nothing is ten times better than anything else.
+  // Uniform light with many samples per leaf: no leaf has ten times the sum of a node.
   const auto samples = observe(tree, 20000, 5, [](const Vec3&) { return 1.0f; });
   EXPECT_EQ(adapt_afresh(tree, [&](uint32_t i) { return samples[i]; }, 20000, {}), 0u);
 }

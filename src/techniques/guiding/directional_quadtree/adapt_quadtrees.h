@@ -7,14 +7,14 @@
 
 namespace relume {
 
-/// Adapts the quadtree of each region to the region's samples.
+/// Adapts the quadtree of each region to the region's samples; one call per region.
 struct AdaptQuadtreesKernel {
   SampleGroupsView samples;
   QuadtreeArray trees;
   QuadtreeAdaption options;
-  float guided_fraction = 0;      ///< of directions, from trees of an earlier frame; 0: from `trees`
-  View<QuadtreeWeights> weights;  ///< by region, from the frame before; empty: nothing is remembered
-  View<uint64_t> moved;           ///< one: leaves that changed their place
+  float guided_fraction = 0;      ///< share of directions from trees of an earlier frame; 0: samples are from `trees`
+  View<QuadtreeWeights> weights;  ///< weights of the last frame by region; empty: no memory
+  View<uint64_t> moved;           ///< number of migrations, one element
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const {
     const uint32_t count = samples.counts[region];
@@ -34,11 +34,11 @@ struct AdaptQuadtreesKernel {
   }
 
  private:
-  /// Sums of squares that samples from other trees leave are those that samples from `tree` would leave, in the mean,
-  /// if each square is multiplied by the ratio of the densities.
+  /// Factor of a sample's value. It multiplies the square by the ratio of the two mixture densities. In expectation,
+  /// the sums of squares are then those of samples from `tree`.
   RELUME_HD float value_scale(const DirectionalQuadtree& tree, const VertexSample& s) const {
     if (guided_fraction == 0.0f || !(s.value > 0.0f)) return 1.0f;
-    constexpr float kLeastRatio = 0.02f;  // about what the precision of the densities allows
+    constexpr float kLeastRatio = 0.02f;  // about the precision of packed densities
     const float pdf_w = unpack_density(s.densities);
     const float change =
         tree.pdf(direction_from_square(unpack_square(s.direction))) - unpack_guide_density(s.densities);

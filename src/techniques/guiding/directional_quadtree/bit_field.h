@@ -1,5 +1,5 @@
-// A field of up to 128 bits with the operations that a compressed tree needs: rank, select, and inserting or removing
-// four zeros. Rank and select are those of [Jacobson89]; with so few bits they need no tables.
+// A field of up to 128 bits with the operations of a compressed tree: rank, select, and insertion and removal of four
+// zeros. Rank and select are those of [Jacobson89]; for so few bits they need no tables.
 #pragma once
 
 #include <bit>
@@ -9,7 +9,7 @@
 
 namespace relume {
 
-/// Bits 0 … 127, in words of 32 so that narrower fields are stored in fewer words.
+/// Bits 0 … 127 in words of 32 bits, so that narrower fields take fewer words.
 struct BitField {
   static constexpr uint32_t kWords = 4;
 
@@ -18,7 +18,7 @@ struct BitField {
   RELUME_HD bool get(uint32_t i) const { return (words[i >> 5] >> (i & 31u)) & 1u; }
   RELUME_HD void set(uint32_t i) { words[i >> 5] |= 1u << (i & 31u); }
   RELUME_HD void clear(uint32_t i) { words[i >> 5] &= ~(1u << (i & 31u)); }
-  /// The four bits 4·group …
+  /// The four bits from 4·group.
   RELUME_HD uint32_t nibble(uint32_t group) const { return (words[group >> 3] >> ((group & 7u) * 4)) & 15u; }
 
   /// Number of ones among bits [0, i).
@@ -30,7 +30,7 @@ struct BitField {
     return rest == 0 ? ones : ones + popcount(words[full] & ((1u << rest) - 1u));
   }
 
-  /// Index of the k-th (from 0) bit that equals `value`; there must be one.
+  /// Index of the k-th (from 0) bit that equals `value`, which must exist.
   RELUME_HD uint32_t select(uint32_t k, bool value) const {
     uint32_t w = 0;
     for (; w < kWords - 1; ++w) {
@@ -40,7 +40,7 @@ struct BitField {
     }
     uint32_t bits = value ? words[w] : ~words[w];
     uint32_t base = 0;
-    for (uint32_t width = 16; width > 0; width >>= 1) {  // halve the range that holds the bit
+    for (uint32_t width = 16; width > 0; width >>= 1) {  // halves the range that contains the bit
       const uint32_t count = popcount(bits & ((1u << width) - 1u));
       if (k >= count) {
         k -= count;
@@ -51,7 +51,7 @@ struct BitField {
     return w * 32 + base;
   }
 
-  /// Takes bits 4·group … 4·group + 3 out; what follows moves down, zeros enter at the top.
+  /// Removes bits 4·group … 4·group + 3. Higher bits move down, and zeros enter at the top.
   RELUME_HD void remove_nibble(uint32_t group) {
     const uint32_t w = group >> 3;
     const uint32_t below = low_mask(group);
@@ -62,7 +62,7 @@ struct BitField {
     }
   }
 
-  /// Puts four zeros in at 4·group; what follows moves up, the top four bits leave.
+  /// Inserts four zeros at 4·group. Higher bits move up, and the top four are lost.
   RELUME_HD void insert_nibble(uint32_t group) {
     const uint32_t w = group >> 3;
     const uint32_t below = low_mask(group);

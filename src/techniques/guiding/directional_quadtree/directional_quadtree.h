@@ -1,9 +1,9 @@
-// A density over directions in 32 to 128 bits: a quadtree over the octahedral map whose leaves are all equally likely
-// ([Dittebrandt20, §5]).
+// A density over directions in 32 to 128 bits: a quadtree over the octahedral map whose leaves all have the same
+// probability ([Dittebrandt20, §5]).
 //
-// Nodes stand in breadth-first order, one bit each: 1 inner, 0 leaf. The root is always inner and has no bit, so bits
-// 0 … 3 are its children, and the children of the inner node with `rank` ones up to and including its own bit are bits
-// 4·rank … 4·rank + 3. A field of N bits always holds N/4 − 1 inner nodes below the root and 3N/4 + 1 leaves.
+// Each node has one bit, in breadth-first order: 1 inner, 0 leaf. The root is always inner and has no bit, so bits
+// 0 … 3 are its children. An inner node with `rank` ones up to and including its bit has the children at bits
+// 4·rank … 4·rank + 3. A field of N bits always has N/4 − 1 inner nodes below the root and 3N/4 + 1 leaves.
 #pragma once
 
 #include "core/octahedral.h"
@@ -13,14 +13,14 @@
 
 namespace relume {
 
-/// Leaves below this depth are not split: 4^12 parts of the sphere are finer than what a field can resolve.
+/// Maximum depth of leaves: 4^12 parts of the sphere exceed the resolution of the bits.
 inline constexpr uint32_t kMaxQuadtreeDepth = 12;
 
-/// A part of the unit square, of edge 2^-depth.
+/// A square of edge 2^-depth within the unit square.
 struct QuadtreeCell {
   Vec2 corner{0};
   uint32_t depth = 0;
-  uint32_t bit = 0;  ///< of the leaf
+  uint32_t bit = 0;  ///< bit of the leaf
 
   RELUME_HD float edge() const { return 1.0f / static_cast<float>(1u << depth); }
 };
@@ -31,7 +31,7 @@ struct DirectionalQuadtree {
 
   RELUME_HD uint32_t leaf_count() const { return bit_count / 4 * 3 + 1; }
 
-  /// The leaf that holds `p` of the unit square, top down.
+  /// The leaf that contains `p` of the unit square, found top down.
   RELUME_HD QuadtreeCell find(const Vec2& p) const {
     QuadtreeCell cell;
     uint32_t group = 0;
@@ -48,7 +48,7 @@ struct DirectionalQuadtree {
     }
   }
 
-  /// The leaf at `bit`, bottom up: its square is rescaled into that of each parent in turn.
+  /// The leaf at `bit`. Its square is scaled into that of each parent, bottom up.
   RELUME_HD QuadtreeCell cell_of(uint32_t bit) const {
     QuadtreeCell cell;
     cell.bit = bit;
@@ -68,15 +68,15 @@ struct DirectionalQuadtree {
   /// pdf_w of sample() and of sample_stratified().
   RELUME_HD float pdf(const Vec3& w) const { return pdf(w, find(square_from_direction(w)).depth); }
 
-  /// A direction: the leaf by `u.x`, whose rest with `u.y` gives the place inside.
+  /// Samples a direction. `u.x` chooses the leaf; its remainder and `u.y` give the position within.
   RELUME_HD Vec3 sample(Vec2 u) const {
     const uint32_t leaf = choose_evenly(leaf_count(), u.x);
     const QuadtreeCell cell = cell_of(bits.select(leaf, false));
     return direction_from_square(cell.corner + cell.edge() * u);
   }
 
-  /// The same density, top down: both numbers are warped without tearing neighbours apart more than the tree does, so
-  /// that well spread numbers give well spread directions. Costs a count of leaves at each level.
+  /// Samples the same density top down. Neighbouring numbers mostly stay neighbours, so stratified numbers give
+  /// stratified directions. Counts the leaves at each level.
   RELUME_HD Vec3 sample_stratified(Vec2 u) const {
     QuadtreeCell cell;
     uint32_t group = 0;
@@ -95,7 +95,7 @@ struct DirectionalQuadtree {
     }
   }
 
-  /// Leaves of the subtree at `bit`. Breadth-first order keeps each of its levels together.
+  /// Number of leaves of the subtree at `bit`, whose levels are contiguous in breadth-first order.
   RELUME_HD uint32_t leaves_below(uint32_t bit) const {
     uint32_t first = bit;
     uint32_t last = bit + 1;
@@ -111,11 +111,11 @@ struct DirectionalQuadtree {
   }
 
  private:
-  /// Decides between two weights, true: for the second, and stretches `u` to what is left of it.
+  /// Chooses between two weights, true: the second, and rescales `u` to [0, 1).
   RELUME_HD static bool choose(float low, float high, float& u) { return !takes_share(low / (low + high), u); }
 };
 
-/// The evenest tree: inner nodes fill it from the top.
+/// The most uniform tree: inner nodes come first in breadth-first order.
 RELUME_HD inline DirectionalQuadtree uniform_quadtree(uint32_t bit_count) {
   DirectionalQuadtree tree{};
   tree.bit_count = bit_count;
@@ -123,7 +123,7 @@ RELUME_HD inline DirectionalQuadtree uniform_quadtree(uint32_t bit_count) {
   return tree;
 }
 
-/// Trees of many regions, as few words each as their bits need.
+/// Trees by region, each in as few words as its bits need.
 struct QuadtreeArray {
   View<uint32_t> words;
   uint32_t bit_count = 128;

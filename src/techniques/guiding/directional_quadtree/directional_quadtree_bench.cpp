@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// A tree that has adapted to a small bright spot; its samples.
+/// A tree adapted to a small bright spot, and the samples of its last frame.
 struct Adapted {
   DirectionalQuadtree tree;
   std::vector<DirectionSample> samples;
@@ -52,7 +52,7 @@ void bm_quadtree_pdf(benchmark::State& state) {
 }
 BENCHMARK(bm_quadtree_pdf)->ArgName("bits")->Arg(32)->Arg(128);
 
-/// As in the paper, or with a memory and a spread.
+/// Adapts as in the paper, or with memory and spread.
 void bm_quadtree_adapt(benchmark::State& state) {
   Adapted a = adapted_tree(128);
   const bool lasting = state.range(1) != 0;

@@ -6,10 +6,10 @@ bool is_quadtree(const DirectionalQuadtree& tree) {
   const uint32_t groups = tree.bit_count / 4;
   if (tree.bits.rank(tree.bit_count) != groups - 1) return false;
   uint32_t depths[BitField::kWords * 8] = {1};
-  uint32_t next = 1;  // group that the next inner node's children are
+  uint32_t next = 1;  // group of the next inner node's children
   for (uint32_t bit = 0; bit < tree.bit_count; ++bit) {
     if (!tree.bits.get(bit)) continue;
-    // Parents come first, or the way up would go in circles.
+    // Parents must precede their children, or walking up would not end.
     if (bit / 4 >= next || depths[bit / 4] >= kMaxQuadtreeDepth) return false;
     depths[next++] = depths[bit / 4] + 1;
   }
@@ -28,11 +28,11 @@ void Quadtrees::load(std::istream& in) {
 
 namespace {
 
-/// What a frame keeps of the frames before, so that all of them together weigh as much as `frames` like it.
+/// Factor of earlier sums per frame. Together, all earlier frames then have the weight of `frames` frames.
 float kept_share(int frames) { return static_cast<float>(frames) / static_cast<float>(frames + 1); }
 
-/// Of the regions that each stem from `previous`; without `weights`, nothing. Those that share what a region knew
-/// before it was split have seen a quarter of its samples each, as a surface passes through about four of eight.
+/// Weights of the regions with the origins `previous`; empty ones without `weights`. Each part of a split region has a
+/// quarter, because a surface passes through about four of eight parts.
 std::vector<QuadtreeWeights> inherited_weights(const std::vector<QuadtreeWeights>& weights,
                                                const std::vector<uint32_t>& previous) {
   std::vector<QuadtreeWeights> next(previous.size());
@@ -67,10 +67,10 @@ void DirectionalQuadtreePass::take_in_samples(const FrameContext& frame) {
   const bool same_size =
       octree_.has_samples() && trees_.bit_count() == bit_count() && trees_.size() == octree_.previous().leaf_slots();
   moved_ = 0;
-  // Whether the samples came from other trees than those that they are about to change.
+  // Whether the samples were drawn from other trees than those that they adapt.
   const bool sampled_others = snapshot_.frozen();
   snapshot_.begin_frame(frame.begins_epoch, trees_);
-  // The frames of an epoch sample alike, so they count alike.
+  // The frames of an epoch sample the same trees, so they have the same weight.
   const bool remembers = settings_.memory > 0 || !frame.begins_epoch;
   if (same_size) {
     const float kept = sampled_others ? 1.0f : kept_share(settings_.memory);

@@ -1,4 +1,4 @@
-// The direction sampling "cdq" as a pass, behind the octree's.
+// The direction sampling "cdq" as a pass, which runs after the octree's.
 #pragma once
 
 #include "core/stream_io.h"
@@ -11,8 +11,8 @@
 
 namespace relume {
 
-/// Whether the bits are a tree: as many inner nodes as there are groups of children, each ahead of its children, none
-/// deeper than leaves are split. All that pathways through a tree rely on.
+/// Whether the bits are a valid tree: the number of inner nodes matches that of groups, parents precede their children,
+/// and no leaf is deeper than kMaxQuadtreeDepth. Traversals rely on nothing else.
 bool is_quadtree(const DirectionalQuadtree& tree);
 
 /// The quadtrees of all regions, by leaf slot.
@@ -26,7 +26,7 @@ class Quadtrees {
   uint32_t bit_count() const { return bit_count_; }
   size_t memory_bytes() const { return words_.size() * sizeof(uint32_t); }
   void save(std::ostream& out) const { write_vector(out, words_); }
-  /// Sets the stream's failbit, and leaves nothing, where there is anything but quadtrees of bit_count() bits.
+  /// Sets the stream's failbit and clears the trees unless all are quadtrees of bit_count() bits.
   void load(std::istream& in);
 
  private:
@@ -55,14 +55,14 @@ class DirectionalQuadtreePass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// What estimators sample with; valid from the first run() on.
+  /// The sampler for estimators; valid after the first run().
   const DirectionSampler& directions() const { return directions_; }
 
  private:
-  /// Takes in the samples of the frame before.
+  /// Adapts the trees to the last frame's samples.
   void take_in_samples(const FrameContext& frame);
-  /// Trees for the leaves of the present octree: those that they stem from if `keep`, else uniform ones.
-  /// `remembers`: their weights come along.
+  /// Creates the trees of the current octree's leaves: copies of their origins' if `keep`, else uniform ones.
+  /// `remembers`: copies the weights, too.
   void populate(bool keep, bool remembers);
   uint32_t bit_count() const { return 32 * (1 + static_cast<uint32_t>(settings_.bits)); }
 
@@ -71,8 +71,8 @@ class DirectionalQuadtreePass final : public Pass {
   DirectionSampler directions_;
   Quadtrees trees_;
   Snapshot<Quadtrees> snapshot_;
-  std::vector<QuadtreeWeights> weights_;  ///< by leaf slot; empty where nothing outlasts a frame
-  uint64_t moved_ = 0;                    ///< leaves, in the last frame
+  std::vector<QuadtreeWeights> weights_;  ///< weights by leaf slot; empty if none outlast a frame
+  uint64_t moved_ = 0;                    ///< number of migrations in the last frame
 };
 
 }  // namespace relume

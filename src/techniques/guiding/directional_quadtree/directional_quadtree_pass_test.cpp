@@ -29,10 +29,10 @@ TEST(DirectionalQuadtreePass, RefusesCheckpointsWithWhatIsNoTree) {
   trees.store(1, uniform_quadtree(128));
   EXPECT_TRUE(loads(words));
   EXPECT_FALSE(loads({words.begin(), words.end() - 1}));
-  EXPECT_TRUE(loads(words, 2));  // what is remembered of both
+  EXPECT_TRUE(loads(words, 2));  // with the weights of both
   EXPECT_FALSE(loads(words, 1));
   EXPECT_FALSE(loads(std::vector<uint32_t>(8, 0xffffffffu)));
-  words[5] = 0xffffffffu;  // in the second
+  words[5] = 0xffffffffu;  // in the second tree
   EXPECT_FALSE(loads(words));
 }
 

@@ -20,7 +20,7 @@ using testing::random_tree;
 
 constexpr uint32_t kBitCounts[] = {32, 64, 96, 128};
 
-/// The tree of `tree`'s bits, taken apart without rank and select: squares of all leaves.
+/// Squares of all leaves, computed without rank and select.
 struct Leaf {
   double x, y, edge;
 };
@@ -38,7 +38,7 @@ std::vector<Leaf> leaves_of(const DirectionalQuadtree& tree) {
     }
     level = next;
   }
-  EXPECT_EQ(bit, tree.bit_count);  // breadth-first order, nothing left over
+  EXPECT_EQ(bit, tree.bit_count);  // all bits are used
   return leaves;
 }
 
@@ -104,7 +104,7 @@ TEST(DirectionalQuadtree, LeavesCoverTheSquareOnce) {
         }
         EXPECT_EQ(tree.leaves_below(up.bit), 1u);
       }
-      EXPECT_EQ(area, 1.0);  // powers of two add without error
+      EXPECT_EQ(area, 1.0);  // sums of powers of two are exact
       uint32_t below_root = 0;
       for (uint32_t i = 0; i < 4; ++i) below_root += tree.leaves_below(i);
       EXPECT_EQ(below_root, tree.leaf_count());
@@ -139,7 +139,7 @@ TEST(DirectionalQuadtree, DensityIntegratesToOne) {
     const DirectionalQuadtree tree = random_tree(bit_count, 11);
     double sum = 0;
     for (const Leaf& leaf : leaves_of(tree)) {
-      // Over each leaf apart: the density is smooth there, but for folds of the map.
+      // Integrated per leaf, where the density is smooth except at folds of the map.
       sum += testing::integrate(
           [&](double x, double y) {
             const Vec3 w = direction_from_square({static_cast<float>(x), static_cast<float>(y)});
@@ -149,7 +149,7 @@ TEST(DirectionalQuadtree, DensityIntegratesToOne) {
     }
     EXPECT_NEAR(sum, 1.0, 1e-4);  // float densities
   }
-  // The map itself: the square stands for all of the sphere.
+  // The map: the square covers the whole sphere.
   const double sphere = testing::integrate_square(
       [](double x, double y) {
         return static_cast<double>(
@@ -160,8 +160,8 @@ TEST(DirectionalQuadtree, DensityIntegratesToOne) {
 }
 
 TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
-  // One point from each of 32 × 32 cells of the unit square: the number of directions in any leaf is then nearly exact,
-  // while the bottom-up order knows no neighbours.
+  // One point in each of 32 × 32 cells of the unit square. Stratified sampling then gives each leaf nearly the expected
+  // number of directions. Bottom-up sampling separates neighbours.
   const DirectionalQuadtree tree = random_tree(128, 5);
   const auto spread = [&](bool stratified) {
     std::map<uint32_t, int> counts;
@@ -177,7 +177,7 @@ TEST(DirectionalQuadtree, StratifiedSamplesKeepNeighboursTogether) {
     }
     return squares / 97;
   };
-  // Independent samples would vary by 1024/97 = 10.6 about their mean.
+  // The variance with independent samples would be 1024/97 = 10.6.
   EXPECT_LT(spread(true), 5.0);
   EXPECT_LT(2 * spread(true), spread(false));
 }
@@ -199,7 +199,7 @@ TEST(Quadtree, IsToldFromOtherBits) {
     DirectionalQuadtree tree = uniform_quadtree(bits);
     EXPECT_TRUE(is_quadtree(tree));
     testing::Random random(bits);
-    for (int i = 0; i < 200; ++i) {  // whatever adaption makes of it
+    for (int i = 0; i < 200; ++i) {  // trees after adaptation
       const uint32_t place = pack_square(random.next_2d());
       QuadtreeWeights weights;
       adapt(tree, weights, [&](uint32_t) { return DirectionSample{place, 1.0f}; }, 1, {0.1f, 4});
@@ -208,12 +208,12 @@ TEST(Quadtree, IsToldFromOtherBits) {
     tree.bits.words[0] = 0xffffffffu;
     EXPECT_FALSE(is_quadtree(tree));
     EXPECT_FALSE(is_quadtree({BitField{}, bits}));
-    // As many inner nodes as there should be, but the first is among its own children.
+    // The right number of inner nodes, but the first is one of its own children.
     DirectionalQuadtree circle{BitField{}, bits};
     for (uint32_t i = 0; i + 1 < bits / 4; ++i) circle.bits.set(4 + i);
     EXPECT_FALSE(is_quadtree(circle));
   }
-  // A chain that goes deeper than any leaf is split.
+  // A chain deeper than kMaxQuadtreeDepth.
   DirectionalQuadtree chain{BitField{}, 128};
   for (uint32_t i = 0; i < 31; ++i) chain.bits.set(4 * i);
   EXPECT_FALSE(is_quadtree(chain));

@@ -13,10 +13,10 @@ struct DirectionalQuadtreeSettings {
   float bsdf_fraction = 0.5f;
   int migrations = 1;
   float stability = 0.1f;
-  int memory = 0;    ///< frames
-  float spread = 0;  ///< over the leaves around
+  int memory = 0;    ///< m: sums keep m / (m + 1) of their value per frame
+  float spread = 0;  ///< share of a leaf's sum that is also added around it
   QuadtreeSampling sampling = QuadtreeSampling::bottom_up;
-  bool view = false;  ///< fill the buffer "directions" for the point at:
+  bool view = false;  ///< whether to fill the layer "directions" for the point at:
   float view_x = 0.5f;
   float view_y = 0.5f;
 };

@@ -1,4 +1,4 @@
-// Quadtrees of any shape, for tests.
+// Quadtrees of random shape for tests.
 #pragma once
 
 #include "core/hash.h"
@@ -6,7 +6,7 @@
 
 namespace relume::testing {
 
-/// A tree that some hundred random migrations have left behind.
+/// A tree after up to 300 random migrations.
 inline DirectionalQuadtree random_tree(uint32_t bit_count, uint32_t seed) {
   DirectionalQuadtree tree = uniform_quadtree(bit_count);
   QuadtreeWeights w{};
