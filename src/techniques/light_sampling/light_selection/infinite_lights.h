@@ -1,5 +1,5 @@
-// Lights at infinity, for strategies that can only tell near lights apart: as a group they get a fixed share of the
-// samples, and within it are chosen in proportion to their power.
+// The group of lights at infinity, for strategies that compare lights by position: a fixed share of the samples,
+// divided by power.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ namespace relume {
 struct InfiniteLights {
   AliasTable table;  ///< over lights first, first + 1, …
   LightId first = 0;
-  float share = 0;  ///< of all samples; 0: there are none, 1: there is nothing else
+  float share = 0;  ///< of all samples; 0: no lights in the group, 1: no other lights
 
-  /// Whether the number falls to this group; it becomes what is left of it either way.
+  /// Whether `n` selects this group; rescales `n` to [0, 1).
   RELUME_HD bool takes(ReusableNumber& n) const { return takes_share(share, n); }
   RELUME_HD LightSelection sample(ReusableNumber n) const {
     const DiscreteSample s = table.sample(n);
@@ -24,21 +24,21 @@ struct InfiniteLights {
   RELUME_HD float pmf(LightId light) const { return table.empty() ? 0.0f : share * table.pmf(light - first); }
 };
 
-/// Which lights at infinity a strategy samples.
+/// Lights at infinity that a strategy samples.
 enum class LightsAtInfinity : int {
-  unreachable,     ///< only those without extent, which no sampled direction finds
-  worth_sampling,  ///< all but a constant environment, which the BSDF samples as well
+  unreachable,     ///< only those without extent, which BSDF sampling cannot hit
+  worth_sampling,  ///< all except a constant environment, which the BSDF samples at least as well
   all,
 };
 
-/// Whether a strategy samples the light; finite ones always.
+/// Whether a strategy samples `light`; true for all finite lights.
 bool takes_part(const LightsView& lights, LightId light, LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
-/// Entries for InfiniteLights::table; none if nothing at infinity takes part.
+/// Entries for InfiniteLights::table; empty if no light at infinity takes part.
 std::vector<AliasEntry> build_infinite_lights(const LightsView& lights,
                                               LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
-/// The group, if `finite` says whether any other light emits: half of the samples where there are both.
+/// A group that views `entries`. Its share is one half if other lights emit (`finite`), otherwise 1.
 InfiniteLights make_infinite_lights(const LightsView& lights, const std::vector<AliasEntry>& entries, bool finite);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// What light selection strategies return.
+// The result of a light selection strategy.
 #pragma once
 
 #include "lights/light.h"
@@ -7,8 +7,8 @@ namespace relume {
 
 struct LightSelection {
   LightId light = kNoLight;
-  float pmf = 0;  ///< probability of this light at this point; 0: no light was chosen
-  /// What is left of the random number, uniform in [0, 1): keeps strata when it goes on to place the sample.
+  float pmf = 0;  ///< probability of this light at this point; 0: no light chosen
+  /// Rest of the random number, uniform in [0, 1). Reusing it on the light keeps samples stratified.
   float u = 0;
 };
 

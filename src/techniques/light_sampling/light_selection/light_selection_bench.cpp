@@ -12,7 +12,7 @@ namespace {
 
 constexpr uint32_t kLamps = 1000;
 
-/// What lists and caches do with a bucket of lights for every sample.
+/// The weighing of a bucket that lists and caches do per sample.
 void bm_weigh_lights(benchmark::State& state) {
   const std::vector<Light> lamps = testing::make_lamps(kLamps, 30);
   LightsView lights;

@@ -1,4 +1,4 @@
-// The light selections "uniform" and "power" as a pass: keeps what they need up to date with the lights.
+// The pass for the light selections "uniform" and "power".
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ class LightSelectionPass final : public Pass {
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return power_.capacity() * sizeof(AliasEntry); }
 
-  /// What estimators sample with; valid from the first run() on.
+  /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
 
  private:

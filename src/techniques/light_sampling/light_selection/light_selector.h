@@ -1,5 +1,5 @@
-// The slot "light selection": which light next event estimation samples. A closed list and one switch; a new strategy
-// adds a member, a kind and a case.
+// Selects the light for next event estimation: a switch over a closed list. A new strategy adds a member, a kind and a
+// case.
 #pragma once
 
 #include "scene/surface_point.h"
@@ -23,7 +23,7 @@ struct LightSelector {
   StaticLightLists lists;
   VisibilityLightCache cache;
 
-  /// A light for next event estimation at `sp`; pmf 0 if there is none.
+  /// Samples a light for the point `sp`; pmf 0 if none can be chosen.
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
     switch (kind) {
       case LightSelectorKind::uniform: return uniform.sample(n);
@@ -35,7 +35,7 @@ struct LightSelector {
     return {};
   }
 
-  /// Probability with which sample() chooses `light` at `sp`.
+  /// Probability that sample() chooses `light` at `sp`.
   RELUME_HD float pmf(const SurfacePoint& sp, LightId light) const {
     switch (kind) {
       case LightSelectorKind::uniform: return uniform.pmf(light);

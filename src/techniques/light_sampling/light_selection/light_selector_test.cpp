@@ -1,5 +1,5 @@
-// The contract of light selectors, applied to every one of the closed list over scenes with all kinds of lights:
-// probabilities sum to one, samples follow them, and the rest of the random number is uniform.
+// Tests the contract of every light selector: probabilities sum to one, samples follow them, and the rest of the random
+// number is uniform.
 #include "techniques/light_sampling/light_selection/light_selector.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,6 @@
 namespace relume {
 namespace {
 
-/// Checks `selector` over `light_count` lights at `sp`.
 void check_light_selector(const LightSelector& selector, const SurfacePoint& sp, uint32_t light_count,
                           const std::string& name) {
   double sum = 0;
@@ -24,7 +23,7 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
     ASSERT_GE(selector.pmf(sp, i), 0.0f) << name;
     sum += selector.pmf(sp, i);
   }
-  ASSERT_NEAR(sum, 1.0, 1e-5) << name;  // a rounding a light
+  ASSERT_NEAR(sum, 1.0, 1e-5) << name;  // one rounding error per light
 
   constexpr int kSamples = 50000;
   std::vector<uint64_t> counts(light_count, 0);
@@ -47,7 +46,7 @@ void check_light_selector(const LightSelector& selector, const SurfacePoint& sp,
   for (const float u : {0.0f, kOneMinusEpsilon}) EXPECT_GT(selector.sample(sp, {u, 1}).pmf, 0.0f) << name;
 }
 
-/// What selectors of every kind view, for one scene.
+/// Selectors of every kind for one scene, with their data.
 struct Selectors {
   explicit Selectors(const LightsView& lights, LightsAtInfinity infinity = LightsAtInfinity::worth_sampling)
       : power(build_power_lights(lights, infinity)),
@@ -62,7 +61,7 @@ struct Selectors {
     view_cache(lights);
   }
 
-  /// One cell that sees every other light, with room for two at a time.
+  /// One cell that lists every second light and weighs two per sample.
   void view_lists(const LightsView& lights) {
     for (LightId i = 0; i < lights.first_infinite; i += 2) ids.push_back(i);
     first = {0, static_cast<uint32_t>(ids.size())};
@@ -78,7 +77,7 @@ struct Selectors {
     s.lights = lights;
   }
 
-  /// Region 0: four buckets, the second and the last empty. Region 1 knows nothing.
+  /// Region 0: four buckets, the second and the last empty. Region 1: no buckets.
   void view_cache(const LightsView& lights) {
     buckets = {{0, 4}, {0, 0}};
     entries.assign(4 * 8, CachedLight::kNone);
@@ -112,7 +111,7 @@ struct Selectors {
   std::vector<float> bucket_weights{0.7f, 0, 0.3f, 0};
 };
 
-/// Points that see the lamps well, at a grazing angle, from behind, through glass; and one without anything.
+/// A default SurfacePoint, and points that see the lamps well, at a grazing angle, from behind and through glass.
 std::vector<SurfacePoint> receivers() {
   std::vector<SurfacePoint> points{SurfacePoint{}};
   const auto add = [&](const Vec3& p, const Vec3& n, float transmission, float roughness, uint32_t region) {
@@ -165,7 +164,7 @@ TEST(LightSelector, EveryKindLeavesTheEnvironmentOutIfAsked) {
       const bool delta = lights.lights[i].kind == LightKind::directional && lights.lights[i].directional.delta();
       const bool chosen = selectors.selector.pmf(receivers()[1], i) > 0;
       if (delta) {
-        EXPECT_TRUE(chosen) << k;  // nothing else finds it
+        EXPECT_TRUE(chosen) << k;  // no other technique samples it
       } else if (k != static_cast<int>(LightSelectorKind::uniform)) {
         EXPECT_FALSE(chosen) << k << " " << i;
       }
@@ -186,7 +185,7 @@ TEST(LightSelector, PowersThatOverflowLeaveTheOthersTheirPlace) {
     float sum = 0;
     for (LightId i = 0; i < lights.lights.size; ++i) sum += selectors.selector.pmf(sp, i);
     EXPECT_NEAR(sum, 1.0f, 1e-5f) << static_cast<int>(kind);
-    // By power alone the point light is next to nothing.
+    // By power alone, the point light is almost never chosen.
     EXPECT_GT(selectors.selector.pmf(sp, 2), kind == LightSelectorKind::power ? 0.0f : 0.1f) << static_cast<int>(kind);
   }
   const AliasTable explored = selectors.explored.grid().at(sp.position);

@@ -1,4 +1,4 @@
-// Settings that all light selection strategies obey.
+// Settings shared by all light selection strategies.
 #pragma once
 
 #include "core/change.h"
@@ -7,11 +7,11 @@
 
 namespace relume {
 
-/// Changes after which what a strategy has made of the lights is out of date.
+/// Changes that invalidate the data a strategy derives from the lights.
 inline constexpr Change kRebuildsLights = Change::lights | Change::geometry | Change::materials | Change::settings;
 
 struct LightSelectionSettings {
-  bool environment = true;  ///< next event estimation knows the environment
+  bool environment = true;  ///< whether next event estimation samples the environment and suns with extent
 
   LightsAtInfinity infinity() const {
     return environment ? LightsAtInfinity::worth_sampling : LightsAtInfinity::unreachable;

@@ -1,5 +1,4 @@
-// A few lights weighed at a point by their importance, on the stack between choosing one of them and telling how likely
-// that was.
+// Lights and their importance at a point, on the stack between a choice and its probability.
 #pragma once
 
 #include "lights/light_importance.h"
@@ -7,31 +6,31 @@
 
 namespace relume {
 
-/// Lights that are weighed at a point, at most.
+/// Maximum number of lights weighed at a point.
 inline constexpr uint32_t kMaxWeighedLights = 64;
 
 struct WeighedLights {
   LightId ids[kMaxWeighedLights] = {};
   float weights[kMaxWeighedLights] = {};
   uint32_t count = 0;
-  float sum = 0;  ///< of the weights; above 0 once lights are weighed
+  float sum = 0;  ///< of the weights; above 0 after weigh()
 
   RELUME_HD bool weighed() const { return sum > 0.0f; }
 
-  /// Place of `light`, or `count`.
+  /// Index of `light`, or `count`.
   RELUME_HD uint32_t find(LightId light) const {
     uint32_t place = 0;
     while (place < count && ids[place] != light) ++place;
     return place;
   }
 
-  /// Fills in the weights of `ids`.
+  /// Computes the weights of `ids`; equal weights if their sum is zero or overflows.
   RELUME_HD void weigh(const SurfacePoint& sp, const LtcTable& ltc, const LightsView& lights,
                        const LightColumns& columns) {
     const LightReceiver receiver = make_light_receiver(ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
     sum = light_importances(receiver, lights, columns, ids, count, weights);
     if (sum > 0.0f && is_finite(sum)) return;
-    for (uint32_t i = 0; i < count; ++i) weights[i] = 1.0f;  // all seem dark: each alike
+    for (uint32_t i = 0; i < count; ++i) weights[i] = 1.0f;
     sum = static_cast<float>(count);
   }
 };
