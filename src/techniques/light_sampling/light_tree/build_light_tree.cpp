@@ -11,19 +11,19 @@ namespace {
 
 constexpr int kBins = 12;
 
-/// Surface, and a little for the length of what has none.
+/// Surface area, plus a small term for boxes without area.
 double area_of(const Box& box) {
   const glm::dvec3 e(box.extent());
   return 2 * (e.x * e.y + e.y * e.z + e.z * e.x) + 1e-3 * glm::dot(e, e);
 }
 
-/// Normals within angle `o` of the axis.
+/// Normals within `o` of the axis; light spreads by `e` around each. Radians.
 struct Cone {
   Vec3 axis{0, 0, 1};
-  double o = -1;  ///< below zero: nothing yet
+  double o = -1;  ///< negative: empty cone
   double e = 0;
 
-  /// The smallest cone about both ([Conty18], listing 1).
+  /// Extends to the smallest common cone ([Conty18], listing 1).
   void add(const Cone& other) {
     if (other.o < 0) return;
     if (o < 0) {
@@ -57,7 +57,7 @@ struct Cone {
     o = angle;
   }
 
-  /// Solid angle of what it may light, weighted by the cosine ([Conty18], eq. 1).
+  /// Cosine-weighted solid angle of the directions of emission ([Conty18], eq. 1).
   double measure() const {
     const double w = std::min(o + e, M_PI);
     return 2 * M_PI * (1 - std::cos(o)) +
@@ -93,7 +93,7 @@ LightBounds bounds_of_item(const Item& item) {
   b.radius = 0.5f * glm::length(item.box.extent());
   b.axis = item.cone.axis;
   b.cos_o = static_cast<float>(std::cos(item.cone.o));
-  // A hair wider than computed, so that rounding never hides a light, not even one whose cone has no soft edge.
+  // Slightly widened, so that rounding never hides a light, even a spot without a soft edge.
   constexpr double kCosineError = 4e-7;
   b.cos_e = static_cast<float>(std::min(std::cos(std::min(item.cone.e + 1e-4, M_PI)), 1 - kCosineError));
   b.intensity = static_cast<float>(item.intensity);
@@ -105,7 +105,7 @@ struct BinaryNode {
   Item item;
   uint32_t first = 0;
   uint32_t count = 0;
-  uint32_t left = 0;  ///< 0: a leaf; the right one follows
+  uint32_t left = 0;  ///< left child, followed by the right one; 0: a leaf
   uint32_t depth = 0;
 };
 
@@ -143,8 +143,8 @@ class Builder {
     }
   }
 
-  /// Reorders the node's items about the cheapest of the planes between bins; halves them where no plane parts them,
-  /// and far down, so that no way is longer than LightTree::kMostLevels.
+  /// Splits the items at the cheapest plane between bins. Halves them if no plane separates them, and at great depth to
+  /// keep paths within LightTree::kMostLevels.
   uint32_t partition(const BinaryNode& node) {
     if (node.depth >= LightTree::kMostLevels / 2) return node.first + node.count / 2;
     Box centers;
@@ -221,7 +221,7 @@ class Builder {
     }
   }
 
-  /// Up to eight descendants that together make up the node: the costliest is opened first.
+  /// Up to eight descendants that cover the node, by opening the costliest one first.
   std::vector<uint32_t> children_of(uint32_t node) const {
     if (binary_[node].left == 0) return {node};
     std::vector<uint32_t> children{binary_[node].left, binary_[node].left + 1};

@@ -1,5 +1,5 @@
 // Builds the light tree: binary splits by binned cost over area, orientation and power ([Conty18], §4.3), then nodes of
-// eight by pulling up the costliest children.
+// eight by opening the costliest children.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace relume {
 
-/// What LightTree views.
+/// Storage of a LightTree.
 struct LightTreeData {
   std::vector<LightTreeNode> nodes;
   std::vector<LightBounds> bounds;
@@ -20,10 +20,10 @@ struct LightTreeData {
   size_t memory_bytes() const;
 };
 
-/// Bounds of one light at a finite place.
+/// Bounds of one finite light.
 LightBounds bounds_of(const LightsView& lights, LightId id);
 
-/// Lights that emit nothing are left out. Linear in the number of lights, but for a logarithm.
+/// Leaves out lights without emission. Takes O(n log n) in the number of lights.
 LightTreeData build_light_tree(const LightsView& lights, LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 
 }  // namespace relume

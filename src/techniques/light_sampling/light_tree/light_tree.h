@@ -1,5 +1,5 @@
-// A hierarchy over lights that is descended at random, each step by how much a group could at most send to the point
-// ([Conty18], [Moreau19]): eight children a node, up to two lights a leaf. No visibility.
+// Light selection by random descent of a light tree ([Conty18], [Moreau19]). Each step goes by a bound on the light
+// that a child could send to the point. Visibility is ignored.
 #pragma once
 
 #include "core/lanes.h"
@@ -14,8 +14,8 @@ namespace relume {
 inline constexpr uint32_t kLightTreeWidth = 8;
 inline constexpr uint32_t kLightTreeLeafSize = 2;
 
-/// Where a group of lights is, how strong, and which way it shines: a sphere, and a cone of normals (angle o about the
-/// axis) around each of which light spreads by up to angle e.
+/// Bounds of a group of lights: a sphere, and a cone of normals of half angle o, around which light spreads by up to
+/// angle e.
 struct LightBounds {
   Vec3 center;
   float radius;
@@ -23,10 +23,10 @@ struct LightBounds {
   float cos_o;
   float cos_e;
   float intensity;
-  float two_sided;  ///< 1: the opposite directions too
+  float two_sided;  ///< 1: also emits in the opposite directions
 };
 
-/// Eight groups, member by member.
+/// Eight children in SoA layout.
 struct LightTreeNode {
   float center[3][kLightTreeWidth];
   float radius[kLightTreeWidth];
@@ -36,8 +36,8 @@ struct LightTreeNode {
   float intensity[kLightTreeWidth];  ///< 0: no child
   float two_sided[kLightTreeWidth];
   uint32_t child[kLightTreeWidth];   ///< node, or first light of a leaf
-  uint32_t lights[kLightTreeWidth];  ///< in the leaf; 0: an inner node
-  uint32_t parent;                   ///< 8 · node + child above; the root's is kNoParent
+  uint32_t lights[kLightTreeWidth];  ///< number of lights in a leaf; 0: an inner node
+  uint32_t parent;                   ///< 8 · node + child in the parent; kNoParent for the root
 };
 
 namespace light_tree {
@@ -58,14 +58,14 @@ RELUME_HD inline T sine(T cosine) {
   return square_root(max(T(1.0f) - cosine * cosine, T(0.0f)));
 }
 
-/// Receiver of light.
+/// The receiving point.
 struct Point {
   Vec3 position;
   Vec3 normal;       ///< of the shading frame
-  float both_sides;  ///< 1: light from behind arrives too
+  float both_sides;  ///< 1: light from behind counts too
 };
 
-/// Bound on what arrives at the point, without distance-squared singularities inside the group ([Conty18], §5).
+/// Bound on the light from a group ([Conty18], §5). The distance is at least the radius, so the bound is finite inside.
 template <typename T>
 RELUME_HD inline T importance(const Point& p, const T center[3], T radius, const T axis[3], T cos_o, T cos_e,
                               T intensity, T two_sided) {
@@ -75,7 +75,7 @@ RELUME_HD inline T importance(const Point& p, const T center[3], T radius, const
   const T d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   const T r2 = radius * radius;
   const T inverse = one / square_root(max(d2, T(1e-20f)));
-  // Angle under which the group is seen; all directions from inside.
+  // Half angle that the group subtends; π from inside.
   const auto inside = d2 < r2;
   const T cos_b = select(inside, T(-1.0f), square_root(max(one - r2 / max(d2, T(1e-20f)), zero)));
   const T sin_b = sine(cos_b);
@@ -100,8 +100,7 @@ RELUME_HD inline float importance(const Point& p, const LightBounds& b) {
   return importance<float>(p, center, b.radius, axis, b.cos_o, b.cos_e, b.intensity, b.two_sided);
 }
 
-/// Weights of a node's children and their sum; the intensity decides where nothing seems to arrive, or more than a
-/// float holds.
+/// Weights of a node's children, and their sum. Intensities replace bounds that are all zero or overflow.
 RELUME_HD inline float child_weights(const Point& p, const LightTreeNode& n, float weights[kLightTreeWidth]) {
   static_assert(kLightTreeWidth == kLanes);
   const auto lanes = [](const float* from) { return load_lanes(from); };
@@ -123,9 +122,9 @@ struct LightTree {
   static constexpr uint32_t kMostLevels = 64;
 
   View<const LightTreeNode> nodes;
-  View<const LightBounds> bounds;  ///< in the order of leaves
-  View<const LightId> lights;      ///< the same order
-  View<const uint32_t> place;      ///< by light: 8 · node + child of its leaf; kNoParent: it does not emit
+  View<const LightBounds> bounds;  ///< in leaf order
+  View<const LightId> lights;      ///< in leaf order
+  View<const uint32_t> place;      ///< by light: 8 · node + child of its leaf; kNoParent: no emission
   InfiniteLights infinite;
 
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
@@ -154,7 +153,7 @@ struct LightTree {
     if (light >= infinite.first) return infinite.pmf(light);
     if (place.empty() || place[light] == light_tree::kNoParent) return 0.0f;
     const light_tree::Point p = point_of(sp);
-    // The same factors in the same order as on the way down, so that the bits agree.
+    // The same factors in the same order as in sample(), so that the bits agree.
     uint32_t way[kMostLevels];
     uint32_t length = 0;
     for (uint32_t at = place[light]; at != light_tree::kNoParent && length < kMostLevels; at = nodes[at / 8].parent)

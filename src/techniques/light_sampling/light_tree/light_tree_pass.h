@@ -1,4 +1,4 @@
-// The light selection "light-tree" as a pass.
+// The pass for the light selection "light-tree".
 #pragma once
 
 #include "frame/pass.h"
@@ -8,7 +8,7 @@
 
 namespace relume {
 
-/// Rebuilds the tree in every frame in which lights differ.
+/// Rebuilds the tree when lights have changed.
 class LightTreePass final : public Pass {
  public:
   explicit LightTreePass(const LightSelectionSettings& settings) : settings_(settings) {
@@ -20,7 +20,7 @@ class LightTreePass final : public Pass {
   bool run(const FrameContext& frame) override;
   size_t memory_bytes() const override { return data_.memory_bytes(); }
 
-  /// What estimators sample with; valid from the first run() on.
+  /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
 
  private:

@@ -42,7 +42,7 @@ TEST(LightTree, HoldsEveryLightThatEmitsOnce) {
 }
 
 TEST(LightTree, BoundsWhatItsLightsCanSend) {
-  // A group never claims that nothing arrives where one of its lights shines.
+  // The bound of a group is positive wherever one of its lights shines.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const LightsView& lights = scene.view().lights;
   const LightTreeData data = build_light_tree(lights);
@@ -80,7 +80,7 @@ TEST(LightTree, BoundsPointAndSpotLights) {
   }
 }
 
-/// The tree over lights that `view` comes to speak of.
+/// Builds the tree over `lights` and sets `view` to them.
 LightTreeData tree_of(const std::vector<Light>& lights, LightsView& view) {
   view.lights = view_of(lights);
   view.first_infinite = view.lights.size;
@@ -111,7 +111,7 @@ TEST(LightTree, SpotsWithoutASoftEdgeShine) {
 }
 
 TEST(LightTree, FacesOfOneWallShineOneWay) {
-  // Their normals are one, whatever rounding makes of the angle between them: nothing is behind the wall.
+  // Rounding of the angle between equal normals must not widen the cone to behind the wall.
   std::vector<Light> faces(64);
   const Vec3 normal = glm::normalize(Vec3(0.3f, 0.5f, 0.8f));
   const Frame wall = make_frame(normal);
@@ -163,7 +163,7 @@ TEST(LightTree, PrefersTheNearLampThatFacesThePoint) {
     Mesh m;
     const auto x = static_cast<float>(4 * i);
     m.positions = {Vec3(x, 2, 0), Vec3(x + 0.2f, 2, 0), Vec3(x, 2, 0.2f)};
-    m.triangles = {i == 3 ? UVec3(0, 2, 1) : UVec3(0, 1, 2)};  // the fourth shines up
+    m.triangles = {i == 3 ? UVec3(0, 2, 1) : UVec3(0, 1, 2)};  // the fourth faces up
     m.material = 0;
     scene.meshes.push_back(m);
     Node node;
@@ -175,11 +175,10 @@ TEST(LightTree, PrefersTheNearLampThatFacesThePoint) {
   const LightTreeData data = build_light_tree(lights);
   const LightTree tree = data.view(lights);
   const SurfacePoint sp = point_at(Vec3(12.1f, 0, 0.1f), Vec3(0, 1, 0));
-  EXPECT_EQ(tree.pmf(sp, 3), 0.0f);  // it turns its back
+  EXPECT_EQ(tree.pmf(sp, 3), 0.0f);  // faces away
   EXPECT_GT(tree.pmf(sp, 2), 4 * tree.pmf(sp, 8));
   const SurfacePoint below = point_at(Vec3(24.1f, 0, 0.1f), Vec3(0, 1, 0));
-  // Straight below one lamp: its neighbours 4 m off are seen under 63° from 4.5 m. cos² / d² gives them 1/40 of it
-  // each.
+  // Directly below one lamp: neighbours 4 m off are 4.5 m away at 63°. cos² / d² gives each 1/25 of its weight.
   EXPECT_GT(tree.pmf(below, 6), 0.5f);
 }
 
@@ -212,7 +211,7 @@ std::vector<Light> lamps_over_a_floor(int count) {
   return lamps;
 }
 
-/// Expected squared error of one sample, relative to what arrives, summed over points of the floor.
+/// Expected squared error of one sample, relative to the received light, summed over points of the floor.
 TEST(LightTree, HasLessVarianceThanPowerWhereNothingIsHidden) {
   const std::vector<Light> lamps = lamps_over_a_floor(64);
   LightsView view;
@@ -252,7 +251,7 @@ TEST(LightTree, EmptySceneHasNoLight) {
 }
 
 TEST(LightTree, TakesLightsInOnePlaceApart) {
-  // Equal centres: no plane parts them, and yet leaves hold two at most.
+  // No plane separates equal centres, yet leaves hold at most two lights.
   std::vector<Light> same(37);
   for (Light& light : same) {
     light.kind = LightKind::point;
