@@ -1,4 +1,4 @@
-// Lights in proportion to their power, by an alias table.
+// Light selection in proportion to power, by an alias table.
 #pragma once
 
 #include <vector>
@@ -20,9 +20,8 @@ struct PowerLights {
   RELUME_HD float pmf(LightId light) const { return table.empty() ? 0.0f : table.pmf(light); }
 };
 
-/// Entries for PowerLights. What lights at infinity send through the scene grows with its cross-section and says little
-/// of what arrives at a point, so as a group they get half of the samples whenever there are finite lights too.
-/// Lights at infinity take part as `infinity` says.
+/// Entries for PowerLights, with the lights at infinity that `infinity` selects. If both groups emit, each gets half of
+/// the samples: power at infinity grows with the scene's cross-section, a poor guide to the light at a point.
 std::vector<AliasEntry> build_power_lights(const LightsView& lights,
                                            LightsAtInfinity infinity = LightsAtInfinity::worth_sampling);
 

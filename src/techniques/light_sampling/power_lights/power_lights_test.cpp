@@ -23,7 +23,7 @@ TEST(PowerLights, FollowsThePowerWithinFiniteAndInfiniteLights) {
     const LightId other = i < lights.first_infinite ? 0 : lights.first_infinite;
     EXPECT_NEAR(entries[i].pmf / entries[other].pmf, ratio(i, other), 1e-4 * ratio(i, other)) << scene.named[i].name;
   }
-  // One half each for what is near and what is at infinity.
+  // Finite and infinite lights get one half each.
   EXPECT_NEAR(sum_of(entries, 0, lights.first_infinite), 0.5, 1e-5);
   EXPECT_NEAR(sum_of(entries, lights.first_infinite, lights.lights.size), 0.5, 1e-5);
 }
