@@ -1,4 +1,4 @@
-// Every light equally often.
+// Light selection with equal probabilities.
 #pragma once
 
 #include "lights/light.h"
@@ -9,7 +9,7 @@
 namespace relume {
 
 struct UniformLights {
-  uint32_t count = 0;  ///< lights [0, count) take part; a constant environment does not
+  uint32_t count = 0;  ///< lights [0, count) take part
 
   RELUME_HD LightSelection sample(ReusableNumber n) const {
     if (count == 0) return {};
