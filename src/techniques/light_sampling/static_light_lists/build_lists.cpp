@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-constexpr size_t kMostWords = size_t{1} << 29;  // 4 GiB, and what an index of 32 bits reaches
+constexpr size_t kMostWords = size_t{1} << 29;  // 4 GiB, within the range of 32-bit indices
 
 LightGrid make_grid(const SceneView& scene, float cell_size) {
   const Box box = world_box(scene);
@@ -22,14 +22,14 @@ LightGrid make_grid(const SceneView& scene, float cell_size) {
   constexpr float kMostCells = 128;  // along one side
   const float longest = std::max(max_component(extent), 1e-3f);
   grid.cell_size = std::max(cell_size > 0 ? cell_size : longest / kDefaultCells, longest / kMostCells);
-  // A little of air around, so that surfaces on the border lie inside.
+  // A margin of 1 % of a cell, so that surfaces on the border lie inside.
   grid.corner = box.low - 0.01f * grid.cell_size;
   for (int axis = 0; axis < 3; ++axis)
     grid.cells[axis] = static_cast<uint32_t>(std::floor((extent[axis] + 0.02f * grid.cell_size) / grid.cell_size)) + 1;
   return grid;
 }
 
-/// Cells that the box of a triangle touches.
+/// Cells that overlap the bounding box of a triangle.
 std::vector<uint32_t> cells_with_surfaces(const SceneView& scene, const LightGrid& grid) {
   std::vector<bool> touched(grid.count(), false);
   for_each_world_triangle(scene, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -56,7 +56,7 @@ LightListBuilder::LightListBuilder(const SceneView& scene, const LightListOption
   cells_ = cells_with_surfaces(scene, grid_);
   words_ = (lights_ + 63) / 64;
   const uint64_t for_lights = uint64_t{std::max(options.rays / 64, 2u)} * lights_;
-  // The last part has an end that 32 bits hold.
+  // The end of the last part must fit in 32 bits.
   constexpr uint64_t kMostRays = UINT32_MAX - CellVisibilityKernel::kPartRays;
   rays_ = static_cast<uint32_t>(std::clamp<uint64_t>(for_lights, options.rays, kMostRays));
   const size_t parts = (rays_ + CellVisibilityKernel::kPartRays - 1) / CellVisibilityKernel::kPartRays;

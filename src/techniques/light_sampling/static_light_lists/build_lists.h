@@ -1,4 +1,4 @@
-// Finds which lights are visible from which cells.
+// Finds the lights visible from each cell by random shadow rays.
 #pragma once
 
 #include <stop_token>
@@ -12,59 +12,57 @@
 namespace relume {
 
 struct LightListOptions {
-  float cell_size = 0;   ///< metres; 0: a 24th of the scene's longest side
-  uint32_t rays = 4096;  ///< a cell; or a 64th of that a light, and two at least, if that is more
+  float cell_size = 0;   ///< metres; 0: 1/24 of the scene's longest side
+  uint32_t rays = 4096;  ///< per cell; more if needed for max(rays / 64, 2) per light
 
   bool operator==(const LightListOptions&) const = default;
 };
 
-/// What StaticLightLists views.
+/// Storage of StaticLightLists.
 struct LightListData {
   LightGrid grid;
   std::vector<uint32_t> first;
   std::vector<LightId> ids;
 };
 
-/// Traces shadow rays from every cell that holds a surface: from points of the cell and from the surfaces that
-/// are seen from them inside it, to the lights in turn. One that arrives puts the light on the list. Another `seed` has
-/// other rays.
+/// Traces shadow rays to the lights in turn, from every cell with a surface. Half start at random points, half at
+/// surfaces seen from there within the cell. Unblocked rays put their light on the list.
 class LightListBuilder {
  public:
-  /// Throws Error if this took more than 4 GiB.
+  /// `seed` selects the rays. Throws Error if a table of the build would exceed 4 GiB.
   LightListBuilder(const SceneView& scene, const LightListOptions& options, uint32_t seed);
 
-  /// Traces what is left. False if `stop` was requested first; another call continues.
+  /// Traces the remaining rays. Returns false if `stop` was requested first; another call continues.
   bool advance(Backend& backend, const SceneView& scene, const std::stop_token& stop);
 
-  /// Of the rays so far.
+  /// The lists from the rays so far.
   LightListData lists() const;
 
  private:
   LightGrid grid_;
   uint32_t lights_ = 0;
-  uint32_t rays_ = 0;  ///< a cell
+  uint32_t rays_ = 0;  ///< per cell
   uint32_t seed_ = 0;
-  uint32_t words_ = 0;           ///< a cell
-  std::vector<uint32_t> cells_;  ///< that hold a surface
+  uint32_t words_ = 0;           ///< 64-bit words per cell
+  std::vector<uint32_t> cells_;  ///< with a surface
   std::vector<uint64_t> visible_;
   std::vector<uint8_t> done_;  ///< by cell and part
 };
 
-/// LightListBuilder in one call.
 LightListData build_light_lists(Backend& backend, const SceneView& scene, const LightListOptions& options,
                                 uint32_t seed = 0);
 
-/// Sets bit `light` of a cell's row if any ray from the cell reaches the light. `i`: the cell; `part`: of its rays,
-/// small enough that a stop is answered at once.
+/// Sets bit `light` of a cell's row if any ray reaches the light. `i`: index into `cells`; `part`: a batch of rays,
+/// small enough for quick stops.
 struct CellVisibilityKernel {
   static constexpr uint32_t kPartRays = 4096;
 
   SceneView scene;
   LightGrid grid;
-  View<const uint32_t> cells;  ///< that hold a surface
+  View<const uint32_t> cells;  ///< with a surface
   uint32_t rays = 0;
   uint32_t seed = 0;
-  uint32_t words = 0;  ///< a row
+  uint32_t words = 0;  ///< 64-bit words per row
   View<uint64_t> visible;
   View<uint8_t> done;  ///< by cell and part
 
@@ -80,13 +78,12 @@ struct CellVisibilityKernel {
     is_done = 1;
   }
 
-  /// Ray k of a cell.
   RELUME_HD void trace(uint32_t cell, uint32_t k) const {
     const uint32_t stream = hash(cell, seed);
     const uint32_t lights = scene.lights.first_infinite;
     const auto random = [&](uint32_t dimension) { return to_unit_float(hash(stream, k, dimension, 0x51a71cu)); };
     Vec3 p = grid.low(cell) + grid.cell_size * Vec3(random(0), random(1), random(2));
-    // Every other point of a light is moved to a surface: places in the air see more than those that are lit.
+    // Every second ray to a light starts at a surface: points in the air see more lights than surfaces.
     const uint32_t light = k % lights;
     if (k / lights % 2 == 1) {
       const Vec3 w = sphere_from_square({random(3), random(4)});

@@ -1,5 +1,5 @@
-// Lists of the lights that any place of a cell sees, found once by many rays: a baseline after what Quake II RTX ships,
-// with the importance of [Dittebrandt20, §7]. Nothing that moves is known to them.
+// Light selection from precomputed lists of the lights visible from each cell, which do not follow motion. A baseline
+// after Quake II RTX, with the importance of [Dittebrandt20, §7].
 #pragma once
 
 #include "sampling/choose.h"
@@ -37,11 +37,11 @@ struct LightGrid {
 
 struct StaticLightLists {
   LightGrid grid;
-  View<const uint32_t> first;  ///< by cell, and the end of the last
+  View<const uint32_t> first;  ///< first entry of each cell, then the end of the last cell
   View<const LightId> ids;     ///< sorted in each cell
-  uint32_t max_lights = 32;    ///< weighed at a point
-  float exploration = 0.05f;   ///< share of samples among all lights
-  AliasTable all;              ///< over finite lights, in proportion to their power
+  uint32_t max_lights = 32;    ///< maximum number weighed at a point
+  float exploration = 0.05f;   ///< share of samples drawn from `all`
+  AliasTable all;              ///< over finite lights, by power
   InfiniteLights infinite;
   LtcTable ltc;
   LightColumns columns;
@@ -88,7 +88,7 @@ struct StaticLightLists {
     return {ids.data + first[cell], count, count == 0 ? 1 : (count + max_lights - 1) / max_lights};
   }
 
-  /// Place of the light in the list, or its length.
+  /// Index of the light, or the list's length.
   RELUME_HD static uint32_t find(const List& list, LightId light) {
     uint32_t low = 0;
     uint32_t high = list.count;
@@ -103,7 +103,7 @@ struct StaticLightLists {
     return low < list.count && list.ids[low] == light ? low : list.count;
   }
 
-  /// Every stride-th light from `offset` on.
+  /// Weighs every stride-th light, from `offset` on.
   RELUME_HD void weigh(const SurfacePoint& sp, const List& list, uint32_t offset, WeighedLights& w) const {
     for (uint32_t i = offset; i < list.count; i += list.stride) w.ids[w.count++] = list.ids[i];
     w.weigh(sp, ltc, lights, columns);

@@ -7,14 +7,14 @@
 namespace relume {
 namespace {
 
-/// Cells of the grid, or a number above `most`: their product may be more than 32 bits hold.
+/// Number of cells, or any number above `most`: the product may exceed 32 bits.
 uint64_t cell_count(const LightGrid& grid, uint64_t most) {
   uint64_t count = 1;
   for (int axis = 0; axis < 3 && count <= most; ++axis) count *= grid.cells[axis];
   return count;
 }
 
-/// Whether every cell's list stands where it can be read and names lights that there are.
+/// Whether the grid is valid, and lists lie within `ids` and hold ids below `lights`.
 bool is_consistent(const LightListData& data, uint32_t lights) {
   if (data.first.empty()) return data.ids.empty();
   if (!is_finite(data.grid.corner) || !is_finite(data.grid.cell_size) || !(data.grid.cell_size > 0)) return false;
@@ -32,7 +32,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
   const bool listed = (built_ || restored_) && options == options_ && listed_ == lights.first_infinite;
   restored_ = false;
   if (!listed) {
-    // The seed of a frame changes with whatever moves; the lists stay.
+    // Later frames have other seeds when objects move, but keep the lists.
     builder_.emplace(frame.scene, options, frame.index.seed);
     options_ = options;
     listed_ = lights.first_infinite;
@@ -65,7 +65,7 @@ bool StaticLightListsPass::run(const FrameContext& frame) {
 }
 
 void StaticLightListsPass::save(std::ostream& out) const {
-  // Lists that are not complete would be taken for complete ones.
+  // load() expects complete lists.
   const LightListData& lists = builder_ ? LightListData() : lists_;
   write_value(out, builder_ ? 0 : listed_);
   write_value(out, options_.cell_size);

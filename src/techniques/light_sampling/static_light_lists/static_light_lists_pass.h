@@ -1,4 +1,4 @@
-// The light selection "static-lists" as a pass.
+// The pass for the light selection "static-lists".
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace relume {
 
-/// Builds the lists in the first frame and keeps them when objects move. If `hurry` is requested, later frames finish
-/// the build.
+/// Builds the lists in the first frame and keeps them when objects move. Later frames finish a build that `hurry`
+/// ended.
 class StaticLightListsPass final : public Pass {
  public:
   StaticLightListsPass(const StaticLightListsSettings& settings, const LightSelectionSettings& selection)
@@ -26,26 +26,26 @@ class StaticLightListsPass final : public Pass {
   bool run(const FrameContext& frame) override;
   bool prepared() const override { return !builder_; }
   size_t memory_bytes() const override;
-  /// The lists, which know the scene as it was when they were made.
+  /// Saves the lists, if complete: a later build may see a changed scene.
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// What estimators sample with; valid from the first run() on.
+  /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
 
  private:
   StaticLightListsSettings settings_;
   LightSelectionSettings selection_;
   LightSelector selector_;
-  std::optional<LightListBuilder> builder_;  ///< while lists are not complete
+  std::optional<LightListBuilder> builder_;  ///< present until the lists are complete
   LightListData lists_;
   LightListOptions options_;
-  uint32_t listed_ = 0;  ///< lights that there were then
+  uint32_t listed_ = 0;  ///< number of finite lights when the lists were built
   std::vector<AliasEntry> all_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;
   bool built_ = false;
-  bool restored_ = false;  ///< lists come from a checkpoint
+  bool restored_ = false;  ///< whether lists_ comes from a checkpoint
 };
 
 }  // namespace relume

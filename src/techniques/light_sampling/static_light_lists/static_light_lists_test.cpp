@@ -41,7 +41,7 @@ TEST_F(WarehouseLists, HoldNearlyAllThatIsVisibleAndFarFromAllThereIs) {
   int visible = 0;
   int missed = 0;
   for (int i = 0; i < 16000; ++i) {
-    // Places in the air about and below every lamp, in its bay and behind the walls: what arrives must be on the list.
+    // Points around and below every lamp, in its bay and behind the walls. Visible lamps must be listed.
     const LightId id = static_cast<LightId>(random.next() * static_cast<float>(lights.first_infinite));
     const Vec3 lamp = lights.lights[id].triangle.position(Vec2(1.0f / 3));
     const Vec3 p = lamp + Vec3(5 * random.next() - 2.5f, -0.5f - 4 * random.next(), 5 * random.next() - 2.5f);
@@ -64,7 +64,7 @@ TEST_F(WarehouseLists, AreSortedWithoutRepetition) {
 }
 
 TEST(StaticLightLists, SeedsFindListsOfTheirOwn) {
-  // With few rays a cell misses some lamps: which of them is chance, and must not be the same in every session.
+  // With few rays, a cell misses some lamps. These must differ between sessions.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   Backend backend(2);
   const auto lists = [&](uint32_t seed) { return build_light_lists(backend, scene.view(), {4.6f, 128}, seed).ids; };
@@ -84,7 +84,7 @@ TEST(LightListBuilder, StopsAndContinues) {
   stopped.request_stop();
   EXPECT_FALSE(builder.advance(backend, scene.view(), stopped.get_token()));
   EXPECT_TRUE(builder.lists().ids.empty());
-  // In the midst of it, wherever that is.
+  // Stops at an arbitrary point of the build.
   std::stop_source soon;
   const std::jthread timer([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -125,7 +125,7 @@ TEST(StaticLightListsPass, PowersThatOverflowLeaveTheOthersTheirPlace) {
 }
 
 TEST(StaticLightListsPass, KeepsItsListsWhateverTheSeedOfAFrame) {
-  // The camera moves, and every frame has a seed of its own.
+  // The camera moves, so every frame has a different seed.
   const CompiledScene scene(find_builtin_scene("warehouse")->build(), {});
   const StaticLightListsSettings settings{.rays = 128};
   const LightSelectionSettings selection;
@@ -203,7 +203,7 @@ TEST(StaticLightListsPass, RefusesCheckpointsThatMakeNoSense) {
   data.ids = {1, 2};
   data.grid.cell_size = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(loads(data));
-  // Its product is 65536 in 32 bits.
+  // In 32 bits, the product of the cell counts overflows to 65536.
   EXPECT_FALSE(loads({{Vec3(0), 1, UVec3(65537, 65536, 1)}, std::vector<uint32_t>(65537, 0), {}}));
 }
 
