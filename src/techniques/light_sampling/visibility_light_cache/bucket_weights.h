@@ -1,4 +1,4 @@
-// How a region's buckets share its samples.
+// Probabilities of a region's buckets.
 #pragma once
 
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
@@ -6,9 +6,8 @@
 
 namespace relume {
 
-/// Weights of the buckets of each region, which sum to one. [Dittebrandt20, §4.2] takes each alike, and an empty bucket
-/// passes its turn on to the next; the rest goes by the power over the squared distance to the region of the lights in
-/// them, which is our extension.
+/// A share `even` is uniform ([Dittebrandt20, §4.2]), where an empty bucket passes its turn to the next. The rest goes
+/// by power over squared distance of the bucket's lights, our extension.
 struct BucketWeightsKernel {
   OctreeView tree;
   View<const uint32_t> parents;
@@ -16,8 +15,8 @@ struct BucketWeightsKernel {
   View<const uint32_t> entries;
   View<const LightGuess> lights;
   uint32_t bucket_size = 32;
-  float even = 1;       ///< share that each bucket has alike, > 0
-  View<float> weights;  ///< by bucket: a region's begin at its first entry / bucket_size
+  float even = 1;       ///< uniform share, > 0
+  View<float> weights;  ///< by bucket; a region's first index is its first entry / bucket_size
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const {
     const LightBuckets b = buckets[region];
@@ -29,7 +28,7 @@ struct BucketWeightsKernel {
     const float all_turns = scale > 0.0f ? turn : turn / even;
     uint32_t last = b.count - 1;
     while (is_empty(b, last)) --last;
-    uint32_t waiting = b.count - 1 - last;  // empty buckets at the end pass their turns to the first
+    uint32_t waiting = b.count - 1 - last;  // turns of empty last buckets pass to the first
     for (uint32_t i = 0; i < b.count; ++i) {
       ++waiting;
       if (is_empty(b, i)) {
@@ -46,8 +45,8 @@ struct BucketWeightsKernel {
     return entries[b.first + bucket * bucket_size] == CachedLight::kNone;
   }
 
-  /// What the lights of each bucket may send to the region, and the sum. Nearer than half the region's diagonal is as
-  /// good as there.
+  /// Sums power over squared distance, W/m², per bucket; returns the total. Distances are at least half the region's
+  /// diagonal.
   RELUME_HD float guess(uint32_t region, const LightBuckets& b, float* out) const {
     const OctreeCell cell = octree_cell_of(tree.nodes, parents, region);
     const float half = 0.5f * static_cast<float>(cell.size());

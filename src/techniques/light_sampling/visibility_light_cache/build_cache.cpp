@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Lights on all lists together, at most: places among them are numbers of 32 bits.
+/// Maximum total length of lists: positions have 32 bits.
 constexpr uint64_t kMostListed = uint64_t{1} << 31;
 
 }  // namespace
@@ -150,7 +150,7 @@ void LightCaches::load(std::istream& in) {
   };
   const bool whole_buckets = entries_.size() == bucket_size * bucket_weights_.size() &&
                              std::all_of(buckets_.begin(), buckets_.end(), has_entries);
-  // The eight parts of a region that was split share its list; more would let sums of lengths grow beyond all bounds.
+  // The eight children of a split region share its list. More overlap would leave sums of lengths unbounded.
   if (in && whole_buckets && lists_.size() == buckets_.size() && std::all_of(lists_.begin(), lists_.end(), inside) &&
       listed <= std::min<uint64_t>(8 * uint64_t{lights_.size()}, kMostListed)) {
     return;

@@ -1,5 +1,5 @@
-// Makes the caches of all regions from the samples of the last frame ([Dittebrandt20, §4.1]): deduplicate, merge with
-// the neighbours, sort into as few buckets as hold everything.
+// Builds the caches of all regions from last frame's samples ([Dittebrandt20, §4.1]): deduplicates lights, merges those
+// of neighbours, and sorts them into the fewest buckets.
 #pragma once
 
 #include <iosfwd>
@@ -13,20 +13,20 @@
 
 namespace relume {
 
-/// Buckets of a region, at most.
+/// Maximum number of buckets per region.
 inline constexpr uint32_t kMaxBuckets = 64;
-/// Different lights that one region may learn from one frame's samples; more are dropped and counted.
+/// Maximum number of distinct lights from one region's samples per frame; the excess is dropped and counted.
 inline constexpr uint32_t kMaxSeenLights = 1024;
 
 struct CacheBuildOptions {
-  uint32_t bucket_size = 32;    ///< lights a bucket holds, at most kMaxBucketSize
-  uint32_t max_samples = 4096;  ///< looked at in each region, spread evenly over what there is
-  float hysteresis = 0.75f;     ///< share of a bucket that must suffice before there are fewer of them than before
-  uint32_t memory = 0;          ///< frames for which lights are remembered that were not seen again; 0: none
-  float even_buckets = 0.1f;    ///< share of the choice among buckets that is even
+  uint32_t bucket_size = 32;    ///< capacity in lights, at most kMaxBucketSize
+  uint32_t max_samples = 4096;  ///< maximum per region, spread evenly over its samples
+  float hysteresis = 0.75f;     ///< share of every bucket that must suffice for fewer buckets than last frame
+  uint32_t memory = 0;          ///< frames that a light stays listed without being seen
+  float even_buckets = 0.1f;    ///< uniform share of the choice among buckets
 };
 
-/// What one region knows, before it is sorted into buckets.
+/// Lights of one region, before sorting into buckets.
 struct LightList {
   uint32_t first = 0;
   uint32_t count = 0;
@@ -35,38 +35,38 @@ struct LightList {
 /// Caches by leaf slot.
 class LightCaches {
  public:
-  /// Replaces the caches of the leaves of `tree` by what `samples` saw of `lights`, which are all finite ones; those
-  /// with larger ids are at infinity, or gone since.
+  /// Rebuilds the caches of the leaves of `tree` from `samples`. `lights` are all finite ones; larger ids are ignored,
+  /// being at infinity or removed.
   void build(Backend& backend, const OctreeTree& tree, const SampleGroupsView& samples, View<const LightGuess> lights,
              const CacheBuildOptions& options);
 
-  /// Leaves of `next` take on the caches of the leaves that they stem from.
+  /// Gives each leaf of `next` the cache of the leaf that it stems from.
   void populate(Backend& backend, const OctreeTree& next);
 
   View<const LightBuckets> buckets() const { return view_of(buckets_); }
   View<const uint32_t> entries() const { return view_of(entries_); }
-  /// By bucket: those of a region begin at its first entry over the bucket size, and sum to one.
+  /// Probabilities by bucket; a region's begin at its first entry / bucket size and sum to one.
   View<const float> bucket_weights() const { return view_of(bucket_weights_); }
-  /// Known lights of a region, sorted by id (CachedLight).
+  /// Lights of a region as CachedLight, sorted by id.
   View<const uint32_t> list(uint32_t region) const {
     return {lights_.data() + lists_[region].first, lists_[region].count};
   }
-  /// Lights for which there was no room in the last build.
+  /// Failed insertions in the last build, for lack of room.
   uint64_t dropped() const { return dropped_; }
-  /// Of what each leaf slot has, and of the lights that they know.
+  /// Bytes of the data by leaf slot, and of lists, entries and weights.
   size_t region_bytes() const;
   size_t entry_bytes() const;
   size_t memory_bytes() const { return region_bytes() + entry_bytes(); }
 
-  /// Whether every bucket holds `bucket_size` of `light_count` lights and is chosen only if it is not empty: a
-  /// checkpoint may be damaged.
+  /// Whether ids are below `light_count`, and probabilities sum to one without empty buckets. Detects damaged
+  /// checkpoints.
   bool consistent(uint32_t bucket_size, uint32_t light_count) const;
   void save(std::ostream& out) const;
-  /// Sets the stream's failbit if it is short or makes no sense.
+  /// Sets failbit and clears the caches if the data is truncated or invalid.
   void load(std::istream& in);
 
  private:
-  /// From the lists that were just made.
+  /// Sorts the new lists into buckets and computes the weights.
   void fill_buckets(Backend& backend, const OctreeTree& tree, View<const LightGuess> lights,
                     const CacheBuildOptions& options, std::vector<uint64_t>& dropped);
 
@@ -78,19 +78,19 @@ class LightCaches {
   uint64_t dropped_ = 0;
 };
 
-/// Distinct visible lights of each region, sorted, into the places of the region's samples.
+/// Writes each region's distinct visible lights, sorted, to its range of `seen`.
 struct DeduplicateLightsKernel {
   SampleGroupsView samples;
-  uint32_t light_count = 0;  ///< others are left out
+  uint32_t light_count = 0;  ///< end of the ids that are kept
   uint32_t max_samples = 0;
   View<uint32_t> seen;     ///< parallel to samples.order
   View<uint32_t> counts;   ///< by region
-  View<uint64_t> dropped;  ///< one
+  View<uint64_t> dropped;  ///< one counter
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const;
 };
 
-/// Merges a region's lights with those of its neighbours and with what it remembers.
+/// Merges a region's lights with those of its face neighbours and its old list.
 struct MergeLightsKernel {
   SampleGroupsView samples;
   View<const uint32_t> seen;
@@ -100,16 +100,16 @@ struct MergeLightsKernel {
   View<const uint32_t> old_lights;
   uint32_t light_count = 0;
   uint32_t memory = 0;
-  View<const uint32_t> places;  ///< by region, into `lights`
+  View<const uint32_t> places;  ///< by region: first index in `lights`
   View<uint32_t> lights;
   View<LightList> lists;
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const;
-  /// Upper bound of a merged list.
+  /// Upper bound of the length of a merged list.
   RELUME_HD uint32_t bound(uint32_t region) const;
 };
 
-/// Number of buckets of each region, merged bottom up as long as they hold everything.
+/// Halves the number of buckets of each region while all lights fit.
 struct CountBucketsKernel {
   View<const LightList> lists;
   View<const uint32_t> lights;
@@ -121,14 +121,14 @@ struct CountBucketsKernel {
   RELUME_HD void operator()(uint32_t region, uint32_t) const;
 };
 
-/// Sorts lists into buckets; `light mod buckets` is the bucket.
+/// Sorts lists into buckets: light i into bucket i mod count.
 struct FillBucketsKernel {
   View<const LightList> lists;
   View<const uint32_t> lights;
   View<const LightBuckets> buckets;
   uint32_t bucket_size = 32;
   View<uint32_t> entries;
-  View<uint64_t> dropped;  ///< one
+  View<uint64_t> dropped;  ///< one counter
 
   RELUME_HD void operator()(uint32_t region, uint32_t) const;
 };

@@ -9,13 +9,13 @@ namespace relume {
 
 namespace light_cache {
 
-/// A set of lights by open addressing.
+/// A hash set of lights with open addressing.
 struct LightSet {
   static constexpr uint32_t kMostSlots = 2 * kMaxSeenLights;
   static constexpr uint32_t kFree = 0xffffffffu;
 
   uint32_t slots[kMostSlots];
-  uint32_t mask;  ///< slots in use, less one: a power of two, at least twice what may come
+  uint32_t mask;  ///< slots in use − 1; a power of two slots, at least twice the lights
   uint32_t count;
 
   RELUME_HD void clear(uint32_t expected) {
@@ -24,7 +24,7 @@ struct LightSet {
     for (uint32_t i = 0; i <= mask; ++i) slots[i] = kFree;
     count = 0;
   }
-  /// 1 if there was no room for it.
+  /// Returns 1 if the set is full, otherwise 0.
   RELUME_HD uint32_t insert(LightId light) {
     for (uint32_t i = hash(light) & mask;; i = (i + 1) & mask) {
       if (slots[i] == light) return 0;
@@ -37,7 +37,7 @@ struct LightSet {
   }
 };
 
-/// Sorts in place (heap sort: no recursion, no extra memory).
+/// Heap sort: in place and without recursion.
 RELUME_HD inline void sort(uint32_t* values, uint32_t count) {
   const auto sink = [values](uint32_t i, uint32_t end) {
     const uint32_t value = values[i];
@@ -95,7 +95,7 @@ RELUME_HD inline uint32_t MergeLightsKernel::bound(uint32_t region) const {
 }
 
 RELUME_HD inline void MergeLightsKernel::operator()(uint32_t region, uint32_t) const {
-  // Heads of up to seven sorted lists of ids, and of the remembered one.
+  // Merges up to seven sorted lists of ids and the old list.
   const uint32_t* head[7];
   const uint32_t* end[7];
   uint32_t lists_here = 0;
@@ -124,7 +124,7 @@ RELUME_HD inline void MergeLightsKernel::operator()(uint32_t region, uint32_t) c
     uint32_t age = 0;
     if (old != old_end && CachedLight::id(*old) <= least) {
       const LightId known = CachedLight::id(*old);
-      if (known < least) age = CachedLight::age(*old) + 1;  // not seen this time
+      if (known < least) age = CachedLight::age(*old) + 1;  // not seen in this frame
       least = known;
       ++old;
     }
@@ -148,7 +148,7 @@ RELUME_HD inline void CountBucketsKernel::operator()(uint32_t region, uint32_t) 
   uint32_t count = kMaxBuckets;
   while (count > 1) {
     const uint32_t half = count / 2;
-    // Fewer buckets than before only if they then keep room to spare: else the number would flicker.
+    // Only spare room reduces the last frame's number, so that it does not flicker.
     const uint32_t room = half < before ? tight : bucket_size;
     bool fits = true;
     for (uint32_t b = 0; b < half; ++b) fits = fits && fill[b] + fill[b + half] <= room;

@@ -9,7 +9,7 @@
 namespace relume {
 namespace {
 
-/// Weights of an alias table; `near(light)` is the third guess.
+/// Weights for an alias table; `near(light)` is the distance guess.
 template <typename Near>
 std::vector<float> blend(const std::vector<LightGuess>& lights, const ExplorationWeights& weights, const Near& near) {
   std::vector<float> guesses[3];
@@ -32,7 +32,7 @@ std::vector<float> blend(const std::vector<LightGuess>& lights, const Exploratio
   return blended;
 }
 
-/// By the distance to the camera. Nearer than a hundredth of the scene is as good as there.
+/// By distance to the camera, at least 1 % of the scene's radius.
 std::vector<AliasEntry> one_table(const std::vector<LightGuess>& lights, float scene_radius, const Vec3& camera,
                                   const ExplorationWeights& weights) {
   const float nearest2 = sqr(0.01f * scene_radius);
@@ -53,7 +53,7 @@ uint64_t fingerprint_of(const std::vector<LightGuess>& lights, const Exploration
   return h == 0 ? 1 : h;
 }
 
-/// Cells of a grid over `extent`, about cubic, at most `most` together.
+/// Grid over `extent` of roughly cubic cells, at most `most`.
 UVec3 grid_of(const Vec3& extent, uint32_t along_longest, uint32_t most) {
   for (uint32_t n = along_longest; n > 1; --n) {
     UVec3 cells;
@@ -106,7 +106,7 @@ void ExplorationTables::build(const LightsView& lights, const std::vector<LightG
   corner_ = low;
   const Vec3 edge = (high - low) / Vec3(dims);
   for (int axis = 0; axis < 3; ++axis) scale_[axis] = edge[axis] > 0.0f ? 1.0f / edge[axis] : 0.0f;
-  // A light in the cell is as far away as the points of the cell are from each other.
+  // The distance is at least half the diagonal of the cell.
   const float nearest2 = 0.25f * length_squared(edge);
   entries_.assign(size_t{count} * list.size(), {});
   parallel_for(count, [&](uint32_t cell) {

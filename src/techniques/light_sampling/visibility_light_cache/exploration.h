@@ -1,5 +1,5 @@
-// Among all lights, for exploration: a blend of guesses that know nothing of the point ([Dittebrandt20, §4.3]), or only
-// the cell of a coarse grid in which it lies.
+// Light selection among all finite lights, for exploration, by a blend of guesses. One table for all points
+// ([Dittebrandt20, §4.3]), or one per cell of a coarse grid.
 #pragma once
 
 #include <vector>
@@ -9,29 +9,29 @@
 
 namespace relume {
 
-/// What is known of a light without knowing the point that it shines on.
+/// Properties of a light for exploration.
 struct LightGuess {
   Vec3 position{0};
   float watts = 0;  ///< luminance of the emitted power
   bool changed = false;
 };
 
-/// Of all finite lights, by id.
+/// Guesses for all finite lights, by id.
 std::vector<LightGuess> light_guesses(const LightsView& lights);
 
-/// Shares of the three in the blend, up to their sum.
+/// Relative shares of the three guesses.
 struct ExplorationWeights {
-  float energy = 1;  ///< by emitted power; > 0, so that every light has its chance
-  float change = 1;  ///< lights that changed since the last frame, each alike
-  /// By the inverse square of the distance to the camera; in a grid, by power over that to the cell.
+  float energy = 1;  ///< by emitted power; > 0, so that every light can be chosen
+  float change = 1;  ///< uniform over the lights that changed since the last frame
+  /// By the inverse squared distance to the camera; in a grid, by power over squared distance to the cell.
   float distance = 1;
 };
 
-/// Alias tables over the finite lights for the cells of a grid; one table if there is one cell.
+/// Alias tables over the finite lights, one per cell of a grid.
 struct ExplorationGrid {
   View<const AliasEntry> entries;  ///< table by table, x fastest
   Vec3 corner{0};
-  Vec3 scale{0};  ///< cells a metre
+  Vec3 scale{0};  ///< cells per metre
   UVec3 cells{1};
 
   RELUME_HD bool empty() const { return entries.empty(); }
@@ -49,17 +49,16 @@ struct ExplorationGrid {
   }
 };
 
-/// Entries of an alias table over the finite lights. Lights that emit nothing are never chosen; guesses that know no
-/// light leave their share to the others.
+/// Entries of an alias table over the finite lights. Lights without emission have probability 0; a guess without lights
+/// leaves its share to the others.
 std::vector<AliasEntry> build_exploration(const LightsView& lights, const Vec3& camera,
                                           const ExplorationWeights& weights);
 
 /// Owns the tables of a grid over the box of the finite lights.
 class ExplorationTables {
  public:
-  /// `cells` along the longest side, fewer where there are very many lights; 1: a single table that goes by the
-  /// distance to the camera, as the paper has it. Tables of several cells are kept while no light changes.
-  /// `guesses`: light_guesses(lights).
+  /// `guesses`: light_guesses(lights). `cells`: along the longest side, reduced for very many lights; 1: a single table
+  /// by distance to the camera, as in the paper. Several cells are rebuilt only when a light changes.
   void build(const LightsView& lights, const std::vector<LightGuess>& guesses, const Vec3& camera,
              const ExplorationWeights& weights, uint32_t cells);
   ExplorationGrid grid() const;
@@ -70,7 +69,7 @@ class ExplorationTables {
   Vec3 corner_{0};
   Vec3 scale_{0};
   UVec3 cells_{1};
-  uint64_t fingerprint_ = 0;  ///< of all that the tables depend on; 0: none are kept
+  uint64_t fingerprint_ = 0;  ///< hash of all inputs of the tables; 0: no tables kept
 };
 
 }  // namespace relume

@@ -23,7 +23,7 @@ TEST(Exploration, BlendsItsGuesses) {
   EXPECT_NEAR(table(1, 0, 0)[0].pmf, 1.0f / 3, 1e-6f);
   EXPECT_EQ(table(1, 1, 1)[3].pmf, 0.0f);                                     // dark
   EXPECT_NEAR(table(1e-3f, 0, 1)[0].pmf, 1 / (1 + 0.25f + 1.0f / 9), 1e-3f);  // inverse squares
-  EXPECT_NEAR(table(1, 1, 0)[1].pmf, 1.0f / 3, 1e-6f);  // nothing changed: the share goes to energy
+  EXPECT_NEAR(table(1, 1, 0)[1].pmf, 1.0f / 3, 1e-6f);  // no light changed: the share goes to energy
   lights[1].changed = true;
   EXPECT_NEAR(table(1, 1, 0)[1].pmf, 0.5f + 0.5f / 3, 1e-6f);
 }
@@ -41,7 +41,7 @@ TEST(Exploration, KnowsWhatIsNearEachCell) {
   ExplorationTables tables;
   tables.build(view, light_guesses(view), Vec3(0), {}, 5);
   EXPECT_EQ(tables.grid().cells, UVec3(5, 1, 1));
-  for (const float x : {-7.0f, 3.0f, 22.0f, 41.0f, 99.0f}) {  // outside as well
+  for (const float x : {-7.0f, 3.0f, 22.0f, 41.0f, 99.0f}) {  // outside the grid too
     const AliasTable here = tables.grid().at(Vec3(x, 0, 0));
     float sum = 0;
     for (uint32_t i = 0; i < 6; ++i) sum += here.pmf(i);
@@ -51,14 +51,14 @@ TEST(Exploration, KnowsWhatIsNearEachCell) {
   }
   EXPECT_GT(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 3 * tables.grid().at(Vec3(1, 0, 0)).pmf(4));
   EXPECT_GT(tables.grid().at(Vec3(39, 0, 0)).pmf(4), 3 * tables.grid().at(Vec3(39, 0, 0)).pmf(0));
-  // What changes is noticed.
+  // Changed lights rebuild the tables.
   lights[0].point.intensity = Rgb(0);
   tables.build(view, light_guesses(view), Vec3(0), {}, 5);
   EXPECT_EQ(tables.grid().at(Vec3(1, 0, 0)).pmf(0), 0.0f);
   for (Light& light : lights) light.point.intensity = Rgb(0);
   tables.build(view, light_guesses(view), Vec3(0), {}, 5);
   EXPECT_TRUE(tables.grid().empty());
-  // One cell is the paper's table.
+  // A single cell uses the paper's table.
   for (Light& light : lights) light.point.intensity = Rgb(1);
   tables.build(view, light_guesses(view), Vec3(0), {}, 1);
   EXPECT_EQ(tables.grid().at(Vec3(39, 0, 0)).pmf(2), build_exploration(view, Vec3(0), {})[2].pmf);

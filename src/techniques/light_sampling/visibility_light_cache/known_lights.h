@@ -1,4 +1,4 @@
-// What regions know, as images show it.
+// Kernels of the layer `known-lights`.
 #pragma once
 
 #include "techniques/light_sampling/visibility_light_cache/visibility_light_cache.h"
@@ -6,7 +6,6 @@
 
 namespace relume {
 
-/// How many lights each region knows.
 struct CountKnownLightsKernel {
   View<const LightBuckets> buckets;
   View<const uint32_t> entries;
@@ -22,7 +21,7 @@ struct CountKnownLightsKernel {
   }
 };
 
-/// How many the cache knew at each pixel's first hit, to be looked at.
+/// Writes the number of cached lights at each pixel's first hit.
 struct KnownLightsKernel {
   View<const VertexSample> samples;
   View<const uint32_t> known;  ///< by region

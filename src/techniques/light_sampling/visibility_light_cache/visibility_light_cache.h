@@ -1,5 +1,5 @@
-// Selects among the lights that were seen from a region in the last frame, in proportion to what the point would
-// reflect of them, and now and then among all lights ([Dittebrandt20, §4]).
+// Light selection among the lights recently visible from a region, by their unoccluded reflection at the point. A share
+// of the samples explores all lights ([Dittebrandt20, §4]).
 #pragma once
 
 #include "sampling/choose.h"
@@ -10,39 +10,39 @@
 
 namespace relume {
 
-/// Lights in a bucket, at most.
+/// Maximum number of lights per bucket.
 inline constexpr uint32_t kMaxBucketSize = kMaxWeighedLights;
 
-/// A light that a region knows: its id, and how many frames ago it was last seen.
+/// A light on a region's list: id, and frames since it was last seen.
 struct CachedLight {
   static constexpr uint32_t kAgeBits = 5;
   static constexpr uint32_t kMaxAge = (1u << kAgeBits) - 1;
-  static constexpr uint32_t kNone = 0xffffffffu;  ///< the rest of a bucket
+  static constexpr uint32_t kNone = 0xffffffffu;  ///< an unused slot of a bucket
 
   RELUME_HD static constexpr uint32_t pack(LightId id, uint32_t age) { return (id << kAgeBits) | age; }
   RELUME_HD static constexpr LightId id(uint32_t packed) { return packed >> kAgeBits; }
   RELUME_HD static constexpr uint32_t age(uint32_t packed) { return packed & kMaxAge; }
 };
 
-/// Where a region's buckets stand.
+/// Buckets of a region.
 struct LightBuckets {
-  uint32_t first = 0;  ///< entry
-  uint32_t count = 0;  ///< buckets; 0: nothing is known
+  uint32_t first = 0;  ///< first entry
+  uint32_t count = 0;  ///< number of buckets; 0: no list
 };
 
 struct VisibilityLightCache {
   View<const LightBuckets> regions;
-  View<const uint32_t> entries;      ///< CachedLight, `bucket_size` a bucket, sorted by id
-  View<const float> bucket_weights;  ///< by bucket: a region's begin at its first entry / bucket_size, and sum to one
+  View<const uint32_t> entries;      ///< CachedLight, `bucket_size` per bucket, sorted by id
+  View<const float> bucket_weights;  ///< probabilities by bucket; a region's first index: its first entry / bucket_size
   uint32_t bucket_size = 32;
-  float exploration = 0.1f;  ///< share of samples among all lights
+  float exploration = 0.1f;  ///< share of samples drawn from `all`
   ExplorationGrid all;       ///< over finite lights
   InfiniteLights infinite;
   LtcTable ltc;
   LightColumns columns;
   LightsView lights;
 
-  /// [Dittebrandt20, algorithm 1]: both strategies go through one bucket once to weigh its lights.
+  /// [Dittebrandt20, algorithm 1]. Both strategies weigh one bucket, once.
   RELUME_HD LightSelection sample(const SurfacePoint& sp, ReusableNumber n) const {
     if (infinite.takes(n)) return infinite.sample(n);
     if (all.empty()) return {};
@@ -86,15 +86,14 @@ struct VisibilityLightCache {
   }
   RELUME_HD const float* weights_of(const LightBuckets& b) const { return bucket_weights.data + b.first / bucket_size; }
 
-  /// The lights of one bucket, not weighed yet.
   RELUME_HD void fill(const LightBuckets& b, uint32_t bucket, WeighedLights& w) const {
     const uint32_t* entry = entries.data + b.first + bucket * bucket_size;
     for (; w.count < bucket_size && entry[w.count] != CachedLight::kNone; ++w.count)
       w.ids[w.count] = CachedLight::id(entry[w.count]);
   }
 
-  /// Probability of `light`, given its bucket: a one-sample mixture of both strategies. The bucket's lights are weighed
-  /// only if `light` is one of them and they are not yet: most lights that exploration finds are not.
+  /// Probability of `light`, given its bucket: a one-sample mixture. Weighs the bucket only if needed, because most
+  /// explored lights are not in it.
   RELUME_HD float density(const SurfacePoint& sp, const LightBuckets& buckets, uint32_t bucket, WeighedLights& w,
                           LightId light) const {
     const float finite = 1.0f - infinite.share;

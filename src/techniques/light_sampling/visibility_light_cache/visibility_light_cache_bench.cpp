@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// Eight regions that have seen all lamps.
+/// Eight regions, each with samples of all lamps.
 struct World {
   explicit World(uint32_t count) : lights(testing::make_lamps(count, 30)), tree(Vec3(15), 30) {
     view.lights = view_of(lights);

@@ -1,4 +1,4 @@
-// The light selection "vlc" as a pass, behind the octree's.
+// The pass for the light selection "vlc", after the octree pass.
 #pragma once
 
 #include "frame/pass.h"
@@ -29,13 +29,13 @@ class VisibilityLightCachePass final : public Pass {
   void save(std::ostream& out) const override;
   void load(std::istream& in) override;
 
-  /// What estimators sample with; valid from the first run() on.
+  /// Valid after the first run().
   const LightSelector& selector() const { return selector_; }
-  /// What the regions of octree.tree() know.
+  /// The caches of the regions of octree.tree().
   const LightCaches& caches() const { return caches_; }
 
  private:
-  /// What a damaged checkpoint left is forgotten.
+  /// Clears the caches that a damaged checkpoint left inconsistent.
   void drop_inconsistent(uint32_t light_count);
   void build_caches(const FrameContext& frame, const std::vector<LightGuess>& guesses);
   void build_tables(const FrameContext& frame, const std::vector<LightGuess>& guesses);
@@ -46,7 +46,7 @@ class VisibilityLightCachePass final : public Pass {
   LightSelector selector_;
   LightCaches caches_;
   Snapshot<LightCaches> snapshot_;
-  bool loaded_ = false;  ///< from a checkpoint; not looked at yet
+  bool loaded_ = false;  ///< whether a loaded checkpoint is still unchecked
   ExplorationTables all_;
   std::vector<AliasEntry> infinite_;
   std::vector<float> columns_;
@@ -54,7 +54,6 @@ class VisibilityLightCachePass final : public Pass {
 
 inline constexpr BufferKey<uint32_t> kKnownLights{"known-lights"};
 
-/// Fills a buffer that shows how many lights the regions know.
 class KnownLightsPass final : public Pass {
  public:
   KnownLightsPass(const OctreePass& octree, const VisibilityLightCachePass& cache) : octree_(octree), cache_(cache) {}

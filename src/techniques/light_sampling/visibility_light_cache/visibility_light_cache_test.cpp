@@ -16,7 +16,7 @@
 namespace relume {
 namespace {
 
-/// A tree of eight regions with samples that a test chooses.
+/// A tree of eight regions, with given samples.
 class Caches : public ::testing::Test {
  protected:
   void see(uint32_t region, LightId light, bool visible = true, int times = 1) {
@@ -39,7 +39,7 @@ class Caches : public ::testing::Test {
     return ids;
   }
 
-  /// Lights in the buckets, each of which must be in its place.
+  /// Lights in the buckets; checks their buckets and order.
   std::vector<LightId> in_buckets(uint32_t region) const {
     const LightBuckets b = caches_.buckets()[region];
     std::vector<LightId> ids;
@@ -103,7 +103,7 @@ TEST_F(Caches, LeaveOutLightsAtInfinityAndThoseThatAreGone) {
 TEST_F(Caches, ShareSamplesAmongBucketsByWhatTheirLightsMaySend) {
   CacheBuildOptions options;
   options.bucket_size = 4;
-  // Region 0 is the cube from −1 to 0. Bucket 0 of four has a light in it, 1 one that is 20 m away; 2 is empty.
+  // Region 0 is the cube from −1 to 0. Of four buckets, 0 has two lights inside, 1 has one 20 m away, and 2 is empty.
   lights_[0] = {Vec3(-0.5f), 3.0f, false};
   lights_[1] = {Vec3(-0.5f, -0.5f, -20.5f), 30.0f, false};
   lights_[3] = {Vec3(-0.5f), 0.0f, false};
@@ -120,7 +120,7 @@ TEST_F(Caches, ShareSamplesAmongBucketsByWhatTheirLightsMaySend) {
   EXPECT_NEAR(weights[0], 0.5f / 4 + 0.5f * near / (near + far), 1e-5f);
   EXPECT_NEAR(weights[1], 0.5f / 4 + 0.5f * far / (near + far), 1e-5f);
   EXPECT_EQ(weights[2], 0.0f);
-  EXPECT_NEAR(weights[3], 0.5f / 2, 1e-5f);  // its own turn and the empty one's; its lights are dark
+  EXPECT_NEAR(weights[3], 0.5f / 2, 1e-5f);  // its own turn and that of bucket 2; its lights are dark
   for (const LightId light : {0u, 1u, 3u, 4u, 5u, 7u, 8u, 9u, 11u, 12u, 13u, 15u}) see(0, light);
   options.even_buckets = 1;
   build(options);
@@ -147,7 +147,7 @@ TEST_F(Caches, PassLightsOnToFaceNeighboursOnly) {
   EXPECT_EQ(known(1), (std::vector<LightId>{5}));
   EXPECT_EQ(known(3), (std::vector<LightId>{6}));
   EXPECT_EQ(known(7), (std::vector<LightId>{6}));  // across the corner from 0
-  // One step a frame.
+  // Lights advance by one region per frame.
   build();
   for (uint32_t region = 0; region < 8; ++region) EXPECT_TRUE(known(region).empty());
 }
@@ -157,9 +157,9 @@ TEST_F(Caches, NeedAsFewBucketsAsHoldAll) {
   options.bucket_size = 8;
   for (LightId i = 0; i < 20; ++i) see(0, i);
   build(options);
-  EXPECT_EQ(caches_.buckets()[0].count, 4u);  // three would do, but the number is a power of two
+  EXPECT_EQ(caches_.buckets()[0].count, 4u);  // three would suffice, but the number is a power of two
   EXPECT_EQ(in_buckets(0).size(), 20u);
-  for (LightId i = 0; i < 9; ++i) see(0, 2 * i);  // all even: half of the buckets are of no use
+  for (LightId i = 0; i < 9; ++i) see(0, 2 * i);  // all even: half of the buckets stay empty
   build(options);
   EXPECT_EQ(in_buckets(0).size(), 9u);
   EXPECT_EQ(caches_.buckets()[0].count, 4u);
@@ -171,13 +171,13 @@ TEST_F(Caches, KeepTheirNumberOfBucketsUntilThereIsRoomToSpare) {
   for (LightId i = 0; i < 9; ++i) see(0, i);
   build(options);
   ASSERT_EQ(caches_.buckets()[0].count, 2u);
-  for (LightId i = 0; i < 8; ++i) see(0, i);  // would fit into one, to the brim
+  for (LightId i = 0; i < 8; ++i) see(0, i);  // exactly fill one bucket
   build(options);
   EXPECT_EQ(caches_.buckets()[0].count, 2u);
   for (LightId i = 0; i < 6; ++i) see(0, i);  // three quarters
   build(options);
   EXPECT_EQ(caches_.buckets()[0].count, 1u);
-  for (LightId i = 0; i < 8; ++i) see(0, i);  // fits, so there need not be more
+  for (LightId i = 0; i < 8; ++i) see(0, i);  // still fit
   build(options);
   EXPECT_EQ(caches_.buckets()[0].count, 1u);
 }
@@ -216,7 +216,7 @@ TEST_F(Caches, SpreadALimitedNumberOfSamples) {
   options.max_samples = 10;
   for (LightId i = 0; i < 100; ++i) see(0, i / 10);
   build(options);
-  EXPECT_EQ(known(0).size(), 10u);  // one of every ten
+  EXPECT_EQ(known(0).size(), 10u);  // one of every ten samples
 }
 
 TEST_F(Caches, GoWithTheLeaves) {
@@ -236,8 +236,8 @@ TEST_F(Caches, GoWithTheLeaves) {
   other.load(file);
   EXPECT_EQ(other.list(9).size, 1u);
   std::string bytes = file.str();
-  uint64_t read = 0;  // every list lies within what was loaded, or sanitizers say so
-  for (const size_t at : {size_t{0}, bytes.size() / 2, bytes.size() - 9}) {  // lengths, and places in lists
+  uint64_t read = 0;  // of all lists, so that sanitizers detect those out of range
+  for (const size_t at : {size_t{0}, bytes.size() / 2, bytes.size() - 9}) {  // in lengths and in positions of lists
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
     std::stringstream in(damaged);
@@ -308,7 +308,7 @@ TEST_F(Caches, KnowWhetherBucketsAreConsistent) {
 }
 
 TEST_F(Caches, DoNotDependOnThreads) {
-  for (int i = 0; i < 2; ++i) {  // eight regions would be one tile, which one thread takes
+  for (int i = 0; i < 2; ++i) {  // eight regions would form one tile, run by one thread
     const std::vector<uint32_t> counts(tree_.leaf_slots(), 1000);
     tree_ = tree_.adapted(backend_, view_of(counts), {50, 100, 5});
   }
@@ -344,7 +344,7 @@ TEST(LightSet, SortsAnything) {
   }
 }
 
-/// A receiver with a real BSDF somewhere below the lamps of the light scene.
+/// A point with a full BSDF below the lamps of the light scene.
 SurfacePoint receiver(uint32_t region) {
   SurfacePoint sp{};
   sp.position = Vec3(0.2f, 0, 0.1f);
@@ -382,13 +382,13 @@ TEST(VisibilityLightCache, FavoursWhatItKnowsAndWhatMatters) {
   const SurfacePoint sp = receiver(0);
   const float finite = 1 - cache.infinite.share;
   EXPECT_NEAR(cache.pmf(sp, 0) + cache.pmf(sp, 4), finite * (0.9f + 0.1f * (explored.pmf(0) + explored.pmf(4))), 1e-5f);
-  EXPECT_NEAR(cache.pmf(sp, 1), finite * 0.1f * explored.pmf(1), 1e-6f);  // known to exploration only
+  EXPECT_NEAR(cache.pmf(sp, 1), finite * 0.1f * explored.pmf(1), 1e-6f);  // reached by exploration only
   const LightReceiver r = make_light_receiver(cache.ltc, sp.position, sp.frame, sp.wo_local, sp.bsdf);
   const auto cached = [&](LightId id) { return cache.pmf(sp, id) - finite * 0.1f * explored.pmf(id); };
   EXPECT_NEAR(cached(0) / cached(4),
               light_importance_of(r, lights, cache.columns, 0) / light_importance_of(r, lights, cache.columns, 4),
               1e-3f);
-  // Where nothing is known, and outside of all regions: exploration alone.
+  // Without a list or outside all regions, exploration decides alone.
   for (const uint32_t region : {1u, 2u, kNoRegion}) {
     EXPECT_NEAR(cache.pmf(receiver(region), 0), finite * explored.pmf(0), 1e-6f);
   }
