@@ -1,5 +1,5 @@
-// What a pixel shows to a denoiser: the first surface that scatters light widely, in plain view, in mirrors or through
-// smooth glass, and apart from it the emission that is seen along the way, which carries no noise.
+// Noise-free features for denoisers and histories: those of the first surface that scatters widely, seen directly, in
+// mirrors or through smooth glass. Emission along the path is separate.
 #pragma once
 
 #include "scene/medium.h"
@@ -8,23 +8,24 @@
 
 namespace relume {
 
-/// Mirrors and interfaces that are followed at most.
+/// Maximum number of mirrors and interfaces followed.
 inline constexpr uint32_t kMaxFeatureSteps = 8;
-/// Albedos below this are taken for black where radiance is divided by them: less than a display shows.
+/// Albedos below this count as black in divisions: too dark for a display.
 inline constexpr float kLeastAlbedo = 1e-3f;
 
-/// The way on from a surface that mostly mirrors or lets pass.
+/// The next step at a surface that mostly mirrors or transmits.
 struct NarrowStep {
   Vec3 wi{0};       ///< world direction
-  Rgb emission{0};  ///< factor for what is seen that way
-  Rgb albedo{0};    ///< the same if all that the surface returns came that way
+  Rgb emission{0};  ///< factor for emission from there
+  Rgb albedo{0};    ///< factor for albedo, as if all returned light came from there
   bool reflected = false;
   bool valid = false;
 };
 
 namespace feature_detail {
 
-/// Where the likeliest branch of a narrow lobe leads; local directions. `share`: of what the lobe returns.
+/// Local direction of a lobe's likelier branch. `share`: of the lobe's light; `eta_scale`: radiance factor of
+/// refraction.
 RELUME_HD inline Vec3 main_direction(const Bsdf& bsdf, int i, const Vec3& wo, Rgb* share, float* eta_scale) {
   const Lobe& lobe = bsdf.lobes[i];
   const Vec3 mirrored(-wo.x, -wo.y, wo.z);
@@ -59,7 +60,8 @@ RELUME_HD inline bool has_narrow(const Bsdf& bsdf) {
 
 }  // namespace feature_detail
 
-/// Invalid where lobes that are not narrow return half of the light or more: a filter can do with what they show.
+/// The step along the largest narrow lobe. Invalid if other lobes return half of the light or more, since features then
+/// describe this surface.
 RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   NarrowStep step;
   if (!feature_detail::has_narrow(sp.bsdf)) return step;
@@ -85,30 +87,30 @@ RELUME_HD inline NarrowStep narrow_step(const SurfacePoint& sp) {
   step.wi = sp.frame.to_world(wi);
   step.reflected = wi.z > 0.0f;
   step.valid = glm::dot(step.wi, sp.ng) * wi.z > 0.0f;
-  // As BSDFs do, emission counts the coat on the way in as well; an albedo is the mean over all directions.
+  // As in BSDFs, emission includes the coat along wi; an albedo averages over all directions.
   const float coat_again = sp.bsdf.is_coat(chosen) ? 1.0f : coat_transmittance(sp.bsdf, wi.z);
   step.emission = largest * share * (eta_scale * coat_again);
   step.albedo = total * eta_scale;
   return step;
 }
 
-/// What one sample of a pixel shows.
+/// Features of one sample of a pixel.
 struct Feature {
-  Vec3 position{0};  ///< as if mirrors were windows: at the length of the path along the camera ray, metres
-  Vec3 previous{0};  ///< where that was one frame ago
-  Vec3 normal{0};    ///< shading normal, unfolded in the same way
-  Rgb albedo{0};     ///< of the surface, times what mirrors on the way return; black: there is nothing to filter
-  Rgb emission{0};   ///< radiance seen without scattering widely
-  float depth = 0;   ///< length of the path, metres
-  uint32_t surface = kNoSurface;  ///< tells surfaces apart, and their images from themselves
+  Vec3 position{0};               ///< of the image in mirrors: along the camera ray, at the length of the path, metres
+  Vec3 previous{0};               ///< position one frame ago
+  Vec3 normal{0};                 ///< shading normal, mirrored back in the same way
+  Rgb albedo{0};                  ///< of the surface, times the albedos along the path; black: no light to filter
+  Rgb emission{0};                ///< emitted radiance, direct or through narrow lobes
+  float depth = 0;                ///< length of the path, metres
+  uint32_t surface = kNoSurface;  ///< differs between surfaces, and between a surface and its images
 };
 
-/// Follows mirrors and smooth interfaces from the primary hit on. `max_steps`: bounces that the estimator makes.
+/// Follows mirrors and smooth interfaces from the primary hit on, for at most `max_steps` bounces.
 struct FeatureTracer {
   const SceneView& scene;
   uint32_t max_steps = kMaxFeatureSteps;
 
-  /// `reflection`: filled in if diffuse and specular light are kept apart; nullptr if they are not.
+  /// `reflection`: output, or nullptr if light is not split.
   RELUME_HD_INLINE Feature trace(const Ray& camera_ray, const Hit& hit, uint32_t ray_id,
                                  Reflection* reflection = nullptr) const {
     Feature f;
@@ -118,7 +120,7 @@ struct FeatureTracer {
     }
     SurfacePoint sp;
     make_surface_point(scene, camera_ray, hit, scene.camera.cone_width() + scene.camera.cone_spread() * hit.t, sp);
-    // Most pixels show a surface directly, and for them there is nothing to follow or to unfold.
+    // Fast path: most surfaces are seen directly, outside all media.
     const bool in_body = !sp.front_face || !is_black(scene.camera_medium);
     if (in_body || feature_detail::has_narrow(sp.bsdf)) return follow(camera_ray, hit, ray_id, sp, reflection);
     f.position = sp.position;
@@ -133,7 +135,7 @@ struct FeatureTracer {
   }
 
  private:
-  /// What specular lobes of the primary hit show. Light passes `let_through` between there and the camera.
+  /// Traces the reflection in the primary hit's specular lobes. `let_through`: transmittance to the camera.
   RELUME_HD void reflect(const Ray& camera_ray, const Hit& hit, const SurfacePoint& sp, uint32_t ray_id,
                          const Rgb& let_through, Reflection& reflection) const {
     if (specular_lobes(sp.bsdf) == SpecularLobes::none) return;
@@ -153,12 +155,12 @@ struct FeatureTracer {
                                                        reflection);
   }
 
-  /// From the primary hit, of which `sp` is the surface point, on.
+  /// Follows narrow lobes from the primary hit at `sp`.
   RELUME_HD Feature follow(const Ray& camera_ray, Hit hit, uint32_t ray_id, SurfacePoint& sp,
                            Reflection* reflection) const {
     Feature f;
     Rgb seen(1);
-    Rgb medium = scene.camera_medium;  // of what the way leads through
+    Rgb medium = scene.camera_medium;  // absorption around the current segment
     Mat3 unfold(1);
     uint32_t path_id = 0;
     f.albedo = Rgb(1);
@@ -211,8 +213,8 @@ struct FeatureTracer {
   }
 };
 
-/// Light that arrives at a surface which scatters this much of it, times π: what it would return if it were white.
-/// Channels in which it returns nothing take the largest of the others.
+/// Scattered light over albedo: irradiance / π, the light of a white surface. Black channels take the largest of the
+/// others.
 RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
   Rgb light(0);
   float largest = 0;
@@ -227,12 +229,12 @@ RELUME_HD inline Rgb light_at_surface(const Rgb& scattered, const Rgb& albedo) {
   return light;
 }
 
-/// Whether there is something to filter.
+/// Whether the albedo is not black.
 RELUME_HD inline bool is_filtered(const Rgb& albedo) { return max_component(albedo) >= kLeastAlbedo; }
 
-/// Reflections of every pixel. Those that show none have the features of their surface, and `albedo` is black.
+/// Reflections of every pixel. Without one, `albedo` is black and the rest equals the features.
 struct ReflectionViews {
-  View<Rgb> diffuse_albedo;  ///< of all that is not specular; of everything where `albedo` is black
+  View<Rgb> diffuse_albedo;  ///< of lobes that are not specular; of all where `albedo` is black
   View<Rgb> albedo;
   View<Vec3> position;
   View<Vec3> previous;
@@ -241,7 +243,6 @@ struct ReflectionViews {
   View<Vec2> motion;  ///< of the image, pixels
 };
 
-/// Features of every pixel.
 struct FeatureKernel {
   SceneView scene;
   SampleIndex index;
@@ -255,9 +256,9 @@ struct FeatureKernel {
   View<Vec2> motion;  ///< pixels from the previous frame's position to this one's
   View<uint32_t> surface;
   uint32_t max_steps = kMaxFeatureSteps;
-  bool camera_moved = true;  ///< false: it is where it was in the frame before
+  bool camera_moved = true;  ///< since the previous frame
   uint32_t width = 0;
-  ReflectionViews reflections = {};  ///< empty: diffuse and specular light stay together
+  ReflectionViews reflections = {};  ///< empty: light is not split
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
     Sampler sampler = index.sampler(x, y);
@@ -265,7 +266,7 @@ struct FeatureKernel {
     write(y * width + x, ray, sampler.camera_ray_id());
   }
 
-  /// Camera rays in packets.
+  /// Generates camera rays in packets.
   void operator()(const Tile& tile) const {
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
       for (uint32_t x = tile.x0; x < tile.x1; x += CameraPacket::kColumns) {

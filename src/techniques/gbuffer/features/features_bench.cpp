@@ -6,7 +6,7 @@
 namespace relume {
 namespace {
 
-/// The features of frames of 256 × 256 pixels on one thread, without what frames cost otherwise.
+/// Time of the features pass alone, on one thread.
 void bm_features(benchmark::State& state, const char* scene) {
   RenderSettings settings;
   settings.width = settings.height = 256;

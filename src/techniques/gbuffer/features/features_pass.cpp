@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Buffers that hold ReflectionViews.
+/// The buffers of ReflectionViews.
 std::vector<BufferDescription> reflection_buffers() {
   return {
       surface_buffer(kDiffuseAlbedo, "the part of feature-albedo that is not specular", false),

@@ -1,4 +1,4 @@
-// The features as a pass; part of a frame if a denoiser is.
+// Writes features, for denoisers and for backward reprojection of split light.
 #pragma once
 
 #include "frame/pass.h"
@@ -8,9 +8,8 @@ namespace relume {
 
 class FeaturesPass final : public Pass {
  public:
-  /// `path`: features follow specular paths for as many bounces as the estimator does. `mirrors`: whether the estimator
-  /// shows what is seen in mirrors and through smooth glass. `split`: also find the reflections that specular lobes
-  /// show, for denoisers that keep diffuse and specular light apart.
+  /// `path`: limits followed steps to the estimator's bounces. `mirrors`: whether the estimator shows images in mirrors
+  /// and smooth glass. `split`: also traces reflections, to split diffuse and specular light.
   FeaturesPass(const PathSettings& path, bool mirrors, bool split)
       : max_bounces_(path.max_bounces), mirrors_(mirrors), split_(split) {}
   void configure(const PathSettings& path) { max_bounces_ = path.max_bounces; }
@@ -24,7 +23,7 @@ class FeaturesPass final : public Pass {
   bool split_;
 };
 
-/// Mirrors and interfaces that features follow in frames of an estimator with `max_bounces`; `mirrors`: see above.
+/// Maximum number of mirrors and interfaces followed, for an estimator with `max_bounces`; `mirrors` as above.
 uint32_t followed_steps(int max_bounces, bool mirrors);
 
 }  // namespace relume

@@ -20,7 +20,7 @@ constexpr uint32_t kWidth = 45;
 constexpr uint32_t kHeight = 37;
 constexpr uint32_t kPixels = kWidth * kHeight;
 
-/// One frame of a scene with the features of its pixels.
+/// One frame of a scene, with features.
 struct Frame {
   Frame(Scene scene, int max_bounces, EstimatorChoice estimator = EstimatorChoice::path)
       : session(std::move(scene), settings(max_bounces, estimator)) {
@@ -37,7 +37,7 @@ struct Frame {
     s.path.max_bounces = max_bounces;
     s.path.russian_roulette = false;
     s.estimator = estimator;
-    s.denoise = DenoiseChoice::svgf;  // asks for the features
+    s.denoise = DenoiseChoice::svgf;  // requires features
     return s;
   }
 
@@ -45,7 +45,7 @@ struct Frame {
   View<const T> view(const BufferKey<T>& key) const {
     return buffer_table(session).view(key);
   }
-  /// Whether the pixel shows its surface by way of a mirror or interface.
+  /// Whether the surface is seen in a mirror or through an interface.
   bool indirect(uint32_t pixel) const { return view(kFeature.surface)[pixel] != view(kPrimaryHits)[pixel].instance; }
 
   Session session;
@@ -55,14 +55,14 @@ TEST(Features, AMirrorIsAWindow) {
   const Frame frame("cornell-mirror", 8);
   const float mirror_z = -2.75f;
   const uint32_t mirror = frame.view(kPrimaryHits)[12 * kWidth + 22].instance;
-  const uint32_t instances = 16;  // more than there are
+  const uint32_t instances = 16;  // upper bound
   int seen = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
-    // By way of the mirror alone.
+    // Seen through this mirror only.
     const uint32_t instance = frame.view(kFeature.surface)[i] ^ hash(mirror, 1u);
     const bool on_a_wall = max_component(abs(frame.view(kFeature.normal)[i])) > 0.999f;
     if (frame.view(kPrimaryHits)[i].instance != mirror || instance >= instances || !on_a_wall) continue;
-    // Folded back, the place lies on a wall of the room.
+    // Mirrored back, the position lies on a wall of the room.
     Vec3 p = frame.view(kFeature.position)[i];
     ASSERT_LT(p.z, mirror_z);
     p.z = 2.0f * mirror_z - p.z;
@@ -77,7 +77,7 @@ TEST(Features, AMirrorIsAWindow) {
 }
 
 TEST(Features, EmissionInMirrorsIsWhatPathsFindThere) {
-  const Frame frame("cornell-mirror", 1);  // mirror, then nothing but emission
+  const Frame frame("cornell-mirror", 1);  // one mirror, then emission only
   int lamps = 0;
   for (uint32_t i = 0; i < kPixels; ++i) {
     if (!frame.indirect(i)) continue;
@@ -102,7 +102,7 @@ TEST(Features, GlassIsSeenThrough) {
 
 const Rgb kAbsorption(0.2f, 0.5f, 1.0f);
 
-/// That each pixel shows emission and albedo 1 of a plate as `metres` of a body let them through, as its path does.
+/// Checks that `metres` of a body attenuate emission and albedo of a white plate as they attenuate paths.
 void expect_seen_through(const Scene& glowing, float metres, const char* what) {
   const Frame glow(glowing, 8);
   Scene reflecting = glowing;
@@ -171,7 +171,7 @@ TEST(Features, LightTracingSeesNothingInMirrors) {
   for (uint32_t i = 0; i < kPixels; ++i) EXPECT_FALSE(frame.indirect(i));
 }
 
-/// What FeatureKernel writes.
+/// The buffers that FeatureKernel writes.
 struct FeatureBuffers {
   FeatureKernel kernel(const CompiledScene& scene, const std::vector<Hit>& hits) {
     return {scene.view(),
@@ -226,7 +226,7 @@ TEST(Features, TilesShowWhatSinglePixelsShow) {
     EXPECT_EQ(single.emission, tiles.emission);
     EXPECT_EQ(single.depth, tiles.depth);
     EXPECT_EQ(single.surface, tiles.surface);
-    EXPECT_EQ(single.motion, tiles.motion);  // none, whether it is computed or known
+    EXPECT_EQ(single.motion, tiles.motion);  // zero, whether computed or skipped
   }
 }
 
@@ -234,7 +234,7 @@ TEST(Features, DemodulationDividesByTheAlbedo) {
   const Rgb light = light_at_surface(Rgb(0.3f, 0.3f, 0.1f), Rgb(0.5f, 0.25f, 0));
   EXPECT_NEAR(light.r, 0.6f, 1e-6f);
   EXPECT_NEAR(light.g, 1.2f, 1e-6f);
-  EXPECT_NEAR(light.b, 1.2f, 1e-6f);  // says nothing: takes the largest
+  EXPECT_NEAR(light.b, 1.2f, 1e-6f);  // black albedo: takes the largest
   EXPECT_FALSE(is_filtered(Rgb(0)));
   EXPECT_TRUE(is_filtered(Rgb(0, 0.5f, 0)));
 }
@@ -270,7 +270,7 @@ TEST(Features, LobesThatMirrorAreFollowed) {
   sp.wo = sp.frame.to_world(sp.wo_local);
   const NarrowStep below_coat = step_of(metal, material);
   ASSERT_TRUE(below_coat.valid);
-  Rgb returned(0);  // of a lamp that is seen there
+  Rgb returned(0);  // of a lamp in that direction
   constexpr int kSamples = 4096;
   for (int i = 0; i < kSamples; ++i) {
     const float u = (static_cast<float>(i) + 0.5f) / kSamples;
@@ -280,7 +280,7 @@ TEST(Features, LobesThatMirrorAreFollowed) {
   EXPECT_LT(returned.g, 0.9f);
   EXPECT_NEAR(below_coat.emission.g / returned.g, 1.0f, 1e-3f);
   MaterialSample plastic;
-  plastic.roughness = 0;  // mirrors a twentieth; most is diffuse
+  plastic.roughness = 0;  // reflects 1/20 specularly; most is diffuse
   EXPECT_FALSE(step_of(plastic, material).valid);
   MaterialSample window;
   window.roughness = 0;

@@ -1,5 +1,5 @@
-// What specular lobes of the surface in a pixel show, for filters and histories: an image behind the surface, blurred
-// by the lobe's width. Reflections move like that image and not like the surface.
+// Reflections in a pixel's surface, for filters and histories: an image behind the surface, blurred by the lobe's
+// width. Reflections move like that image, not like the surface.
 #pragma once
 
 #include "scene/surface_point.h"
@@ -7,28 +7,27 @@
 
 namespace relume {
 
-/// Where the background replaces a surface, metres.
+/// Distance of the background, metres.
 inline constexpr float kBackgroundDistance = 1e4f;
-/// Lobes with an α above this show no image: their light is treated as diffuse.
+/// Lobes with an α above this have no reflection: their light counts as diffuse.
 inline constexpr float kWidestReflection = 0.5f;
 
-/// Image that the surface in a pixel shows by way of its specular lobes.
+/// The image in a surface's specular lobes.
 struct Reflection {
-  Rgb albedo{0};         ///< directional albedo of the specular lobes; black: diffuse and specular light stay together
-  Vec3 image{0};         ///< where the image of what is reflected lies, metres
-  Vec3 image_before{0};  ///< where it was one frame ago
-  /// The surface as filters see it: the image where it is sharp, the reflecting surface where the lobe blurs it.
+  Rgb albedo{0};         ///< directional albedo of the specular lobes; black: light is not split
+  Vec3 image{0};         ///< position of the image, metres
+  Vec3 image_before{0};  ///< position of the image one frame ago
+  /// Position for filters, metres: the image where it is sharp, the surface where the lobe blurs it.
   Vec3 position{0};
-  Vec3 previous{0};  ///< where that was one frame ago
+  Vec3 previous{0};  ///< `position` one frame ago
   Vec3 normal{0};
-  /// How far off each other's plane histories may lie, as for a surface at this depth: the less sharp the image, the
-  /// further.
+  /// Depth, metres, that scales the plane distance of validations; increased for blurred images.
   float depth = 0;
 };
 
 namespace reflection_detail {
 
-/// The specular lobe that returns the most light, or −1.
+/// Index of the specular lobe that returns the most light, or −1. `albedo`: sum over all specular lobes.
 RELUME_HD inline int main_lobe(const SurfacePoint& sp, Rgb* albedo) {
   const LayerTransmittance layers = layer_transmittance(sp.bsdf, sp.wo_local.z);
   float most = 0;
@@ -46,8 +45,8 @@ RELUME_HD inline int main_lobe(const SurfacePoint& sp, Rgb* albedo) {
   return chosen;
 }
 
-/// Mean curvature of the interpolated normals across the triangle at `hit`, 1/metres; positive where the side that
-/// `normal` points to is convex.
+/// Mean curvature of the interpolated normals across the triangle at `hit`, 1/m; positive if convex on the side of
+/// `normal`.
 RELUME_HD inline float curvature(const SceneView& scene, const Hit& hit, const Vec3& normal) {
   const Instance& instance = scene.instances[hit.instance];
   const MeshView& mesh = scene.meshes[instance.mesh];
@@ -72,23 +71,22 @@ RELUME_HD inline float curvature(const SceneView& scene, const Hit& hit, const V
   return glm::dot(n[0], normal) < 0.0f ? -mean : mean;
 }
 
-/// Distance of the image behind a spherical mirror, metres, of an object at `distance` metres. The magnification of
-/// concave mirrors is limited to 4; real images in front of them are not followed.
+/// Distance of the image behind a spherical mirror, metres, of an object at `distance`. Magnification is limited to 4;
+/// real images of concave mirrors are not followed.
 RELUME_HD inline float image_distance(float distance, float curvature) {
   return distance / relume::max(1.0f + 2.0f * curvature * distance, 0.25f);
 }
 
 }  // namespace reflection_detail
 
-/// Traces one ray along the main direction of the surface's largest specular lobe. `sp` is what `camera_ray` meets at
-/// `hit`, and `wi` that direction in world space.
+/// Traces one ray along the main direction of the largest specular lobe. `sp`: surface point of `hit` on `camera_ray`.
 struct ReflectionTracer {
   const SceneView& scene;
   const Ray& camera_ray;
   const Hit& hit;
   const SurfacePoint& sp;
 
-  /// `alpha`: width of the lobe. `r` has its albedo already.
+  /// `wi`: main direction, world space; `alpha`: width of the lobe. Sets all of `r` except the albedo.
   RELUME_HD void trace(const Vec3& wi, bool reflected, float alpha, uint32_t ray_id, Reflection& r) const {
     using namespace reflection_detail;
     const Ray ray = sp.spawn_ray(wi);
@@ -112,7 +110,7 @@ struct ReflectionTracer {
     r.previous = r.position + carried + (moved - carried) * sharpness;
     r.depth = hit.t + offset + (1.0f - sharpness) * offset / kBackwardPlaneDistance;
     r.normal = sp.frame.n;
-    constexpr float kSharp = 0.1f;  // below, the normal of what is reflected does not matter
+    constexpr float kSharp = 0.1f;  // below this, the reflected normal is not needed
     if (!seen.valid() || sharpness < kSharp) return;
     SurfacePoint shown;
     make_surface_point(scene, ray, seen, footprint, shown);

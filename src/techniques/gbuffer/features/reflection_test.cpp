@@ -34,7 +34,7 @@ void add_ceiling(Scene& scene) {
   scene.add_node(node);
 }
 
-/// A floor of `roughness` in y = 0 below a ceiling, seen at an angle.
+/// A floor of `roughness` at y = 0 below a ceiling, seen obliquely.
 Scene room(float roughness) {
   Material floor = testing::matte(Rgb(0.3f));
   floor.specular = 1;
@@ -66,7 +66,7 @@ View<const T> view(const Session& session, const BufferKey<T>& key) {
   return buffer_table(session).view(key);
 }
 
-/// The node that the camera is on, moved by `way`.
+/// Moves the camera's node by `way`.
 void walk(Session& session, const Scene& scene, const Vec3& way) {
   Transform eye = scene.nodes[1].transform;
   eye.translation += way;
@@ -95,7 +95,7 @@ TEST(Reflection, WideLobesShowTheirSurface) {
   }
 }
 
-/// The image of the ceiling moves less than the floor that shows it, by the ratio of their distances.
+/// The image of the ceiling moves less than the reflecting floor, by the ratio of their distances.
 TEST(Reflection, ImagesMoveLikeImages) {
   for (const float roughness : {0.05f, 0.3f, 0.6f}) {
     const Scene scene = room(roughness);
@@ -107,7 +107,7 @@ TEST(Reflection, ImagesMoveLikeImages) {
       const float floor = view(session, kFeature.motion)[i].x;
       const float image = view(session, kReflection.motion)[i].x;
       ASSERT_LT(floor, -0.1f);
-      // Along a camera ray the image lies as much further as it lies lower: 1.5 m against 1.5 + 3 m.
+      // Along a camera ray, distances are proportional to depths: 1.5 m and 1.5 + 3 m.
       EXPECT_NEAR(image / floor, 1.5f / (1.5f + kCeiling), 0.01f) << i << " " << roughness;
     }
   }
@@ -124,7 +124,7 @@ TEST(Reflection, ImagesOfWhatMovesMove) {
   for (uint32_t i = 0; i < kPixels; ++i) {
     const float image = view(session, kReflection.position)[i].y;
     const float before = view(session, kReflection.previous)[i].y;
-    EXPECT_NEAR(before - image, -0.25f, 0.03f) << i;  // the image was lower
+    EXPECT_NEAR(before - image, -0.25f, 0.03f) << i;  // was lower
     EXPECT_EQ(view(session, kFeature.motion)[i], Vec2(0));
   }
 }
@@ -169,7 +169,7 @@ TEST(SplitLight, PartsMakeTheWhole) {
   split(Rgb(0.5f), Rgb(0.1f));
   EXPECT_EQ(specular, found);
   EXPECT_EQ(diffuse, scattered - found);
-  split(Rgb(0.5f), Rgb(0));  // mirrors that features follow, and wide lobes
+  split(Rgb(0.5f), Rgb(0));  // followed mirrors, wide lobes
   EXPECT_EQ(specular, Rgb(0));
   EXPECT_EQ(diffuse, scattered);
   split(Rgb(0), Rgb(0.9f));  // metals

@@ -1,4 +1,4 @@
-// Settings that all denoisers share.
+// Settings shared by all denoisers.
 #pragma once
 
 #include "settings/setting.h"
