@@ -1,4 +1,4 @@
-// Camera rays of neighbouring pixels, computed side by side. Host only.
+// Camera rays of single pixels, and of packets of neighbouring pixels.
 #pragma once
 
 #include "frame/launch.h"
@@ -19,13 +19,13 @@ RELUME_HD inline Ray camera_ray(const CameraView& camera, uint32_t x, uint32_t y
   return generate(camera, Vec2(static_cast<float>(x), static_cast<float>(y)) + jitter, u_lens);
 }
 
-/// The same ray where nothing else will be drawn from the sampler.
+/// The same ray, for callers that draw nothing else from the sampler.
 RELUME_HD inline Ray lone_camera_ray(const CameraView& camera, uint32_t x, uint32_t y, Sampler& sampler) {
   if (camera.lens_radius > 0.0f) return camera_ray(camera, x, y, sampler);
   return pinhole_camera_ray(camera, x, y, sampler.first_2d());
 }
 
-/// lone_camera_ray() of up to kPacketSize pixels, to the bit.
+/// lone_camera_ray() of up to kPacketSize pixels, with the same bits. Host only.
 struct CameraPacket {
   static constexpr uint32_t kColumns = kPacketSize / 2;
 
@@ -35,20 +35,20 @@ struct CameraPacket {
   Ray rays[kPacketSize];
   uint32_t ids[kPacketSize];  ///< Sampler::camera_ray_id()
 
-  /// Adds a pixel. True if the packet is full.
+  /// Adds a pixel. Returns true if the packet is full.
   bool add(uint32_t column, uint32_t row) {
     x[count] = column;
     y[count] = row;
     return ++count == kPacketSize;
   }
-  /// Takes the pixels of two rows, from (x0, y0) on, that lie in `tile`.
+  /// Takes kColumns pixels of two rows from (x0, y0) on, clipped to `tile`.
   void take_rows(uint32_t x0, uint32_t y0, const Tile& tile) {
     count = 0;
     for (uint32_t row = y0; row < relume::min(y0 + 2, tile.y1); ++row) {
       for (uint32_t column = x0; column < relume::min(x0 + kColumns, tile.x1); ++column) add(column, row);
     }
   }
-  /// Computes the rays of the pixels, of which there is at least one.
+  /// Computes the rays of at least one pixel.
   void generate(const CameraView& camera, const SampleIndex& index) {
     float film_x[kPacketSize];
     float film_y[kPacketSize];
@@ -67,7 +67,7 @@ struct CameraPacket {
   }
 
  private:
-  /// Film positions and ids.
+  /// Draws film positions and ids.
   void draw(const SampleIndex& index, float (&film_x)[kPacketSize], float (&film_y)[kPacketSize]) {
     const auto draw_each = [&](int lanes, const auto& sampler_of) {
       for (int k = 0; k < lanes; ++k) {
@@ -79,7 +79,7 @@ struct CameraPacket {
       }
     };
     if (!index.is_plain()) return draw_each(count, [&](int k) { return index.sampler(x[k], y[k]); });
-    // All lanes, and nothing but hashes: becomes vector code.
+    // Fills all lanes and computes only hashes, so that the loop vectorises.
     uint32_t elements[kPacketSize];
     for (int k = 0; k < count; ++k) elements[k] = index.sample_of(x[k], y[k]);
     for (int k = count; k < kPacketSize; ++k) {
@@ -91,7 +91,7 @@ struct CameraPacket {
               [&](int k) { return Sampler::sequence(index.seed, x[k], y[k], elements[k], index.sequence); });
   }
 
-  /// Of a perspective camera without a lens: what generate() computes, for all film positions at once.
+  /// Directions of a perspective camera without a lens, as generate() computes them, for all lanes at once.
   struct Directions {
     float x[kPacketSize];
     float y[kPacketSize];

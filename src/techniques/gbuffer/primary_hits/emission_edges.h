@@ -1,7 +1,6 @@
-// Where something bright ends, one camera ray in a pixel sees all of it or nothing. No filter averages emission, so the
-// noise of such pixels would outweigh whatever a filter removes elsewhere: they deserve more camera rays. Whether a
-// pixel is one its eight neighbours tell. Its own sample has no say, or what it saw would be counted more or less often
-// than it deserves.
+// Detects pixels at edges of emission, where caches and denoisers trace more camera rays. Filters do not average
+// emission, so its noise there would outweigh the noise that they remove. Only the eight neighbours decide, because
+// using the pixel's own sample would add bias.
 #pragma once
 
 #include "core/vec.h"
@@ -10,20 +9,20 @@
 
 namespace relume {
 
-/// Something bright ends where emission differs by more than this multiple of the darkest radiance.
+/// An edge: emission differs by more than this multiple of the darkest radiance.
 inline constexpr float kEmissionContrast = 4;
 inline constexpr uint32_t kNeighbours = 8;
 
-/// The k-th of the eight pixels around (x, y). False outside of the image.
+/// Index `i` of the k-th of the eight neighbours of (x, y). Returns false outside the image.
 RELUME_HD inline bool neighbour_of(uint32_t k, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t& i) {
-  const uint32_t cell = k < 4 ? k : k + 1;  // of a block of nine, without its middle
+  const uint32_t cell = k < 4 ? k : k + 1;  // in a block of 3 × 3 without its centre
   const uint32_t nx = x + cell % 3 - 1;     // wraps around beyond the left and the upper edge
   const uint32_t ny = y + cell / 3 - 1;
   i = ny * width + nx;
   return nx < width && ny < height;
 }
 
-/// Largest difference of `emission(i)`, luminance that pixel i sees, among the neighbours.
+/// Largest difference of `emission(i)`, the luminance emitted in pixel i, among the neighbours.
 template <typename Emission>
 RELUME_HD inline float emission_contrast(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                                          const Emission& emission) {
@@ -39,7 +38,7 @@ RELUME_HD inline float emission_contrast(uint32_t x, uint32_t y, uint32_t width,
   return most > least ? most - least : 0.0f;
 }
 
-/// Least `radiance(i)`, luminance that pixel i shows, among the neighbours.
+/// Minimum of `radiance(i)`, the luminance of pixel i, among the neighbours.
 template <typename Radiance>
 RELUME_HD inline float darkest_around(uint32_t x, uint32_t y, uint32_t width, uint32_t height,
                                       const Radiance& radiance) {
@@ -51,8 +50,8 @@ RELUME_HD inline float darkest_around(uint32_t x, uint32_t y, uint32_t width, ui
   return darkest;
 }
 
-/// Mean of `emission(sampler)`, what the camera ray of that sampler sees, over `rays` rays of pixel (x, y) beside its
-/// samples. Their sequence runs through all frames, as nothing here adapts.
+/// Mean of `emission(sampler)`, the emission along a camera ray, over `rays` additional rays of pixel (x, y). Their
+/// sequence spans all frames, because their number does not adapt.
 template <typename Emission>
 RELUME_HD inline Rgb mean_emission(const SampleIndex& index, uint32_t rays, uint32_t x, uint32_t y,
                                    const Emission& emission) {

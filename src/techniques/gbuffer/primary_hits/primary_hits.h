@@ -1,4 +1,4 @@
-// The first vertex of every path: camera rays, traced in coherent packets, and what auxiliary buffers show of it.
+// The first vertex of every path: traces camera rays and writes the surface properties of hits.
 #pragma once
 
 #include "scene/surface_point.h"
@@ -6,13 +6,13 @@
 
 namespace relume {
 
-/// Finds the primary hits of the pixels that get a sample; the others get none.
+/// Traces the camera rays of pixels that receive a sample; other pixels get no hit.
 struct PrimaryHitsKernel {
   AccelView accel;
   CameraView camera;
   SampleIndex index;
   View<Hit> hits;
-  View<const uint32_t> allocation;  ///< samples that the pixel gets, 0 or 1; empty: every pixel gets one
+  View<const uint32_t> allocation;  ///< samples of each pixel, 0 or 1; empty: 1
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {
@@ -25,7 +25,7 @@ struct PrimaryHitsKernel {
     hits[y * width + x] = intersect_from_camera(accel, ray, sampler.camera_ray_id());
   }
 
-  /// Packets of two rows, or of the pixels that get a sample.
+  /// Traces packets of two rows, or of the pixels that receive a sample.
   void operator()(const Tile& tile) const {
     if (!allocation.empty()) return trace_samples(tile);
     for (uint32_t y = tile.y0; y < tile.y1; y += 2) {
@@ -62,7 +62,7 @@ struct PrimaryHitsKernel {
   RELUME_HD bool wanted(uint32_t x, uint32_t y) const { return allocation.empty() || allocation[y * width + x] != 0; }
 };
 
-/// Film position at which a point is seen, through the middle of a lens. False if it lies behind the camera.
+/// Projects `p` to the film, through the centre of the lens. Returns false if it lies behind the camera.
 RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, Vec2* film) {
   if (camera.projection == Projection::perspective) {
     const Vec3 local = camera.axes.to_local(p - camera.position);
@@ -80,11 +80,11 @@ RELUME_HD inline bool film_position_of(const CameraView& camera, const Vec3& p, 
   return is_finite(film->x);
 }
 
-/// Motion, in pixels, of what the previous frame could not show: leads beyond every image. The largest binary16.
+/// Motion of points behind a camera, pixels. The largest binary16, outside every image.
 inline constexpr float kFromNowhere = 65504;
 
-/// Pixels from where the previous frame showed `before` to where this one shows `now`; kFromNowhere where one of them
-/// lies behind its camera.
+/// Motion in pixels from `before` in the previous frame to `now` in this one; kFromNowhere if either lies behind its
+/// camera.
 RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const Vec3& before) {
   Vec2 here;
   Vec2 there;
@@ -94,20 +94,20 @@ RELUME_HD inline Vec2 film_motion(const SceneView& scene, const Vec3& now, const
   return is_finite(difference.x) && is_finite(difference.y) ? difference : Vec2(kFromNowhere);
 }
 
-/// The same for what is infinitely far away in this direction.
+/// Motion of a point at infinity in this direction.
 RELUME_HD inline Vec2 film_motion_of_direction(const SceneView& scene, const Vec3& direction) {
   if (scene.camera.projection == Projection::orthographic) return Vec2(0);
   return film_motion(scene, scene.camera.position + direction, scene.previous_camera.position + direction);
 }
 
-/// What the primary hit shows, for filters, histories and auxiliary outputs. Pixels that see no surface get zeros,
-/// kNoSurface and the motion of infinity.
+/// Writes the surface properties of primary hits. Pixels without a hit get zeros, kNoSurface and the motion at
+/// infinity.
 struct SurfaceKernel {
   SceneView scene;
   SampleIndex index;
   View<const Hit> hits;
   View<Vec3> position;     ///< metres, world space
-  View<Vec3> previous;     ///< where that point was one frame ago
+  View<Vec3> previous;     ///< `position` one frame ago
   View<Vec3> normal;       ///< shading normal, world space
   View<Rgb> albedo;        ///< directional albedo; the emission of emitters, clamped to 1
   View<float> depth;       ///< distance from the camera, metres
@@ -139,8 +139,8 @@ struct SurfaceKernel {
   }
 };
 
-/// Sums of what the primary hits of several samples show; divided by their number when written. Motion is that of the
-/// first, as nothing moves while samples of a still image add up.
+/// Adds surface properties to the auxiliary layers; output divides by the number of samples. Motion is that of the
+/// first sample, since nothing moves while samples accumulate.
 struct AuxiliaryKernel {
   View<const Rgb> surface_albedo;
   View<const Vec3> surface_normal;
@@ -150,7 +150,7 @@ struct AuxiliaryKernel {
   View<Vec3> normal;
   View<float> depth;
   View<Vec2> motion;
-  bool first = false;  ///< sample after a change: the only one that shows motion
+  bool first = false;  ///< first sample after a change, the only one with motion
   uint32_t width = 0;
 
   RELUME_HD void operator()(uint32_t x, uint32_t y) const {

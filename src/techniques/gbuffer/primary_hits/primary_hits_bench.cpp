@@ -35,7 +35,7 @@ void bm_primary_hits(benchmark::State& state) {
 }
 BENCHMARK(bm_primary_hits);
 
-/// Hits of the whole frame turned into surface points.
+/// Computes the surface points of a frame's hits.
 void bm_make_surface_point(benchmark::State& state) {
   std::vector<Hit> hits(kWidth * kHeight);
   const PrimaryHitsKernel kernel{

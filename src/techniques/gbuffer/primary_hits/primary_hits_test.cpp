@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-constexpr uint32_t kWidth = 37;  // no multiple of packets or tiles
+constexpr uint32_t kWidth = 37;  // not a multiple of packet or tile sizes
 constexpr uint32_t kHeight = 23;
 
 CompiledScene compile(const char* name, int width = kWidth, int height = kHeight) {
@@ -26,9 +26,9 @@ PrimaryHitsKernel kernel_for(const CompiledScene& scene, std::vector<Hit>& hits)
   return {scene.view().accel, camera, SampleIndex{.seed = 3, .sample = 5}, mutable_view_of(hits), {}, width};
 }
 
-/// Pixels in which packets found another triangle than single rays did; on the same triangle all bits must be equal.
+/// Pixels in which packets and single rays hit different triangles. On the same triangle, hits must agree bit by bit.
 size_t other_triangles(const char* name) {
-  constexpr uint32_t kColumns = 321;  // no multiples of packets
+  constexpr uint32_t kColumns = 321;  // not multiples of packet sizes
   constexpr uint32_t kRows = 181;
   const CompiledScene scene = compile(name, kColumns, kRows);
   std::vector<Hit> single;
@@ -119,7 +119,7 @@ TEST(PrimaryHits, HitsLieOnTheirRays) {
   }
 }
 
-/// What SurfaceKernel writes, for kWidth × kHeight pixels.
+/// The buffers that SurfaceKernel writes, of kWidth × kHeight pixels.
 struct Surfaces {
   std::vector<Vec3> position{kWidth * kHeight};
   std::vector<Vec3> previous{kWidth * kHeight};
@@ -164,14 +164,13 @@ TEST(PrimaryHits, SurfaceBuffersShowTheFirstHit) {
       EXPECT_NEAR(glm::length(s.position[i] - scene.view().camera.position), hits[i].t, 1e-4f);
       EXPECT_GT(max_component(s.albedo[i]), 0.0f);
       EXPECT_LE(max_component(s.albedo[i]), 1.0f);
-      EXPECT_LT(std::hypot(s.motion[i].x, s.motion[i].y), 1e-3f);  // nothing moves
+      EXPECT_LT(std::hypot(s.motion[i].x, s.motion[i].y), 1e-3f);  // static scene
     }
   }
 }
 
 TEST(PrimaryHits, MotionPointsFromWhereTheSurfaceWasOnTheFilm) {
-  // A camera that moves to its right by 0.1 m shifts a point at distance z to the left by 0.1 / (z · pixel width at 1
-  // m).
+  // Moving the camera 0.1 m right shifts a point at depth z left by 0.1 / (z · pixel width at 1 m).
   CompiledScene scene(find_builtin_scene("cornell")->build(), CompileOptions{.width = kWidth, .height = kHeight});
   CameraPose camera = scene.camera();
   camera.to_world[3] += 0.1f * camera.to_world[0];
