@@ -23,7 +23,7 @@ def without_markup(text):
 
 
 def blocks(markdown):
-    """(line number, text) of every paragraph, list item, heading and table cell of a page."""
+    """(line number, text) of every paragraph, list item, heading and line of a table cell of a page."""
     lines = FENCE.sub(lambda m: "\n" * m[0].count("\n"), markdown).split("\n")
     found = []
     start, current = 0, []
@@ -37,7 +37,7 @@ def blocks(markdown):
         stripped = line.strip()
         if stripped.startswith("|"):
             close()
-            found += [(number, without_markup(cell)) for cell in stripped.strip("|").split("|") if re.search("[A-Za-z]", cell)]
+            found += [(number, without_markup(part)) for part in re.split(r"\||<br>", stripped.strip("|")) if re.search("[A-Za-z]", part)]
         elif not stripped or stripped.startswith("#") or line.startswith("    "):
             close()
             if stripped.startswith("#"):
