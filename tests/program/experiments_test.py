@@ -70,12 +70,14 @@ class Experiments(ProgramTest):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("sponza.gltf", done.stderr)
 
-    def test_the_published_index_is_that_of_the_published_results(self):
+    def test_the_index_of_published_results_has_their_claims(self):
         shutil.copytree(PUBLISHED, self.folder / "out")
-        (self.folder / "out/index.md").unlink()
-        names = [file.stem for file in PUBLISHED.glob("*.json")]
-        self.succeed("experiment", "run", *names, "--continue", "-o", "out")
-        self.assertEqual((self.folder / "out/index.md").read_text(), (PUBLISHED / "index.md").read_text())
+        files = sorted(PUBLISHED.glob("*.json"))
+        self.succeed("experiment", "run", *(file.stem for file in files), "--continue", "-o", "out")
+        tables = (self.folder / "out/index.md").read_text()
+        for file in files:
+            for claim in json.loads(file.read_text())["claims"]:
+                self.assertIn(" | ".join(("", claim["claim"], claim["measured"], claim["threshold"], claim["verdict"], "")).strip(), tables)
 
 
 if __name__ == "__main__":
