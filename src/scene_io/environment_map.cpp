@@ -11,8 +11,8 @@
 namespace relume {
 namespace {
 
-/// Maps come with stray pixels that are no radiance: NaN and negative values become 0, infinite ones the largest finite
-/// value of the map, and none is brighter than kMaxRadiance.
+/// Repairs invalid pixels: NaN and negative values become 0. Infinite values become the map's largest finite value. All
+/// are clamped to kMaxRadiance.
 void clean(std::vector<Rgb>& pixels) {
   float largest = 0;
   for (const Rgb& pixel : pixels) {

@@ -1,4 +1,4 @@
-// Orientation of cameras and lights.
+// Computes the orientation of cameras and lights.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -7,8 +7,8 @@
 
 namespace relume {
 
-/// Rotation that turns -Z to `direction` and +Y as near to `up` as possible. Directions along `up` and without length
-/// are allowed: some perpendicular axis, or -Z, takes their place.
+/// Rotation of -Z to `direction`, with +Y as close to `up` as possible. A direction along `up` uses some perpendicular
+/// axis; a zero-length one becomes -Z.
 inline glm::quat look_rotation(const Vec3& direction, const Vec3& up = Vec3(0, 1, 0)) {
   const float length = glm::length(direction);
   const Vec3 back = length > 0 && is_finite(length) ? -direction / length : Vec3(0, 0, 1);

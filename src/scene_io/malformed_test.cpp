@@ -1,5 +1,5 @@
-// Damaged files of every format end in an Error or in an image, never in a crash or a hang. Mutations are generated
-// from a fixed seed; the suite prints the count.
+// Checks that damaged files of every format give an Error or an image, without crash or hang. Seeds are fixed; the
+// suite prints the number of mutations.
 #include <chrono>
 #include <functional>
 #include <random>
@@ -24,7 +24,7 @@ using testing::json;
 using testing::SceneFolder;
 using testing::to_bytes;
 
-/// Folder with the examples, to which relume JSON refers.
+/// Folder of the examples that relume JSON references.
 const SceneFolder& folder() {
   static const SceneFolder kFolder;
   static const bool kFilled = [] {
@@ -43,7 +43,7 @@ Scene load(const std::string& name, const Bytes& bytes) {
   return load_assimp_from_memory(bytes, extension, name);
 }
 
-/// Every pixel must be a number, and no sample may have been replaced to make it one.
+/// Renders 4 × 4 pixels. Fails on non-finite pixels and on replaced samples.
 void expect_image(Scene scene, const std::string& what) {
   RenderSettings settings;
   settings.width = settings.height = 4;
@@ -57,9 +57,9 @@ void expect_image(Scene scene, const std::string& what) {
   EXPECT_EQ(session.statistics().nonfinite_samples, 0u) << what;
 }
 
-/// Loads and shows and, since nothing but Error may come out, reports whether the file was refused.
+/// Loads and renders a file. Returns whether it raised Error; any other exception fails the test.
 bool is_refused(const std::string& name, const Bytes& bytes, const std::string& what) {
-  constexpr double kLimitS = 20;  // far more than any of these small files takes, also under sanitizers
+  constexpr double kLimitS = 20;  // well above the time for these small files, also under sanitizers
   const auto start = std::chrono::steady_clock::now();
   bool refused = false;
   try {
@@ -111,7 +111,7 @@ TEST(Malformed, FilesWithFlippedBits) {
   }
 }
 
-/// The document of the example of that name.
+/// The example's document.
 json document_of(const std::string& name) {
   for (const ExampleFile& file : example_files()) {
     if (file.name != name) continue;
@@ -120,7 +120,7 @@ json document_of(const std::string& name) {
   return {};
 }
 
-/// Loads the example with every value in every place; returns how many inputs that were.
+/// Loads the example with each value at each of `places`; returns the number of inputs.
 int replace_values(const std::string& name, std::span<const char* const> places) {
   const json kValues[] = {-1,  1000000, 4294967295u, 9223372036854775807ll, 18446744073709551615ull, 1e300,
                           0.5, "text",  nullptr,     json::array(),         json::object()};

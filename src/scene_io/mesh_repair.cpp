@@ -85,7 +85,7 @@ void replace_broken(std::vector<V>& values, const V& by, const char* what, const
                            kMaxCoordinate));
 }
 
-/// glTF 2.0, section 3.7.2.1: colours are clamped.
+/// glTF 2.0, §3.7.2.1: colours are clamped.
 void clamp_colors(Mesh& mesh, Warnings& warnings) {
   size_t outside = 0;
   for (Vec4& color : mesh.colors) {
@@ -97,7 +97,7 @@ void clamp_colors(Mesh& mesh, Warnings& warnings) {
     warnings.add(fmt::format("mesh '{}': {} vertex colours outside [0, 1] are clamped", mesh.name, outside));
 }
 
-/// `per_vertex` values belong to each vertex.
+/// Removes values of vertices that are not kept; each vertex has `per_vertex` values.
 template <typename V>
 void keep(std::vector<V>& values, const std::vector<bool>& kept, size_t per_vertex = 1) {
   size_t out = 0;

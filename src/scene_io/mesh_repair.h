@@ -1,4 +1,4 @@
-// Makes meshes from files fit for use.
+// Repairs meshes from files.
 #pragma once
 
 #include "scene/scene.h"
@@ -6,14 +6,18 @@
 
 namespace relume {
 
-/// Repairs what validate() and kernels cannot bear, and says so in `warnings`:
-/// triangles that refer to missing vertices or to vertices that are not finite are dropped; normals that are not finite
-/// or have no length are computed anew from the adjacent triangles; broken tangents are dropped; texture coordinates
-/// and colours that are not finite become 0 and 1. Normals and tangents become unit vectors. If triangles use less than
-/// half of the vertices (primitives that share one vertex buffer), the others are removed.
+/// Repairs data that validate() and kernels do not accept, with warnings:
+///
+/// - Triangles with missing, non-finite or too distant vertices are dropped.
+/// - Normals that are not finite or have zero length are recomputed from adjacent triangles.
+/// - Broken tangents are dropped.
+/// - Texture coordinates and colours that are not finite become 0 and 1.
+///
+/// Normals and tangents become unit vectors. Unused vertices are removed if triangles use less than half of them
+/// (primitives that share one vertex buffer).
 void repair_mesh(Mesh& mesh, Warnings& warnings);
 
-/// Area-weighted vertex normals; vertices without a proper triangle get +Y.
+/// Area-weighted vertex normals; vertices without a valid triangle get +Y.
 std::vector<Vec3> smooth_normals(const Mesh& mesh);
 
 }  // namespace relume

@@ -46,7 +46,7 @@ std::string first_bytes(const std::filesystem::path& file, size_t count) {
   return bytes;
 }
 
-/// A format that is not read, and what turns its files into glTF.
+/// An unsupported format and a converter to glTF.
 struct ForeignFormat {
   std::vector<std::string_view> extensions;
   std::string_view name;

@@ -1,4 +1,4 @@
-// The formats of scene files: a closed list from which loading, help, messages and the reference page follow.
+// Scene file formats: a closed list that drives loading, help, messages and the reference page.
 #pragma once
 
 #include <filesystem>
@@ -11,20 +11,20 @@
 namespace relume {
 
 struct SceneFormat {
-  std::string_view name;                             ///< as help and messages show it
+  std::string_view name;                             ///< display name in help and messages
   std::vector<std::string_view> extensions;          ///< lower case, without the dot
-  std::string_view signature;                        ///< first bytes of a file of any extension; empty: none
-  Scene (*load)(const std::filesystem::path& file);  ///< reads a file that is not empty; throws Error
-  std::string contents;                              ///< what the reader imports, as Markdown for the reference page
+  std::string_view signature;                        ///< first bytes, for any extension; empty: none
+  Scene (*load)(const std::filesystem::path& file);  ///< reads a nonempty file; throws Error
+  std::string contents;                              ///< imported content, as Markdown for the reference page
 };
 
-/// All formats, in the order of help and messages.
+/// All formats, in display order.
 const std::vector<SceneFormat>& scene_formats();
 
-/// The format whose signature begins the file, else the one with its extension. Throws Error if there is none.
+/// Format whose signature starts the file, else the one with its extension. Throws Error if none matches.
 const SceneFormat& scene_format_of(const std::filesystem::path& file);
 
-/// The names in one phrase: "glTF, PLY or OFF".
+/// Names as one phrase: "glTF, PLY or OFF".
 std::string scene_format_names();
 
 /// Text of docs/scene-formats.md.

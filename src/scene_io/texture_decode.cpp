@@ -19,7 +19,7 @@ void set_texels(Texture& texture, const std::vector<T>& values) {
   std::memcpy(texture.texels.data(), values.data(), texture.texels.size());
 }
 
-/// Linear values; without `alpha` the texture is opaque.
+/// Texture of linear values, opaque without `alpha`.
 Texture float_texture(const Image& image, const ExrChannel* alpha) {
   Texture texture;
   texture.width = image.width;
@@ -39,7 +39,7 @@ Texture texture_from_exr(std::span<const std::byte> bytes, const std::string& na
   return float_texture(image_from_exr(exr, {}, name), exr.find("A"));
 }
 
-/// `samples` of `T`, whose largest value stands for 1, as floats; RGB decoded from sRGB if `decode`.
+/// Converts integer `samples` to floats in [0, 1]; decodes RGB from sRGB if `decode`.
 template <typename T>
 std::vector<float> to_float(const std::vector<T>& samples, bool decode) {
   constexpr float kScale = 1.0f / static_cast<float>(std::numeric_limits<T>::max());

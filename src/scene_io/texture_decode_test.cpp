@@ -97,7 +97,7 @@ TEST(TextureDecode, ExrAndHdrAreFloatWhateverIsWanted) {
 
 TEST(TextureDecode, PngChunksBeyondTheFileAreRefusedBeforeTheyAreAllocated) {
   auto bytes = make_png(2, 1, 8, kRgba, {1, 2, 3, 4, 5, 6, 7, 8});
-  constexpr size_t kIdatLength = 8 + 25;  // after the signature and IHDR with its head and checksum
+  constexpr size_t kIdatLength = 8 + 25;  // after the signature and IHDR with its header and checksum
   bytes[kIdatLength] = std::byte{0x3f};   // about 1 GiB
   try {
     decode_texture(bytes, "wood.png", PixelFormat::rgba8_srgb);

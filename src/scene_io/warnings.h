@@ -1,4 +1,4 @@
-// Collects what a loader ignored or repaired.
+// Collects the warnings of a loader about ignored or repaired input.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace relume {
 
-/// Sentences for Scene::warnings. A sentence that repeats is kept once, and only the first kMaxWarnings are kept, so
-/// that a file with a million flaws stays readable.
+/// Sentences for Scene::warnings. Repeated sentences are stored once, and only the first kMaxWarnings are kept, which
+/// keeps the list readable.
 class Warnings {
  public:
   static constexpr size_t kMaxWarnings = 100;
@@ -24,12 +24,12 @@ class Warnings {
     }
   }
 
-  /// For Scene::notes: ignored input that does not change the image, or that path tracing computes itself.
+  /// Adds a sentence to Scene::notes: ignored input that does not change the image, or that path tracing computes.
   void note(const std::string& sentence) {
     if (notes_.size() < kMaxWarnings && seen_.insert(sentence).second) notes_.push_back(sentence);
   }
 
-  /// Adds what was collected apart, by a task of its own.
+  /// Adds warnings collected in a separate task.
   void add(const Warnings& part) {
     for (const std::string& sentence : part.sentences_) add(sentence);
     for (const std::string& sentence : part.notes_) note(sentence);

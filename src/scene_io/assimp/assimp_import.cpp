@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-/// Faces that meet at a smaller angle share a smooth normal where a file has none.
+/// Creates smooth normals between faces that meet below this angle, if the file has none.
 constexpr float kCreaseAngleDeg = 60;
 constexpr size_t kMaxEmbeddedTexels = size_t{1} << 28;
 constexpr unsigned kRemoved = ~0u;
@@ -36,7 +36,7 @@ void configure(Assimp::Importer& importer) {
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }
 
-/// Removes meshes without faces, for which assimp refuses the whole file: an empty solid of an STL file.
+/// Removes meshes without faces, such as an empty solid of an STL file: assimp rejects the whole file otherwise.
 void remove_empty_meshes(aiScene& scene, Warnings& warnings) {
   std::vector<unsigned> index_of(scene.mNumMeshes);
   unsigned kept = 0;
@@ -66,13 +66,13 @@ void remove_empty_meshes(aiScene& scene, Warnings& warnings) {
   }
 }
 
-/// Scene that assimp read, nullptr if it could not.
+/// Scene read by assimp; nullptr on failure.
 const aiScene* read(Assimp::Importer& importer, const AssimpSource& source, Warnings& warnings) {
   const aiScene* scene = source.file.empty() ? importer.ReadFileFromMemory(source.bytes.data(), source.bytes.size(), 0,
                                                                            source.extension.c_str())
                                              : importer.ReadFile(source.file.string(), 0);
   if (!scene || !scene->mRootNode) return nullptr;
-  remove_empty_meshes(const_cast<aiScene&>(*scene), warnings);  // the importer's own, which is not constant
+  remove_empty_meshes(const_cast<aiScene&>(*scene), warnings);  // owned by the importer, whose copy is mutable
   if (scene->mNumMeshes == 0) return scene;
   return importer.ApplyPostProcessing(post_processing(source.extension));
 }

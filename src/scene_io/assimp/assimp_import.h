@@ -1,4 +1,4 @@
-// Runs assimp and takes from its scene what relume uses. Only for a child process: see trial_run.h.
+// Runs assimp and converts its scene. Only for a child process: see trial_run.h.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace relume {
 
 struct AssimpSource {
   std::string extension;       ///< lower case, without the dot
-  std::string place;           ///< names the file in messages
-  std::filesystem::path file;  ///< empty: `bytes` are the file
+  std::string place;           ///< name of the file in messages
+  std::filesystem::path file;  ///< empty if `bytes` holds the file
   std::span<const std::byte> bytes;
 };
 
-/// What keeps a file from being read becomes ImportedScene::problem.
+/// Imports one file. Failures to read it are returned in ImportedScene::problem.
 ImportedScene import_with_assimp(const AssimpSource& source);
 
 }  // namespace relume

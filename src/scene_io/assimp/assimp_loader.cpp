@@ -15,10 +15,10 @@
 namespace relume {
 namespace {
 
-/// assimp computes sizes in 32 bits.
+/// assimp computes sizes with 32 bits.
 constexpr uintmax_t kMaxFileSize = uintmax_t{1} << 31;
 
-/// Generous for every file that was written as its format says.
+/// Generous limits for valid files.
 TrialLimits limits_for(uintmax_t file_size) {
   constexpr uint64_t kMebibyte = uint64_t{1} << 20;
   TrialLimits limits;
@@ -28,7 +28,7 @@ TrialLimits limits_for(uintmax_t file_size) {
   return limits;
 }
 
-/// assimp crashes, hangs or takes any memory on some damaged files, so that only a child process runs it.
+/// Runs assimp in a child process: some damaged files make it crash, hang or exhaust memory.
 Scene load(const AssimpSource& source, uintmax_t file_size) {
   ImportedScene imported =
       deserialise(run_trial([&] { return serialise(import_with_assimp(source)); }, limits_for(file_size), source.place),

@@ -37,7 +37,7 @@ Scene load_obj(const SceneFolder& folder, const std::string& material) {
 
 size_t material_of(const Scene& scene) { return static_cast<size_t>(scene.meshes.at(0).material); }
 
-/// World position of a mesh's vertex.
+/// World position of a vertex of the first mesh.
 Vec3 world_position(const Scene& scene, size_t vertex) {
   const auto world = world_matrices(scene, 0);
   for (size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -76,7 +76,7 @@ TEST(Assimp, LoadsObjWithTrianglesNormalsAndFlippedTextureCoordinates) {
   ASSERT_EQ(mesh.normals.size(), 4u);
   EXPECT_EQ(mesh.normals[0], Vec3(0, 0, 1));
   for (size_t i = 0; i < 4; ++i)
-    EXPECT_EQ(mesh.uv0[i], Vec2(mesh.positions[i].x, 1 - mesh.positions[i].y));  // v runs down
+    EXPECT_EQ(mesh.uv0[i], Vec2(mesh.positions[i].x, 1 - mesh.positions[i].y));  // v points down
   EXPECT_EQ(scene.materials[material_of(scene)].base_color, Rgb(0.1f, 0.2f, 0.3f));
 }
 
@@ -232,7 +232,7 @@ TEST(Assimp, SkipsEmptySolids) {
 
 TEST(Assimp, ConvertsColladaUnitsAxesLightsAndCameras) {
   const Scene scene = load_assimp_from_memory(to_bytes(dae_text()), "dae", "a.dae");
-  // (0, 0, 100) cm with Z up is 1 m high with Y up.
+  // (0, 0, 100) cm with Z up is (0, 1, 0) m with Y up.
   EXPECT_NEAR(glm::distance(world_position(scene, 0), Vec3(0, 1, 0)), 0, 1e-6);
   ASSERT_EQ(scene.cameras.size(), 1u);
   EXPECT_NEAR(scene.cameras[0].fov_y_rad, 40 * kPi / 180, 1e-3);  // converted to the horizontal angle and back
@@ -260,7 +260,7 @@ TEST(Assimp, EndsReadersThatTakeAnyMemory) {
   std::string dae = dae_text();
   dae.replace(dae.find("<p>0 1 2</p>"), 12, "<p>0 x 2</p>");
   const std::string off = "OFF\n353535235358 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-  // Versions of assimp differ in what they make of these files: a scene or an Error.
+  // assimp's versions differ here: the result is a scene or an Error.
   error_of([&] { load_assimp_from_memory(to_bytes(dae), "dae", "a.dae"); });
   error_of([&] { load_assimp_from_memory(to_bytes(off), "off", "a.off"); });
   EXPECT_LT(peak_kib(), 2 << 20);

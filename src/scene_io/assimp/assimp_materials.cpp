@@ -26,7 +26,7 @@ WrapMode wrap_mode(aiTextureMapMode mode) {
   }
 }
 
-/// The first of these kinds that the material has.
+/// Texture of the first of these kinds in the material.
 TextureSlot find_texture(const aiMaterial& material, std::initializer_list<aiTextureType> kinds) {
   for (const aiTextureType kind : kinds) {
     aiString path;
@@ -47,7 +47,7 @@ float number(const aiMaterial& material, const char* key, unsigned type, unsigne
   return std::clamp(value, low, high);
 }
 
-/// False: the material has no such colour.
+/// Reads a colour clamped to [0, high]. Returns false if the material has no such colour.
 bool color(const aiMaterial& material, const char* key, unsigned type, unsigned index, float high, Rgb& result) {
   aiColor3D value;
   if (material.Get(key, type, index, value) != aiReturn_SUCCESS) return false;
@@ -57,7 +57,7 @@ bool color(const aiMaterial& material, const char* key, unsigned type, unsigned 
   return true;
 }
 
-/// Index of the texture made of the images at these paths.
+/// Index of the texture request with these images; appends it if new.
 Index request_texture(std::vector<TextureRequest>& textures, const TextureRequest& wanted) {
   for (size_t i = 0; i < textures.size(); ++i) {
     const TextureRequest& t = textures[i];
@@ -121,7 +121,7 @@ void convert_colors(const aiMaterial& source, std::vector<TextureRequest>& textu
   const TextureSlot base = find_texture(source, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
   const TextureSlot opacity = find_texture(source, {aiTextureType_OPACITY});
   const TextureRecipe recipe = opacity.path.empty() ? TextureRecipe::color : TextureRecipe::color_and_alpha;
-  // Exporters leave Kd black or dark beside a texture; these formats do not multiply the two consistently.
+  // Exporters write a black or dark Kd beside a texture; these formats do not multiply the two consistently.
   m.base_color = Rgb(0.8f);
   const bool has_diffuse = color(source, AI_MATKEY_COLOR_DIFFUSE, 1, m.base_color);
   m.base_color_texture = make_ref(textures, recipe, base, opacity);
@@ -135,7 +135,7 @@ void convert_textures(const aiMaterial& source, std::vector<TextureRequest>& tex
                       Warnings& warnings) {
   const TextureSlot roughness = find_texture(source, {aiTextureType_DIFFUSE_ROUGHNESS});
   const TextureSlot metalness = find_texture(source, {aiTextureType_METALNESS});
-  // One image for both is glTF's layout already.
+  // A single image for both already has glTF's layout.
   const bool is_packed = !roughness.path.empty() && roughness.path == metalness.path;
   m.metallic_roughness_texture = is_packed ? make_ref(textures, TextureRecipe::data, roughness)
                                            : make_ref(textures, TextureRecipe::roughness_metal, roughness, metalness);
@@ -166,12 +166,12 @@ Material convert(const aiMaterial& source, std::vector<TextureRequest>& textures
   m.transmission = number(source, AI_MATKEY_TRANSMISSION_FACTOR, 0, 0, 1);
   m.clearcoat = number(source, AI_MATKEY_CLEARCOAT_FACTOR, 0, 0, 1);
   m.clearcoat_roughness = number(source, AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, 0, 0, 1);
-  // These formats do not know sides, and many of their models rely on that.
+  // These formats have no sidedness, and many of their models rely on two-sided faces.
   m.double_sided = true;
   return m;
 }
 
-/// Whether the material has a colour of emission beside its texture.
+/// Whether the material has an emissive colour without its texture.
 bool emits_evenly(const aiMaterial& source) {
   Rgb own(0);
   color(source, AI_MATKEY_COLOR_EMISSIVE, kMaxRadiance, own);

@@ -9,11 +9,11 @@ namespace relume {
 namespace {
 
 struct Translation {
-  std::string_view part;  ///< of assimp's message in lower case
+  std::string_view part;  ///< part of assimp's message in lower case
   std::string_view problem;
 };
 
-/// The first that fits counts. Several versions of assimp are covered.
+/// The first match applies. The list covers several versions of assimp.
 constexpr Translation kTranslations[] = {
     {"faces but no vertices", "its faces have no vertices"},
     {"no meshes", kNoTriangles},
@@ -51,7 +51,7 @@ constexpr Translation kTranslations[] = {
     {"required element", "a required entry is missing"},
 };
 
-/// "line 5: " if the message names a line; else empty.
+/// "line 5: " if the message names a line, else empty.
 std::string line_of(std::string_view message) {
   constexpr std::string_view kWord = "line ";
   const size_t at = message.find(kWord);
@@ -61,8 +61,7 @@ std::string line_of(std::string_view message) {
   return end == rest.begin() ? std::string() : fmt::format("line {}: ", std::string_view(rest.begin(), end));
 }
 
-/// " (near 'x y z')": the beginning of the file's text that the message quotes; empty if it quotes none that can be
-/// shown.
+/// " (near 'x y z')": start of the text that the message quotes; empty without a printable quotation.
 std::string quotation_of(std::string_view message) {
   constexpr size_t kLongest = 24;
   const size_t begin = message.find('"');
@@ -83,7 +82,7 @@ std::string explain_assimp_problem(std::string_view message) {
                                    [&](const Translation& t) { return lower.find(t.part) != std::string::npos; });
   const bool is_known = known != std::end(kTranslations);
   const std::string_view problem = is_known ? known->problem : "the file's content is damaged or not supported";
-  if (problem.find(';') != std::string_view::npos) return std::string(problem);  // has its own remedy
+  if (problem.find(';') != std::string_view::npos) return std::string(problem);  // already has a remedy
   return fmt::format("{}{}{}; export it again or convert it to glTF", line_of(message), problem,
                      is_known ? quotation_of(message) : std::string());
 }

@@ -1,4 +1,4 @@
-// Plain sentences for assimp's messages.
+// Translates assimp's messages into plain sentences.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@ namespace relume {
 
 inline constexpr std::string_view kNoTriangles = "the file has no triangles; check that it is the right one";
 
-/// The problem of a file and a remedy: "line 5: a number is expected (near 'x'); export it again …". For an unknown
-/// message: "the file's content is damaged or not supported; …".
+/// Problem and remedy: "line 5: a number is expected (near 'x'); export it again …". Unknown messages give "the file's
+/// content is damaged or not supported; …".
 std::string explain_assimp_problem(std::string_view message);
 
 }  // namespace relume

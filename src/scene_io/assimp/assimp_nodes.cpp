@@ -18,7 +18,7 @@ namespace {
 
 Vec3 to_vec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// assimp's matrices are stored by rows.
+/// Converts assimp's row-major matrix.
 Mat4 to_matrix(const aiMatrix4x4& m) {
   return {Vec4(m.a1, m.b1, m.c1, 0), Vec4(m.a2, m.b2, m.c2, 0), Vec4(m.a3, m.b3, m.c3, 0), Vec4(m.a4, m.b4, m.c4, 1)};
 }
@@ -62,8 +62,8 @@ Mesh convert_mesh(const aiMesh& source, const aiScene& scene) {
   return mesh;
 }
 
-/// FBX files name their axes that point right, up and to the viewer. assimp 5.2 reports these axes only; 5.4 turns the
-/// root node, which no file can turn.
+/// Rotation to Y up from the file's axes for right, up and towards the viewer. assimp 5.2 only reports these axes.
+/// assimp 5.4 rotates the root node instead, which no file can rotate.
 Mat4 to_y_up(const aiScene& source) {
   const aiMatrix4x4& root = source.mRootNode->mTransformation;
   if (root.b3 != 0.0f || root.c2 != 0.0f || root.a2 != 0.0f) return Mat4(1);
@@ -78,11 +78,11 @@ Mat4 to_y_up(const aiScene& source) {
     if (axes[i] < 0 || axes[i] > 2) return Mat4(1);
     rows[i][axes[i]] = signs[i] < 0 ? -1.0f : 1.0f;
   }
-  // Anything but a rotation is a mistake of the file.
+  // Other matrices than rotations are errors of the file.
   return glm::determinant(rows) > 0.5f ? Mat4(glm::transpose(rows)) : Mat4(1);
 }
 
-/// assimp ties lights and cameras to nodes by name.
+/// assimp links lights and cameras to nodes by name.
 using NodesByName = std::map<std::string, Index>;
 
 Node child_node(const NodesByName& nodes, const aiString& name, const Vec3& position, const Vec3& direction,
@@ -110,7 +110,7 @@ void import_lights(const aiScene& source, const NodesByName& nodes, Scene& scene
                                  light.name));
         continue;
     }
-    // The intensity falls as 1 / (c0 + c1 d + c2 d²); the quadratic part is the physical one.
+    // The intensity falls off as 1 / (c0 + c1 d + c2 d²); only the quadratic term is physical.
     const bool has_falloff = light.type != PunctualType::directional && in.mAttenuationQuadratic > 0;
     const float scale = has_falloff ? 1.0f / in.mAttenuationQuadratic : 1.0f;
     const Rgb intensity = Rgb(in.mColorDiffuse.r, in.mColorDiffuse.g, in.mColorDiffuse.b) * scale;
@@ -119,7 +119,7 @@ void import_lights(const aiScene& source, const NodesByName& nodes, Scene& scene
       warnings.add(fmt::format("light '{}': its intensity is negative, above {:g} or not finite and is changed",
                                light.name, kMaxRadiance));
     if (light.type == PunctualType::spot) {
-      light.outer_cone_rad = clamp(in.mAngleOuterCone / 2, 1e-3f, kPi / 2);  // assimp's are full angles
+      light.outer_cone_rad = clamp(in.mAngleOuterCone / 2, 1e-3f, kPi / 2);  // assimp stores full angles
       light.inner_cone_rad = clamp(in.mAngleInnerCone / 2, 0, light.outer_cone_rad);
     }
     Node node = child_node(nodes, in.mName, to_vec3(in.mPosition), to_vec3(in.mDirection), Vec3(0, 1, 0));

@@ -1,4 +1,4 @@
-// Meshes, nodes, lights and cameras of a scene that assimp read.
+// Converts meshes, nodes, lights and cameras of an assimp scene.
 #pragma once
 
 #include "scene/scene.h"
@@ -8,11 +8,11 @@ struct aiScene;
 
 namespace relume {
 
-/// Appends all triangle meshes to `scene`. Returns the index in Scene::meshes of each of the source's meshes, kNone for
-/// those without triangles.
+/// Appends all triangle meshes to `scene`. Returns, per source mesh, its index in Scene::meshes, or kNone if it has no
+/// triangles.
 std::vector<Index> import_assimp_meshes(const aiScene& source, Scene& scene, Warnings& warnings);
 
-/// Appends the node tree, whose nodes refer to `mesh_of`, and hangs lights and cameras into it.
+/// Appends the node tree with meshes from `mesh_of`, lights and cameras.
 void import_assimp_nodes(const aiScene& source, const std::vector<Index>& mesh_of, Scene& scene, Warnings& warnings);
 
 }  // namespace relume

@@ -25,7 +25,7 @@ PixelFormat format_of(TextureRecipe recipe) {
 
 bool is_8_bit(const Texture& image) { return image.format != PixelFormat::rgba32_float; }
 
-/// A number of an image, which has four a texel; bytes as shares of 255.
+/// Value `index` of an image with four values per texel; bytes map to [0, 1].
 float number_at(const Texture& image, size_t index) {
   if (is_8_bit(image)) return static_cast<float>(std::to_integer<int>(image.texels[index])) / 255.0f;
   float value;
@@ -37,7 +37,7 @@ size_t number_count(const Texture& image) {
   return size_t{4} * static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
 }
 
-/// First number of the texel of `image` nearest to texel (x, y) of `texture`.
+/// Index of the first value of `image`'s texel nearest to texel (x, y) of `texture`.
 size_t nearest_texel(const Texture& image, int x, int y, const Texture& texture) {
   const auto u = static_cast<size_t>(static_cast<int64_t>(x) * image.width / texture.width);
   const auto v = static_cast<size_t>(static_cast<int64_t>(y) * image.height / texture.height);
@@ -51,7 +51,8 @@ bool has_alpha(const Texture& image) {
   return false;
 }
 
-/// OBJ's "bump" may be a height map (grey) or, against its specification but often, a normal map.
+/// Distinguishes height maps (grey) from normal maps. OBJ's "bump" specifies a height map, but often holds a normal
+/// map.
 bool is_grey(const Texture& image) {
   for (size_t i = 0; i < number_count(image); i += 4) {
     const float red = number_at(image, i);
@@ -60,7 +61,7 @@ bool is_grey(const Texture& image) {
   return true;
 }
 
-/// Appends a texel in the format of the texture.
+/// Appends a texel in the texture's format.
 void append(Texture& texture, const Vec4& texel) {
   if (is_8_bit(texture)) {
     for (int c = 0; c < 4; ++c) texture.texels.push_back(std::byte{quantise_unorm8(texel[c])});
@@ -84,7 +85,7 @@ Texture texture_from_texels(const EmbeddedImage& source) {
 
 }  // namespace
 
-/// Paths from other machines are tried as written, then by file name beside the scene and in "textures".
+/// Tries a path as written, then its file name beside the scene and in "textures": files may come from another machine.
 std::filesystem::path AssimpTextures::find_file(const std::string& path) const {
   std::string slashes = path;
   std::replace(slashes.begin(), slashes.end(), '\\', '/');
@@ -127,7 +128,7 @@ void AssimpTextures::compose(const TextureRequest& request, Texture& texture, Wa
     return;
   }
   const bool is_color = request.recipe == TextureRecipe::color_and_alpha;
-  // One image of floats makes the texture one.
+  // One float image makes the combined texture float.
   if ((first && !is_8_bit(*first)) || (second && !is_8_bit(*second))) texture.format = PixelFormat::rgba32_float;
   texture.width = std::max(first ? first->width : 1, second ? second->width : 1);
   texture.height = std::max(first ? first->height : 1, second ? second->height : 1);

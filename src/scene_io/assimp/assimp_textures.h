@@ -1,5 +1,5 @@
-// Textures of a scene that assimp read. Its formats keep opacity, roughness and metalness in images of their own;
-// Material wants them in the channels that glTF says, so images are combined here.
+// Textures of an assimp scene. Its formats store opacity, roughness and metalness in separate images. These are
+// combined into glTF's channel layout for Material.
 #pragma once
 
 #include <filesystem>
@@ -14,19 +14,19 @@ namespace relume {
 
 class AssimpTextures {
  public:
-  /// For `imported`, which must outlive this object. Image files are looked for from `base_dir`.
+  /// Reads image files relative to `base_dir`. `imported` must outlive this object.
   AssimpTextures(ImportedScene& imported, std::filesystem::path base_dir, Warnings& warnings)
       : imported_(imported), base_dir_(std::move(base_dir)), warnings_(warnings) {}
 
-  /// Decodes the images in parallel and puts the textures together in Scene::textures. A missing or broken image counts
-  /// as white (a flat normal), with a warning.
+  /// Decodes the images in parallel and combines them in Scene::textures. A missing or broken image is replaced by
+  /// white (or a flat normal), with a warning.
   void finish();
 
-  /// After finish(): materials that emit only by a texture, whose image is missing, are dark.
+  /// Sets emission to 0 if it comes only from a texture whose image is missing. Call after finish().
   void darken_missing_lamps() const;
 
-  /// After finish(): materials whose colour texture has holes become alpha-masked, since these formats do not say how
-  /// they mean their alpha channel.
+  /// Makes materials alpha-masked if their colour texture has holes: these formats do not specify the use of alpha.
+  /// Call after finish().
   void mask_transparent_textures() const;
 
  private:
@@ -43,7 +43,7 @@ class AssimpTextures {
   std::filesystem::path base_dir_;
   Warnings& warnings_;
   Images images_;
-  std::vector<bool> missing_;  ///< parallel to Scene::textures: the first image
+  std::vector<bool> missing_;  ///< per Scene::textures: whether the first image is missing
 };
 
 }  // namespace relume

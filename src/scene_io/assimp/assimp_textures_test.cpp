@@ -35,7 +35,7 @@ std::string dae_with_texture(const std::string& path) {
                   "target=\"#m\"/></technique_common></bind_material></instance_geometry>");
 }
 
-/// `image`: the file's content, embedded; empty: none.
+/// `image` is the content of an embedded file; empty: none.
 std::string fbx_with_texture(const std::string& path, const Bytes& image = {}) {
   const std::string names = "  FileName: \"" + path + "\"\n  RelativeFilename: \"" + path + "\"\n";
   std::string text = replaced(fbx_text(1), "  GeometryVersion: 124\n",

@@ -1,4 +1,4 @@
-// Files with random damage end in a scene or in an Error, within the limits on memory. Damage comes from fixed seeds.
+// Checks that files with random damage give a scene or an Error within the memory limits. Seeds are fixed.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -18,13 +18,13 @@ constexpr long kLimit_KiB = 2 << 20;
 
 std::string extension_of(const std::string& name) { return name.substr(name.rfind('.') + 1); }
 
-/// Whether its format is neither glTF nor JSON.
+/// Whether the format is neither glTF nor JSON.
 bool is_mesh_format(const ExampleFile& file) {
   const std::string extension = extension_of(file.name);
   return extension != "gltf" && extension != "glb" && extension != "json";
 }
 
-/// A third is cut off; the others have up to eight bytes changed, to any value or to a character that text contains.
+/// Truncates a third of the files. In others, changes up to eight bytes to any value or to a character of text formats.
 Bytes damaged(Bytes bytes, uint32_t seed) {
   constexpr std::string_view kCharacters = "0123456789<>/\" -.\n";
   std::mt19937 random(seed);
@@ -41,14 +41,14 @@ Bytes damaged(Bytes bytes, uint32_t seed) {
   return bytes;
 }
 
-/// Messages are written for users: none may show words of assimp's code.
+/// Checks that messages for users contain no terms of assimp's code.
 void expect_plain(const std::string& message) {
   for (const char* jargon : {"ssimp", "aiScene", "aiMesh", "mNum", "mFaces", "Deadly", "Collada", "OBJ", "FBX-", "OFF:",
                              "STL:", "TOK_", "std::", "vector::", "alloc", "nullptr", "Validation", "basic_string"})
     EXPECT_EQ(message.find(jargon), std::string::npos) << message;
 }
 
-/// Whether the file loads; anything but a scene or an Error is a failure.
+/// Whether the file loads. Fails the test on any exception except Error.
 bool loads(const std::string& name, const Bytes& bytes, const std::string& what) {
   try {
     if (extension_of(name) == "ply") {
@@ -66,7 +66,7 @@ bool loads(const std::string& name, const Bytes& bytes, const std::string& what)
   return false;
 }
 
-/// Reads `count` damaged files of every format.
+/// Loads `count` damaged files per format.
 void read_damaged(uint32_t count) {
   for (const ExampleFile& file : example_files()) {
     if (!is_mesh_format(file)) continue;

@@ -1,4 +1,4 @@
-// Both directions share one list of fields for each struct, so that they cannot differ.
+// Both directions share one list of fields per struct, so that they cannot differ.
 #include "scene_io/assimp/imported_scene.h"
 
 #include <concepts>
@@ -15,11 +15,11 @@
 namespace relume {
 namespace {
 
-/// T or const T: writing takes the latter.
+/// T or const T; the writer uses the latter.
 template <typename T, typename U>
 concept Is = std::same_as<std::remove_const_t<T>, U>;
 
-/// Copied as they lie in memory. A bool or an enumeration must not have any bit pattern.
+/// Types copied as bytes. Not for bool and enumerations, which do not allow every bit pattern.
 template <typename T>
 concept Plain = std::same_as<T, std::byte> ||
     (std::is_trivially_copyable_v<T> && !std::is_enum_v<T> && !std::same_as<T, bool>);
@@ -143,7 +143,7 @@ class Reader {
     bytes_ = bytes_.subspan(size);
   }
 
-  /// A number of elements that take at least `element_bytes` each.
+  /// Reads a number of elements that take at least `element_bytes` each.
   size_t get_count(size_t element_bytes) {
     size_t count = 0;
     get(count);
@@ -205,7 +205,7 @@ class Reader {
   const std::string& place_;
 };
 
-/// What is used before validate() sees the finished scene.
+/// Checks indices that are used before validate() runs on the finished scene.
 bool refers_well(const ImportedScene& imported) {
   const auto in_range = [](Index i, size_t count) { return i >= 0 && static_cast<size_t>(i) < count; };
   const std::vector<Material>& materials = imported.scene.materials;

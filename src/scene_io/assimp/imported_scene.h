@@ -1,4 +1,4 @@
-// What the process that runs assimp hands over: a scene whose images are not decoded yet.
+// Result of the process that runs assimp: a scene whose images are not decoded.
 #pragma once
 
 #include <map>
@@ -11,16 +11,16 @@
 
 namespace relume {
 
-/// How a texture is put together from up to two images.
+/// Composition of a texture from up to two images.
 enum class TextureRecipe : uint8_t {
-  color,            ///< first: RGBA
-  color_and_alpha,  ///< RGB of the first (white if empty), opacity of the second: its alpha if it has any, else its red
+  color,            ///< RGBA of the first image
+  color_and_alpha,  ///< RGB of the first (white if empty); opacity from the second's alpha if it has any, else its red
   roughness_metal,  ///< G = red of the first, B = red of the second; 255 where empty
-  data,             ///< first: RGBA, linear
-  normal,           ///< first, unless it is a height map
+  data,             ///< RGBA of the first image, linear
+  normal,           ///< first image, unless it is a height map
 };
 
-/// A texture made of the images at two paths; empty: none.
+/// A texture composed of the images at two paths; an empty path means none.
 struct TextureRequest {
   TextureRecipe recipe = TextureRecipe::color;
   WrapMode wrap_u = WrapMode::repeat;
@@ -29,25 +29,25 @@ struct TextureRequest {
   std::string second;
 };
 
-/// An image inside the scene file.
+/// An image stored in the scene file.
 struct EmbeddedImage {
-  int width = 0;   ///< of RGBA texels; 0: `bytes` is an image file
-  int height = 0;  ///< likewise
+  int width = 0;   ///< in RGBA texels; 0: `bytes` holds an image file
+  int height = 0;  ///< same
   Bytes bytes;
 };
 
 struct ImportedScene {
-  std::string problem;                            ///< why the file cannot be read, a sentence; empty: it can
+  std::string problem;                            ///< sentence for a file that cannot be read; empty on success
   Scene scene;                                    ///< without textures, animation and environment
-  std::vector<TextureRequest> textures;           ///< to become Scene::textures
-  std::map<std::string, EmbeddedImage> embedded;  ///< by their paths in `textures`
-  std::vector<Index> texture_lamps;               ///< materials that emit only by their texture
+  std::vector<TextureRequest> textures;           ///< future Scene::textures
+  std::map<std::string, EmbeddedImage> embedded;  ///< keyed by the paths in `textures`
+  std::vector<Index> texture_lamps;               ///< materials that emit only from their texture
 };
 
 Bytes serialise(const ImportedScene& imported);
 
-/// The reverse. The bytes are not trusted: indices of textures and materials are in range afterwards, everything else
-/// is checked by validate(). Throws Error with `place`.
+/// Reverses serialise(). The bytes are untrusted: indices of textures and materials are checked here, the remainder by
+/// validate(). Throws Error with `place`.
 ImportedScene deserialise(std::span<const std::byte> bytes, const std::string& place);
 
 }  // namespace relume

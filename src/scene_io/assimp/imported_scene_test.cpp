@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// Something in every field.
+/// A scene with a value in every field.
 ImportedScene rich() {
   ImportedScene imported;
   Scene& scene = imported.scene;

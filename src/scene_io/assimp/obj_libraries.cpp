@@ -21,7 +21,7 @@ void record_material_libraries(const std::filesystem::path& file) {
     std::istringstream words(line);
     std::string word;
     if (!(words >> word) || word != kKeyword) continue;
-    // Names are separated by blanks, or one name contains them.
+    // Blanks separate names, or belong to a single name: both are recorded.
     std::string names;
     std::getline(words >> std::ws, names);
     names.erase(names.find_last_not_of(kBlanks) + 1);

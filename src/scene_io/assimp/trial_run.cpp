@@ -34,20 +34,20 @@ constexpr bool kLimitAddressSpace = true;
 constexpr bool kLimitAddressSpace = true;
 #endif
 
-/// Exit status of a child that has no memory left.
+/// Exit status of a child without memory.
 constexpr int kOutOfMemory = 3;
 constexpr int kThrew = 4;
 constexpr int kNotHandedOver = 5;
 
-/// Why a child ended, beside the signals and exit statuses that waitpid() reports.
+/// Limits that the parent enforces, unlike those that waitpid() reports.
 enum class Excess { none, memory, time };
 
 struct ChildEnd {
   int status = 0;
-  Excess excess = Excess::none;  ///< the limit for which the parent ended it
+  Excess excess = Excess::none;  ///< limit for which the parent killed the child
 };
 
-/// Pages of a process ("self" or its number), in bytes.
+/// Memory of a process ("self" or its number), in bytes.
 struct PagesInUse {
   uint64_t address_space = 0;
   uint64_t resident = 0;
@@ -60,7 +60,7 @@ PagesInUse pages_in_use(const std::string& process) {
   return {pages.address_space * page_bytes, pages.resident * page_bytes};
 }
 
-/// Where the child writes and the parent reads. Limits on the size of files do not apply, unlike to files in memory.
+/// Pipe from the child to the parent. Unlike files in memory, it is exempt from limits on file sizes.
 class Pipe {
  public:
   Pipe() {
@@ -87,7 +87,7 @@ class Pipe {
     return true;
   }
 
-  /// Appends some of the bytes that have arrived. False if there are none.
+  /// Appends a block of received bytes. Returns false if none is available.
   bool receive(Bytes& bytes) {
     std::array<std::byte, size_t{1} << 16> block;
     ssize_t count = 0;
@@ -99,7 +99,7 @@ class Pipe {
     return true;
   }
 
-  /// Until bytes arrive, for that time at most.
+  /// Waits until bytes arrive, at most `most_us`.
   void wait(long most_us) const {
     pollfd reader{ends_[0], POLLIN, 0};
     const timespec most{0, most_us * 1000};
@@ -112,7 +112,7 @@ class Pipe {
     end = -1;
   }
 
-  std::array<int, 2> ends_{-1, -1};  ///< reader and writer
+  std::array<int, 2> ends_{-1, -1};  ///< read end and write end
 };
 
 void limit(__rlimit_resource resource, uint64_t soft, uint64_t hard) {
@@ -120,7 +120,7 @@ void limit(__rlimit_resource resource, uint64_t soft, uint64_t hard) {
   setrlimit(resource, &both);
 }
 
-/// Whatever handlers the parent has (crash reporters), the child just ends.
+/// Restores default handlers, so that the parent's crash reporters do not run in the child.
 void reset_signals() {
   for (const int signal_number : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGXCPU, SIGINT, SIGTERM})
     std::signal(signal_number, SIG_DFL);
@@ -135,15 +135,15 @@ void silence_output() {
 
 [[noreturn]] void run_child(const std::function<Bytes()>& task, const TrialLimits& limits, uint64_t address_space,
                             Pipe& result) {
-  constexpr uint64_t kGrace_s = 5;  // SIGXCPU comes first and tells this limit from others
+  constexpr uint64_t kGrace_s = 5;  // SIGXCPU comes first and distinguishes this limit from others
   reset_signals();
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a program that is ended meanwhile leaves nobody behind
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // ends the child if the parent is killed
   silence_output();
   result.close_reader();
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_CPU, limits.cpu_s, limits.cpu_s + kGrace_s);
   if (kLimitAddressSpace) limit(RLIMIT_AS, address_space, address_space);
-  // Libraries that catch std::bad_alloc would report a damaged file.
+  // Exits directly: libraries that catch std::bad_alloc would report a damaged file.
   std::set_new_handler([] { _exit(kOutOfMemory); });
   try {
     if (!result.write_all(task())) _exit(kNotHandedOver);
@@ -153,7 +153,7 @@ void silence_output() {
   _exit(0);
 }
 
-/// Adds what has arrived to `result`. A child whose result finds no room is ended.
+/// Appends received bytes to `result`. Kills the child if `result` cannot grow.
 bool receive_from(pid_t child, Pipe& pipe, Bytes& result) {
   try {
     return pipe.receive(result);
@@ -165,7 +165,7 @@ bool receive_from(pid_t child, Pipe& pipe, Bytes& result) {
   }
 }
 
-/// Receives the result of the child until it ends, and ends it where it exceeds a limit that the kernel does not check.
+/// Receives the child's result until it ends. Kills it if it exceeds a limit that the kernel does not enforce.
 ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit, Pipe& pipe, Bytes& result) {
   constexpr long kLongestPause_us = 10'000;
   const double deadline_s = now_s() + wall_s;
@@ -194,7 +194,7 @@ ChildEnd wait_for(pid_t child, double wall_s, uint64_t resident_limit, Pipe& pip
   return end;
 }
 
-/// The sentence after "place: " for a child that gave no result; empty if it ended well.
+/// Sentence after "place: " for a child without a result; empty on success.
 std::string problem_of(const ChildEnd& end, const TrialLimits& limits) {
   constexpr const char* kRemedy = "the file is likely damaged; export it again or convert it to glTF";
   constexpr double kMebibyte = 1 << 20;

@@ -1,4 +1,4 @@
-// Guards against libraries that crash, hang or exhaust memory on damaged files: they run in a child process.
+// Runs code that may crash, hang or exhaust memory on damaged files in a child process.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace relume {
 
-/// What the child process may use.
+/// Limits of the child process.
 struct TrialLimits {
-  uint64_t cpu_s = 0;         ///< processor time, all threads together
+  uint64_t cpu_s = 0;         ///< processor time of all threads
   double wall_s = 0;          ///< elapsed time
-  uint64_t memory_bytes = 0;  ///< beyond the memory of the calling process
+  uint64_t memory_bytes = 0;  ///< in addition to the memory of the calling process
 };
 
-/// Runs `task` in a child process and returns the bytes that it returned there. The child does not outlive the calling
-/// thread. `task` must not use threads of the parent (TBB). Throws Error with `place`, the file that `task` reads, if
-/// the child exceeds a limit, crashes, throws, or cannot be started.
+/// Runs `task` in a child process and returns its result. The child does not outlive the calling thread. `task` must
+/// not use threads of the parent (TBB). Throws Error with `place`, the file that `task` reads, if the child exceeds a
+/// limit, crashes, throws, or cannot be started.
 Bytes run_trial(const std::function<Bytes()>& task, const TrialLimits& limits, const std::string& place);
 
 }  // namespace relume

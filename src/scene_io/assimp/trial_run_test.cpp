@@ -23,7 +23,7 @@ using testing::error_of;
 
 constexpr TrialLimits kLimits = {10, 20, uint64_t(256) << 20};
 
-/// Message of the Error in which the task ends.
+/// Message of the task's Error.
 std::string problem_of(const std::function<void()>& task, const TrialLimits& limits = kLimits) {
   return error_of([&] {
     run_trial(
@@ -35,13 +35,13 @@ std::string problem_of(const std::function<void()>& task, const TrialLimits& lim
   });
 }
 
-/// Whether the message is about a.dae and says this.
+/// Checks that the message names a.dae and contains `part`.
 void expect_says(const std::string& message, const std::string& part) {
   EXPECT_EQ(message.rfind("a.dae: ", 0), 0u) << message;
   EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
-/// Takes memory until the process ends. Some libraries catch what the allocator throws.
+/// Allocates until the process ends, catching exceptions as some libraries do.
 void exhaust_memory() {
   constexpr size_t kBlock = size_t{16} << 20;
   std::vector<std::unique_ptr<char[]>> blocks;
@@ -61,7 +61,7 @@ TEST(TrialRun, HandsOverWhatTheTaskReturns) {
   EXPECT_TRUE(run_trial([] { return Bytes(); }, kLimits, "a.dae").empty());
 }
 
-/// Limits the size of files while it lives.
+/// Limits file sizes during its lifetime.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -102,7 +102,7 @@ TEST(TrialRun, ReportsCrashes) {
   expect_says(problem_of([] { std::raise(SIGINT); }), "interrupted");
 }
 
-/// Peak memory of the largest child so far.
+/// Peak memory of the largest child so far, in KiB.
 long largest_child_kib() {
   rusage children{};
   getrusage(RUSAGE_CHILDREN, &children);
@@ -138,7 +138,7 @@ TEST(TrialRun, LimitsElapsedTime) {
 }
 
 TEST(TrialRun, EndsWithTheProcessThatBeganIt) {
-  int ends[2];  // whoever lives holds the second one open
+  int ends[2];  // every living process holds the second one open
   ASSERT_EQ(pipe(ends), 0);
   const pid_t process = fork();
   ASSERT_GE(process, 0);

@@ -10,7 +10,7 @@
 namespace relume::gltf {
 namespace {
 
-/// An accessor without buffer view is all zeros and has no bytes that bound its size.
+/// Limit on accessors without a buffer view: all zeros, with no file bytes to bound their size.
 constexpr size_t kMaxZeroElements = size_t{1} << 24;
 
 const tinygltf::Accessor& accessor_at(const Document& document, int index) {
@@ -30,7 +30,7 @@ int components_of(int type) {
   }
 }
 
-/// First byte of `count` elements at `offset` of buffer view `view`, all inside of it.
+/// First of `count` elements at `offset` of buffer view `view`. Throws Error unless all lie inside the view.
 const std::byte* checked_data(const Document& document, int view, size_t offset, size_t count, size_t stride,
                               size_t element_size, int accessor) {
   if (view < 0 || static_cast<size_t>(view) >= document.views.size())
@@ -78,7 +78,7 @@ float to_float_component(T value, bool normalized) {
     return static_cast<float>(value);
   } else {
     if (!normalized) return static_cast<float>(value);
-    // glTF 2.0, §3.6.2.2: signed values reach -1 at both of their two lowest integers.
+    // glTF 2.0, §3.6.2.2: both of the two lowest signed integers map to -1.
     return std::max(static_cast<float>(static_cast<double>(value) / std::numeric_limits<T>::max()), -1.0f);
   }
 }
@@ -100,7 +100,7 @@ void convert_floats(const ElementSource& source, float* destination) {
   convert_elements<T>(source, destination, [&](T value) { return to_float_component(value, source.normalized); });
 }
 
-/// False: not an unsigned integer type.
+/// Widens elements to uint32. Returns false unless the component type is an unsigned integer.
 bool convert_to_indices(const ElementSource& source, uint32_t* destination) {
   const auto widen = [](auto value) { return static_cast<uint32_t>(value); };
   switch (source.component_type) {
@@ -111,7 +111,7 @@ bool convert_to_indices(const ElementSource& source, uint32_t* destination) {
   }
 }
 
-/// Where a sparse accessor's replacements go and what they are.
+/// Positions and values of a sparse accessor's replacements.
 struct SparsePart {
   std::vector<uint32_t> positions;
   ElementSource values;
@@ -119,7 +119,7 @@ struct SparsePart {
 
 SparsePart read_sparse(const Document& document, int index, const ElementSource& base) {
   const auto& sparse = accessor_at(document, index).sparse;
-  // Versions of tinygltf differ in whether these are signed.
+  // Signedness of these differs between versions of tinygltf.
   const auto negative = [](auto number) { return static_cast<int64_t>(number) < 0; };
   if (negative(sparse.count) || negative(sparse.indices.byteOffset) || negative(sparse.values.byteOffset))
     document.damaged(fmt::format("accessor {} has a negative number in 'sparse'", index));

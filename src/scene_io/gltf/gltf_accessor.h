@@ -1,4 +1,4 @@
-// The one reader of accessors: every component type, strides, normalisation, sparse values, all bounds checked.
+// Reads accessors: all component types, strides, normalisation and sparse values, with all bounds checked.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +10,38 @@
 
 namespace relume::gltf {
 
-/// Elements in memory that are known to lie inside their view.
+/// Elements in memory, already checked to lie inside their view.
 struct ElementSource {
   const std::byte* data = nullptr;  ///< nullptr: all zero
   size_t count = 0;
-  size_t stride = 0;       ///< bytes from one element to the next
+  size_t stride = 0;       ///< distance between elements, in bytes
   int component_type = 0;  ///< TINYGLTF_COMPONENT_TYPE_*
   int components = 0;      ///< 1 … 4
   bool normalized = false;
 };
 
-/// Bytes of one component; 0 for an unknown type.
+/// Size of a component in bytes; 0 for an unknown type.
 size_t component_size(int component_type);
 
-/// Number of elements; 0 if there is no such accessor.
+/// Number of elements; 0 for a missing accessor.
 size_t accessor_count(const Document& document, int accessor);
-/// Number of components of an element (1 … 4), 0 if there is no such accessor or if it holds matrices.
+/// Number of components per element (1 … 4); 0 for matrices and missing accessors.
 int accessor_components(const Document& document, int accessor);
 
-/// Elements as float, vec2, vec3 or vec4, normalised if the accessor says so. Throws Error if the accessor is missing,
-/// has another number of components or goes beyond its buffer.
+/// Elements as float, vec2, vec3 or vec4, normalised if the accessor specifies it. Throws Error if the accessor is
+/// missing, has another number of components or exceeds its buffer.
 std::vector<float> read_scalars(const Document& document, int accessor);
 std::vector<Vec2> read_vec2(const Document& document, int accessor);
 std::vector<Vec3> read_vec3(const Document& document, int accessor);
 std::vector<Vec4> read_vec4(const Document& document, int accessor);
 
-/// The same for matrices of 4 × 4, which are floats without padding.
+/// Elements of a 4 × 4 matrix accessor: floats without padding. Throws Error in the same cases.
 std::vector<Mat4> read_mat4(const Document& document, int accessor);
 
-/// Unsigned integers (vertex indices). Throws Error as above, and for signed or floating-point components.
+/// Unsigned integers (vertex indices). Throws Error in the same cases, and for signed or floating-point components.
 std::vector<uint32_t> read_indices(const Document& document, int accessor);
 
-/// `source.count` · `source.components` floats to `destination`.
+/// Writes `source.count` · `source.components` floats to `destination`.
 void convert_to_floats(const ElementSource& source, float* destination);
 
 }  // namespace relume::gltf

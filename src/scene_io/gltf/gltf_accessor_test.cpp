@@ -10,7 +10,7 @@ using testing::error_of;
 using testing::GltfBuilder;
 using testing::json;
 
-/// Document of a builder's file; keeps its text alive.
+/// Document of a builder's file. Owns its text.
 struct Parsed {
   explicit Parsed(const GltfBuilder& file) : text(file.text()), document("test.gltf") {
     gltf::read_document(std::as_bytes(std::span(text)), "", document);

@@ -17,7 +17,7 @@
 namespace relume::gltf {
 namespace {
 
-/// Property of a node of the file that a channel drives.
+/// Node property driven by a channel.
 struct Target {
   int node = -1;
   AnimatedProperty property = AnimatedProperty::translation;
@@ -32,14 +32,15 @@ std::optional<AnimatedProperty> property_of(std::string_view path) {
   return std::nullopt;
 }
 
-/// Empty for channels of glTF's core.
+/// KHR_animation_pointer's pointer; empty for channels of core glTF.
 std::string pointer_of(const tinygltf::AnimationChannel& channel) {
   const auto extension = channel.target_extensions.find("KHR_animation_pointer");
   if (channel.target_path != "pointer" || extension == channel.target_extensions.end()) return {};
   return string_member(extension->second, "pointer");
 }
 
-/// KHR_animation_pointer: "/nodes/3/translation". Nothing for what relume does not animate.
+/// Target of a KHR_animation_pointer such as "/nodes/3/translation"; nothing for properties that relume does not
+/// animate.
 std::optional<Target> target_of_pointer(std::string_view pointer) {
   constexpr std::string_view kNodes = "/nodes/";
   if (!pointer.starts_with(kNodes)) return std::nullopt;
@@ -79,7 +80,7 @@ std::vector<Vec4> read_values(const Document& document, int accessor, AnimatedPr
   return values;
 }
 
-/// A node that is animated has a transform in place of a matrix.
+/// Replaces an animated node's matrix by its translation, rotation and scale.
 void replace_matrix(Node& node, Warnings& warnings) {
   if (!node.matrix) return;
   warnings.add(fmt::format("node '{}' is animated but has a matrix; its translation, rotation and scale take its place",
@@ -88,7 +89,7 @@ void replace_matrix(Node& node, Warnings& warnings) {
   node.matrix.reset();
 }
 
-/// The channels of one sampler: one, or one for each morph target.
+/// Splits a sampler's channel into one channel per morph target, at least one.
 std::vector<AnimationChannel> split_by_target(AnimationChannel whole, size_t targets) {
   std::vector<AnimationChannel> channels;
   const std::vector<Vec4> values = std::exchange(whole.values, {});
@@ -117,7 +118,7 @@ class AnimationImporter {
         continue;
       }
       const std::optional<Target> target = target_of(source, document_.warnings);
-      if (!target || target->node < 0) continue;  // glTF 2.0: channels without a node are to be ignored
+      if (!target || target->node < 0) continue;  // glTF 2.0: channels without a node are ignored
       if (static_cast<size_t>(target->node) >= node_of_.size())
         document_.damaged(fmt::format("animation '{}' moves node {}, which does not exist", name_, target->node));
       AnimationChannel channel;
@@ -136,7 +137,7 @@ class AnimationImporter {
   }
 
  private:
-  /// Morph targets that the file's node has.
+  /// Number of morph targets of a glTF node.
   size_t target_count(int node) const {
     const int mesh = document_.model.nodes[static_cast<size_t>(node)].mesh;
     if (mesh < 0 || static_cast<size_t>(mesh) >= document_.model.meshes.size()) return 0;
@@ -160,7 +161,7 @@ class AnimationImporter {
             name_));
         return;
       }
-      channel.interpolation = Interpolation::step;  // also where a file leaves the default, linear
+      channel.interpolation = Interpolation::step;  // also for files with the default, linear
     }
     channel.times = read_scalars(document_, sampler.input);
     channel.values = read_values(document_, sampler.output, channel.property);

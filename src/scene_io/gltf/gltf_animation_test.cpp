@@ -1,4 +1,4 @@
-// Animation, cameras, lights and instances of glTF.
+// Tests glTF animation, cameras, lights and instances.
 #include <gtest/gtest.h>
 
 #include "scene_io/testing/scene_files.h"
@@ -34,7 +34,7 @@ TEST(GltfAnimation, ReadsAllPropertiesAndInterpolations) {
   EXPECT_EQ(scene.animation[2].values.size(), 6u);
   const Mat4 middle = world_matrices(scene, 1)[0];
   EXPECT_EQ(Vec3(middle[3]), Vec3(2, 1, 0));
-  EXPECT_FLOAT_EQ(middle[0].x, 2.0f);  // a spline without tangents passes half way at half time
+  EXPECT_FLOAT_EQ(middle[0].x, 2.0f);  // a spline without tangents reaches the midpoint at half time
 }
 
 TEST(GltfAnimation, DecomposesAnimatedMatrices) {

@@ -1,4 +1,4 @@
-// Built-in scenes, written as glTF and read again.
+// Tests that built-in scenes survive export to glTF and import.
 #include <array>
 #include <set>
 #include <string>
@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 using testing::expect_sound_accessors;
 using testing::written_json;
 
-/// Names of all extensions that appear anywhere.
+/// Collects the names of all extensions in the document.
 void collect_extensions(const Json& json, std::set<std::string>& names) {
   if (!json.is_structured()) return;
   for (const auto& [key, value] : json.items()) {
@@ -47,12 +47,12 @@ size_t triangle_count(const Json& gltf) {
   return sum;
 }
 
-/// Within the rounding of a few float operations at the size of the values.
+/// Allows the rounding of a few float operations, relative to the values.
 void expect_near(const Mat4& a, const Mat4& b) {
   for (int c = 0; c < 4; ++c) EXPECT_LE(glm::distance(a[c], b[c]), 1e-5f * (1 + glm::length(a[c])));
 }
 
-/// Degrees and back round once, factor times strength too.
+/// Allows one conversion to degrees and back, or of factor times strength.
 void expect_near(const Vec3& a, const Vec3& b) { EXPECT_LE(glm::distance(a, b), 1e-6f * glm::length(a)); }
 void expect_near(float a, float b) { EXPECT_NEAR(a, b, 1e-6f * (1 + std::fabs(a))); }
 
@@ -117,7 +117,7 @@ TEST_P(BuiltinExport, HasTheStructureOfTheScene) {
   EXPECT_EQ(gltf.contains("animations"), !scene.animation.empty());
 }
 
-/// What the loader makes of the file is the scene again.
+/// The loaded scene equals the exported one.
 TEST_P(BuiltinExport, ReadsBackTheSame) {
   const Scene scene = find_builtin_scene(GetParam())->build();
   const TempFolder folder;
@@ -130,7 +130,7 @@ TEST_P(BuiltinExport, ReadsBackTheSame) {
   EXPECT_EQ(nlohmann::json::parse(loaded.settings_json), nlohmann::json::parse(scene.settings_json));
   const float end = animation_end(scene);
   EXPECT_EQ(animation_end(loaded), end);
-  // The order of nodes may differ; names of built-in nodes are unique.
+  // The order of nodes may differ; built-in nodes have unique names.
   const auto node_named = [&](const std::string& name) {
     for (size_t i = 0; i < loaded.nodes.size(); ++i) {
       if (loaded.nodes[i].name == name) return i;
@@ -163,7 +163,7 @@ TEST_P(BuiltinExport, ReadsBackTheSame) {
         const Mesh& b = loaded.meshes[static_cast<size_t>(loaded.nodes[k].meshes[j])];
         EXPECT_EQ(a.positions, b.positions);
         ASSERT_EQ(a.normals.size(), b.normals.size());
-        // The loader normalises once more.
+        // The loader normalises again.
         for (size_t v = 0; v < a.normals.size(); ++v) ASSERT_LT(glm::distance(a.normals[v], b.normals[v]), 1e-6f);
         EXPECT_EQ(a.uv0, b.uv0);
         EXPECT_TRUE(a.triangles == b.triangles) << a.name;

@@ -1,4 +1,4 @@
-// EXT_meshopt_compression and KHR_draco_mesh_compression, against data that their own encoders made.
+// Tests EXT_meshopt_compression and KHR_draco_mesh_compression with data from their own encoders.
 #include <draco/compression/encode.h>
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
@@ -23,7 +23,7 @@ TEST(GltfMeshopt, DecodesVerticesAndTrianglesWithFallbackBuffer) {
   const Scene scene = load_fallback(meshopt_quad());
   ASSERT_EQ(scene.meshes.size(), 1u);
   EXPECT_EQ(scene.meshes[0].positions[3], Vec3(1, 1, 0));
-  // The codec may rotate the corners of a triangle.
+  // The codec may rotate a triangle's corners.
   ASSERT_EQ(scene.meshes[0].triangles.size(), 2u);
   const UVec3 t = scene.meshes[0].triangles[1];
   EXPECT_EQ(t.x + t.y + t.z, 6u);
@@ -71,7 +71,7 @@ TEST(GltfMeshopt, AppliesFilters) {
                  {"extensions",
                   {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", offset}, {"ROTATION", rotation}}}}}}}});
   const Scene scene = load_fallback(file);
-  // 8-bit octahedral normals are exact to about 1/127; 12-bit rotations to 1/2000; 15-bit offsets to 2^-13 here.
+  // Accuracy: 8-bit octahedral normals about 1/127; 12-bit rotations 1/2000; 15-bit offsets 2^-13 here.
   EXPECT_NEAR(glm::distance(scene.meshes[0].normals[1], Vec3(0.6f, 0, 0.8f)), 0, 0.02);
   ASSERT_EQ(scene.nodes[0].instances.size(), 2u);
   EXPECT_NEAR(glm::distance(Vec3(scene.nodes[0].instances[1][3]), Vec3(-4, 5, 0.5f)), 0, 1e-3);

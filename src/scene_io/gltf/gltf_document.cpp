@@ -27,7 +27,7 @@ uint32_t read_u32(ByteSpan bytes, size_t offset) {
 
 std::string_view as_text(ByteSpan bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-/// glTF 2.0, §4.4: header of 12 bytes, then chunks of length, type and payload.
+/// glTF 2.0, §4.4: a 12-byte header, then chunks of length, type and payload.
 Chunks split_glb(const Document& document, ByteSpan file) {
   if (file.size() < 20) document.damaged("the file ends within its header");
   if (read_u32(file, 4) != 2)
@@ -54,7 +54,7 @@ Chunks split_glb(const Document& document, ByteSpan file) {
   return chunks;
 }
 
-/// tinygltf's messages are lists of lines; the first says what is wrong. Without its full stop.
+/// First line of tinygltf's message, without its full stop: it states the problem.
 std::string first_line(const std::string& text) {
   std::string line = text.substr(0, text.find('\n'));
   if (line.ends_with('.')) line.pop_back();
@@ -91,7 +91,7 @@ ByteSpan load_buffer(Document& document, const BufferEntry& entry, size_t index,
     }
     bytes = document.storage.back();
   } else if (entry.is_fallback || index != 0 || bin.empty()) {
-    return {};  // unused, or filled by an extension
+    return {};  // unused, or set by an extension
   }
   if (entry.byte_length > bytes.size())
     document.damaged(
@@ -131,7 +131,7 @@ void decompress_views(Document& document) {
   }
 }
 
-/// glTF 2.0, §3.2: files name the oldest version that can show them. Later minor versions only add things.
+/// glTF 2.0, §3.2: files name the oldest version that can display them; later minor versions only add features.
 void warn_of_version(Document& document) {
   const std::string& text = document.model.asset.minVersion;
   int major = 0;

@@ -1,4 +1,4 @@
-// A glTF file in memory: tinygltf's model plus the bytes of its buffers, views and images, all of them checked.
+// A glTF file in memory: tinygltf's model plus the checked bytes of its buffers, views and images.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace relume::gltf {
 
 using ByteSpan = std::span<const std::byte>;
 
-/// Move-only in effect: `views` point into the other members.
+/// Neither copyable nor movable: `views` point into other members.
 struct Document {
   explicit Document(std::string place_) : place(std::move(place_)), warnings(place) {}
   Document(const Document&) = delete;
@@ -25,7 +25,7 @@ struct Document {
 
   /// Throws Error "place: problem".
   [[noreturn]] void fail(const std::string& problem) const { throw Error(place + ": " + problem); }
-  /// The same for data that contradict themselves.
+  /// Throws Error for contradictory data.
   [[noreturn]] void damaged(const std::string& problem) const {
     fail(problem + "; the file is damaged, export or copy it again");
   }
@@ -34,18 +34,18 @@ struct Document {
   std::filesystem::path base_dir;
   Warnings warnings;
   tinygltf::Model model;          ///< without buffers and images
-  std::vector<ByteSpan> buffers;  ///< empty: without bytes, as a fallback buffer
-  std::vector<ByteSpan> views;    ///< by buffer view, decompressed; in range
+  std::vector<ByteSpan> buffers;  ///< empty without bytes, as for a fallback buffer
+  std::vector<ByteSpan> views;    ///< per buffer view, decompressed; in range
   std::vector<ImageEntry> images;
   std::string scene_extras;    ///< see PreparedJson
-  int no_buffer_view = 0;      ///< an accessor with this buffer view has none
-  std::vector<Bytes> storage;  ///< what spans point into, besides the file itself
+  int no_buffer_view = 0;      ///< buffer view index of accessors without one
+  std::vector<Bytes> storage;  ///< data of spans outside the file's bytes
 };
 
-/// Fills `document` from a .gltf or .glb file in memory, which must outlive it. Throws Error.
+/// Fills `document` from the bytes of a .gltf or .glb file, which must outlive it. Throws Error.
 void read_document(ByteSpan file, const std::filesystem::path& base_dir, Document& document);
 
-/// Decompresses the views with EXT_meshopt_compression; declared here, defined in gltf_meshopt.cpp.
+/// Decompresses a view with EXT_meshopt_compression. Defined in gltf_meshopt.cpp.
 Bytes decode_meshopt_view(const Document& document, size_t view);
 bool is_meshopt_view(const tinygltf::BufferView& view);
 

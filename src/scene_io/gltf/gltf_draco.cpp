@@ -44,13 +44,13 @@ std::unique_ptr<draco::Mesh> decode(const Document& document, ByteSpan bytes) {
     auto result = decoder.DecodeMeshFromBuffer(&buffer);
     if (result.ok()) return std::move(result).value();
   } catch (const std::exception&) {
-    // Absurd sizes in a damaged header: std::bad_alloc or std::length_error.
+    // std::bad_alloc or std::length_error: a damaged header with absurd sizes.
   }
   document.damaged("its Draco data are damaged");
 }
 
-/// Copies the attribute's values in the order of the mesh's points, each one checked: decoded mappings of damaged data
-/// can point anywhere.
+/// Copies the attribute's values in the order of the mesh's points. Each index is checked: damaged data may decode to
+/// any mapping.
 DracoAttribute copy_attribute(const Document& document, const draco::Mesh& mesh, const draco::PointAttribute& attribute,
                               bool normalized) {
   DracoAttribute copy;

@@ -13,7 +13,7 @@
 namespace relume::gltf {
 namespace {
 
-/// The member `key` of extras.relume as a positive length or angle; `fallback` if it is absent or no such thing.
+/// Positive length or angle at `key` of extras.relume; `fallback` if it is absent or not positive.
 float positive(const tinygltf::Value& extras, const char* key, float fallback) {
   const tinygltf::Value* relume = object_member(extras, "relume");
   const float value = relume ? to_float(number_member(*relume, key, 0)) : 0.0f;

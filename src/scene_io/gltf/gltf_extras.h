@@ -1,4 +1,4 @@
-// What relume adds to glTF in `extras.relume` (docs/scenes.md), read back: gltf_writer.cpp writes it.
+// Reads relume's additions to glTF in `extras.relume` (docs/scenes.md), which gltf_writer.cpp writes.
 #pragma once
 
 #include "scene/scene.h"
@@ -6,18 +6,18 @@
 
 namespace relume::gltf {
 
-/// "environment" and "settings" of the scene. Throws Error for values that make no sense.
+/// "environment" and "settings" of the scene. Throws Error for invalid values.
 void apply_scene_extras(const Document& document, Scene& scene);
 
-/// "projection", "lens_radius" and "focus_distance"; what is out of range is ignored.
+/// "projection", "lens_radius" and "focus_distance"; values out of range are ignored.
 void apply_camera_extras(const tinygltf::Value& extras, Camera& camera);
-/// The parameters of the light's type that KHR_lights_punctual does not have.
+/// Parameters of the light's type that KHR_lights_punctual lacks.
 void apply_light_extras(const tinygltf::Value& extras, PunctualLight& light);
 /// "microfacet_model" and "cull_back_faces".
 void apply_material_extras(const tinygltf::Value& extras, Material& material);
-/// URI of the image whose texels are too precise or too bright for glTF's own; empty: none.
+/// URI of the float image that replaces glTF's 8-bit image, whose precision or range is too low; empty: none.
 std::string texture_image(const tinygltf::Value& extras);
-/// Factor of the alpha of an image whose texels become roughness (gltf_specular_glossiness.h); negative: they do not.
+/// Factor of alpha for images that are converted to roughness (gltf_specular_glossiness.h); negative: no conversion.
 float texture_glossiness(const tinygltf::Value& extras);
 
 }  // namespace relume::gltf

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kExtension = "EXT_lights_image_based";
 constexpr int kLargestFace = 2048;
 
-/// One side of the cube: linear radiance, row 0 at the top.
+/// A cube face: linear radiance, row 0 at the top.
 struct Face {
   int size = 0;
   std::vector<Rgb> texels;
@@ -29,7 +29,7 @@ struct Face {
     const int column = std::clamp(x, 0, size - 1);
     return texels[static_cast<size_t>(std::clamp(y, 0, size - 1) * size + column)];
   }
-  /// Bilinear at `uv` in [0, 1]².
+  /// Bilinear lookup at `uv` in [0, 1]².
   Rgb look_up(const Vec2& uv) const {
     const Vec2 p = uv * static_cast<float>(size) - Vec2(0.5f);
     const Vec2 corner = glm::floor(p);
@@ -40,12 +40,12 @@ struct Face {
   }
 };
 
-/// In the order of the extension: +X, −X, +Y, −Y, +Z, −Z.
+/// Faces in the extension's order: +X, −X, +Y, −Y, +Z, −Z.
 using Cube = std::array<Face, 6>;
 
 bool is_png(const Bytes& file) { return file.size() > 4 && std::memcmp(file.data(), "\x89PNG", 4) == 0; }
 
-/// PNG files hold RGBD: the radiance is RGB over A. All others hold the radiance itself.
+/// Reads a face. PNG files store RGBD: radiance is RGB / A. Other files store radiance directly.
 Face read_face(const Document& document, int image) {
   const Bytes file = read_image_file(document, image);
   const std::string name = image_name(document, image);
@@ -91,7 +91,8 @@ Cube read_cube(const Document& document, const tinygltf::Value& light) {
   return cube;
 }
 
-/// Faces appear as from the inside: the extension mirrors those of OpenGL, whose S runs to the left there.
+/// Radiance in direction `w`. Faces are viewed from inside: the extension mirrors OpenGL's faces, whose S points left
+/// there.
 Rgb look_up(const Cube& cube, const Vec3& w) {
   const Vec3 size = glm::abs(w);
   if (size.x >= size.y && size.x >= size.z) {
@@ -117,7 +118,7 @@ glm::quat rotation_of(const tinygltf::Value& light) {
   return length > 0 && is_finite(length) ? rotation / length : glm::quat(1, 0, 0, 0);
 }
 
-/// The cube as Environment::map, with about a texel for each of the cube's.
+/// Resamples the cube to Environment::map with about as many texels.
 void make_map(const Cube& cube, const glm::quat& rotation, Environment& environment) {
   environment.kind = EnvironmentKind::map;
   environment.height = 2 * cube[0].size;
@@ -134,7 +135,7 @@ void make_map(const Cube& cube, const glm::quat& rotation, Environment& environm
   });
 }
 
-/// Index of the light of the scene that is loaded; −1: it has none.
+/// Index of the loaded scene's image-based light; −1: none.
 int light_of_scene(const tinygltf::Model& model) {
   if (model.scenes.empty()) return -1;
   const bool exists = model.defaultScene >= 0 && static_cast<size_t>(model.defaultScene) < model.scenes.size();

@@ -1,4 +1,4 @@
-// EXT_lights_image_based: cube maps as the scene's environment.
+// Imports cube maps of EXT_lights_image_based as the scene's environment.
 #pragma once
 
 #include "scene/scene.h"
@@ -6,9 +6,9 @@
 
 namespace relume::gltf {
 
-/// Makes the image-based light of the scene that is loaded its environment, if it has one: the faces of level 0, turned
-/// and resampled to an equirectangular map. Coarser levels and irradiance coefficients are for renderers that do not
-/// integrate. A light that cannot be read gives a warning and leaves the environment as it is.
+/// Replaces the environment by the loaded scene's image-based light, if any. Level 0 is rotated and resampled to an
+/// equirectangular map. Coarser levels and irradiance coefficients are ignored: they are for renderers without
+/// integration. An unreadable light gives a warning and keeps the environment.
 void import_image_light(Document& document, Scene& scene);
 
 }  // namespace relume::gltf

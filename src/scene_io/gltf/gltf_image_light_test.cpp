@@ -1,4 +1,4 @@
-// EXT_lights_image_based, by what the environment shows in known directions.
+// Tests EXT_lights_image_based by the environment's radiance in known directions.
 #include <gtest/gtest.h>
 
 #include "core/srgb.h"
@@ -26,7 +26,7 @@ Bytes face(uint8_t r, uint8_t g, uint8_t b, uint8_t alpha = 255) {
   return testing::png(kSize, kSize, rgba);
 }
 
-/// Red, green and blue for +X, +Y and +Z; cyan, magenta and yellow for the negative sides.
+/// Red, green and blue for +X, +Y and +Z; cyan, magenta and yellow for the negative directions.
 std::vector<Bytes> faces(uint8_t alpha = 255) {
   return {face(255, 0, 0, alpha),   face(0, 255, 255, alpha), face(0, 255, 0, alpha),
           face(255, 0, 255, alpha), face(0, 0, 255, alpha),   face(255, 255, 0, alpha)};
@@ -48,7 +48,7 @@ json light(const json& more = json::object()) {
   return result;
 }
 
-/// Radiance of the environment's texel in this direction.
+/// Environment radiance at the nearest texel.
 Rgb seen(const Environment& e, const Vec3& w) {
   const Vec3 n = glm::normalize(w);
   const float u = 0.5f + std::atan2(n.x, -n.z) / (2 * kPi);
@@ -68,7 +68,7 @@ TEST(GltfImageLight, FacesLieInTheirDirections) {
   const Environment& e = scene.environment;
   ASSERT_EQ(e.kind, EnvironmentKind::map);
   EXPECT_EQ(e.width, 2 * e.height);
-  // Beside the patch, which is in the upper left quarter as seen from the inside.
+  // Outside the patch, which is in the upper left quarter seen from inside.
   expect_seen(e, {1, -0.4f, 0.3f}, {1, 0, 0});
   expect_seen(e, {-1, -0.4f, 0.3f}, {0, 1, 1});
   expect_seen(e, {-0.3f, 1, 0.4f}, {0, 1, 0});
@@ -80,7 +80,7 @@ TEST(GltfImageLight, FacesLieInTheirDirections) {
 TEST(GltfImageLight, FacesAppearAsFromTheInside) {
   const Environment e = file_with(light()).load().environment;
   const Rgb white(1);
-  // To the left of somebody who looks along the axis with +Y up.
+  // Left of the view along each axis, with +Y up.
   expect_seen(e, {1, 0.4f, -0.4f}, white);
   expect_seen(e, {-1, 0.4f, 0.4f}, white);
   expect_seen(e, {0.4f, 0.4f, 1}, white);
@@ -91,7 +91,7 @@ TEST(GltfImageLight, FacesAppearAsFromTheInside) {
 }
 
 TEST(GltfImageLight, TurnsAndScales) {
-  // A quarter turn about +Y takes +Z to +X, a quarter turn about +X takes +Y to +Z.
+  // A quarter turn about +Y rotates +Z to +X; one about +X rotates +Y to +Z.
   const float h = std::sqrt(0.5f);
   const Environment about_y = file_with(light({{"rotation", {0, h, 0, h}}, {"intensity", 3}})).load().environment;
   expect_seen(about_y, {1, -0.4f, -0.3f}, {0, 0, 3});
@@ -133,7 +133,7 @@ TEST(GltfImageLight, MalformedOnesAreOneWarning) {
   images.push_back(testing::solid_png(2, 2, 1, 2, 3, 255));
   images.push_back(testing::solid_png(4, 2, 1, 2, 3, 255));
   images.push_back(cut);
-  Bytes oversized = face(1, 2, 3);  // whose data are too few: it is not decoded
+  Bytes oversized = face(1, 2, 3);  // with too little data: it is not decoded
   oversized[18] = oversized[22] = std::byte{16};
   oversized[19] = oversized[23] = std::byte{0};
   images.push_back(oversized);

@@ -1,4 +1,4 @@
-// Exports write unchanged textures as their original image files.
+// Tests that exports keep the original image files of unchanged textures.
 #include <gtest/gtest.h>
 
 #include "files/atomic_file.h"
@@ -28,7 +28,7 @@ Bytes jpeg(const TempFolder& folder) {
   return read_file(folder / "a.jpg");
 }
 
-/// Base colour, metallic-roughness, normal, emission: a JPEG, a WebP, a PNG of 16 bits and a KTX2.
+/// Base colour, metallic-roughness, normal and emission as JPEG, WebP, 16-bit PNG and KTX2.
 GltfBuilder textured_file(const TempFolder& folder) {
   const std::vector<uint8_t> samples = {0x80, 0x01, 0x7f, 0x40, 0xff, 0xff, 0xff, 0xff};
   GltfBuilder file;

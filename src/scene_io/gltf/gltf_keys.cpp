@@ -28,8 +28,7 @@ std::vector<Vec4> read_values(const Document& document, int accessor, int compon
   }
 }
 
-/// What the file's other factor is, by which a pointer's values are multiplied: of a colour the strength, of a strength
-/// the colour.
+/// Factor for a pointer's values: the file's strength for a colour, the file's colour for a strength.
 Vec4 other_factor(const tinygltf::Model& model, const ParameterPointer& pointer) {
   const auto i = static_cast<size_t>(pointer.index);
   const bool color = pointer.parameter->components == 3;
@@ -47,7 +46,7 @@ Vec4 other_factor(const tinygltf::Model& model, const ParameterPointer& pointer)
   return Vec4(1);
 }
 
-/// Whether a number is spread to the channels of a colour.
+/// Whether the value is a scalar strength of a colour.
 bool is_strength(const PointerParameter& p) {
   return p.components == 1 && (p.parameter == "emission" || p.parameter == "intensity");
 }
@@ -95,7 +94,7 @@ void import_parameter(Document& document, const SceneIndices& indices, const tin
                       int sampler, const ParameterPointer& pointer, Index clip, const std::string& name, Scene& scene) {
   const PointerParameter& p = *pointer.parameter;
   const Index index = index_of(indices, pointer);
-  if (index == kNone) return;  // nothing in the scene uses it
+  if (index == kNone) return;  // unused in the scene
   if (sampler < 0 || static_cast<size_t>(sampler) >= animation.samplers.size())
     document.damaged(fmt::format("animation '{}' refers to sampler {}, which does not exist", name, sampler));
   const tinygltf::AnimationSampler& source = animation.samplers[static_cast<size_t>(sampler)];

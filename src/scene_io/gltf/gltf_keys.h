@@ -1,4 +1,4 @@
-// Key frames of a glTF file, and those of its materials, lights and cameras.
+// Imports key frames, including those of materials, lights and cameras.
 #pragma once
 
 #include <functional>
@@ -12,10 +12,10 @@ namespace relume::gltf {
 
 Interpolation interpolation_of(const std::string& name);
 
-/// Keeps the keys whose times increase and whose values are finite; a rotation's value must have a length.
+/// Keeps keys with increasing times and finite values; rotations need a nonzero length.
 void repair_keys(AnimationChannel& channel, const std::string& name, Warnings& warnings);
 
-/// Indices in the scene of the parts of a file; kNone for parts that it does not use.
+/// Scene indices of a file's parts; kNone for unused parts.
 struct SceneIndices {
   std::vector<Index> nodes;
   std::function<Index(int)> material;
@@ -23,8 +23,8 @@ struct SceneIndices {
   std::function<Index(int)> camera;
 };
 
-/// Imports a channel of KHR_animation_pointer that drives a material, light or camera into the clip of that name.
-/// Throws Error for a sampler that does not exist or does not fit.
+/// Imports a KHR_animation_pointer channel for a material, light or camera into clip `clip`. Throws Error if the
+/// sampler is missing or does not fit.
 void import_parameter(Document& document, const SceneIndices& indices, const tinygltf::Animation& animation,
                       int sampler, const ParameterPointer& pointer, Index clip, const std::string& name, Scene& scene);
 

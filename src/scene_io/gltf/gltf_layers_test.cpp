@@ -1,4 +1,4 @@
-// Layers of materials beyond the core, conversions and variants.
+// Tests material layers beyond core glTF, conversions and variants.
 #include <gtest/gtest.h>
 
 #include "relume/scene_io.h"
@@ -120,14 +120,14 @@ TEST(GltfLayers, ConvertSpecularGlossiness) {
   EXPECT_NEAR(m.roughness, 0.3f, 1e-6f);
   EXPECT_EQ(m.alpha, 0.75f);
   EXPECT_LT(glm::distance(m.base_color, Rgb(0.5f, 0.25f, 1)), 1e-6f);
-  const float f0 = 0.04f;  // of an index of refraction of 1.5
+  const float f0 = 0.04f;  // for an index of refraction of 1.5
   EXPECT_EQ(m.ior, 1.5f);
   EXPECT_LT(glm::distance(f0 * m.specular_color, Rgb(0.04f, 0.2f, 0.5f)), 1e-6f);
 }
 
 TEST(GltfLayers, ConvertTexturesOfSpecularGlossiness) {
   GltfBuilder file;
-  const int texture = add_texture(file, 9, 51);  // an alpha of 0.2
+  const int texture = add_texture(file, 9, 51);  // alpha 0.2
   for (const double glossiness : {1.0, 0.5}) {
     file.add_triangle_with_material(
         specular_glossiness({{"specularGlossinessTexture", {{"index", texture}}}, {"glossinessFactor", glossiness}}));
@@ -159,7 +159,7 @@ TEST(GltfLayers, ConvertSpecularGlossinessAlikeWithAndWithoutTextures) {
   EXPECT_NEAR(std::to_integer<int>(roughness.texels[1]) / 255.0, scene.materials[0].roughness, 1.0 / 255);
 }
 
-/// A triangle that is red, and green or blue in variants.
+/// A red triangle, green or blue in variants.
 GltfBuilder painted() {
   GltfBuilder file;
   for (const json& color : {json{1, 0, 0, 1}, json{0, 1, 0, 1}, json{0, 0, 1, 1}})
@@ -201,7 +201,7 @@ TEST(GltfVariants, KeepTheDefaultMaterial) {
   const SceneFolder folder;
   write_gltf(folder.path() / "a.gltf", scene);
   EXPECT_EQ(color_of(load_scene(folder.path() / "a.gltf")), Rgb(1, 0, 0));
-  choose_variant(scene, "sea");  // which has no material for it
+  choose_variant(scene, "sea");  // has no material for this triangle
   EXPECT_EQ(color_of(scene), Rgb(1, 0, 0));
   choose_variant(scene, "meadow");
   choose_variant(scene, "");

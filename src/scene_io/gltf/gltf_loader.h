@@ -1,4 +1,4 @@
-// glTF files.
+// Loads glTF files.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace relume {
 
-/// A .gltf or .glb file. Throws Error.
+/// Loads a .gltf or .glb file. Throws Error.
 Scene load_gltf(const std::filesystem::path& file);
 
-/// As load_gltf() for the bytes of a .gltf or .glb file. URIs are relative to `base_dir`; `place` names the file in
-/// messages. Throws Error.
+/// Loads the bytes of a .gltf or .glb file. URIs are relative to `base_dir`; `place` names the file in messages. Throws
+/// Error.
 Scene load_gltf_from_memory(std::span<const std::byte> file, const std::filesystem::path& base_dir,
                             const std::string& place);
 

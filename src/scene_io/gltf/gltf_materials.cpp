@@ -12,7 +12,7 @@ namespace relume::gltf {
 namespace {
 
 constexpr float kLargest = 1e30f;
-/// KHR_materials_ior: 0 asks for a Fresnel reflectance of 1 at every angle, which a large index approaches.
+/// KHR_materials_ior: 0 requests a Fresnel reflectance of 1 at every angle, which a large index approximates.
 constexpr float kIorOfZero = 1000;
 
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
@@ -89,7 +89,7 @@ void MaterialImporter::read(const tinygltf::Value& extension, const MaterialPara
     value = kIorOfZero;
     return;
   }
-  if (is(&Material::attenuation_distance) && (number <= 0 || std::isinf(number))) return;  // nothing is absorbed
+  if (is(&Material::attenuation_distance) && (number <= 0 || std::isinf(number))) return;  // no absorption
   value = limited(number, p.range.low, std::min(p.range.high, kLargest), p.name, m.name);
 }
 
@@ -104,7 +104,7 @@ void MaterialImporter::read(const tinygltf::Value& extension, const MaterialPara
   value = reference(extension, p.gltf.key, p.color_texture ? TextureUse::color : data);
 }
 
-/// "scale" of the normal textures of extensions.
+/// Reads "scale" of the extensions' normal textures.
 void MaterialImporter::read_texture_scales(const tinygltf::Material& source, Material& m) {
   for (const MaterialParameter& p : material_parameters()) {
     if (!p.texture_scale || !p.gltf.extension) continue;
@@ -148,14 +148,14 @@ TextureRef MaterialImporter::reference(int texture, int uv_set, const tinygltf::
   return ref;
 }
 
-/// For tinygltf's TextureInfo and NormalTextureInfo.
+/// Reference of tinygltf's TextureInfo or NormalTextureInfo.
 template <typename Info>
 TextureRef MaterialImporter::reference(const Info& info, TextureUse use) {
   if (info.index < 0) return {};
   return reference(info.index, info.texCoord, find_extension(info.extensions, "KHR_texture_transform"), use);
 }
 
-/// For the texture info at `key` of a material extension.
+/// Reference of the texture info at `key` of a material extension.
 TextureRef MaterialImporter::reference(const tinygltf::Value& extension, const char* key, TextureUse use) {
   const tinygltf::Value* info = object_member(extension, key);
   if (!info) return {};

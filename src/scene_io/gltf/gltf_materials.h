@@ -1,4 +1,4 @@
-// Materials of a glTF file with the KHR extensions that Material knows.
+// Imports glTF materials with the KHR extensions that Material supports.
 #pragma once
 
 #include <map>
@@ -12,11 +12,11 @@ class MaterialImporter {
  public:
   MaterialImporter(Document& document, Scene& scene) : document_(document), scene_(scene), textures_(document, scene) {}
 
-  /// Index in Scene::materials of glTF material `material` (imported at its first use); kNone for -1 and, with a
-  /// warning, for a material that does not exist.
+  /// Index in Scene::materials of glTF material `material`, imported at its first use; kNone for -1 and, with a
+  /// warning, for a missing material.
   Index import(int material);
 
-  /// Index of a material that import() has imported; kNone for others.
+  /// Index of an imported material; kNone for others.
   Index find(int material) const;
 
   /// Decodes the textures of all imported materials.
@@ -27,7 +27,7 @@ class MaterialImporter {
   void convert_core(const tinygltf::Material& source, Material& material);
   void convert_extensions(const tinygltf::Material& source, Material& material);
   void convert_emission_strength(const tinygltf::Material& source, Material& material);
-  /// One parameter of an extension that the material has; `value` is its default.
+  /// Reads one extension parameter of the material; `value` holds the default.
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, float& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, Rgb& value);
   void read(const tinygltf::Value& extension, const MaterialParameter& p, const Material& material, TextureRef& value);

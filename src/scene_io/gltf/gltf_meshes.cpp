@@ -13,14 +13,14 @@
 namespace relume::gltf {
 namespace {
 
-/// Bound on the vertices that all primitives of a file read together, so that a small file in which many primitives
-/// share a large accessor ends in an error rather than in hours of reading.
+/// Limit on the vertices read by all primitives together: many primitives may share a large accessor, which would take
+/// hours to read.
 constexpr size_t kMaxVerticesRead = size_t{1} << 32;
 
-/// Bound on the bytes of all morph targets and joints, which a small file may repeat, too.
+/// Limit on the bytes of all morph targets and joints, which a small file may also share.
 constexpr size_t kMaxDeformationBytes = size_t{8} << 30;
 
-/// Whether attribute `name` is there and fits the other attributes.
+/// Whether attribute `name` exists and fits the other attributes.
 bool usable(const PrimitiveReader& reader, const std::string& name, size_t vertex_count, int low, int high,
             const std::string& mesh, Warnings& warnings) {
   const int components = reader.components(name);
@@ -66,7 +66,7 @@ std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int 
     if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
       triangles.emplace_back(indices[i + 1], indices[i + 2], indices[0]);
     } else {
-      // glTF 2.0, §3.7.2.1: every other triangle of a strip swaps two vertices to keep its orientation.
+      // glTF 2.0, §3.7.2.1: every second triangle of a strip swaps two vertices to keep its orientation.
       triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
     }
   }
@@ -83,7 +83,8 @@ void MeshImporter::count_deformation(size_t bytes) {
     document_.fail(fmt::format("its morph targets and joints take more than {} GiB", kMaxDeformationBytes >> 30));
 }
 
-/// Fills `mesh`, whose name and material are known; it keeps no triangles if the primitive has none.
+/// Reads vertices and triangles of `mesh`, whose name and material are set. Keeps no triangles if the primitive has
+/// none.
 void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, Warnings& warnings) {
   const PrimitiveReader reader(document_, primitive);
   const size_t count = reader.count("POSITION");
@@ -102,7 +103,7 @@ void MeshImporter::convert(const tinygltf::Primitive& primitive, Mesh& mesh, War
   if (has("COLOR_0", 3, 4)) mesh.colors = read_colors(reader);
   read_influences(reader, mesh, warnings);
   read_morph_targets(document_, primitive, mesh, warnings);
-  // Draco yields separate triangles whatever the mode says.
+  // Draco yields separate triangles for every mode.
   mesh.triangles = assemble_triangles(reader.indices(count),
                                       is_draco_primitive(primitive) ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
   repair_mesh(mesh, warnings);
@@ -142,7 +143,7 @@ void MeshImporter::finish() {
       problems[i] = std::current_exception();
     }
   });
-  // The first of them, so that a file always fails in the same way.
+  // Rethrows the first problem, so that errors are deterministic.
   for (const std::exception_ptr& problem : problems) {
     if (problem) std::rethrow_exception(problem);
   }
@@ -178,7 +179,7 @@ void MeshImporter::name_morph_targets() {
 }
 
 void MeshImporter::leave_out_empty_meshes() {
-  std::vector<Index> place;  // kNone: left out
+  std::vector<Index> place;  // kNone: removed
   Index kept = 0;
   for (const Mesh& mesh : scene_.meshes) place.push_back(mesh.triangles.empty() ? kNone : kept++);
   std::erase_if(scene_.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });

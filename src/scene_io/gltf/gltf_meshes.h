@@ -1,4 +1,4 @@
-// Meshes of a glTF file: each primitive becomes one Mesh.
+// Imports glTF meshes: each primitive becomes one Mesh.
 #pragma once
 
 #include <atomic>
@@ -14,12 +14,12 @@ class MeshImporter {
   MeshImporter(Document& document, Scene& scene, MaterialImporter& materials)
       : document_(document), scene_(scene), materials_(materials) {}
 
-  /// Indices in Scene::meshes of the primitives of glTF mesh `mesh`; they are read by finish(). Throws Error if there
-  /// is no such mesh.
+  /// Indices in Scene::meshes of the primitives of glTF mesh `mesh`, which finish() reads. Throws Error for a missing
+  /// mesh.
   const std::vector<Index>& import(int mesh);
 
-  /// Reads all primitives that were asked for, many at a time, and takes those without triangles out of the scene.
-  /// Throws Error if data go beyond their buffers.
+  /// Reads all requested primitives in parallel and removes those without triangles. Throws Error if data exceed their
+  /// buffers.
   void finish();
 
  private:
@@ -34,13 +34,13 @@ class MeshImporter {
   Scene& scene_;
   MaterialImporter& materials_;
   std::map<int, std::vector<Index>> known_;
-  std::vector<const tinygltf::Primitive*> requests_;  ///< as Scene::meshes
+  std::vector<const tinygltf::Primitive*> requests_;  ///< parallel to Scene::meshes
   std::atomic<size_t> vertices_read_ = 0;
   std::atomic<size_t> deformation_bytes_ = 0;
   size_t skipped_primitives_ = 0;  ///< points and lines
 };
 
-/// Triangles of an index list by glTF's primitive mode (triangles, strip or fan); incomplete triangles are left out.
+/// Triangles of an index list by glTF's primitive mode (triangles, strip or fan), without incomplete triangles.
 std::vector<UVec3> assemble_triangles(const std::vector<uint32_t>& indices, int mode);
 
 }  // namespace relume::gltf

@@ -22,7 +22,7 @@ struct CompressedView {
 
 size_t size_member(const Document& document, const tinygltf::Value& extension, const char* key, size_t view) {
   const double value = number_member(extension, key, 0);
-  // Doubles hold integers exactly up to 2^53, far more than any buffer has.
+  // Doubles represent integers exactly up to 2^53, well above any buffer size.
   if (!(value >= 0 && value <= 9e15))
     document.damaged(fmt::format("bufferViews[{}]: {} of {} is out of range", view, key, kExtension));
   return static_cast<size_t>(value);
@@ -48,7 +48,7 @@ CompressedView read_extension(const Document& document, size_t index) {
   return view;
 }
 
-/// The decoders trust these.
+/// Checks the values that the decoders trust.
 void check_layout(const Document& document, const CompressedView& view, size_t index) {
   const bool is_vertex = view.mode == "ATTRIBUTES";
   const bool is_index = view.mode == "TRIANGLES" || view.mode == "INDICES";
@@ -67,8 +67,7 @@ void check_layout(const Document& document, const CompressedView& view, size_t i
   if (!filter_ok)
     document.damaged(
         fmt::format("bufferViews[{}]: filter '{}' does not suit byte stride {}", index, view.filter, view.stride));
-  // No mode packs more than 64 bytes into one: vertices take at least 2 bits for 16 bytes of a column, triangles a
-  // byte.
+  // No mode exceeds a ratio of 64: vertices take at least 2 bits per 16 bytes of a column, triangles one byte.
   if (view.count > view.data.size() * 64 / view.stride)
     document.damaged(fmt::format("bufferViews[{}]: {} elements cannot come from {} compressed bytes", index, view.count,
                                  view.data.size()));

@@ -31,7 +31,8 @@ std::vector<int> find_parents(const Document& document) {
   return parents;
 }
 
-/// With one parent each, nodes are in a cycle exactly if walking down from all roots misses them.
+/// Nodes reachable from `roots`, parents first. From all roots, exactly the nodes in cycles are missing, since each
+/// node has at most one parent.
 std::vector<int> walk(const tinygltf::Model& model, const std::vector<int>& roots) {
   std::vector<int> order = roots;
   for (size_t k = 0; k < order.size(); ++k) {
@@ -102,7 +103,7 @@ void convert_transform(Document& document, const tinygltf::Node& source, Node& n
   node.transform.scale = to_vec3(source.scale, Vec3(1));
 }
 
-/// EXT_mesh_gpu_instancing: one matrix an instance.
+/// EXT_mesh_gpu_instancing: one matrix per instance.
 std::vector<Mat4> read_instances(Document& document, const tinygltf::Value& extension, const std::string& node) {
   const tinygltf::Value* attributes = object_member(extension, "attributes");
   if (!attributes) return {};
@@ -136,7 +137,7 @@ Node convert_node(Document& document, Scene& scene, MeshImporter& meshes, Punctu
   node.name = source.name.empty() ? fmt::format("node {}", index) : source.name;
   convert_transform(document, source, node);
   if (source.mesh >= 0) node.meshes = meshes.import(source.mesh);
-  if (source.skin >= 0 && source.mesh >= 0) node.skin = source.skin;  // import_skins() replaces it by the scene's
+  if (source.skin >= 0 && source.mesh >= 0) node.skin = source.skin;  // import_skins() replaces it by the scene's index
   node.morph_weights = default_morph_weights(document.model, source);
   const auto visibility = source.extensions.find("KHR_node_visibility");
   if (visibility != source.extensions.end()) node.visible = boolean_member(visibility->second, "visible", true);

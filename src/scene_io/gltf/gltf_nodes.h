@@ -1,4 +1,4 @@
-// Nodes, cameras and lights of a glTF file.
+// Imports nodes, cameras and lights of a glTF file.
 #pragma once
 
 #include <vector>
@@ -9,18 +9,18 @@
 
 namespace relume::gltf {
 
-/// Imports the nodes of the default scene (the first one if the file names none, all nodes if it has no scenes) with
-/// what they carry. Returns the index in Scene::nodes of each glTF node, kNone for those outside. Throws Error for
-/// cyclic trees, nodes with two parents and children that do not exist.
+/// Imports the nodes of the default scene with their content. Without a default, the first scene is used; without
+/// scenes, all nodes. Returns the index in Scene::nodes of each glTF node, kNone for nodes outside the scene. Throws
+/// Error for cycles, nodes with two parents and missing children.
 std::vector<Index> import_nodes(Document& document, Scene& scene, MeshImporter& meshes, PunctualImporter& punctual);
 
-/// Imports the animation of nodes, materials, lights and cameras, a clip for each animation of the file.
+/// Imports the animation of nodes, materials, lights and cameras, with one clip per animation.
 void import_animation(Document& document, const SceneIndices& indices, Scene& scene);
 
-/// Once the meshes are read: takes out the channels of morph targets that no mesh of their node has.
+/// Removes channels of morph targets that no mesh of their node has. Call after reading the meshes.
 void drop_missing_targets(Document& document, Scene& scene);
 
-/// Takes out the clips that have no channels.
+/// Removes clips without channels.
 void drop_empty_clips(Scene& scene);
 
 }  // namespace relume::gltf

@@ -29,10 +29,10 @@ bool is_flat(const OutputJson& json) {
   return std::none_of(json.begin(), json.end(), [](const OutputJson& item) { return item.is_structured(); });
 }
 
-/// On one line. Names from other formats may not be UTF-8; U+FFFD replaces what is not.
+/// JSON on one line. U+FFFD replaces invalid UTF-8, which names from other formats may contain.
 std::string text_of(const OutputJson& json) { return json.dump(-1, ' ', false, OutputJson::error_handler_t::replace); }
 
-/// Indented by one space a level, with arrays of plain values on one line.
+/// Appends JSON indented by one space per level, with arrays of plain values on one line.
 void print(const OutputJson& json, size_t level, std::string& text) {
   if (!json.is_structured() || json.empty() || (json.is_array() && is_flat(json))) {
     text += text_of(json);
@@ -186,7 +186,7 @@ void Output::write_staged(const std::filesystem::path& target,
   try {
     write(staged.path());
   } catch (const Error& error) {
-    std::string sentence = error.what();  // about a name that nobody knows
+    std::string sentence = error.what();  // names the temporary file
     const std::string name = staged.path().string();
     if (const size_t at = sentence.find(name); at != std::string::npos)
       sentence.replace(at, name.size(), target.string());
@@ -224,7 +224,7 @@ std::vector<std::string> Output::finish() {
   return std::move(warnings_);
 }
 
-/// glTF 2.0, section 4: header, JSON chunk padded with spaces, binary chunk padded with zeros.
+/// glTF 2.0, §4: header, JSON chunk padded with spaces, binary chunk padded with zeros.
 void Output::write_glb(const std::filesystem::path& file, const std::string& text) const {
   const size_t json_size = (text.size() + 3) / 4 * 4;
   const size_t binary_size = (bytes_.size() + 3) / 4 * 4;

@@ -18,8 +18,7 @@ struct CoreParameter {
   int components = 1;
 };
 
-/// Of glTF's core. The factor of the base colour drives alpha, too; factor and strength of emission drive their
-/// product.
+/// Core glTF. The base colour factor also drives alpha; factor and strength of emission drive their product.
 constexpr CoreParameter kMaterial[] = {{"pbrMetallicRoughness/baseColorFactor", "base_color", 4},
                                        {"pbrMetallicRoughness/metallicFactor", "metallic"},
                                        {"pbrMetallicRoughness/roughnessFactor", "roughness"},
@@ -28,7 +27,7 @@ constexpr CoreParameter kMaterial[] = {{"pbrMetallicRoughness/baseColorFactor", 
                                        {"emissiveFactor", "emission", 3},
                                        {"extensions/KHR_materials_emissive_strength/emissiveStrength", "emission", 1}};
 
-/// Textures and their keys in relume.
+/// Texture properties and their keys in relume.
 constexpr CoreParameter kTextures[] = {{"pbrMetallicRoughness/baseColorTexture", "base_color"},
                                        {"pbrMetallicRoughness/metallicRoughnessTexture", "metallic_roughness"},
                                        {"normalTexture", "normal"},

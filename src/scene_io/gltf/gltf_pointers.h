@@ -1,4 +1,4 @@
-// JSON pointers of KHR_animation_pointer to what relume animates, both ways.
+// Maps JSON pointers of KHR_animation_pointer to relume's animated parameters and back.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@
 
 namespace relume::gltf {
 
-/// A number that a pointer names, and the parameter of ParameterChannel that it drives.
+/// A value named by pointers, and the parameter of ParameterChannel that it drives.
 struct PointerParameter {
   AnimatedPart part;
-  std::string tail;       ///< of the pointer, after the index: "pbrMetallicRoughness/roughnessFactor"
+  std::string tail;       ///< pointer after the index: "pbrMetallicRoughness/roughnessFactor"
   std::string parameter;  ///< "roughness"
-  int components;         ///< of the values in the file
+  int components;         ///< components of the file's values
 };
 
-/// All of them.
+/// All supported parameters.
 const std::vector<PointerParameter>& pointer_parameters();
 
-/// A pointer without its index: part, index in the file, and entry of pointer_parameters(). Nothing for other pointers.
+/// A parsed pointer: index in the file and entry of pointer_parameters(). Nothing for unsupported pointers.
 struct ParameterPointer {
   int index;
   const PointerParameter* parameter;

@@ -1,4 +1,4 @@
-// Vertex attributes and indices of one glTF primitive, wherever they come from: accessors or Draco.
+// Reads vertex attributes and indices of a glTF primitive from accessors or Draco data.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace relume::gltf {
 
-/// One attribute decoded by Draco.
+/// An attribute decoded by Draco.
 struct DracoAttribute {
   Bytes bytes;
   ElementSource source;  ///< points into `bytes`
@@ -23,21 +23,21 @@ struct DracoPrimitive {
 
 /// Whether the primitive has KHR_draco_mesh_compression.
 bool is_draco_primitive(const tinygltf::Primitive& primitive);
-/// Throws Error if the compressed data are damaged.
+/// Decodes the primitive's compressed data. Throws Error if they are damaged.
 DracoPrimitive decode_draco_primitive(const Document& document, const tinygltf::Primitive& primitive);
 
 class PrimitiveReader {
  public:
   PrimitiveReader(const Document& document, const tinygltf::Primitive& primitive);
 
-  /// Number of elements of attribute `name`; 0 if there is none.
+  /// Number of elements of attribute `name`; 0 if absent.
   size_t count(const std::string& name) const;
-  /// Components of attribute `name`, 1 … 4; 0 if there is none.
+  /// Components of attribute `name`, 1 … 4; 0 if absent.
   int components(const std::string& name) const;
   std::vector<Vec2> vec2(const std::string& name) const;
   std::vector<Vec3> vec3(const std::string& name) const;
   std::vector<Vec4> vec4(const std::string& name) const;
-  /// The primitive's indices; 0, 1, 2 … for `vertex_count` vertices if it has none.
+  /// The primitive's indices; if absent, 0, 1, 2 … for `vertex_count` vertices.
   std::vector<uint32_t> indices(size_t vertex_count) const;
 
  private:

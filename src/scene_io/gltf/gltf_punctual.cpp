@@ -11,7 +11,7 @@
 namespace relume::gltf {
 namespace {
 
-/// 0 if no image could have it.
+/// The ratio if within [0.01, 100], else 0.
 float usable_aspect_ratio(float ratio) { return ratio >= 0.01f && ratio <= 100.0f ? ratio : 0.0f; }
 
 Camera convert_camera(Document& document, const tinygltf::Camera& source, int index) {

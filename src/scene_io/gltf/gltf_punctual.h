@@ -1,4 +1,4 @@
-// Cameras and punctual lights of a glTF file.
+// Imports cameras and punctual lights of a glTF file.
 #pragma once
 
 #include <map>
@@ -12,12 +12,12 @@ class PunctualImporter {
  public:
   explicit PunctualImporter(Document& document) : document_(document) {}
 
-  /// Index in Scene::cameras of glTF camera `camera`; kNone with a warning if it cannot be used.
+  /// Index in Scene::cameras of glTF camera `camera`; kNone with a warning if unusable.
   Index import_camera(int camera, Scene& scene);
-  /// Index in Scene::lights of light `light` of KHR_lights_punctual; kNone with a warning if it cannot be used.
+  /// Index in Scene::lights of light `light` of KHR_lights_punctual; kNone with a warning if unusable.
   Index import_light(int light, Scene& scene);
 
-  /// Indices of those that have been imported; kNone for others.
+  /// Index of an imported camera or light; kNone for others.
   Index find_camera(int camera) const;
   Index find_light(int light) const;
 

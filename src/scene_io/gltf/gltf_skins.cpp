@@ -12,7 +12,7 @@
 namespace relume::gltf {
 namespace {
 
-/// The values of a displacement; empty if there is none or it does not fit.
+/// Values of a displacement; empty if absent or of another size.
 std::vector<Vec3> displacements(const Document& document, const std::map<std::string, int>& target,
                                 const std::string& attribute, const Mesh& mesh, Warnings& warnings) {
   const auto entry = target.find(attribute);
@@ -31,8 +31,8 @@ std::vector<float> to_floats(const std::vector<double>& values) {
   return result;
 }
 
-/// Scales the weights of a vertex to the sum 1; a vertex without any follows its first joint. Joints without weight
-/// become joint 0.
+/// Normalises a vertex's weights to sum 1; without weights, it follows its first joint. Joints of zero weight become
+/// joint 0.
 void normalize(JointInfluence* influences, int count) {
   float sum = 0;
   for (int k = 0; k < count; ++k) {
@@ -47,7 +47,7 @@ void normalize(JointInfluence* influences, int count) {
   for (int k = 0; k < count; ++k) influences[k].weight /= sum;
 }
 
-/// One skin whose joints are nodes of the scene; std::nullopt, with a warning, if some are not.
+/// Converts a skin whose joints are all nodes of the scene; otherwise std::nullopt with a warning.
 std::optional<Skin> convert_skin(Document& document, const std::vector<Index>& node_of, int index) {
   const tinygltf::Skin& source = document.model.skins[static_cast<size_t>(index)];
   Skin skin;
@@ -72,7 +72,7 @@ std::optional<Skin> convert_skin(Document& document, const std::vector<Index>& n
   for (Mat4& m : skin.inverse_bind) {
     if (!within_reach(m))
       return unusable(fmt::format("has an inverse bind matrix that is not finite or beyond {:g} m", kMaxCoordinate));
-    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1.0f : 0.0f;  // exporters leave rounding there
+    for (int c = 0; c < 4; ++c) m[c][3] = c == 3 ? 1.0f : 0.0f;  // exporters leave rounding errors here
   }
   return skin;
 }

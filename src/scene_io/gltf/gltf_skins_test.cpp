@@ -1,4 +1,4 @@
-// Skins, morph targets, visibility and clips of glTF, read and written.
+// Tests import and export of skins, morph targets, visibility and clips.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,8 +37,8 @@ TEST(GltfSkins, AreRead) {
   EXPECT_EQ(mesh.influences[1].joint, 1u);
   EXPECT_EQ(mesh.influences[1].weight, 0.25f);
   EXPECT_EQ(mesh.influences[4].joint, 1u);
-  EXPECT_EQ(mesh.influences[4].weight, 1.0f);  // of 2
-  EXPECT_EQ(mesh.influences[8].weight, 1.0f);  // of nothing
+  EXPECT_EQ(mesh.influences[4].weight, 1.0f);  // normalised from 2
+  EXPECT_EQ(mesh.influences[8].weight, 1.0f);  // normalised from 0
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
 }
 
@@ -80,7 +80,7 @@ TEST(GltfSkins, WeightsAreAnimatedInEveryInterpolation) {
   };
   EXPECT_EQ(weights("linear"), (std::vector<float>{0.5f, 1}));
   EXPECT_EQ(weights("step"), (std::vector<float>{0, 0}));
-  // Half way, a spline adds an eighth of its first tangent and takes an eighth of its last.
+  // At the midpoint, a spline adds an eighth of its first tangent and subtracts an eighth of its last.
   EXPECT_EQ(weights("spline"), (std::vector<float>{0.5f + 1, 1 + 0.5f}));
 }
 

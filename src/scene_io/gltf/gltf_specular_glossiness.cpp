@@ -16,7 +16,7 @@ double number(const json& object, const char* key, double fallback) {
   return it != object.end() && it->is_number() ? it->get<double>() : fallback;
 }
 
-/// The first `count` numbers at `key`; ones if they are no such list.
+/// First `count` numbers at `key`; ones if there is no such list.
 json numbers(const json& object, const char* key, size_t count) {
   const auto it = object.find(key);
   const bool usable = it != object.end() && it->is_array() && it->size() >= count &&
@@ -26,7 +26,8 @@ json numbers(const json& object, const char* key, size_t count) {
   return result;
 }
 
-/// A texture of the same image whose texels become 1 − glossiness · alpha; −1 if there is no such texture.
+/// Adds a texture of the same image with texels 1 − glossiness · alpha. Returns its index; −1 if the source texture is
+/// missing.
 int roughness_texture(json& root, const json& info, double glossiness) {
   const auto textures = root.find("textures");
   const auto index = info.find("index");
@@ -55,7 +56,7 @@ void convert(json& root, json& material, const json& source) {
   }
   for (json& channel : f0) channel = channel.get<double>() / kDefaultF0;
   specular["specularColorFactor"] = std::move(f0);
-  // Not scaled by 1 − max F0, which a texture may give: the interface alone attenuates the diffuse part.
+  // Not scaled by 1 − max F0, which a texture may provide: the interface alone attenuates the diffuse component.
   pbr["baseColorFactor"] = numbers(source, "diffuseFactor", 4);
   if (const auto texture = source.find("diffuseTexture"); texture != source.end()) pbr["baseColorTexture"] = *texture;
   material["pbrMetallicRoughness"] = std::move(pbr);

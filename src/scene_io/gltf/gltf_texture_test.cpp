@@ -1,4 +1,4 @@
-// Images of glTF textures: which of several is read, and what of them is kept.
+// Tests which image of a glTF texture is read, and the parts of it that are kept.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Bytes solid_webp(int width, int height, const std::vector<uint8_t>& rgba) {
   return testing::make_webp(width, height, pixels);
 }
 
-/// A file of one texture with these images; `extensions` name images by their index, and the source comes last.
+/// Loads a file of one texture with these images. `extensions` refer to images by index; `source` is the fallback.
 Scene load_texture(const std::vector<Bytes>& images, const json& extensions, int source) {
   GltfBuilder file;
   for (const Bytes& image : images) file.add("images", {{"uri", data_uri(image)}});
@@ -72,7 +72,7 @@ TEST(GltfTexture, UnreadableImagesOfExtensionsFallBackToTheSource) {
 }
 
 TEST(GltfTexture, ManySmallFilesOfLargeImagesExceedABudget) {
-  constexpr int kCount = 40;  // of which 32 fit, and then prove to be damaged
+  constexpr int kCount = 40;  // 32 fit the budget, and are then found damaged
   GltfBuilder file;
   for (int i = 0; i < kCount; ++i) {
     file.add("images", {{"uri", testing::data_uri(testing::webp_header(4096, 4096))}});

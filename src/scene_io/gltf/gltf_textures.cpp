@@ -33,7 +33,8 @@ void apply_sampler(const tinygltf::Sampler& sampler, Texture& texture) {
   texture.filter = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST ? FilterMode::nearest : FilterMode::linear;
 }
 
-/// Images of the texture, the first that can be read counts: those of extensions, then its source, which they replace.
+/// Images of the texture by priority: those of extensions, then the source that they replace. The first readable one is
+/// used.
 std::vector<int> images_of(const tinygltf::Texture& texture) {
   std::vector<int> images;
   for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp"}) {
@@ -53,7 +54,7 @@ void make_constant(TextureUse use, Texture& texture) {
                                              : std::vector{byte(255), byte(255), byte(255), byte(255)};
 }
 
-/// G: 1 − glossiness · alpha; B, which is metallic: 0.
+/// Stores roughness in G, 1 − glossiness · alpha, and metallic 0 in B.
 void make_roughness(float glossiness, Texture& texture) {
   if (texture.format == PixelFormat::rgba32_float) {
     for (size_t i = 0; i + sizeof(Vec4) <= texture.texels.size(); i += sizeof(Vec4)) {
@@ -139,7 +140,7 @@ TextureImporter::ImageFile TextureImporter::read(const Request& request, int ima
     const bool is_valid = std::min(size.width, size.height) > 0 && std::max(size.width, size.height) <= kMaxImageSide;
     if (is_valid) file.texels = static_cast<uint64_t>(size.width * size.height);
   } catch (const std::exception&) {
-    file.texels = 0;  // decoding will report what is wrong
+    file.texels = 0;  // decoding reports the problem
   }
   return file;
 }

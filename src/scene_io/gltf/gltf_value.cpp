@@ -12,7 +12,7 @@ const tinygltf::Value* find(const tinygltf::Value& object, const char* key) {
   return &object.Get(key);
 }
 
-/// The first N numbers of the list at `key`.
+/// First N numbers of the list at `key`.
 template <typename V>
 V vector_member(const tinygltf::Value& object, const char* key, const V& fallback) {
   const tinygltf::Value* list = find(object, key);

@@ -1,4 +1,4 @@
-// Tolerant access to tinygltf's untyped values (extension objects).
+// Reads tinygltf's untyped values (extension objects), with fallbacks for wrong types.
 #pragma once
 
 #include <string>
@@ -12,21 +12,21 @@ class Value;
 
 namespace relume::gltf {
 
-/// The number at `key` or `fallback`, also if it is of another type.
+/// Number at `key`; `fallback` if absent or of another type.
 double number_member(const tinygltf::Value& object, const char* key, double fallback);
-/// The integer at `key` or `fallback`, also if it is not an integer.
+/// Integer at `key`; `fallback` if absent or not an integer.
 int integer_member(const tinygltf::Value& object, const char* key, int fallback);
-/// The truth value at `key` or `fallback`, also if it is of another type.
+/// Boolean at `key`; `fallback` if absent or of another type.
 bool boolean_member(const tinygltf::Value& object, const char* key, bool fallback);
 std::string string_member(const tinygltf::Value& object, const char* key);
-/// The object at `key`; nullptr if there is none.
+/// Object at `key`; nullptr if absent.
 const tinygltf::Value* object_member(const tinygltf::Value& object, const char* key);
 Vec3 vec3_member(const tinygltf::Value& object, const char* key, const Vec3& fallback);
 Vec2 vec2_member(const tinygltf::Value& object, const char* key, const Vec2& fallback);
 
-/// Doubles of a file as a float: limited to ±1e30, which leaves room to compute with.
+/// A file's double as float, clamped to ±1e30 to avoid later overflow.
 float to_float(double value);
-/// The first numbers of a list, `fallback` if it is too short.
+/// First numbers of a list; `fallback` if it is too short.
 Vec3 to_vec3(const std::vector<double>& list, const Vec3& fallback);
 
 }  // namespace relume::gltf

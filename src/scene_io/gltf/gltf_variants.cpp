@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kExtension = "KHR_materials_variants";
 
-/// The elements of the list at `key` of the extension; none if it is no list.
+/// Elements of the extension's list at `key`; empty if it is not a list.
 std::vector<tinygltf::Value> elements(const tinygltf::ExtensionMap& extensions, const char* key) {
   const auto extension = extensions.find(kExtension);
   if (extension == extensions.end() || !extension->second.IsObject() || !extension->second.Has(key)) return {};

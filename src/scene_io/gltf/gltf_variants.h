@@ -1,4 +1,4 @@
-// KHR_materials_variants: choices of materials by name.
+// Imports KHR_materials_variants: named choices of materials.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace relume::gltf {
 
-/// Names of the file's variants; those without one are numbered.
+/// Names of the file's variants; unnamed ones are numbered.
 std::vector<std::string> variant_names(const Document& document);
 
-/// Materials of a primitive of `mesh` in `variant_count` variants. Mappings that name other variants or missing
-/// materials are left out, with a warning.
+/// Materials of a primitive of `mesh` in `variant_count` variants. Mappings with other variants or missing materials
+/// are ignored with a warning.
 std::vector<VariantMaterial> import_variants(Document& document, const tinygltf::Primitive& primitive,
                                              const std::string& mesh, size_t variant_count,
                                              MaterialImporter& materials);

@@ -109,7 +109,7 @@ float AnimationWriter::written_strength(const ParameterChannel& channel) const {
 }
 
 void AnimationWriter::add_parameter(const ParameterChannel& channel, Index clip) {
-  if (channel.part == AnimatedPart::material && channel.parameter == "alpha") return;  // goes with the base colour
+  if (channel.part == AnimatedPart::material && channel.parameter == "alpha") return;  // written with the base colour
   const std::vector<PointerParameter>& known = pointer_parameters();
   const auto p = std::find_if(known.begin(), known.end(), [&](const PointerParameter& candidate) {
     return candidate.part == channel.part && candidate.parameter == channel.parameter;

@@ -1,4 +1,4 @@
-// Animation of a scene into a glTF file.
+// Writes a scene's animation to a glTF file.
 #pragma once
 
 #include <map>
@@ -14,32 +14,32 @@ class AnimationWriter {
  public:
   AnimationWriter(const Scene& scene, Output& output) : scene_(scene), output_(output) {}
 
-  /// Writes an animation for each clip, with the channels that play with every clip; one of these alone if there is no
-  /// clip. glTF node i must be node i of the scene.
+  /// Writes one animation per clip, including channels that play with every clip; without clips, one animation of
+  /// those. glTF node i must be node i of the scene.
   void write();
 
  private:
   void write_clip(Index clip, const std::string& name);
-  /// Of two that drive the same property, the first.
+  /// Channels of a clip. For each property, the first of several channels.
   std::vector<const AnimationChannel*> channels_of(Index clip) const;
   /// Accessor of the channel's values.
   int values_of(const AnimationChannel& channel);
   void add_channel(OutputJson target, const std::vector<float>& times, Interpolation interpolation, int values);
-  /// The key frames of a material, light or camera, as KHR_animation_pointer has them.
+  /// Writes key frames of a material, light or camera with KHR_animation_pointer.
   void add_parameter(const ParameterChannel& channel, Index clip);
-  /// The strength beside the colour that the channel drives, as it is written.
+  /// Strength written beside the colour that the channel drives.
   float written_strength(const ParameterChannel& channel) const;
-  /// Key frames of the alpha that the file keeps with those of the base colour; nullptr: none.
+  /// Key frames of alpha, which the file stores with those of the base colour; nullptr: none.
   const ParameterChannel* alpha_of(const ParameterChannel& base_color, Index clip);
   OutputJson target_of(const AnimationChannel& channel);
-  /// The weights of all morph targets of the channel's node, which glTF keeps in one channel.
+  /// Writes the weights of all morph targets of the channel's node: glTF stores them in one channel.
   void add_morph_weights(const std::vector<const AnimationChannel*>& channels, const AnimationChannel& first);
 
   const Scene& scene_;
   Output& output_;
   OutputJson samplers_;
   OutputJson channels_;
-  std::map<std::vector<float>, int> inputs_;  ///< channels that move together share their times
+  std::map<std::vector<float>, int> inputs_;  ///< channels with the same times share them
 };
 
 }  // namespace relume::gltf

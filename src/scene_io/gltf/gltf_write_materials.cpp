@@ -19,17 +19,17 @@
 
 namespace relume::gltf {
 
-/// How glTF refers to an image file of some format.
+/// glTF's names of an image format.
 struct ImageType {
   detail::ImageFormat format;
   const char* mime_type;
   const char* file_extension;
-  const char* gltf_extension;  ///< that names it as the texture's source; nullptr: none is needed
+  const char* gltf_extension;  ///< required by such an image as a texture's source; nullptr: none
 };
 
 namespace {
 
-/// Eight bits a channel, with the RGB channels mapped by `curve`; alpha stays.
+/// 8-bit texels with RGB mapped by `curve`; alpha is unchanged.
 template <typename Curve>
 std::vector<std::byte> mapped(const std::vector<std::byte>& texels, Curve curve) {
   std::array<std::byte, 256> table;
@@ -45,7 +45,7 @@ std::vector<float> float_texels(const Texture& texture) {
   return values;
 }
 
-/// The four planes of a texture of 32-bit floats.
+/// Four channels of a 32-bit float texture.
 ExrFile exr_of(const Texture& texture) {
   const std::vector<float> values = float_texels(texture);
   ExrFile exr;
@@ -60,7 +60,7 @@ ExrFile exr_of(const Texture& texture) {
   return exr;
 }
 
-/// Texels as a PNG stores them for the given use.
+/// 8-bit RGBA texels for the given use.
 std::vector<std::byte> png_texels(const Texture& texture, bool color) {
   switch (texture.format) {
     case PixelFormat::rgba8_srgb:
@@ -94,10 +94,10 @@ constexpr ImageType kImageTypes[] = {
 };
 constexpr const ImageType& kPng = kImageTypes[0];
 
-/// Whether the texels are sRGB colours, as glTF has them where it expects colour.
+/// Whether the texels are sRGB-encoded, as glTF requires for colour.
 bool is_color(const Texture& t) { return t.format == PixelFormat::rgba8_srgb; }
 
-/// The type of the texture's file if glTF can have it and the texels are still those of the file; nullptr otherwise.
+/// Type of the texture's file if glTF supports it and the texels are unchanged; otherwise nullptr.
 const ImageType* kept_type(const Texture& t) {
   if (!t.file) return nullptr;
   try {
@@ -111,7 +111,7 @@ const ImageType* kept_type(const Texture& t) {
     const bool same = read.width == t.width && read.height == t.height && read.format == t.format;
     return same && read.texels == t.texels ? type : nullptr;
   } catch (const Error&) {
-    return nullptr;  // somebody gave the texture another file
+    return nullptr;  // unreadable: the texture was given another file
   }
 }
 
@@ -167,7 +167,7 @@ OutputJson MaterialWriter::metallic_roughness(const Material& m) {
   return json;
 }
 
-/// Members that differ from their defaults.
+/// Writes extension parameters that differ from their defaults.
 void MaterialWriter::add_parameters(const Material& m, OutputJson& extensions) {
   const Material defaults;
   for_each_parameter(m, [&](const MaterialParameter& p, const auto& value) {
@@ -252,7 +252,7 @@ int MaterialWriter::sampler(const Texture& t) {
   };
   const bool nearest = t.filter == FilterMode::nearest;
   const OutputJson json = {{"magFilter", nearest ? 9728 : 9729},
-                           {"minFilter", nearest ? 9728 : 9987},  // linear: with linear mip levels
+                           {"minFilter", nearest ? 9728 : 9987},  // linear with linear mip levels
                            {"wrapS", wrap(t.wrap_u)},
                            {"wrapT", wrap(t.wrap_v)}};
   const OutputJson& known = output_.list("samplers");

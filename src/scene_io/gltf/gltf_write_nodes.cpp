@@ -21,7 +21,7 @@ std::vector<Vec4> xyzw(const std::vector<Transform>& transforms) {
   return values;
 }
 
-/// Translation, rotation and scale that give `matrix` back within rounding; nothing if it shears or is flat.
+/// Translation, rotation and scale that reproduce `matrix` within rounding; nothing for shear or zero scale.
 std::optional<Transform> split(const Mat4& matrix) {
   const Mat3 linear(matrix);
   Transform t;
@@ -41,7 +41,7 @@ std::optional<Transform> split(const Mat4& matrix) {
 
 OutputJson matrix_numbers(const Mat4& matrix) { return numbers(std::span(&matrix[0][0], 16)); }
 
-/// Null if no morph target has a name.
+/// Names of morph targets; null if none has a name.
 OutputJson target_names(const Mesh& mesh) {
   OutputJson names;
   bool any = false;
@@ -205,7 +205,7 @@ int NodeWriter::mesh(const std::vector<Index>& parts, const std::string& name) {
     const auto [known, first_use] = primitives_.try_emplace(i);
     if (first_use) known->second = primitive(scene_.meshes[static_cast<size_t>(i)]);
     json["primitives"].push_back(known->second);
-    // All primitives of a mesh have as many targets.
+    // All primitives of a mesh need the same number of targets.
     const auto vertices = scene_.meshes[static_cast<size_t>(i)].positions.size();
     for (size_t k = scene_.meshes[static_cast<size_t>(i)].morph_targets.size(); k < target_count(parts); ++k)
       json["primitives"].back()["targets"].push_back({{"POSITION", no_displacements(vertices)}});
@@ -307,7 +307,7 @@ void NodeWriter::add_morph_targets(OutputJson& json, const Mesh& m) {
 
 void NodeWriter::write_skins() {
   for (const Skin& skin : scene_.skins) {
-    constexpr size_t kMostJoints = 65536;  // that JOINTS_n can number
+    constexpr size_t kMostJoints = 65536;  // limit of JOINTS_n
     if (skin.joints.size() > kMostJoints)
       throw Error(fmt::format("{}: skin '{}' has {} joints, of which glTF can number {}; split it", output_.place(),
                               skin.name, skin.joints.size(), kMostJoints));

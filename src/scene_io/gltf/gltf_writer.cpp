@@ -1,5 +1,5 @@
-// Writing scenes as glTF 2.0. What glTF has no form for goes to `extras.relume` of the object that it belongs to,
-// with the keys of relume's own JSON.
+// Writes scenes as glTF 2.0. Properties without a glTF equivalent go to the object's `extras.relume`, with the keys of
+// relume's JSON.
 #include <fmt/format.h>
 #include <glm/trigonometric.hpp>
 
@@ -30,8 +30,8 @@ OutputJson sun_sky_json(const SunSky& s) {
           {"ground_albedo", numbers(s.ground_albedo)}};
 }
 
-/// Null for an unchanged `automatic`, as files without an environment have it. A map is written beside the scene as an
-/// EXR file.
+/// Null for an unchanged `automatic`, as in files without an environment. A map is written to an EXR file in the same
+/// folder.
 OutputJson environment_json(const Environment& environment, Output& output) {
   OutputJson json;
   switch (environment.kind) {
@@ -76,7 +76,7 @@ OutputJson scene_extras(const Scene& scene, Output& output) {
 std::vector<std::string> write_gltf(const std::filesystem::path& file, const Scene& scene) {
   validate(scene, scene.name.empty() ? "scene" : scene.name);
   Output output(file, scene.source_files);
-  // Readers expect these first.
+  // Readers expect these members first.
   output.root["scene"] = 0;
   output.list("scenes");
   gltf::MaterialWriter(scene, output).write();

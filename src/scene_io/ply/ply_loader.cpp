@@ -21,7 +21,7 @@ namespace {
 using ply::Encoding;
 using ply::Type;
 
-/// Reads the numbers of the body one after the other.
+/// Reads the body's numbers in sequence.
 class NumberReader {
  public:
   NumberReader(std::string_view body, Encoding encoding, const std::string& place)
@@ -81,7 +81,7 @@ class NumberReader {
   const std::string& place_;
 };
 
-/// Linear value of a colour. Integers are display values, as scanners and editors write them; floats are linear.
+/// Linear value of a colour. Integers are sRGB-encoded, as scanners and editors write them; floats are linear.
 float linear_color(Type type, float value) {
   if (type == Type::u8) return linear_from_srgb(value / 255);
   if (type == Type::u16) return linear_from_srgb(value / 65535);
@@ -90,11 +90,11 @@ float linear_color(Type type, float value) {
 
 float alpha_of(Type type, float value) { return value / (type == Type::u8 ? 255 : type == Type::u16 ? 65535 : 1); }
 
-/// Doubles beyond float's range become infinite on purpose: repair_mesh() deals with them.
+/// Doubles beyond float's range become infinite, for repair_mesh() to handle.
 float narrow(double value) { return std::fabs(value) > 3e38 ? kInfinity : static_cast<float>(value); }
 
 void check_count(const NumberReader& reader, const ply::Element& element) {
-  // A number takes at least one byte (in ASCII with its separator two, less the last).
+  // An element takes at least one byte (in ASCII two with its separator, except the last).
   if (element.count > reader.bytes_left() || element.count > 0xffffffffu)
     reader.fail(
         fmt::format("{} elements '{}' cannot be in {} bytes", element.count, element.name, reader.bytes_left()));
@@ -105,7 +105,7 @@ void skip(NumberReader& reader, const ply::Property& property) {
   for (double i = 0; i < count; ++i) reader.next(property.type);
 }
 
-/// Where a vertex keeps the components of one of its attributes; -1: it lacks that one.
+/// Columns of an attribute's components in a vertex; -1 if missing.
 template <size_t N>
 struct Columns {
   std::array<int, N> at;

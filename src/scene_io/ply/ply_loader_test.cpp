@@ -30,7 +30,7 @@ TEST(Ply, LoadsAsciiWithColoursAndTextureCoordinates) {
   const Mesh& mesh = scene.meshes.at(0);
   EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0));
   EXPECT_EQ(mesh.colors[0], Vec4(1, 0, 0, 0.2f));
-  EXPECT_EQ(mesh.uv0[2], Vec2(0, 0));  // v runs down
+  EXPECT_EQ(mesh.uv0[2], Vec2(0, 0));  // v points down
   EXPECT_EQ(mesh.normals[0], Vec3(0, 0, 1));
   EXPECT_EQ(mesh.triangles, std::vector<UVec3>{UVec3(0, 1, 2)});
   EXPECT_TRUE(scene.warnings.empty());
@@ -47,7 +47,7 @@ TEST(Ply, FindsPropertiesByNameInAnyOrder) {
   EXPECT_EQ(mesh.positions[0], Vec3(1, 2, 3));
   EXPECT_EQ(mesh.normals[0], Vec3(0, 1, 0));
   EXPECT_EQ(mesh.uv0[0], Vec2(0.5f, 0.75f));
-  EXPECT_EQ(mesh.colors[0], Vec4(1, 1, linear_from_srgb(0.2f), 1));  // a display value
+  EXPECT_EQ(mesh.colors[0], Vec4(1, 1, linear_from_srgb(0.2f), 1));  // sRGB-encoded
   EXPECT_NE(error_of([&] {
               load("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float w\n" +
                    kFaces + "0 0 0\n3 0 0 0\n");

@@ -1,4 +1,4 @@
-// Strict access to a JSON object: every mistake of its author becomes an Error that names file, place and remedy.
+// Strict access to a JSON object: invalid input raises an Error with file, position and remedy.
 #pragma once
 
 #include <initializer_list>
@@ -18,8 +18,9 @@ namespace relume {
 
 class JsonObject {
  public:
-  /// `path` is where `value` stands in the file ("camera", "lights[2]"; empty: the whole file). `value` must outlive
-  /// this. Throws Error if it is not an object or has a key that is not among `valid_keys`; empty: any key.
+  /// `path` is the position of `value` in the file ("camera", "lights[2]"; empty: the whole file). `value` must outlive
+  /// this object. Throws Error if it is not an object or has a key outside `valid_keys`; empty `valid_keys` allow any
+  /// key.
   JsonObject(const nlohmann::json& value, std::string path, std::string place,
              std::span<const std::string_view> valid_keys);
   JsonObject(const nlohmann::json& value, std::string path, std::string place,
@@ -30,7 +31,7 @@ class JsonObject {
   const nlohmann::json& at(const char* key) const;
   std::vector<std::string> keys() const;
 
-  /// Values at `key`; each throws Error if it is there but of another type, or not within [low, high].
+  /// Value at `key`, or `fallback` if absent. Throws Error if its type is wrong or it is outside [low, high].
   float number(const char* key, float fallback, float low, float high) const;
   bool boolean(const char* key, bool fallback) const;
   std::string string(const char* key, const std::string& fallback) const;
@@ -44,13 +45,13 @@ class JsonObject {
   JsonObject object(const char* key, std::initializer_list<std::string_view> valid_keys) const {
     return object(key, std::span(valid_keys.begin(), valid_keys.size()));
   }
-  /// The objects of the list at `key`; empty if there is none.
+  /// Objects of the list at `key`; empty if absent.
   std::vector<JsonObject> objects(const char* key, std::span<const std::string_view> valid_keys) const;
   std::vector<JsonObject> objects(const char* key, std::initializer_list<std::string_view> valid_keys) const {
     return objects(key, std::span(valid_keys.begin(), valid_keys.size()));
   }
 
-  /// Throws Error unless `key` is there.
+  /// Throws Error if `key` is absent.
   void require(const char* key) const;
   [[noreturn]] void fail(const std::string& problem) const;
   /// "camera.eye"

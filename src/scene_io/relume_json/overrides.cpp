@@ -34,7 +34,7 @@ Vec3 look_direction(const JsonObject& object) {
 
 Vec4 as_value(const glm::quat& q) { return {q.x, q.y, q.z, q.w}; }
 
-/// Throws unless the times of the keys increase.
+/// Times of the keys in seconds. Throws Error unless they increase.
 std::vector<float> key_times(const std::vector<JsonObject>& keys) {
   std::vector<float> times;
   for (const JsonObject& key : keys) {
@@ -103,7 +103,7 @@ SunSky read_sun_sky(const JsonObject& object) {
   return sky;
 }
 
-/// Names for a message, at most a dozen.
+/// Up to twelve names for a message.
 template <typename Items>
 std::string some_names(const Items& items) {
   constexpr size_t kMost = 12;
@@ -113,7 +113,7 @@ std::string some_names(const Items& items) {
   return names.empty() ? "(the scene has none)" : names;
 }
 
-/// The member of the parameter's name, or `value` if there is none.
+/// Member with the parameter's name, or `value` if absent.
 float read(const JsonObject& object, const MaterialParameter& p, float value) {
   return object.number(p.key, value, p.range.low, p.range.high);
 }
@@ -128,7 +128,7 @@ template <typename T>
 requires std::is_enum_v<T> T read(const JsonObject& object, const MaterialParameter& p, T value) {
   return static_cast<T>(object.choice(p.key, static_cast<int>(value), p.choices));
 }
-/// Files of this format do not change textures.
+/// This format cannot change textures.
 TextureRef read(const JsonObject&, const MaterialParameter&, const TextureRef& value) { return value; }
 
 void override_material(const JsonObject& object, Material& m) {
@@ -143,7 +143,7 @@ std::vector<std::string_view> material_keys() {
   return keys;
 }
 
-/// Degrees about X, then Y, then Z.
+/// Rotation about X, then Y, then Z, in degrees.
 glm::quat euler_rotation(const Vec3& deg) {
   const Vec3 half = glm::radians(deg) * 0.5f;
   const glm::quat x(std::cos(half.x), std::sin(half.x), 0, 0);
@@ -152,8 +152,8 @@ glm::quat euler_rotation(const Vec3& deg) {
   return glm::normalize(z * y * x);
 }
 
-/// Appends keys for a turn that ends at `time`. Quaternions take the shorter way round, so wide turns need keys in
-/// between.
+/// Appends keys of a turn that ends at `time`. Quaternions interpolate along the shorter arc, so wide turns need
+/// intermediate keys.
 void add_turn(const Vec3& from_deg, const Vec3& to_deg, float time, AnimationChannel& channel) {
   constexpr float kStepDeg = 45;
   constexpr float kMostSteps = 4096;
@@ -162,7 +162,7 @@ void add_turn(const Vec3& from_deg, const Vec3& to_deg, float time, AnimationCha
   for (int i = 1; i <= steps; ++i) {
     const float t = static_cast<float>(i) / static_cast<float>(steps);
     const float key_time = i == steps ? time : lerp(start, time, t);
-    if (key_time <= channel.times.back()) continue;  // closer than two floats
+    if (key_time <= channel.times.back()) continue;  // finer than float resolution
     channel.times.push_back(key_time);
     channel.values.push_back(as_value(euler_rotation(from_deg + (to_deg - from_deg) * t)));
   }
@@ -206,7 +206,7 @@ void override_node(const JsonObject& object, Index index, Scene& scene) {
     node.matrix.reset();
   }
   override_transform(object, node);
-  // What is said without keys does not move any more.
+  // Properties without keys become static.
   const std::pair<const char*, AnimatedProperty> properties[] = {{"translation", AnimatedProperty::translation},
                                                                  {"rotation_deg", AnimatedProperty::rotation},
                                                                  {"scale", AnimatedProperty::scale}};

@@ -11,7 +11,7 @@ using testing::GltfBuilder;
 using testing::json;
 using testing::SceneFolder;
 
-/// A folder with base.gltf: a triangle with material "paint" in node "part", a camera and a light.
+/// Folder with base.gltf: a triangle with material "paint" in node "part", a camera and a light.
 class RelumeJson : public ::testing::Test {
  protected:
   RelumeJson() {
@@ -68,7 +68,8 @@ TEST_F(RelumeJson, AnimatesTheCamera) {
   const Mat4 middle = world_matrices(scene, 1)[2];
   EXPECT_NEAR(glm::distance(camera_direction(start), Vec3(0, 0, -1)), 0, 1e-6);
   EXPECT_NEAR(glm::distance(Vec3(middle[3]), Vec3(2, 0, 0)), 0, 1e-6);
-  EXPECT_NEAR(glm::distance(camera_direction(middle), glm::normalize(Vec3(1, 0, -1))), 0, 1e-6);  // half of the turn
+  EXPECT_NEAR(glm::distance(camera_direction(middle), glm::normalize(Vec3(1, 0, -1))), 0,
+              1e-6);  // halfway through the turn
   EXPECT_NEAR(glm::distance(Vec3(middle[1]), Vec3(0, 1, 0)), 0, 1e-6);
 }
 
@@ -97,7 +98,7 @@ TEST_F(RelumeJson, AddsLights) {
   EXPECT_FLOAT_EQ(scene.lights[1].angular_diameter_rad, kPi / 360);
   const Mat4 world = world_matrices(scene, 0)[2];
   EXPECT_EQ(Vec3(world[3]), Vec3(1, 2, 3));
-  EXPECT_NEAR(glm::distance(camera_direction(world), Vec3(0, -1, 0)), 0, 1e-6);  // lights shine along -Z too
+  EXPECT_NEAR(glm::distance(camera_direction(world), Vec3(0, -1, 0)), 0, 1e-6);  // lights also shine along -Z
 }
 
 TEST_F(RelumeJson, SetsTheEnvironment) {
@@ -115,7 +116,7 @@ TEST_F(RelumeJson, SetsTheEnvironment) {
 }
 
 TEST_F(RelumeJson, ReadsEnvironmentMaps) {
-  // Radiance file of 2 x 1 texels without run lengths: (1, 0.5, 0.25) is mantissas 128, 64, 32 with exponent 129 - 128.
+  // Radiance file of 2 × 1 texels without run lengths: (1, 0.5, 0.25) has mantissas 128, 64, 32 and exponent 129 - 128.
   const std::string hdr =
       std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") + "\x80\x40\x20\x81\x80\x80\x80\x82";
   folder_.write("sky.hdr", hdr);
@@ -124,7 +125,7 @@ TEST_F(RelumeJson, ReadsEnvironmentMaps) {
   EXPECT_FLOAT_EQ(scene.environment.rotation_rad, kPi);
   EXPECT_EQ(scene.environment.color, Rgb(3));
   ASSERT_EQ(scene.environment.map.size(), 2u);
-  // Readers differ by whether they add half a step (2^-8) to the mantissa.
+  // Readers differ in adding half a step (2^-8) to the mantissa.
   EXPECT_NEAR(glm::distance(scene.environment.map[0], Rgb(1, 0.5f, 0.25f)), 0, 0.008);
   EXPECT_NE(error({{"environment", {{"map", "missing.hdr"}}}}).find("missing.hdr"), std::string::npos);
 }
@@ -145,7 +146,7 @@ TEST_F(RelumeJson, OverridesMaterials) {
   EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
   EXPECT_EQ(m.microfacet_model, MicrofacetModel::beckmann);
   EXPECT_TRUE(m.double_sided);
-  EXPECT_EQ(m.metallic, 1.0f);  // untouched
+  EXPECT_EQ(m.metallic, 1.0f);  // unchanged
 }
 
 TEST_F(RelumeJson, MovesNodes) {

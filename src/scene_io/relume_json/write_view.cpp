@@ -26,7 +26,7 @@ json sun_sky_to_json(const SunSky& s) {
           {"ground_albedo", list_of(s.ground_albedo)}};
 }
 
-/// Far enough that rounding at the size of the coordinates does not turn the view.
+/// Uses a distance at which rounding of the coordinates does not rotate the view.
 Vec3 point_ahead(const Vec3& eye, const Vec3& direction) {
   return eye + direction * std::max(1.0f, max_component(abs(eye)));
 }
@@ -65,7 +65,7 @@ json material_to_json(const Material& material) {
 }
 
 json transform_to_json(const Transform& transform) {
-  // About X, then Y, then Z, as the reader turns.
+  // About X, then Y, then Z, as in the reader.
   return {{"translation", list_of(transform.translation)},
           {"rotation_deg", list_of(euler_degrees(transform.rotation))},
           {"scale", list_of(transform.scale)}};

@@ -1,4 +1,4 @@
-// Parts of a relume JSON file, made from what a scene holds; overrides.h reads them back.
+// Writes parts of a relume JSON file from a scene; overrides.h reads them.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,20 +7,21 @@
 
 namespace relume {
 
-/// "camera": one that `to_world` places. Its scale is lost.
+/// "camera": placed by `to_world`, whose scale is lost.
 nlohmann::json camera_to_json(const Camera& camera, const Mat4& to_world);
 
-/// One of "camera_keys": at `eye`, turned by `rotation` from looking along -Z. What is up comes back as +Y.
+/// An element of "camera_keys": at `eye`, rotated by `rotation` from looking along -Z. Reading sets the up vector to
+/// +Y.
 nlohmann::json camera_key_to_json(float time_s, const Vec3& eye, const glm::quat& rotation);
 
-/// One of "materials": the parameters that the viewer changes. Others stay as the scene has them.
+/// An element of "materials": the parameters that the viewer changes. The reader keeps the scene's other values.
 nlohmann::json material_to_json(const Material& material);
 
-/// One of "nodes": where it stands below its parent.
+/// An element of "nodes": the transform relative to the parent.
 nlohmann::json transform_to_json(const Transform& transform);
 
-/// "environment"; for a map without the file, whose name a scene does not know: the caller adds "map". `none` comes
-/// back as `constant` 0: the format has no word for it.
+/// "environment". A map's file name is not in the scene: the caller adds "map". `none` is written as `constant` 0,
+/// because the format has no equivalent.
 nlohmann::json environment_to_json(const Environment& environment);
 
 }  // namespace relume

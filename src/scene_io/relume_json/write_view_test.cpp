@@ -1,4 +1,4 @@
-// What the writer says, the reader understands.
+// Checks that the reader recovers the writer's output.
 #include "scene_io/relume_json/write_view.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using testing::GltfBuilder;
 using testing::json;
 using testing::SceneFolder;
 
-/// The scene of a file that refers to a triangle of the material "paint" in the node "part", and says `parts` besides.
+/// Scene of a file that contains `parts` and references a triangle with material "paint" in node "part".
 Scene read_back(json parts) {
   GltfBuilder file;
   file.add("materials", {{"name", "paint"}});
@@ -107,7 +107,7 @@ TEST(WriteView, MaterialsComeBack) {
 }
 
 TEST(WriteView, TransformsComeBack) {
-  // The second stands where X and Z turn about the same axis, one rounding beside it.
+  // The second is one rounding from gimbal lock, where X and Z rotate about the same axis.
   for (const glm::quat& rotation :
        {look_rotation({0.3f, 0.2f, -0.9f}, {1, 2, 0}), glm::quat(0.70710677f, 0, 0.70710683f, 0)}) {
     Transform transform;

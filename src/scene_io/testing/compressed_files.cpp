@@ -23,7 +23,7 @@ Bytes encode_triangles(const std::vector<uint32_t>& indices) {
   return bytes;
 }
 
-/// Makes view `view` compressed: it belongs to the fallback buffer 1, its data to buffer 0.
+/// Compresses view `view`: it refers to the fallback buffer 1, its data to buffer 0.
 int compress(GltfBuilder& file, const Bytes& data, size_t count, size_t stride, const char* mode, const char* filter) {
   const int view = file.add_view(data);
   json& v = file.doc["bufferViews"][static_cast<size_t>(view)];
@@ -39,7 +39,7 @@ int compress(GltfBuilder& file, const Bytes& data, size_t count, size_t stride, 
   return view;
 }
 
-/// The builder's file with a second buffer that has no bytes.
+/// The builder's file with an empty second buffer.
 std::string text_with_fallback(const GltfBuilder& file) {
   json doc = json::parse(file.text());
   doc["extensionsRequired"] = {"EXT_meshopt_compression"};
@@ -59,7 +59,7 @@ GltfBuilder meshopt_quad() {
   return file;
 }
 
-/// Two triangles with positions (id 0), texture coordinates (id 1).
+/// Two triangles with positions (id 0) and texture coordinates (id 1).
 Bytes draco_quad(int method) {
   draco::TriangleSoupMeshBuilder builder;
   builder.Start(2);

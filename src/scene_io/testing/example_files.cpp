@@ -133,7 +133,7 @@ Bytes binary_stl() {
   return bytes;
 }
 
-/// A chunk of 3DS: its number, its length with this head, its content.
+/// 3DS chunk: number, length including this header, content.
 Bytes chunk_3ds(uint16_t number, std::initializer_list<Bytes> parts) {
   constexpr size_t kHead = 6;
   Bytes content;

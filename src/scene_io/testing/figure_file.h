@@ -1,4 +1,4 @@
-// A small glTF file of something that moves, for tests and fuzzers.
+// Makes a small animated glTF file for tests and fuzzers.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace relume::testing {
 
-inline constexpr int kUnsignedByte = 5121;  // component type of glTF
+inline constexpr int kUnsignedByte = 5121;  // component type in glTF
 
-/// A triangle that two joints bend, with two morph targets.
+/// A triangle with two joints and two morph targets.
 struct Figure {
   GltfBuilder file;
   int mesh = 0;
@@ -19,7 +19,7 @@ struct Figure {
 
   Figure();
 
-  /// An animation of its own that moves one property of a node. `components` of `values`: 1 … 4.
+  /// Adds an animation of one node property. Each of `values` has 1 to 4 `components`.
   void animate(int target, const char* path, const std::vector<float>& times, const std::vector<float>& values,
                int components, const char* name, const char* interpolation = "LINEAR");
 };

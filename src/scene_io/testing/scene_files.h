@@ -1,4 +1,4 @@
-// Small scene files for tests, made in memory.
+// Makes small scene files in memory for tests.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace relume::testing {
 
 using nlohmann::json;
 
-/// Folder that is removed with what is in it.
+/// Temporary folder, removed with its content on destruction.
 class SceneFolder {
  public:
   SceneFolder();
@@ -39,12 +39,12 @@ Bytes to_bytes(std::string_view text);
 /// "data:…;base64,…"
 std::string data_uri(const Bytes& bytes);
 
-/// PNG of `width` x `height` texels of RGBA, row by row from the top.
+/// PNG of `width` × `height` RGBA texels, in rows from the top.
 Bytes png(int width, int height, const std::vector<uint8_t>& rgba);
-/// PNG of `width` x `height` texels, all of this RGBA.
+/// PNG of `width` × `height` texels of one RGBA value.
 Bytes solid_png(int width, int height, uint8_t r, uint8_t g, uint8_t b, uint8_t a);
 
-/// glTF document whose binary data are in one buffer. `doc` may be changed freely.
+/// glTF document with its binary data in one buffer. `doc` may be changed freely.
 class GltfBuilder {
  public:
   json doc = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", json::array({{{"nodes", json::array()}}})}};
@@ -56,7 +56,7 @@ class GltfBuilder {
     return add_view(bytes);
   }
 
-  /// Accessor with its own view. `components`: 1 to 4, or 16 for MAT4.
+  /// Adds an accessor with a separate view. `components`: 1 to 4, or 16 for MAT4.
   template <typename T>
   int accessor(const std::vector<T>& values, int components, int component_type, bool normalized = false) {
     return add_accessor(view(values), values.size() / static_cast<size_t>(components), components, component_type,
@@ -65,13 +65,13 @@ class GltfBuilder {
   int floats(const std::vector<float>& values, int components) { return accessor(values, components, 5126); }
   int add_view(const Bytes& bytes);
   int add_accessor(int view, size_t count, int components, int component_type, bool normalized = false);
-  /// Appends `object` to the list `list` and returns its index.
+  /// Appends `object` to `list` and returns its index.
   int add(const char* list, json object);
   /// Adds a node to the scene; returns its index.
   int add_root(json node);
-  /// A mesh of one triangle (0,0,0) (1,0,0) (0,1,0) with `extra` merged into its primitive; returns the mesh.
+  /// Adds a mesh of one triangle (0,0,0) (1,0,0) (0,1,0), with `extra` merged into its primitive; returns the mesh.
   int add_triangle(const json& extra = json::object());
-  /// A triangle with the material in a root node; returns the material.
+  /// Adds a triangle with the material in a root node; returns the material.
   int add_triangle_with_material(json material);
 
   std::string text() const;
@@ -86,11 +86,11 @@ class GltfBuilder {
 /// Loads JSON text as glTF.
 Scene load_text(const std::string& text);
 
-/// Message of the Error that `call` throws; empty if it throws none.
+/// Message of the Error thrown by `call`; empty if none.
 template <typename Call>
 std::string error_of(Call call);
 
-/// Whether some sentence contains `part`.
+/// Whether a sentence contains `part`.
 bool mentions(const std::vector<std::string>& sentences, std::string_view part);
 
 }  // namespace relume::testing

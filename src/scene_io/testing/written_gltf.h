@@ -1,4 +1,4 @@
-// Looks at glTF files that were written.
+// Checks written glTF files.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ inline std::string contents(const std::filesystem::path& file) {
 
 inline nlohmann::json written_json(const std::filesystem::path& file) { return nlohmann::json::parse(contents(file)); }
 
-/// Every view lies aligned in the one buffer, and every accessor fills its view.
+/// Checks that every view is aligned in the one buffer and every accessor fills its view.
 inline void expect_sound_accessors(const nlohmann::json& gltf, size_t buffer_size) {
   ASSERT_EQ(gltf["buffers"].size(), 1u);
   EXPECT_EQ(gltf["buffers"][0]["byteLength"], buffer_size);
