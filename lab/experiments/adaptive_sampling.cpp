@@ -1,5 +1,4 @@
-// [Schalk18 §4.2]: the variance of the distance to the reference, with samples where the noise is and with the same
-// number everywhere.
+// [Schalk18 §4.2]: compares the variance of the distance to the reference with adaptive and with uniform sample counts.
 #include <functional>
 
 #include <fmt/format.h>
@@ -15,7 +14,7 @@ namespace {
 
 constexpr const char* kPaper = "[Schalk18 §4.2]";
 
-/// The paper's table 1.
+/// Table 1 of the paper.
 struct Bounds {
   int min;
   int max;
@@ -25,14 +24,14 @@ constexpr Bounds kTable[] = {{2, 16}, {4, 16}, {8, 16}, {2, 32}, {4, 32}, {8, 32
 std::string name_of(const Bounds& bounds) { return fmt::format("{}/{}", bounds.min, bounds.max); }
 
 constexpr const char* kPathTracing = "path tracing";
-/// The same number of samples everywhere, with independent random numbers, as adaptive sampling has them here: what is
-/// lost against path tracing's low-discrepancy points, and what the paper compares with.
+/// Uniform sample counts with independent random numbers, as adaptive sampling uses here. This is the paper's baseline;
+/// it also shows the loss against path tracing's low-discrepancy points.
 constexpr const char* kIndependent = "independent samples";
 
 struct SceneResult {
   std::string name;
   std::string property;
-  std::vector<Trace> traces;  ///< the first is path tracing
+  std::vector<Trace> traces;  ///< path tracing first
   ImageSet images;
 };
 
@@ -56,7 +55,7 @@ TraceContender independent_contender(const ExperimentContext& context, const Exp
   return result;
 }
 
-/// As many as in the paper: the noise of a reference counts in the measure, and cannot be taken off it.
+/// The paper's sample count: the measure includes the reference's noise, which cannot be subtracted.
 int reference_spp(const ExperimentContext& context) { return context.choose(4096, 32); }
 
 SceneResult measure(const ExperimentContext& context, const ExperimentScene& scene, const std::vector<Bounds>& bounds) {
@@ -75,19 +74,19 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return {scene.name, scene.property, std::move(traces), std::move(images)};
 }
 
-/// Times that are compared, in frames of path tracing.
+/// Time range of a comparison, in frames of path tracing.
 struct Window {
   double begin;
   double end;
 };
-/// From half to twice the time of which the paper speaks: 70 ms at 9.3 ms a frame on the box (§4.2.1), 660 ms at 26 ms
-/// in Sponza, after which it shows where samples go (§4.2.2). Later, it says, path tracing catches up (§5).
+/// Half to twice the paper's times: 70 ms at 9.3 ms per frame for the box (§4.2.1), 660 ms at 26 ms in Sponza, for
+/// which it shows the sample distribution (§4.2.2). According to §5, path tracing catches up later.
 constexpr Window kPaperBox{3.75, 15};
 constexpr Window kPaperSponza{12.5, 50};
-/// What else there is to see: from when the threshold has nearly come down.
+/// Additional range: starts when the threshold has almost reached its final value.
 constexpr Window kLate{24, 128};
 
-/// Place of a trace; 0 if it was not measured on this scene.
+/// Index of a trace; 0 if it was not measured on this scene.
 size_t trace_of(const SceneResult& result, std::string_view name) {
   for (size_t i = 1; i < result.traces.size(); ++i) {
     if (result.traces[i].name == name) return i;

@@ -1,4 +1,4 @@
-// The experiments, one file each. experiment.cpp lists them.
+// Declares the experiments, one per file. experiment.cpp lists them.
 #pragma once
 
 #include "experiments/experiment.h"

@@ -1,5 +1,5 @@
-// [Schipek22 §6.3]: in a corridor whose lamp is three bends away, at which bounce cells take over, and how the light
-// arrives.
+// [Schipek22 §6.3]: measures the bounce at which cells terminate paths, and how radiance converges, in a corridor with
+// its lamp behind three bends.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -40,7 +40,7 @@ std::vector<FrameAverages> measure_depths(const ExperimentContext& context, cons
   for (const float constant : kConstants) {
     NamedSettings contender{fmt::format("{}", constant), settings_of(context, scene, CacheChoice::apg)};
     contender.settings.apg.variance_constant = constant;
-    contender.settings.psf.grid.jitter = false;  // as the thesis does for this, to see the cells
+    contender.settings.psf.grid.jitter = false;  // as in the thesis, to make the cells visible
     list.push_back(average_frames(context, scene, contender, plan, reference, surfaces));
   }
   return list;
@@ -60,13 +60,13 @@ Claim claim_depth(const std::vector<FrameAverages>& list) {
                       verdict_of_all(verdicts));
 }
 
-/// What arrives, frame by frame: of the first session, and of all of them in the first frames and in the second half.
+/// Radiance and MSE: per frame of the first session; for all sessions, in the first frames and in the second half.
 struct Arrival {
   std::string name;
-  std::vector<double> share = {};  ///< mean radiance over the reference's
+  std::vector<double> share = {};  ///< mean radiance relative to the reference
   std::vector<double> mse = {};
-  std::vector<double> first_share = {};  ///< one value a session: mean of the first four frames
-  std::vector<double> later_share = {};  ///< of the second half of the frames
+  std::vector<double> first_share = {};  ///< per session: mean of the first four frames
+  std::vector<double> later_share = {};  ///< mean of the second half of the frames
   std::vector<double> later_mse = {};
   Image first = {};
   Image last = {};

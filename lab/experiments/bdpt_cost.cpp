@@ -1,4 +1,4 @@
-// [Sun20 §5.2]: rays a pixel, time and memory of bidirectional path tracing against those of path tracing.
+// [Sun20 §5.2]: compares rays per pixel, time and memory of bidirectional and unidirectional path tracing.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -16,18 +16,18 @@ namespace {
 constexpr const char* kPaper = "[Sun20 §5.2.1]";
 constexpr int kSide = 128;
 
-/// [Sun20 §5.2.1], which counts each visibility test twice.
+/// Rays per sample by [Sun20 §5.2.1], which counts each visibility test twice.
 int paper_rays(int bounces) { return bounces * bounces + 3 * bounces; }
-/// Of paths that are lost nowhere, with every test counted once.
+/// Rays per sample of paths without early termination, with each test counted once.
 int exact_rays(int bounces) { return 2 * bounces + 1 + bounces * (bounces + 3) / 2; }
 
 struct Case {
   std::string scene;
   int bounces = 0;
-  double path_rays = 0;  ///< a sample
+  double path_rays = 0;  ///< per sample
   double bdpt_rays = 0;
-  double all_rays = 0;  ///< of bdpt without any roulette
-  Ratio time;           ///< of a frame of bdpt to one of path tracing
+  double all_rays = 0;  ///< rays of bdpt without Russian roulette
+  Ratio time;           ///< frame time of bdpt over path tracing
 };
 
 double rays_of(const Comparison& c, std::string_view name) {
@@ -37,7 +37,7 @@ double rays_of(const Comparison& c, std::string_view name) {
          pixels;
 }
 
-/// One value a repetition, in which both have had turns.
+/// Time ratio with one value per repetition, in which both took turns.
 Ratio time_of(const Comparison& c) {
   const std::vector<double> path = values_of(contender_named(c, "path"), frame_ms);
   const std::vector<double> bdpt = values_of(contender_named(c, "bdpt"), frame_ms);
@@ -53,7 +53,7 @@ Case measure(const ExperimentContext& context, ExperimentScene scene, int bounce
                            "bdpt.connection-roulette:0,path.russian-roulette:false",
                        .spp = context.choose(8, 4),
                        .repetitions = 5,
-                       .reference_spp = 2};  // errors are not looked at
+                       .reference_spp = 2};  // errors are not evaluated
   use_square(context, kSide, options);
   const Comparison c = study(context, scene, options);
   return {scene.name, bounces, rays_of(c, "path"), rays_of(c, "bdpt"), rays_of(c, "all"), time_of(c)};
@@ -103,7 +103,7 @@ ChartBlock charts(const std::vector<Case>& cases) {
   return block;
 }
 
-/// For each number of bounces, the scene whose samples take most rays, of `bound`.
+/// For each number of bounces, the scene with the most rays per sample, relative to `bound`.
 std::string most_rays_text(const std::vector<Case>& cases, int (*bound)(int bounces)) {
   std::map<int, const Case*> worst;
   for (const Case& c : cases) {
@@ -139,7 +139,7 @@ void claim_rays(const std::vector<Case>& cases, std::vector<Claim>& claims) {
 }
 
 Claim claim_time(const std::vector<Case>& cases) {
-  std::map<int, const Case*> nearest;  // by the number of bounces
+  std::map<int, const Case*> nearest;  // keyed by the number of bounces
   std::vector<const char*> verdicts;
   for (const Case& c : cases) {
     const Case*& worst = nearest[c.bounces];

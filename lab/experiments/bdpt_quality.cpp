@@ -1,5 +1,5 @@
-// [Sun20 §5.1]: noise of bidirectional path tracing against that of path tracing, where there are caustics, mirrors and
-// lamps that light the ceiling.
+// [Sun20 §5.1]: compares the noise of bidirectional and unidirectional path tracing in scenes with caustics, mirrors
+// and lamps that light the ceiling.
 #include <iterator>
 #include <utility>
 
@@ -18,20 +18,20 @@ namespace {
 constexpr const char* kPaper = "[Sun20 §5.1]";
 constexpr const char* kOurs = "[relume]";
 constexpr int kBounces = 8;
-constexpr int kPaperBounces = 4;  ///< D of [Sun20 §5.2.1], whose lights are points and directions
+constexpr int kPaperBounces = 4;  ///< D of [Sun20 §5.2.1], for point and directional lights
 constexpr int kSide = 160;
 
-/// Without the lamp, whose edges are as noisy with every estimator, and brighter than all the rest.
+/// Excludes the lamp: its edges are equally noisy with every estimator and brighter than the remainder.
 const Rectangle kAboveWater = {"walls above the water", 0.05, 0.2, 0.95, 0.6};
 
 struct Case {
-  std::string name;  ///< of the scene
-  Rectangle region;  ///< what the claim is about
+  std::string name;  ///< scene
+  Rectangle region;  ///< region of the claim
   Comparison samples;
   Comparison time;
 };
 
-/// Everybody is measured against bidirectional path tracing.
+/// Options with bidirectional path tracing for the reference.
 StudyOptions options_of(const ExperimentContext& context, const std::string& techniques) {
   StudyOptions options{.techniques = techniques, .repetitions = 6, .reference_spp = 512};
   use_square(context, kSide, options);
@@ -50,7 +50,7 @@ Case measure(const ExperimentContext& context, const ExperimentScene& scene, Rec
   return {scene.name, std::move(region), study(context, scene, samples), study(context, scene, time)};
 }
 
-/// Path tracing's MSE over that of bidirectional path tracing.
+/// MSE of path tracing over that of bidirectional path tracing.
 Ratio gain(const Comparison& c, const Rectangle& region = {"image"}) { return region_ratio(c, "path", "bdpt", region); }
 
 TableBlock table(const std::vector<Case>& cases) {
@@ -72,13 +72,13 @@ TableBlock table(const std::vector<Case>& cases) {
   return block;
 }
 
-/// Noise alone: path tracing lacks light here that a mean of its images lacks, too.
+/// Ratio of variances. Excludes energy that is also missing from the mean of path tracing's images.
 Ratio noise_gain(const Comparison& path, const Comparison& bdpt, const Rectangle& region) {
   return error_ratio(region_variances(path, "path", region), region_variances(bdpt, "bdpt", region));
 }
 Ratio noise_gain(const Comparison& c, const Rectangle& region) { return noise_gain(c, c, region); }
 
-/// The share of the region's light that path tracing does not find.
+/// Share of the region's energy that path tracing misses.
 double light_missed(const Case& c) {
   std::vector<double> means;
   for (const Image& image : contender_named(c.samples, "path").images) means.push_back(region_mean(image, c.region));
@@ -148,7 +148,7 @@ void claim_frames(const ExperimentContext& context, std::vector<Claim>& claims) 
                                  "path tracing's MSE over its own, there: " + to_text(water), {water}, 1));
 }
 
-/// One of the paper's own lights.
+/// A light from the paper.
 struct OwnLight {
   DeltaLight light;
   const char* id;
@@ -163,7 +163,7 @@ std::vector<Case> measure_under(const ExperimentContext& context, DeltaLight lig
           measure(context, box_under("cornell-water", light, kPaperBounces), kAboveWater)};
 }
 
-/// The paper's claims about noise once more, with its lights and its D.
+/// Repeats the paper's claims about noise with its lights and its D.
 void claim_own_light(const ExperimentContext& context, const OwnLight& own, const std::vector<Case>& cases,
                      std::vector<Claim>& claims) {
   const auto judge = [&](const char* id, const char* paper, const char* claim, const std::string& measured,
@@ -201,7 +201,7 @@ Claim claim_region(const Case& c, std::string id, const char* paper, double fact
       fmt::format("{}; over the image {}", to_text(ratio), to_text(gain(c.time))), {ratio}, factor);
 }
 
-/// The reference by an estimator that shares nothing but the light subpaths: mean of a region in plain view.
+/// Checks the reference against an estimator that shares only the light subpaths: mean of a directly visible region.
 Claim claim_reference(const ExperimentContext& context, const std::vector<Case>& cases) {
   std::string measured;
   std::vector<const char*> verdicts;

@@ -1,5 +1,5 @@
-// [Sun20 §5.1.3]: what is left of caustics, bleeding colours, shadows and mirror images after the denoiser; and how
-// much nearer denoised images come, still and along a walk.
+// [Sun20 §5.1.3]: measures how well caustics, colour bleeding, shadows and mirror images survive denoising, and how far
+// denoising reduces the error of still and moving images.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -23,18 +23,18 @@ namespace {
 constexpr const char* kPaper = "[Sun20 §5.1.3]";
 constexpr const char* kOurs = "[relume]";
 constexpr const char* kDenoisers[] = {"bmfr", "svgf"};
-/// Denoisers trace camera rays of their own at edges of lamps: with as many samples, they would have more to go by than
-/// what they are compared with. Claims are about filters, and so without; images show both.
+/// Denoisers trace additional camera rays at lamp edges, which would favour them at equal samples. Claims concern the
+/// filters alone and disable these rays; images show both variants.
 constexpr const char* kOfSamples =
     "none=denoise:none,bmfr=denoise:bmfr,features.edge-rays:0,svgf=denoise:svgf,features.edge-rays:0,"
     "koskela=history:none,denoise:bmfr,features.edge-rays:0,bmfr.alpha:0.2,bmfr.detail:0";
-/// As [Koskela19] has it: frames weigh a fifth at least in the first accumulation, and the image is the fit, without
-/// details and without the mean of the samples. Shown beside; claims are judged without it.
+/// Settings of [Koskela19]: frames weigh at least a fifth in the first accumulation. The image is the fit, without
+/// details and without the mean of samples. Shown for comparison; not used in claims.
 constexpr const char* kOfPaper = "koskela";
 constexpr const char* kBeside[] = {kDenoisers[0], kDenoisers[1], kOfPaper};
-constexpr int kSide = 160;  ///< of still images
+constexpr int kSide = 160;  ///< size of still images
 
-/// What the paper names, and where it is in a still image.
+/// A feature named by the paper and its region in a still image.
 struct Feature {
   const char* scene;
   Rectangle region;
@@ -49,14 +49,14 @@ const Feature kFeatures[] = {
 };
 
 struct Still {
-  std::string name;  ///< of the scene
+  std::string name;  ///< scene
   std::vector<Rectangle> regions;
   Comparison comparison;
   Image clean;  ///< independent_image()
 };
 
-/// Another image of many samples, without a denoiser: noise in the reference makes contrast and detail that nothing
-/// can keep, so what counts is the share of what this keeps.
+/// Second converged image, without a denoiser. Noise in the reference adds contrast and detail that no image can keep.
+/// The result is therefore relative to the share kept by this image.
 Image independent_image(const ExperimentContext& context, const ExperimentScene& scene, EstimatorChoice estimator,
                         const Image& reference) {
   RenderSettings settings = scene.settings;
@@ -91,7 +91,8 @@ Still measure_still(const ExperimentContext& context, const std::string& name) {
   return {name, std::move(regions), std::move(comparison), std::move(clean)};
 }
 
-/// Sponza with a camera that stands for a while and then walks and turns. `frames`: of both, 24 a second.
+/// Sponza with a camera that rests and then walks and turns. `still` and `moving` are numbers of frames at 24 per
+/// second.
 ExperimentScene sponza_walk(ExperimentScene hall, int still, int moving) {
   Scene& scene = hall.scene;
   for (Node& node : scene.nodes) node.camera = kNone;
@@ -126,7 +127,7 @@ struct Walk {
   int still = 0;
   Comparison comparison;
 
-  /// The noisy input's MSE over a denoiser's, of each frame in [begin, end).
+  /// MSE of the noisy input over the denoiser's, for each frame in [begin, end).
   std::vector<Ratio> ratios(std::string_view name, int begin, int end) const {
     std::vector<Ratio> list;
     for (int i = begin; i < end; ++i) list.push_back(error_ratio(at("noisy", i), at(name, i)));
@@ -135,7 +136,7 @@ struct Walk {
   int frames() const { return static_cast<int>(comparison.options.times_s.size()); }
 
  private:
-  /// One value a repetition, without the reference's own noise, for which that of the last frame's stands.
+  /// MSE per repetition, minus the noise of the last frame's reference, which is used for all frames.
   std::vector<double> at(std::string_view name, int frame) const {
     return values_of(contender_named(comparison, name), [&](const Repetition& r) {
       return r.curve[static_cast<size_t>(frame)].mse - comparison.reference.mse;
@@ -154,7 +155,7 @@ Walk measure_walk(const ExperimentContext& context, const ExperimentScene& hall)
   return {still, study(context, sponza_walk(hall, still, moving), options)};
 }
 
-/// Of milliseconds of each frame.
+/// Claim about milliseconds of each frame.
 Claim claim_time(const std::vector<double>& fit, const std::vector<double>& features, const std::vector<double>& all) {
   const Interval of_fit = median_interval(fit);
   const Interval of_all = median_interval(all);
@@ -167,8 +168,8 @@ Claim claim_time(const std::vector<double>& fit, const std::vector<double>& feat
       verdict_of_all({verdict_of(of_fit, 0, 40), verdict_of(of_all, 0, 100)}));
 }
 
-/// Milliseconds a frame at 1280 × 720 (160 × 90 in a quick run) by pass, features and edges of lamps among them. Every
-/// pixel shows a surface.
+/// Measures denoising time per frame at 1280 × 720 (160 × 90 in a quick run) by pass, including features and lamp
+/// edges. Every pixel shows a surface.
 BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& claims) {
   const int width = context.choose(1280, 160);
   const int height = context.choose(720, 90);
@@ -184,7 +185,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
     scene.settings.threads = 2;
     scene.settings.denoise = name == kDenoisers[0] ? DenoiseChoice::bmfr : DenoiseChoice::svgf;
     TimedSession session(scene.scene, scene.settings);
-    std::map<std::string, std::vector<double>> times;  // of each frame
+    std::map<std::string, std::vector<double>> times;  // per frame
     for (int i = 0; i <= frames; ++i) {
       context.check_stop();
       const std::vector<PassTime> before = session.passes();
@@ -194,7 +195,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
         times[pass.name].push_back(1000 * pass.seconds);
     }
     Bar bar{name, {}};
-    std::vector<double> sums(static_cast<size_t>(frames), 0.0);  // of each frame
+    std::vector<double> sums(static_cast<size_t>(frames), 0.0);  // per frame
     for (auto& [pass, values] : times) {
       if (!pass.starts_with(name) && pass != "features" && pass != "edges") continue;
       bar.parts.emplace_back(pass, median(values));
@@ -206,7 +207,7 @@ BarBlock measure_times(const ExperimentContext& context, std::vector<Claim>& cla
   return block;
 }
 
-/// What `value` makes of the image of each repetition.
+/// Applies `value` to the image of each repetition.
 std::vector<double> of_images(const Comparison& c, std::string_view name,
                               const std::function<double(const Image&)>& value) {
   std::vector<double> values;
@@ -214,13 +215,13 @@ std::vector<double> of_images(const Comparison& c, std::string_view name,
   return values;
 }
 
-/// "91 % (90 to 92)" of shares.
+/// Text "91 % (90 to 92)" of shares.
 std::string percent_text(const std::vector<double>& shares) {
   const Interval interval = mean_interval(shares);
   return fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100 * mean(shares), 100 * interval.low, 100 * interval.high);
 }
 
-/// Each kind of feature keeps its contrast, and its error falls below that of the same samples without the denoiser.
+/// Each kind of feature keeps its contrast, with a lower error than the same samples without a denoiser.
 void claim_features(const std::vector<Still>& stills, std::vector<Claim>& claims) {
   for (const Feature& f : kFeatures) {
     const Still& still = named(stills, f.scene);
@@ -262,12 +263,12 @@ Claim claim_error(const std::vector<Still>& stills) {
                        measured + " of its MSE after 8 samples", "below 1 in every scene", of_bmfr, 0, 1);
 }
 
-/// Cloth and stone of Sponza.
+/// Cloth and stone in Sponza.
 const Rectangle kTextures[] = {
     {"left curtain", 0.0, 0.38, 0.17, 0.96}, {"right curtain", 0.82, 0.4, 1.0, 0.96}, {"floor", 0.35, 0.7, 0.65, 0.98}};
 constexpr const char* kTextureClaim = "Textures stay sharp: their detail is that of the reference.";
 
-/// Eight frames of a sample each of a camera that stands.
+/// Eight frames of one sample per pixel with a static camera.
 Comparison claim_textures(const ExperimentContext& context, const ExperimentScene& hall, std::vector<Claim>& claims) {
   StudyOptions options{.techniques = kOfSamples, .spp = 8, .repetitions = 4, .reference_spp = 1024};
   if (!context.quick) options.common = {{"width", "480"}, {"height", "270"}};

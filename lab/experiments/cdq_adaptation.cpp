@@ -1,4 +1,4 @@
-// [Dittebrandt20 §7.3]: how fast quadtrees follow when light suddenly comes from elsewhere.
+// [Dittebrandt20 §7.3]: measures how fast quadtrees adapt to a sudden change in light direction.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -13,9 +13,9 @@ namespace relume {
 namespace {
 
 constexpr const char* kPaper = "[Dittebrandt20 §7.3]";
-constexpr float kDegreesPerSecond = 36;  // of the turntable
+constexpr float kDegreesPerSecond = 36;  // speed of the turntable
 
-/// What differs among the quadtrees: lasting ones, or the paper's with so many bits and migrations.
+/// A quadtree variant: lasting, or the paper's with this number of bits and migrations.
 struct Variation {
   int bits = 128;
   int migrations = 1;
@@ -33,16 +33,16 @@ constexpr Variation kLasting = {.lasting = true};
 struct Case {
   float degrees;
   Variation variation;
-  Adaptation adaptation;  ///< frame 0 is the first after the change
+  Adaptation adaptation;  ///< frame 0 is the first one after the change
 };
 
-/// What is to be seen after the change, and where errors count.
+/// Reference after the change, and the pixels with surfaces for errors.
 struct Goal {
   Reference reference;
   PixelMask surfaces;
 };
 
-/// Adapts to the lamp's first place, turns it at once, and measures from there on.
+/// Adapts to the lamp's first position, moves it, and measures the following frames.
 Case measure(const ExperimentContext& context, Session& session, const RenderSettings& base, const Goal& goal,
              float degrees, const Variation& variation) {
   RenderSettings settings = base;

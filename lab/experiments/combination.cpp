@@ -1,4 +1,4 @@
-// [Schalk18 §4.4]: adaptive sampling on top of reprojection, after a turn in steps of five degrees.
+// [Schalk18 §4.4]: adaptive sampling combined with reprojection, after a turn in steps of five degrees.
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -13,7 +13,7 @@ constexpr const char* kPaper = "[Schalk18 §4.4]";
 
 struct SceneResult {
   std::string name;
-  std::vector<Trace> traces;  ///< start anew, reprojection, combinations
+  std::vector<Trace> traces;  ///< restarted accumulation, reprojection, combinations
   ImageSet images;
 };
 
@@ -24,7 +24,7 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
   if (samples_per_step > 0) {
     result.settings.history = HistoryChoice::reproject;
     result.settings.reproject.stored = StoredSampleChoice::one;
-    result.settings.reproject.fill = false;  // which the paper does not do
+    result.settings.reproject.fill = false;  // not part of the paper
   }
   if (min_samples > 0) {
     result.settings.allocation = AllocationChoice::adaptive;
@@ -66,7 +66,7 @@ void claim_box(const SceneResult& scene, std::vector<Claim>& claims) {
 }
 
 void claim_sponza(const SceneResult* scene, std::vector<Claim>& claims) {
-  constexpr double kPaperFrames = 27;  // 700 ms in the paper, at 26 ms a frame
+  constexpr double kPaperFrames = 27;  // 700 ms in the paper, at 26 ms per frame
   const std::string wins =
       "On Sponza the combination is better than reprojection for the first 700 ms, some 27 frames.";
   const std::string order = "On Sponza min/max 4/32 is better than 2/32.";

@@ -1,4 +1,4 @@
-// [Dittebrandt20 §7.4]: what preparation and sampling cost.
+// [Dittebrandt20 §7.4]: measures the cost of preparation and sampling.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -48,12 +48,12 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return {scene.name, measure_adapted(context, scene, list, {}, {}, options)};
 }
 
-/// What every frame has, whatever it learns; and what is only to be looked at.
+/// Whether the pass is part of every frame or a debug view, and thus not preparation.
 bool prepares_nothing(const std::string& pass) {
   return pass == "gbuffer" || pass == "trace" || pass == "accumulate" || pass.ends_with("-view");
 }
 
-/// The share of a frame that is none of these, with what no pass is timed for.
+/// Share of a frame outside these passes, including untimed work.
 double preparation_share(const AdaptedError& e) {
   const double all = mean(e.frame_s);
   double others = 0;
@@ -88,7 +88,7 @@ TableBlock memory_table(const std::vector<SceneResult>& scenes) {
 
 double figure(const AdaptedError& e, std::string_view name) { return named(e.figures, name).value; }
 
-/// From what the passes hold, not from what they are declared to.
+/// Claim from the measured, not the declared, memory of the passes.
 Claim claim_memory(const SceneResult& scene, const std::string& id) {
   const AdaptedError& e = scene.errors[kPaperGuided];
   const double slots = figure(e, "octree.leaf-slots");
@@ -104,7 +104,7 @@ Claim claim_memory(const SceneResult& scene, const std::string& id) {
       "at most 48", counted <= 48);
 }
 
-/// Of the paper's settings, or of relume's.
+/// Adds claims for the paper's settings, or for relume's if `own`.
 void add_claims(const SceneResult& scene, const std::string& id, bool own, std::vector<Claim>& claims) {
   const AdaptedError& cache = scene.errors[own ? kCache : kPaperCache];
   const AdaptedError& guided = scene.errors[own ? kGuided : kPaperGuided];

@@ -1,5 +1,5 @@
-// [Dittebrandt20 §7.1]: directions from a compressed quadtree against those of the BSDF, at one sample a pixel, once
-// they have adapted; and what the departures from the paper are worth.
+// [Dittebrandt20 §7.1]: compares adapted directions from a compressed quadtree with BSDF sampling at one sample per
+// pixel, and measures each deviation from the paper.
 #include <algorithm>
 #include <utility>
 
@@ -22,25 +22,25 @@ constexpr const char* kOurs = "[relume]";
 struct SceneResult {
   std::string name;
   std::vector<PixelMask> regions;
-  std::vector<AdaptedError> errors;  ///< the first follows the BSDF; then guiding, as `kGuided` says
+  std::vector<AdaptedError> errors;  ///< BSDF sampling first, then guiding in the order of `kGuided`
   ImageSet images;
 };
 
-/// What of AdaptedError's list guides, and how claims about it are told apart.
+/// A guided contender: its index in the errors, and the labels of its claims.
 struct Guided {
   size_t contender;
   const char* name;
-  const char* suffix;  ///< of claims
+  const char* suffix;  ///< suffix of claims
   const char* source;
 };
 constexpr Guided kGuided[] = {{1, "cdq, as in the paper", "", kPaper},
                               {2, "cdq, lasting quadtrees", "-lasting", kOurs}};
 
-/// Where it is among the errors of a scene whose environment is not sampled.
+/// Index in the errors of BSDF sampling with next event estimation of the environment, in scenes that disable it.
 constexpr size_t kSampled = 3;
 
-/// The BSDF, the paper's settings, lasting quadtrees; for comparison next event estimation of the environment, if the
-/// scene leaves that to paths; then departures from the paper's one by one, and from lasting ones.
+/// Contenders: the BSDF, the paper's settings and lasting quadtrees. Next event estimation of the environment is added
+/// if the scene disables it. Then follow single departures from the paper's settings and from lasting ones.
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool departures) {
   RenderSettings settings = scene.settings;
   set_size(context, settings, scene.scale);
@@ -157,8 +157,8 @@ void claim_mine(const SceneResult& paper, const SceneResult& sampled, const Guid
                     {time_paper, time_sampled}, 1));
 }
 
-/// The paper's uniform light is that of the warehouse; of the cover (§7.1) and of the turntable (§7.3) it says that
-/// guiding helps.
+/// The warehouse has the paper's uniform light. For the cover (§7.1) and the turntable (§7.3), the paper claims an
+/// improvement.
 void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guided, std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;
   std::string measured;
@@ -183,7 +183,7 @@ void claim_elsewhere(const std::vector<SceneResult>& scenes, const Guided& guide
   }
 }
 
-/// Images of the mine whose regions get some thousand samples a frame, as in the paper.
+/// Image scale of the mine that gives each region about a thousand samples per frame, as in the paper.
 constexpr int kMineScale = 3;
 
 ExperimentScene mine(std::string name, bool environment, int scale) {
@@ -194,7 +194,7 @@ ExperimentScene mine(std::string name, bool environment, int scale) {
   return scene;
 }
 
-/// With a smaller sun, as bright in all: the fewer directions matter, the more there is to gain.
+/// Mine with a smaller sun of the same power: guiding gains more when fewer directions matter.
 ExperimentScene mine_with_sun(float degrees) {
   ExperimentScene scene = mine(fmt::format("mine, a sun of {}°, environment not sampled, small", degrees), false, 1);
   scene.scene.environment.sun_sky.sun_angular_diameter_rad = glm::radians(degrees);
@@ -217,7 +217,7 @@ void claim_suns(const SceneResult& ten, const std::vector<SceneResult>& smaller,
 ExperimentResult run_guiding(const ExperimentContext& context) {
   const SceneResult paper_result = measure(context, mine("mine, environment not sampled", false, kMineScale), false);
   const SceneResult sampled_result = measure(context, mine("mine, environment sampled", true, kMineScale), false);
-  // A quick run has no departures, and all its images are small.
+  // A quick run has no departures, and only small images.
   const SceneResult departures =
       context.quick ? paper_result : measure(context, mine("mine, environment not sampled, small", false, 1), true);
   std::vector<SceneResult> suns;

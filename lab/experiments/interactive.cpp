@@ -1,5 +1,4 @@
-// Which combination of techniques shows the best image while the camera turns: many that combine, and presets, at
-// equal time.
+// Finds the best combination of techniques for a moving camera: combinations and presets at equal time.
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +22,7 @@ constexpr const char* kInteractive = "interactive";
 constexpr const char* kPapers[] = {"paper-000", "paper-001", "paper-002", "paper-003", "paper-004"};
 
 constexpr int kRepetitions = 2;
-constexpr int kManyRepetitions = 8;  // of what claims with intervals are about
+constexpr int kManyRepetitions = 8;  // for claims with intervals
 
 struct Variation {
   std::string name;
@@ -36,7 +35,7 @@ MovingContender contender(const ExperimentScene& scene, std::string name, std::s
   return result;
 }
 
-/// Ways to bring frames together: the last view alone, with what is kept by reprojection, and denoised.
+/// Final stages: the last view alone, with reprojected history, and denoised.
 const Variation kEnds[] = {{"", R"({"history": "none"})"},
                            {", reprojected", R"({"history": "reproject", "reproject.method": "backward"})"},
                            {", bmfr", R"({"denoise": "bmfr"})"},
@@ -60,7 +59,7 @@ const Variation kTransports[] = {
     {"bdpt", R"({"estimator": "bdpt"})"},
 };
 
-/// Samples where the noise is: while the camera moves, only a history that goes along knows where that is.
+/// Adaptive sampling: during camera motion, its noise estimate requires a reprojected history.
 const Variation kAdaptive[] = {
     {"light-tree, adaptive, reprojected",
      R"({"lights": "light-tree", "allocation": "adaptive", "history": "reproject", "reproject.method": "backward"})"},
@@ -72,7 +71,7 @@ const Variation kAdaptive[] = {
          "reproject.method": "backward", "denoise": "svgf"})"},
 };
 
-/// Combinations that led in earlier runs: only more repetitions tell which of them is the best.
+/// Best combinations of earlier runs, repeated more often to rank them.
 constexpr std::string_view kLeaders[] = {"vlc, svgf",        "vlc, cdq, svgf",        "static-lists, svgf",
                                          "light-tree, svgf", "psf, light-tree, svgf", "apg, light-tree, svgf"};
 
@@ -80,7 +79,7 @@ bool leads(std::string_view name) {
   return std::find(std::begin(kLeaders), std::end(kLeaders), name) != std::end(kLeaders);
 }
 
-/// Presets first, `interactive` before the others: its frames are everybody's measure of time.
+/// Presets, then combinations. `interactive` comes first: the time of its frames is the common budget.
 std::vector<MovingContender> contenders(const ExperimentContext& context, const ExperimentScene& scene) {
   std::vector<MovingContender> list{contender(scene, kInteractive, require_preset(kInteractive).json)};
   for (const char* name : kPapers) list.push_back(contender(scene, name, require_preset(name).json));
@@ -98,7 +97,7 @@ std::vector<MovingContender> contenders(const ExperimentContext& context, const 
   return list;
 }
 
-/// Geometric mean over the scenes of a contender's MSE over the least of any.
+/// Geometric mean over the scenes of each contender's MSE over the lowest MSE.
 std::vector<double> distances_to_best(const std::vector<MovingErrors>& scenes) {
   std::vector<double> logs(scenes.front().contenders.size(), 0);
   for (const MovingErrors& scene : scenes) {
@@ -154,7 +153,7 @@ Claim claim_scene(const MovingErrors& scene) {
       measured + " of its MSE", ratios, 1);
 }
 
-/// How many times less MSE `interactive` has, geometric mean over the scenes.
+/// MSE of the named contender over that of `interactive`: geometric mean over the scenes.
 Ratio gain_over(const std::vector<MovingErrors>& scenes, std::string_view name) {
   double log_value = 0;
   double squared_spread = 0;

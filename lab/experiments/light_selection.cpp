@@ -1,4 +1,4 @@
-// [Dittebrandt20 §7.1]: ways to choose a light, at one sample a pixel, once they have adapted.
+// [Dittebrandt20 §7.1]: compares adapted light sampling techniques at one sample per pixel.
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,25 +17,25 @@ namespace {
 constexpr const char* kPaper = "[Dittebrandt20 §7.1]";
 
 constexpr const char* kOurs = "[relume]";
-constexpr const char* kCache = "vlc";                        // with our extensions
-constexpr const char* kPaperCache = "vlc, as in the paper";  // one table for exploration, even buckets
+constexpr const char* kCache = "vlc";                        // with relume's extensions
+constexpr const char* kPaperCache = "vlc, as in the paper";  // single table for exploration, uniform buckets
 constexpr const char* kTree = "light tree";
 constexpr const char* kLists = "static lists";
 
 struct SceneResult {
   std::string name;
-  double noise = 0;  ///< MSE of the reference where errors count
+  double noise = 0;  ///< MSE of the reference over the counted pixels
   std::vector<AdaptedError> errors;
   ImageSet images;
 };
 
-/// How much is measured.
+/// Extent of the measurement.
 enum class Extent {
-  ways,   ///< each way to choose a light
+  ways,   ///< each light sampling technique
   tuned,  ///< also static lists with other settings
 };
 
-/// Images of the warehouse in which regions get as many samples as in the paper's, or nearly.
+/// Image scale of the warehouse that gives regions nearly as many samples as in the paper.
 constexpr int kWarehouseScale = 3;
 
 std::vector<NamedSettings> contenders(const ExperimentContext& context, const ExperimentScene& scene, Extent extent) {
@@ -58,7 +58,7 @@ std::vector<NamedSettings> contenders(const ExperimentContext& context, const Ex
   use_paper_cache(paper);
   add(kCache, vlc, GuideChoice::bsdf);
   if (extent == Extent::ways) return list;
-  // Cells narrower than a bay of the warehouse (3 m), and more exploration for what their lists miss.
+  // Cells narrower than a bay of the warehouse (3 m), and more exploration to cover lights missing from their lists.
   const std::pair<float, float> tuned[] = {{2.0f, 0.1f}, {2.0f, 0.2f}, {0.0f, 0.2f}};
   for (const auto& [cell, exploration] : tuned) {
     if (context.quick && !(cell == 2 && exploration == 0.1f)) continue;
@@ -81,7 +81,7 @@ SceneResult measure(const ExperimentContext& context, const ExperimentScene& sce
   return result;
 }
 
-/// Of the static lists, whichever has the least of what `cost` tells.
+/// Errors of the static lists with the lowest `cost`.
 template <typename Cost>
 const AdaptedError& best_lists(const SceneResult& scene, const Cost& cost) {
   const AdaptedError* best = &named(scene.errors, kLists);
@@ -123,7 +123,7 @@ Ratio against(const AdaptedError& worse, const AdaptedError& better) {
   return error_ratio(worse.mse[0], better.mse[0]);
 }
 
-/// What the paper claims of the cache, for one choice of its settings.
+/// Claims of the paper about the cache, for one variant of its settings.
 void claim_warehouse(const SceneResult& scene, const char* cache, const std::string& suffix, const char* source,
                      std::vector<Claim>& claims) {
   const AdaptedError& ours = named(scene.errors, cache);
@@ -158,7 +158,7 @@ void claim_warehouse(const SceneResult& scene, const char* cache, const std::str
                     measured, ratios, 1));
 }
 
-/// But in `warehouse`, which the other claims are about.
+/// Claims about all scenes except `warehouse`, which has its own.
 void claim_elsewhere(const std::vector<SceneResult>& scenes, const char* cache, const std::string& suffix,
                      std::vector<Claim>& claims) {
   std::vector<Ratio> ratios;

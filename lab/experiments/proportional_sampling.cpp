@@ -1,5 +1,5 @@
-// Samples in proportion to the standard deviation ([Neyman34], §4), as the pixels around estimate it: against the same
-// number of samples everywhere, and beside the method of [Schalk18].
+// Sampling in proportion to the standard deviation ([Neyman34], §4), estimated from neighbouring pixels: compared with
+// uniform sample counts and the method of [Schalk18].
 #include <algorithm>
 #include <set>
 
@@ -23,13 +23,13 @@ constexpr const char* kPooledDisplay = "pooled, display";
 constexpr const char* kPaper = "paper";
 constexpr const char* kPaperIndependent = "paper, independent";
 
-/// Frames of path tracing between whose times errors are compared: from when every pixel has had its first samples.
+/// Time range of comparisons in frames of path tracing, starting after every pixel's first samples.
 constexpr double kBegin = 8;
 constexpr double kEnd = 64;
 
 struct SceneResult {
   std::string name;
-  std::vector<Trace> traces;  ///< the first is path tracing
+  std::vector<Trace> traces;  ///< path tracing first
   ImageSet images;
 };
 
@@ -52,7 +52,7 @@ TraceContender adaptive(const ExperimentContext& context, const ExperimentScene&
   return result;
 }
 
-/// Every sample by independent random numbers, as in the paper.
+/// Uses independent random numbers for every sample, as in the paper.
 TraceContender independent(TraceContender contender) {
   contender.settings.stratify = false;
   return contender;
@@ -93,7 +93,7 @@ std::vector<SceneResult> measure_methods(const ExperimentContext& context) {
   return results;
 }
 
-/// Every built-in scene in a full run, with the default.
+/// Built-in scenes with the default method: all in a full run.
 std::vector<SceneResult> measure_built_in(const ExperimentContext& context) {
   const std::set<std::string_view> quick{"cornell-glass", "mine"};
   std::vector<SceneResult> results;

@@ -1,4 +1,4 @@
-// [Schipek22 §6.1], figures 6.5 to 6.14: what is wrong with the average frame.
+// [Schipek22 §6.1], figures 6.5 to 6.14: measures the bias of the average frame.
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -11,9 +11,9 @@ namespace {
 
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 
-/// The apg with the largest constant whose variance is at most half of path tracing's, both away from lamps, at whose
-/// edges caches have camera rays of their own; nullptr if there is none. The biases have no say in which, or the noise
-/// of several would choose the luckiest.
+/// apg with the largest constant whose variance is at most half of path tracing's; nullptr if none. Both variances
+/// exclude lamp edges, where caches trace additional camera rays. The choice ignores the biases, since their noise
+/// would favour the lowest of several.
 const FrameAverages* quiet_graph(const SceneAverages& scene) {
   const double limit = 0.5 * named(scene.caches, "path").surface_variance.value;
   const FrameAverages* best = nullptr;
@@ -23,7 +23,7 @@ const FrameAverages* quiet_graph(const SceneAverages& scene) {
   return best;
 }
 
-/// That a's bias² is below `factor` times b's.
+/// Claims that a's bias² is below `factor` times b's.
 void claim_less_bias(std::string id, std::string claim, const FrameAverages& a, const FrameAverages& b, double factor,
                      const std::string& note, std::vector<Claim>& claims) {
   claims.push_back({std::move(id), kPaper, std::move(claim),
@@ -53,7 +53,7 @@ void claim_graph(const SceneAverages& scene, std::vector<Claim>& claims) {
                   claims);
 }
 
-/// With the same cells the two have nearly the same bias, so that "no more" needs a margin.
+/// With the same cells, both have almost the same bias, so that "no more" requires a margin.
 void claim_primary(const SceneAverages& scene, std::vector<Claim>& claims) {
   claim_less_bias("primary-bias-" + scene.name, fmt::format("{}: apsf has no more bias than psf.", scene.name),
                   named(scene.caches, "apsf"), named(scene.caches, "psf"), 1.05, "", claims);

@@ -1,5 +1,5 @@
-// [Schipek22 §6.1], figures 6.1 to 6.4: the error of frames of one sample a pixel, with and without what earlier frames
-// know.
+// [Schipek22 §6.1], figures 6.1 to 6.4: measures the error of one-sample frames, with and without cells from earlier
+// frames.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -18,15 +18,14 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.1]";
 constexpr const char* kOurs = "[relume]";
 
-/// Caches show single frames and what their cells know; "accumulated" is path tracing with a history.
+/// Caches display single frames filtered with their cells; "accumulated" is path tracing with a history.
 constexpr const char* kContenders =
     "path=cache:none,history:none,accumulated=cache:none,history:accumulate,psf=cache:psf,history:none,"
     "psf-no-edge-rays=cache:psf,history:none,psf.edge-rays:0,"
     "psf-accumulated=cache:psf,history:accumulate,apsf=cache:apsf,history:none,apg=cache:apg,history:none,"
     "apg+apsf=cache:apsf+apg,history:none";
 
-/// MSE after so many frames, which curves must have a point for; one value a repetition, without the reference's own
-/// noise.
+/// MSE per repetition after `frames` frames, without the reference's noise. The curves must have a point there.
 std::vector<double> errors_at(const Comparison& c, std::string_view name, uint32_t frames) {
   std::vector<double> errors;
   for (const Repetition& r : contender_named(c, name).repetitions) {
@@ -41,10 +40,10 @@ Ratio ratio_at(const Comparison& c, std::string_view a, std::string_view b, uint
   return paired_error_ratio(errors_at(c, a, frames), errors_at(c, b, frames));
 }
 
-/// The first eight frames, as far as curves have points for them.
+/// Frame counts up to eight with points on the curves.
 constexpr uint32_t kFirstFrames[] = {1, 2, 3, 4, 6, 8};
 
-/// Ratios of the MSE of `a` over that of `b` in the first frames.
+/// Ratios of a's MSE over b's in the first frames.
 std::vector<Ratio> first_ratios(const Comparison& c, std::string_view a, std::string_view b) {
   std::vector<Ratio> list;
   for (const uint32_t frames : kFirstFrames) list.push_back(ratio_at(c, a, b, frames));
@@ -83,7 +82,7 @@ void claim_first_frame(const Comparison& c, std::vector<Claim>& claims) {
                                  share_text(ratio) + " of path tracing's", kHalf, {ratio}, 0, 0.5));
 }
 
-/// MSE of first frames, over all pixels and over those away from lamps.
+/// MSE of the first frames, over all pixels and away from lamps.
 struct FirstFrames {
   std::vector<double> all;
   std::vector<double> away;
@@ -107,7 +106,7 @@ FirstFrames first_frames(const ExperimentContext& context, const ExperimentScene
   return errors;
 }
 
-/// Which part of the gain comes from the filter, and which from the camera rays at edges of lamps.
+/// Separates the gain of the filter from that of the camera rays at lamp edges.
 void claim_filter_alone(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Claim>& claims) {
   const Reference reference = make_reference(context, scene);
   const PixelMask surfaces = surfaces_of(context, scene);
@@ -150,12 +149,12 @@ void claim_similar(const Comparison& c, std::vector<Claim>& claims) {
   claim("apg", apg_text(scene), kRoughlySimilar, 2);
 }
 
-/// One value a repetition, mean over the frames, without the reference's own noise.
+/// MSE per repetition, averaged over the frames, without the reference's noise.
 std::vector<double> errors_of(const Comparison& c, std::string_view name) {
   return values_of(contender_named(c, name), [&](const Repetition& r) { return r.mse - c.reference_noise.mse; });
 }
 
-/// Figure 6.4: along the camera path of a scene.
+/// Figure 6.4: measures frames along a scene's camera path.
 void measure_walk(const ExperimentContext& context, const char* name, int bounces, ExperimentResult& result) {
   const Comparison c = study(context, built_in(name, bounces),
                              {.techniques = kContenders,

@@ -1,5 +1,5 @@
-// [Schipek22 §6.2]: time of a frame of one sample a pixel, with two and with ten levels of indirection; and what psf
-// and apg take in Sponza with six.
+// [Schipek22 §6.2]: measures the time of a one-sample frame with two and ten levels of indirection, and the cost of psf
+// and apg in Sponza with six.
 #include <cmath>
 #include <ctime>
 #include <memory>
@@ -20,17 +20,17 @@ namespace {
 constexpr const char* kPaper = "[Schipek22 §6.2]";
 constexpr const char* kOurs = "[relume]";
 
-/// Smaller images say little of time: what a frame takes besides its pixels weighs too much.
+/// Image size: in smaller images, costs that do not scale with pixels dominate.
 int width_of(const ExperimentContext& context) { return context.choose(480, 96); }
 int height_of(const ExperimentContext& context) { return context.choose(270, 54); }
 
-/// What frames of one contender took and had.
+/// Timings and statistics of one contender's frames.
 struct FrameFigures {
   std::string name;
-  double frame_ms = 0;                                 ///< median of processor time
-  std::vector<double> frame_s;                         ///< the same of each frame, seconds
-  std::vector<std::pair<std::string, double>> passes;  ///< ms a frame, of a clock on the wall
-  double rays = 0;                                     ///< a pixel
+  double frame_ms = 0;                                 ///< median processor time
+  std::vector<double> frame_s;                         ///< processor time per frame, in seconds
+  std::vector<std::pair<std::string, double>> passes;  ///< wall-clock ms per frame
+  double rays = 0;                                     ///< per pixel
   double cells = 0;
   double table_mb = 0;
   double probes = 0;
@@ -46,11 +46,11 @@ struct Timing {
   }
 };
 
-/// Frames that do not count: cells fill, and their variance comes to be believed.
+/// Warm-up frames, in which cells fill and their variance estimates become reliable.
 int skipped_frames(const ExperimentContext& context) { return context.choose(24, 2); }
 int counted_frames(const ExperimentContext& context) { return context.choose(24, 3); }
 
-/// Seconds that all threads of this program have worked: other programs hardly count.
+/// Processor time of all threads, in seconds: almost independent of other programs.
 double processor_time(const Session&) { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double figure_of(const Session& session, std::string_view name) {
@@ -60,7 +60,7 @@ double figure_of(const Session& session, std::string_view name) {
   return 0;
 }
 
-/// What was known of a session before the frames that count.
+/// Statistics before the counted frames.
 struct Start {
   std::vector<PassTime> passes;
   uint64_t rays = 0;
@@ -80,7 +80,7 @@ FrameFigures figures_of(std::string name, const TimedSession& session, int skip,
   return f;
 }
 
-/// Contenders take turns frame by frame.
+/// Measures contenders, which take turns frame by frame.
 Timing measure(const ExperimentContext& context, const ExperimentScene& scene, int bounces,
                std::vector<NamedSettings> contenders) {
   Timing result{scene.name, bounces, {}};
@@ -110,7 +110,7 @@ Timing measure(const ExperimentContext& context, const ExperimentScene& scene, i
   return result;
 }
 
-/// Path tracing, psf, apsf, and apg with cells beyond the first vertex as fine as those at it, and coarser.
+/// Path tracing, psf, apsf, and apg with equal and with coarser cells beyond the first vertex.
 std::vector<NamedSettings> cost_contenders(const ExperimentContext& context, const ExperimentScene& scene) {
   std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (const int coarsening : {0, 2}) {
@@ -175,7 +175,7 @@ std::string ratios(const std::vector<Timing>& timings, std::string_view a, std::
   return text;
 }
 
-/// Holds if the ratio of a's time to b's keeps to the bounds everywhere.
+/// Claim that the ratio of a's time to b's is within the bounds in all timings.
 Claim claim_ratio(std::string id, std::string claim, const std::vector<Timing>& timings, std::string_view a,
                   std::string_view b, double low, double high, std::string threshold) {
   std::vector<Ratio> list;
@@ -185,7 +185,7 @@ Claim claim_ratio(std::string id, std::string claim, const std::vector<Timing>& 
                        high);
 }
 
-/// Of two medians; half of a 95 % interval.
+/// Difference of two medians; the noise is half of a 95 % interval.
 struct Difference {
   double ms = 0;
   double noise_ms = 0;
@@ -216,7 +216,7 @@ Claim claim_growth(const std::vector<Timing>& few, const std::vector<Timing>& ma
                       "more with 10 in every scene, by the interval", verdict_of_all(verdicts));
 }
 
-/// The share that caches add in Sponza, with six bounces.
+/// Measures the relative cost of caches in Sponza with six bounces.
 void measure_cost(const ExperimentContext& context, const ExperimentScene& scene, ExperimentResult& result) {
   const Timing t = measure(context, scene, 6, cost_contenders(context, scene));
   for (const char* name : {"psf", "apg"}) {

@@ -1,4 +1,4 @@
-// [Schipek22 §6.1], figures 6.5 to 6.14: how far frames stray from the average one.
+// [Schipek22 §6.1], figures 6.5 to 6.14: measures the deviation of frames from their average.
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -29,7 +29,7 @@ void claim_least_variance(const SceneAverages& scene, std::vector<Claim>& claims
        kBeyondNoise, verdict_of_all(verdicts)});
 }
 
-/// Verdicts on all steps from one constant to the next: that a figure falls, or rises.
+/// Verdict that a figure falls (or rises) at every step from one constant to the next.
 const char* verdict_on_steps(const std::vector<FrameAverages>& graphs, Estimate FrameAverages::*figure, bool falls) {
   std::vector<const char*> verdicts;
   for (size_t i = 1; i < graphs.size(); ++i) {

@@ -1,5 +1,5 @@
-// [Schalk18 §4.3]: the camera turns by 100 degrees in steps; the error after the last step, and what a frame costs
-// more.
+// [Schalk18 §4.3]: turns the camera by 100 degrees in steps, and measures the error after the last step and the
+// overhead per frame.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -20,30 +20,30 @@ constexpr const char* kPaper = "[Schalk18 §4.3]";
 constexpr const char* kOurs = "[relume]";
 constexpr const char* kBelowOne = "every ratio at most 1";
 constexpr float kSmallestError = 1.0f / 256;
-constexpr float kEyeStep_m = 0.01f;  ///< of an eye that moves besides turning, a frame or a step of five degrees
+constexpr float kEyeStep_m = 0.01f;  ///< motion of the eye per frame or per step of five degrees
 
 struct Case {
   float step_deg;
-  std::vector<Trace> traces;  ///< the first starts anew
+  std::vector<Trace> traces;  ///< restarted accumulation first
   ImageSet images = {};
 };
 
 struct SceneResult {
   std::string name;
   std::string property;
-  std::vector<Case> cases;  ///< the smallest step first
+  std::vector<Case> cases;  ///< smallest step first
 };
 
 struct Overhead {
   std::string scene;
-  bool moving = false;  ///< the eye moves, too: eq. 15 is evaluated
+  bool moving = false;  ///< the eye also moves, so that eq. 15 is evaluated
   double anew_ms = 0;
-  double one_ms = 0;   ///< one stored sample
-  double four_ms = 0;  ///< four
-  Ratio one;           ///< frames with one over frames that start anew
+  double one_ms = 0;   ///< with one stored sample
+  double four_ms = 0;  ///< with four stored samples
+  Ratio one;           ///< frame time with one over that of restarted accumulation
   Ratio four;
-  double one_bytes = 0;   ///< a pixel, beyond what restarted accumulation needs
-  double four_bytes = 0;  ///< the same with four
+  double one_bytes = 0;   ///< per pixel, in addition to restarted accumulation
+  double four_bytes = 0;  ///< same, with four
 };
 
 TraceContender contender(const ExperimentContext& context, const ExperimentScene& scene, int samples_per_step,
@@ -55,14 +55,14 @@ TraceContender contender(const ExperimentContext& context, const ExperimentScene
   if (samples_per_step == 0) return result;
   result.settings.history = HistoryChoice::reproject;
   result.settings.reproject.stored = stored;
-  result.settings.reproject.fill = false;  // which the paper does not do
+  result.settings.reproject.fill = false;  // not part of the paper
   result.settings.reproject.error = error;
   result.name = fmt::format("{} stored, {} a step", stored == StoredSampleChoice::four ? 4 : 1, samples_per_step);
   if (error != kSmallestError) result.name += fmt::format(", ε {}/256", std::lround(error * 256));
   return result;
 }
 
-/// Contenders of one chart of the paper; what variations are about, one stored sample tells.
+/// Contenders of one chart of the paper. For variations of the scene, one stored sample suffices.
 std::vector<TraceContender> contenders(const ExperimentContext& context, const ExperimentScene& scene, bool all) {
   using enum StoredSampleChoice;
   const int few = context.quick ? 8 : 32;
@@ -76,7 +76,7 @@ std::vector<TraceContender> contenders(const ExperimentContext& context, const E
   return list;
 }
 
-/// `aside_m`: how far the eye moves meanwhile.
+/// `aside_m` is the eye's motion during the turn.
 Case measure(const ExperimentContext& context, const ExperimentScene& scene, const Reference& reference, float step_deg,
              const std::vector<TraceContender>& list, float aside_m = 0) {
   const TraceOptions options{.turn = {100, step_deg, aside_m},
@@ -96,17 +96,17 @@ SceneResult measure_scene(const ExperimentContext& context, const ExperimentScen
   const Reference reference = make_reference(context, scene);
   SceneResult result{scene.name, scene.property, {}};
   for (float step : steps) {
-    const bool smallest = step == steps.front();  // which most claims are about
+    const bool smallest = step == steps.front();  // used by most claims
     result.cases.push_back(measure(context, scene, reference, step, contenders(context, scene, all && smallest)));
   }
   return result;
 }
 
-/// MSE against restarted accumulation, or another, at equal time, over the first frames: from the end of the first to
-/// the eighth.
+/// MSE ratio to the baseline (by default restarted accumulation) at equal time, from the end of the first frame to the
+/// eighth.
 Ratio early_ratio(const Case& c, size_t i, size_t baseline = 0) { return early_ratio(c.traces, i, baseline, 8); }
 
-/// Where the eye is if it moves: to and fro, so that it stays in the room.
+/// Offset of a moving eye, back and forth within the room.
 float aside_at(int frame) {
   constexpr int kThereAndBack = 40;
   return kEyeStep_m * static_cast<float>(std::abs((frame + kThereAndBack / 2) % kThereAndBack - kThereAndBack / 2));
@@ -180,7 +180,7 @@ TableBlock overhead_table(const std::vector<Overhead>& list) {
   return block;
 }
 
-/// Share of the new frame, with its interval, in percent.
+/// Share of the overhead in the frame, with its interval, in percent.
 std::string overhead_text(const Ratio& frame) {
   const auto percent = [](double ratio) { return 100 * (1 - 1 / ratio); };
   return fmt::format("{:.0f} % ({:.0f} to {:.0f})", percent(frame.value), percent(frame.interval.low),
@@ -244,8 +244,8 @@ void claim_more_samples(const SceneResult& scene, std::vector<Claim>& claims) {
                                  share_text(ratio) + " of the MSE with 32 (4 stored)", kBelowOne, {ratio}, 0, 1));
 }
 
-/// The largest difference that other bounds of the view dependency make. The eye moves as well as turns: for one that
-/// turns in its place eq. 15 is zero, and every bound keeps the same.
+/// Claim about the largest difference between bounds of the view dependency. The eye moves and turns: for pure
+/// rotation, eq. 15 is zero and all bounds keep the same samples.
 Claim claim_error_bound(const ExperimentContext& context, const ExperimentScene& scene, std::vector<Block>& blocks) {
   const int few = context.quick ? 8 : 32;
   const float step_deg = context.quick ? 20 : 5;
@@ -302,7 +302,7 @@ Claim claim_materials(const ExperimentContext& context, const std::vector<SceneR
                        measured + " of restarted accumulation", "ratios above the box's", ratios, 1);
 }
 
-/// Overheads, images and curves, in the page's order.
+/// Overheads, images and curves, in page order.
 std::vector<Block> shown(std::vector<SceneResult>& results, const std::vector<Overhead>& overheads) {
   std::vector<Block> blocks{overhead_table(overheads)};
   std::vector<ImageSet> images;

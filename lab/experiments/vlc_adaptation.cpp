@@ -1,4 +1,4 @@
-// [Dittebrandt20 §7.2]: how fast octree and visibility light cache adapt from nothing.
+// [Dittebrandt20 §7.2]: measures how fast octree and visibility light cache adapt from an empty state.
 #include <fmt/format.h>
 
 #include "experiments/all.h"
@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kPaper = "[Dittebrandt20 §7.2]";
 constexpr const char* kOurs = "[relume]";
 
-/// The paper's claims for one way to explore.
+/// The paper's claims for one exploration method.
 void add_claims(const Adaptation& cache, const Adaptation& tree, const std::string& suffix, const char* source,
                 std::vector<Claim>& claims) {
   const Ratio second = error_ratio(cache.at(0), cache.at(1));
@@ -37,7 +37,7 @@ ExperimentResult run_vlc_adaptation(const ExperimentContext& context) {
   settings.lights = LightSelectionChoice::light_tree;
   Session session(Scene(scene.scene), settings);
   session.set_camera(scene.camera);
-  const int runs = context.choose(256, 2);  // rare bright samples decide what few would show
+  const int runs = context.choose(256, 2);  // rare bright samples dominate, so that few runs would miss them
   const int frames = context.choose(64, 20);
   const Adaptation tree =
       measure_adaptation(context, "light tree", session, runs, context.choose(8, 4), reference, surfaces);

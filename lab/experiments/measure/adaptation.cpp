@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Of one run's frames, as many as there are from `begin` on.
+/// Mean of up to `count` frames of a run from `begin` on.
 double mean_of(const std::vector<double>& run, size_t begin, size_t count) {
   const size_t end = std::min(begin + count, run.size());
   return mean({run.begin() + static_cast<std::ptrdiff_t>(begin), run.begin() + static_cast<std::ptrdiff_t>(end)});

@@ -15,11 +15,11 @@
 namespace relume {
 namespace {
 
-/// What a technique takes from one frame to the next.
+/// State that a technique keeps between frames.
 enum class Keeps {
-  nothing,   ///< one session tells as much as several
-  prepared,  ///< what chance has prepared before the first frame, for good
-  learned,   ///< what frames have found
+  nothing,   ///< none: one session suffices
+  prepared,  ///< random preparation before the first frame, fixed afterwards
+  learned,   ///< samples of earlier frames
 };
 
 Keeps kept_by(const RenderSettings& settings) {
@@ -27,18 +27,18 @@ Keeps kept_by(const RenderSettings& settings) {
   return settings.lights == LightSelectionChoice::static_lists ? Keeps::prepared : Keeps::nothing;
 }
 
-/// A contender under way.
+/// State of a contender during the measurement.
 struct Running {
   TimedSession timed;
   Keeps keeps = Keeps::nothing;
   std::vector<PassTime> passes_before = {};
-  std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the present block
+  std::vector<std::vector<double>> mse = {};  ///< by region, by frame of the current block
   AdaptedError result = {};
 };
 
 void measure_frame(Running& r, const Reference& reference, const std::vector<PixelMask>& regions,
                    const AdaptedOptions& options) {
-  // All frames of a session have what chance has prepared in common.
+  // All frames of a session share its random preparation.
   const int block = r.keeps == Keeps::prepared ? options.frames : options.block;
   r.timed.render_frame();
   r.result.frame_s.push_back(r.timed.frame_s().back());
@@ -51,7 +51,7 @@ void measure_frame(Running& r, const Reference& reference, const std::vector<Pix
   }
 }
 
-/// Adds what passes took since `passes_before` to the contender's sums.
+/// Adds pass times since `passes_before` to the contender's sums.
 void add_pass_times(Running& r) {
   auto& sums = r.result.pass_s;
   for (const PassTime& pass : pass_times_since(r.timed.session().statistics().passes, r.passes_before)) {
@@ -64,7 +64,7 @@ void add_pass_times(Running& r) {
   }
 }
 
-/// Whether it renders that frame of those before the first that is measured.
+/// Whether the technique needs this warm-up frame.
 bool needs_frame(Keeps keeps, int session, int frame) {
   return keeps == Keeps::learned || (frame == 0 && (keeps == Keeps::prepared || session == 0));
 }

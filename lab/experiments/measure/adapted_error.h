@@ -1,4 +1,4 @@
-// The error of single frames once techniques have adapted, region by region of the image.
+// Measures the error of single frames of adapted techniques, by image region.
 #pragma once
 
 #include <cstdint>
@@ -18,22 +18,23 @@
 
 namespace relume {
 
-/// Several sessions with seeds of their own, one after the other.
+/// Sessions with different seeds, in sequence.
 struct AdaptedOptions {
-  int warm_up = 128;  ///< frames in which a session adapts, before those that are measured
-  int frames = 64;    ///< measured in each session
+  int warm_up = 128;  ///< unmeasured frames at the start of each session
+  int frames = 64;    ///< measured frames per session
   int sessions = 4;
-  /// Frames whose mean counts as one value: what a frame has learned goes into the next, so that single ones do not
-  /// tell how far the mean is off. Divides `frames`. Of what is prepared by chance a whole session is one value.
+  /// Frames averaged to one value: adaptive techniques correlate successive frames, so single frames would
+  /// underestimate the error of the mean. Divides `frames`. For randomly prepared techniques, a whole session is one
+  /// value.
   int block = 32;
-  int seed = 1;  ///< of the first session
+  int seed = 1;  ///< seed of the first session
 };
 
 struct AdaptedError {
   std::string name;
   std::vector<std::vector<double>> mse;                ///< by region, by block of frames; without the reference's noise
-  std::vector<double> frame_s;                         ///< seconds of each measured frame
-  std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean of the measured frames
+  std::vector<double> frame_s;                         ///< time of each measured frame, in seconds
+  std::vector<std::pair<std::string, double>> pass_s;  ///< by pass: mean seconds per measured frame
   std::vector<PassStatistic> figures;                  ///< after the last frame
   Image last;                                          ///< the last frame
 
@@ -41,26 +42,26 @@ struct AdaptedError {
   double median_s() const { return median(frame_s); }
 };
 
-/// Renders every contender from the start, without a history; contenders take turns frame by frame, so that whatever
-/// disturbs the machine disturbs all alike. What learns nothing from frames has no need to adapt, but for one frame for
-/// what it prepares; and if chance has no part in that either, a single session is rendered. What an interrupted
-/// experiment has measured is not measured again. Throws ExperimentStopped.
+/// Renders every contender from scratch, without a history. Contenders take turns frame by frame, so that disturbances
+/// affect all equally. Techniques that do not learn skip warm-up, except one frame for their preparation. If the
+/// preparation is not random, a single session is rendered. Results of an interrupted experiment are reused. Throws
+/// ExperimentStopped.
 std::vector<AdaptedError> measure_adapted(const ExperimentContext& context, const ExperimentScene& scene,
                                           const std::vector<NamedSettings>& contenders, const Reference& reference,
                                           const std::vector<PixelMask>& regions, const AdaptedOptions& options);
 
-/// Median over the turns of a's time of a frame over b's.
+/// Median over the turns of a's frame time over b's.
 Ratio time_ratio(const AdaptedError& a, const AdaptedError& b);
-/// MSE times the time of a frame, a's over b's: what equal time would give if errors fell with 1 / time, as
-/// those of independent frames do.
+/// Ratio of MSE times frame time, a over b: the result at equal time if errors fall with 1 / time, as for independent
+/// frames.
 Ratio equal_time_ratio(const AdaptedError& a, const AdaptedError& b, size_t region = 0);
 
-/// The reference and the last frame of each.
+/// Reference and last frame of each contender.
 ImageSet adapted_images(const std::string& label, const std::vector<AdaptedError>& errors, const Image& reference);
 
-/// 128 frames to adapt and four times 64 measured; few in a quick run.
+/// 128 warm-up frames and 64 measured ones in four sessions; fewer in a quick run.
 AdaptedOptions adapted_options(const ExperimentContext& context);
-/// What experiments with measure_adapted() and adapted_options() say of their protocol.
+/// Protocol of experiments with measure_adapted() and adapted_options().
 std::vector<std::pair<std::string, std::string>> adapted_setup(const ExperimentContext& context);
 
 }  // namespace relume

@@ -29,9 +29,9 @@ TEST(AdaptedError, MeasuresWhatEachContenderShows) {
                       {mask_of({"image"}, 16, 12)}, {.warm_up = 1, .frames = 4, .sessions = 2, .block = 2, .seed = 1});
   ASSERT_EQ(errors.size(), 3u);
   for (const AdaptedError& e : errors) {
-    ASSERT_EQ(e.mse[0].size(), e.name == "lists" ? 2u : 4u);  // one or two blocks a session
+    ASSERT_EQ(e.mse[0].size(), e.name == "lists" ? 2u : 4u);  // one or two blocks per session
     EXPECT_EQ(e.frame_s.size(), 8u);
-    EXPECT_NE(e.mse[0].front(), e.mse[0].back());  // other seeds
+    EXPECT_NE(e.mse[0].front(), e.mse[0].back());  // different seeds
     EXPECT_GT(e.mean_mse(), 0);
     EXPECT_GT(e.median_s(), 0);
     EXPECT_FALSE(e.pass_s.empty());
@@ -64,7 +64,7 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
   ASSERT_EQ(again[0].figures.size(), first[0].figures.size());
   EXPECT_EQ(again[0].figures[0].value, first[0].figures[0].value);
   EXPECT_EQ(again[0].last.pixels, first[0].last.pixels);
-  // What is different is measured.
+  // Changed conditions require a new measurement.
   context.program = "another";
   EXPECT_FALSE(load_adapted(adapted_file(context, scene, contenders, regions, options)));
   context.program.clear();
@@ -77,17 +77,17 @@ TEST(AdaptedError, IsNotMeasuredAgain) {
 }
 
 TEST(Adaptation, IsMeasuredAgainstItsPlateauRunByRun) {
-  // The second run is twice as bright throughout: of ratios that changes nothing.
+  // The second run is twice as bright, which does not change ratios.
   const Adaptation a{"a", {{9, 5, 3, 1.5, 1, 1, 1, 1}, {18, 10, 6, 3, 2, 2, 2, 2}}};
   EXPECT_DOUBLE_EQ(a.plateau(4), 1.5);
   EXPECT_DOUBLE_EQ(a.over_plateau(0, 1).value, 9);
   EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).value, 4);
   EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).interval.low, 4);
   EXPECT_DOUBLE_EQ(a.over_plateau(1, 2).interval.high, 4);
-  EXPECT_DOUBLE_EQ(a.over_plateau(6, 100).value, 1);  // as many as there are
+  EXPECT_DOUBLE_EQ(a.over_plateau(6, 100).value, 1);  // limited to the existing frames
 }
 
-/// Sixteen runs of 64 frames whose error is `first` times the plateau's until frame `until`, and noise of 20 % a frame.
+/// Sixteen runs of 64 frames with 20 % noise per frame. The error is `first` times the plateau's until frame `until`.
 Adaptation noisy_adaptation(double first, size_t until, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(1, 0.2);

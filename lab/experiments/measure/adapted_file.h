@@ -1,4 +1,4 @@
-// Adapted errors in files: what measure_adapted() has found before the experiment was interrupted.
+// Stores results of measure_adapted() in files, for interrupted experiments.
 #pragma once
 
 #include <filesystem>
@@ -9,16 +9,16 @@
 
 namespace relume {
 
-/// The file for such a measurement; empty if the context keeps none. The reference is not in its name: each experiment
-/// has one for a scene.
+/// File of a measurement; empty if the context stores none. Its name excludes the reference: an experiment has one per
+/// scene.
 std::filesystem::path adapted_file(const ExperimentContext& context, const ExperimentScene& scene,
                                    const std::vector<NamedSettings>& contenders, const std::vector<PixelMask>& regions,
                                    const AdaptedOptions& options);
 
-/// An EXR with the last frames, and all numbers as an attribute. Throws Error.
+/// Writes an EXR with the last frames, and all numbers in an attribute. Throws Error.
 void save_adapted(const std::filesystem::path& file, const std::vector<AdaptedError>& errors);
 
-/// std::nullopt if there is no such file, or it is something else.
+/// Reads such a file; std::nullopt if it is missing or invalid.
 std::optional<std::vector<AdaptedError>> load_adapted(const std::filesystem::path& file);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// Verdicts that noise alone does not decide.
+// Verdicts that take noise into account.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace relume {
 
-/// Whether something is negative: if its 95 % interval is, or is not; else that is undecided.
+/// Verdict on whether a difference is negative: holds or fails if its 95 % interval does, otherwise undecided.
 const char* verdict_below(const Estimate& difference);
 
-/// "0.0012 ± 0.0001": half of the 95 % interval.
+/// "0.0012 ± 0.0001": half the width of the 95 % interval.
 std::string with_noise(const Estimate& estimate);
 
 }  // namespace relume

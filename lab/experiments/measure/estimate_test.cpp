@@ -21,7 +21,7 @@ TEST(Verdict, NoiseDecidesNothing) {
   EXPECT_EQ(compared(0.1f, 0.5f, 0.1f), kVerdictHolds);
   EXPECT_EQ(compared(0.5f, 0.1f, 0.1f), kVerdictFails);
   EXPECT_EQ(compared(0.1f, 0.1f, 3), kVerdictUndecided);
-  EXPECT_EQ(compared(0.1f, 0.11f, 3), kVerdictUndecided);  // with less noise it would hold
+  EXPECT_EQ(compared(0.1f, 0.11f, 3), kVerdictUndecided);  // would hold with less noise
   EXPECT_EQ(compared(0.1f, 0.11f, 0.01f), kVerdictHolds);
 }
 

@@ -45,7 +45,7 @@ void FrameSums::add(const Image& image) {
 Estimate frame_variance(const std::vector<FrameSums>& repetitions, const PixelMask& region) {
   const auto n = static_cast<double>(repetitions.size());
   std::vector<double> squares(repetitions.size(), 0.0);  // mean over frames, sum over pixels
-  double crossed = 0;                                    // Σ over pairs of different repetitions
+  double crossed = 0;                                    // Σ over pairs of repetitions
   std::vector<double> crossed_without(repetitions.size(), 0.0);
   for (size_t p = 0; p < region.mask.size(); ++p) {
     if (region.mask[p] == 0) continue;

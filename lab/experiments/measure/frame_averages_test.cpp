@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// Pixels of mean 1 whose value is the sum of what a repetition's frames share and of what each has to itself.
+/// Pixels of mean 1 plus deviations: one shared by a repetition's frames, one independent per frame.
 std::vector<FrameSums> sums_of(int repetitions, int frames, float shared, float own, uint32_t seed) {
   testing::Random random(seed);
   const auto spread = [&](float width) { return width * (2 * random.next() - 1); };  // variance width² / 3
@@ -26,7 +26,7 @@ std::vector<FrameSums> sums_of(int repetitions, int frames, float shared, float 
 
 TEST(FrameVariance, CountsWhatFramesOfASessionShare) {
   const PixelMask all = mask_of({"image"}, 32, 32);
-  // Ten thousand values know a variance to some per cent.
+  // Ten thousand values determine a variance to a few per cent.
   EXPECT_NEAR(frame_variance(sums_of(6, 8, 0, 0.3f, 1), all).value, 0.03, 0.002);
   EXPECT_NEAR(frame_variance(sums_of(6, 8, 0.3f, 0, 2), all).value, 0.03, 0.002);
   const Estimate both = frame_variance(sums_of(6, 8, 0.3f, 0.3f, 3), all);

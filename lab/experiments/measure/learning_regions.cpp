@@ -17,7 +17,7 @@ PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& s
       if (!(luminance(seen.pixels[static_cast<size_t>(y) * static_cast<size_t>(seen.width) + static_cast<size_t>(x)]) >
             0))
         continue;
-      // Neighbours as well: where a lamp fills a hundredth of a pixel few samples tell.
+      // Includes neighbours: where a lamp covers a hundredth of a pixel, few samples hit it.
       for (int v = std::max(y - 1, 0); v <= std::min(y + 1, seen.height - 1); ++v) {
         for (int u = std::max(x - 1, 0); u <= std::min(x + 1, seen.width - 1); ++u)
           region.mask[static_cast<size_t>(v) * static_cast<size_t>(seen.width) + static_cast<size_t>(u)] = 0;

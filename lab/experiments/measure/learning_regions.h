@@ -1,4 +1,4 @@
-// Where errors count in the experiments on light selection and guiding.
+// Pixels for errors in the experiments on light selection and guiding.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace relume {
 
-/// The image without pixels in which lamps or sky are seen, and without the neighbours of these: at their edges
-/// single samples differ by all of their brightness, whatever the technique.
+/// Pixels without visible lamps or sky in themselves or their neighbours. At such edges, single samples vary by the
+/// full brightness with every technique.
 PixelMask surfaces_of(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// Parts of the image of `mine`: what the sun lights directly, and what mostly its spot lights indirectly, both told
-/// by a reference and one without indirect light. All surfaces come first.
+/// Regions of `mine`: lit directly by the sun, and lit mostly indirectly by its spot lights. Both follow from a
+/// reference and one without indirect light. The list starts with all surfaces and ends with the remainder.
 std::vector<PixelMask> mine_regions(const Image& reference, const Image& direct, const PixelMask& surfaces);
 
 }  // namespace relume

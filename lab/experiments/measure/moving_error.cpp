@@ -14,9 +14,9 @@
 namespace relume {
 namespace {
 
-constexpr int kTimingRounds = 2;  // before anything is measured
+constexpr int kTimingRounds = 2;  // before the measurement
 
-/// One session for everybody: many scenes in memory at once would be too much.
+/// Session shared by all contenders: one scene per contender could exhaust memory.
 struct Walk {
   const ExperimentContext& context;
   const ExperimentScene& scene;
@@ -34,7 +34,7 @@ struct Walk {
     timed.restart(seed);
   }
 
-  /// From the view before to this one. Returns the time it took, ms.
+  /// Turns from the previous view to this one. Returns the time in ms.
   double turn_to(int view, int frames) {
     for (int i = 1; i <= frames; ++i) {
       context.check_stop();
@@ -46,7 +46,7 @@ struct Walk {
     return 1000 * std::accumulate(seconds.end() - frames, seconds.end(), 0.0);
   }
 
-  /// Median; the first frames fill caches and are left out.
+  /// Median time per frame, without the first quarter, which fills caches.
   double frame_ms() const {
     const auto& seconds = timed.frame_s();
     return 1000 * median({seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 4), seconds.end()});

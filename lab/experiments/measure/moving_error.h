@@ -1,4 +1,4 @@
-// The error of what is shown while the camera moves, with as much time for everybody.
+// Measures the error of images during camera motion at equal time.
 #pragma once
 
 #include <string>
@@ -14,41 +14,39 @@ namespace relume {
 struct MovingContender {
   std::string name;
   RenderSettings settings;
-  int repetitions = 0;  ///< more of them than everybody has
+  int repetitions = 0;  ///< minimum for this contender
 };
 
 struct MovingOptions {
-  int frames = 16;  ///< of the first contender from one view to the next; whoever is slower has fewer and moves further
-  int views = 2;    ///< at which the image is measured
+  int frames = 16;  ///< frames per view step of the first contender; slower ones render fewer
+  int views = 2;    ///< measured views
   int repetitions = 3;
-  float step_deg = 10;  ///< from one view to the next
+  float step_deg = 10;  ///< between views
   int reference_spp = 1024;
   FrameClock clock = {};  ///< empty: wall_clock()
 };
 
-/// Means over views and repetitions, between the shown image and a reference of the same view, whose own noise is
-/// taken off the MSE.
+/// Means over views and repetitions, between the displayed image and a reference of the same view. The reference's
+/// noise is subtracted from the MSE.
 struct MovingError {
   std::string name;
-  int frames = 0;  ///< from one view to the next
-  double time_share =
-      1;  ///< of the time that the first contender's way from view to view took: whole frames fit as they do
+  int frames = 0;         ///< per view step
+  double time_share = 1;  ///< time per view step relative to the first contender; frames are whole
   double mse = 0;
   double flip = 0;
-  std::vector<double> mses = {};  ///< of each repetition, mean over its views
-  Image last = {};                ///< at the last view, of the last repetition
+  std::vector<double> mses = {};  ///< per repetition: mean over its views
+  Image last = {};                ///< last view of the last repetition
 };
 
 struct MovingErrors {
   std::string scene;
   std::vector<MovingError> contenders;
-  Image reference;  ///< of the last view
+  Image reference;  ///< last view
 };
 
-/// The camera turns from a view to the next, which all contenders reach after the same time: frames of a slow one are
-/// fewer, and lie further apart. Contenders have turns; how many frames fit follows from the median of all that was
-/// measured before, at first in rounds of their own. Requires a camera of the experiment's own.
-/// Throws ExperimentStopped.
+/// Turns the camera from view to view; each step takes all contenders the same time. Slower ones render fewer frames,
+/// with larger motion between them. Contenders take turns. The frame count follows from the median of all earlier
+/// timings, which start with separate rounds. Requires a camera in the experiment's scene. Throws ExperimentStopped.
 MovingErrors measure_moving(const ExperimentContext& context, const ExperimentScene& scene,
                             const std::vector<MovingContender>& contenders, const MovingOptions& options);
 

@@ -10,7 +10,7 @@
 namespace relume {
 namespace {
 
-/// A clock in which a ray takes a microsecond, so that times are those of every machine.
+/// Clock with one microsecond per ray, which makes times independent of the machine.
 double rays_clock(const Session& session) { return 1e-6 * static_cast<double>(session.statistics().rays); }
 
 MovingErrors measure(const MovingOptions& options) {
@@ -39,14 +39,14 @@ TEST(MovingError, SlowContendersHaveFewerFrames) {
   const MovingError& many = errors.contenders[1];
   EXPECT_EQ(few.frames, 9);
   EXPECT_LT(many.frames, 9);
-  EXPECT_NEAR(many.time_share, 1, 0.6 / many.frames);  // to half a frame
+  EXPECT_NEAR(many.time_share, 1, 0.6 / many.frames);  // within half a frame
 }
 
 TEST(MovingError, EverybodyEndsAtTheReferencesView) {
   const MovingErrors errors =
       measure({.frames = 6, .repetitions = 1, .step_deg = 40, .reference_spp = 256, .clock = rays_clock});
   const MovingError& clean = errors.contenders[2];
-  // Blurred, noise and all: but the same view. Another view has an error of the order of the image itself.
+  // Blurred and noisy, but the same view: another view would have an error comparable to the image itself.
   EXPECT_LT(clean.flip, 0.35);
   EXPECT_LT(clean.mse, 0.5 * errors.contenders[0].mse);
   Image mirrored = errors.reference;
@@ -57,7 +57,7 @@ TEST(MovingError, EverybodyEndsAtTheReferencesView) {
 }
 
 TEST(MovingError, KeepsTheReferencesNoiseOut) {
-  // With four samples a pixel, noise of the reference is a good part of what a denoised image differs by.
+  // With four samples per pixel, the reference's noise is a large part of a denoised image's difference.
   const MovingErrors rough = measure({.frames = 4, .repetitions = 1, .reference_spp = 4, .clock = rays_clock});
   const MovingErrors fine = measure({.frames = 4, .repetitions = 1, .reference_spp = 256, .clock = rays_clock});
   EXPECT_NEAR(rough.contenders[2].mse / fine.contenders[2].mse, 1, 0.3);

@@ -1,4 +1,4 @@
-// Files for what an experiment has measured before it was interrupted.
+// Stores partial measurements of interrupted experiments in files.
 #pragma once
 
 #include <exception>
@@ -13,12 +13,12 @@
 
 namespace relume {
 
-/// KIND-HASH.exr in the context's folder; empty without one. The name hashes the program, the scene, where the camera
-/// stands and `text`, which says everything else on which the measurement depends.
+/// KIND-HASH.exr in the context's folder; empty without one. The name hashes the program, the scene, the camera pose
+/// and `text`, which must contain all other conditions of the measurement.
 std::filesystem::path part_file(const ExperimentContext& context, const ExperimentScene& scene, std::string_view kind,
                                 const std::string& text);
 
-/// What `parse` makes of the file; std::nullopt if there is none, or it is something else.
+/// Result of `parse` for the file; std::nullopt if it is missing or invalid.
 template <typename Parse>
 auto read_part(const std::filesystem::path& file, const Parse& parse) {
   std::optional<decltype(parse(ExrFile{}, std::string{}))> result;
@@ -26,12 +26,12 @@ auto read_part(const std::filesystem::path& file, const Parse& parse) {
   try {
     result = parse(read_exr(file), file.string());
   } catch (const std::exception&) {
-    result.reset();  // whatever is wrong with it: it is measured again
+    result.reset();  // any failure leads to a new measurement
   }
   return result;
 }
 
-/// Writes it, with its folder. Throws Error.
+/// Writes the file and its folder. Throws Error.
 void write_part(const std::filesystem::path& file, const ExrFile& part);
 
 }  // namespace relume

@@ -1,4 +1,4 @@
-// Parts of an image, and errors there.
+// Image regions, and errors in them.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace relume {
 
-/// A rectangle, as shares of the image's width and height from its upper left corner.
+/// A rectangle in fractions of the image's width and height from the upper left corner.
 struct Rectangle {
   std::string name;
   double x0 = 0;
@@ -28,20 +28,20 @@ struct PixelRange {
   int x1 = 0;
   int y1 = 0;
 };
-/// Those of a rectangle in an image of this size.
+/// Pixels of a rectangle in an image of this size.
 PixelRange pixels_of(const Rectangle& rectangle, int width, int height);
 
-/// A part of the image.
+/// Set of image pixels.
 struct PixelMask {
   std::string name;
-  std::vector<uint8_t> mask;  ///< by pixel, row by row; 0: outside
+  std::vector<uint8_t> mask;  ///< per pixel, in rows; 0: outside
 
   size_t pixels() const;
 };
-/// pixels_of() as a mask of the rectangle's name.
+/// pixels_of() as a mask with the rectangle's name.
 PixelMask mask_of(const Rectangle& rectangle, int width, int height);
 
-/// Mean over the region's pixels of what `value` makes of a pixel's index; 0 without pixels.
+/// Mean of `value` over the indices of the region's pixels; 0 without pixels.
 template <typename Value>
 double mean_over(const PixelMask& region, const Value& value) {
   double sum = 0;
@@ -51,13 +51,13 @@ double mean_over(const PixelMask& region, const Value& value) {
   return sum / static_cast<double>(std::max<size_t>(region.pixels(), 1));
 }
 
-/// Mean over the region's pixels and over R, G and B. The image has the mask's size, as in all that follows.
+/// Mean over the region's pixels and over R, G and B. Here and below, the image has the mask's size.
 double mean_of_channels(const Image& image, const PixelMask& region);
 
-/// MSE of one frame in one region: mean over its pixels and over R, G and B of (frame − reference)².
+/// MSE of a frame in a region: mean over its pixels and over R, G and B of (frame − reference)².
 double frame_mse(const Image& frame, const Image& reference, const PixelMask& region);
 
-/// What the reference's own noise adds to frame_mse(), by its estimate; 0 if that is not known.
+/// Estimated contribution of the reference's noise to frame_mse(); 0 if unknown.
 double reference_noise(const Reference& reference, const PixelMask& region);
 
 }  // namespace relume

@@ -35,7 +35,7 @@ TEST(PixelMasks, TheReferencesNoiseIsThatOfTheRegion) {
 TEST(PixelMasks, TellTheMinesRegionsApart) {
   Image reference(4, 1);
   Image direct(4, 1);
-  direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(500)};  // the last is sky
+  direct.pixels = {Rgb(10), Rgb(0.1f), Rgb(0), Rgb(500)};  // sky last
   reference.pixels = {Rgb(11), Rgb(3), Rgb(0), Rgb(500)};
   const std::vector<PixelMask> regions = mine_regions(reference, direct, {"surfaces", {1, 1, 1, 0}});
   ASSERT_EQ(regions.size(), 4u);

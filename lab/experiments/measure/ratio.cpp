@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Of a quotient whose numerator is lost in the reference's noise: it is at most its upper bound over the other's
-/// lower.
+/// Quotient whose numerator is below the reference's noise: at most its upper bound over the denominator's lower bound.
 Ratio ratio_of_unseen(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.size() < 2 || b.size() < 2) return {0, {0, kUnbounded, 0}};
   const double most = std::max(mean_interval(a).high, 0.0);
@@ -25,7 +24,7 @@ Ratio ratio_of_unseen(const std::vector<double>& a, const std::vector<double>& b
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b) {
   const double mean_a = mean(a);
   const double mean_b = mean(b);
-  // What is as near to the reference as the reference to the truth has no error to be told.
+  // b's error is below the reference's own error, and thus unknown.
   if (!(mean_b > 0)) return {0, {0, kUnbounded, 0}};
   if (!(mean_a > 0)) return ratio_of_unseen(a, b);
   Ratio ratio{mean_a / mean_b, {mean_a / mean_b, mean_a / mean_b, 0}};
@@ -49,7 +48,7 @@ Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>
   const double mean_a = mean(a);
   const double mean_b = mean(b);
   if (!(mean_a > 0 && mean_b > 0) || a.size() != b.size() || a.size() < 2) return error_ratio(a, b);
-  std::vector<double> apart;  // to first order, deviations of the logarithm of the quotient
+  std::vector<double> apart;  // deviations of the quotient's logarithm, to first order
   for (size_t i = 0; i < a.size(); ++i) apart.push_back(a[i] / mean_a - b[i] / mean_b);
   const double error = standard_deviation(apart) / std::sqrt(static_cast<double>(apart.size()));
   const double spread = std::exp(student_t(apart.size() - 1) * error);

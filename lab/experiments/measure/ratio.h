@@ -1,4 +1,4 @@
-// Quotients of noisy figures with 95 % intervals, and claims that are judged by them.
+// Computes quotients of noisy values with 95 % intervals, and claims based on them.
 #pragma once
 
 #include <limits>
@@ -9,43 +9,43 @@
 
 namespace relume {
 
-/// Confidence 0: there was one value, which then is the whole interval.
+/// A quotient. Confidence 0 marks a single value, which then is the whole interval.
 struct Ratio {
   double value = 0;
   Interval interval;
 };
 
-/// a's mean over b's, of independent values: how many times lower b's error is. Delta method in logarithms, Student's t
-/// with Welch's degrees of freedom. Values may be negative, as what is left of errors without the reference's noise:
-/// where a's mean is, the value is 0 and the interval ends where a's and b's bounds allow; where b's is, anything is
-/// possible.
+/// Mean of a over mean of b for independent values: the factor by which b's error is lower. Uses the delta method in
+/// logarithms, and Student's t with Welch's degrees of freedom. Values may be negative after subtraction of the
+/// reference's noise. If a's mean is not positive, the value is 0 and the interval ends at a's upper over b's lower
+/// bound. If b's mean is not positive, the interval is unbounded.
 Ratio error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
-/// The same of values in pairs, as of repetitions in which both had the same random numbers: what both have from these
-/// does not widen the interval.
+/// Same for paired values, such as repetitions with the same random numbers: their common deviations do not widen the
+/// interval.
 Ratio paired_error_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
-/// How many times faster b is: median of the quotients of each turn's frames, in seconds; as many of a as of b. What
-/// slowed a whole turn down, or made its view cost more, does not count.
+/// Factor by which b is faster: median of the quotients of each turn's frame times in seconds, with the same number of
+/// a and b. Slowdowns and costs that affect a whole turn cancel.
 Ratio time_ratio(const std::vector<double>& a_s, const std::vector<double>& b_s);
 
-/// Geometric mean of quotients that were measured independently, one a repetition.
+/// Geometric mean of independent quotients, one per repetition.
 Ratio geometric_mean(const std::vector<double>& quotients);
 
-/// Of independent ratios.
+/// Product and quotient of independent ratios.
 Ratio product(const Ratio& a, const Ratio& b);
 Ratio quotient(const Ratio& a, const Ratio& b);
 
-/// "10.3× (9.8 to 10.9)"; "0× (at least 0)" where there is no upper bound.
+/// "10.3× (9.8 to 10.9)"; "0× (at least 0)" without an upper bound.
 std::string to_text(const Ratio& ratio);
-/// "0.52 (0.50 to 0.54)", for shares; "0.52" of a single one.
+/// "0.52 (0.50 to 0.54)", for shares; "0.52" for a single value.
 std::string share_text(const Ratio& ratio);
 
-/// A claim that every ratio is at least `least`, by their intervals; `threshold` is made of it.
+/// Claim that every ratio is at least `least`, by the intervals; `threshold` is derived from it.
 Claim judged_ratios(std::string id, std::string paper, std::string claim, std::string measured,
                     const std::vector<Ratio>& ratios, double least);
 
-/// A claim that every ratio lies from `least` to `most`, by their intervals.
+/// Claim that every ratio is in [least, most], by the intervals.
 Claim judged_within(std::string id, std::string paper, std::string claim, std::string measured, std::string threshold,
                     const std::vector<Ratio>& ratios, double least,
                     double most = std::numeric_limits<double>::infinity());

@@ -9,7 +9,7 @@ namespace relume {
 namespace {
 
 TEST(Ratio, HasStudentsIntervals) {
-  // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom are little more than those of the second.
+  // Relative standard errors of 0.5 % and 4 %: Welch's degrees of freedom slightly exceed those of the second.
   const std::vector<double> a{101, 99, 101, 99};
   const std::vector<double> b{21, 19, 22, 18};
   const double sigma_a = std::sqrt(4.0 / 3 / 4) / 100;
@@ -20,7 +20,7 @@ TEST(Ratio, HasStudentsIntervals) {
   EXPECT_NEAR(ratio.interval.low, 5 / spread, 1e-9);
   EXPECT_NEAR(ratio.interval.high, 5 * spread, 1e-9);
   EXPECT_EQ(error_ratio({3}, {1}).interval.confidence, 0);
-  // Too good to be measured: less than the bounds allow, and no failure.
+  // Error too small to measure: below the bounds, and not a failure.
   const Ratio unseen = error_ratio({-1e-4, 1e-4, -1e-4}, {1, 1.1, 0.9});
   EXPECT_EQ(unseen.value, 0);
   EXPECT_GT(unseen.interval.high, 1e-4);
@@ -28,7 +28,7 @@ TEST(Ratio, HasStudentsIntervals) {
   EXPECT_STREQ(verdict_of(unseen.interval, 0.5), kVerdictFails);
   EXPECT_STREQ(verdict_of(error_ratio({-1e-4}, {1}).interval, 0, 0.5), kVerdictUndecided);
   EXPECT_EQ(to_text(error_ratio({-1e-4}, {1})), "0× (at least 0)");
-  // Below the reference's own noise there is no error to compare with.
+  // Below the reference's noise, no comparison is possible.
   const Ratio unknown = error_ratio({1e-4, 1e-4}, {-1e-7, -2e-7});
   EXPECT_STREQ(verdict_of(unknown.interval, 5), kVerdictUndecided);
 }
@@ -42,14 +42,14 @@ TEST(Ratio, PairsKnowWhatBothHaveInCommon) {
   EXPECT_NEAR(same.interval.low, 2, 1e-9);
   EXPECT_NEAR(same.interval.high, 2, 1e-9);
   EXPECT_LT(error_ratio(a, b).interval.low, 1);
-  // Deviations of the quotient of ±10 %, equal in size: a standard error of 0.1 · 2/√3 / 2.
+  // Deviations of the quotient of ±10 %: a standard error of 0.1 · 2/√3 / 2.
   const Ratio apart = paired_error_ratio({0.9, 1.1, 0.9, 1.1}, {1, 1, 1, 1});
   EXPECT_NEAR(apart.interval.high, std::exp(3.182 * 0.1 / std::sqrt(3.0)), 1e-4);
   EXPECT_EQ(paired_error_ratio({-1, 1e-4}, {1, 1}).value, 0);
   EXPECT_EQ(paired_error_ratio({3}, {1}).interval.confidence, 0);
 }
 
-/// Of many quotients of noisy pairs, whose noise is half in common.
+/// Tests intervals of many noisy pairs that share half of their noise.
 TEST(Ratio, IntervalsOfPairsHoldTheTruthAsOftenAsTheySay) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0, 0.15);

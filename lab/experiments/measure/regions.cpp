@@ -42,7 +42,7 @@ std::vector<double> region_variances(const Comparison& comparison, std::string_v
   for (const Image& image : images) {
     Image others = sum;
     for (size_t i = 0; i < sum.pixels.size(); ++i) others.pixels[i] = (sum.pixels[i] - image.pixels[i]) / (n - 1);
-    // The mean of the others has a variance of its own: 1 / (n − 1) of that of one.
+    // The mean of the others has its own variance: 1 / (n − 1) of a single image's.
     variances.push_back(frame_mse(image, others, mask) * static_cast<double>((n - 1) / n));
   }
   return variances;

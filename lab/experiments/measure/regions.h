@@ -1,4 +1,4 @@
-// Parts of an image in which something is to be seen: a caustic, a shadow, what a mirror shows.
+// Measures image regions with features such as caustics, shadows and mirror images.
 #pragma once
 
 #include <string>
@@ -14,33 +14,34 @@
 
 namespace relume {
 
-/// MSE of a contender's last frame in the region, one value a repetition, without the reference's own noise.
+/// MSE of a contender's last frame in the region per repetition, without the reference's noise.
 std::vector<double> region_errors(const Comparison& comparison, std::string_view name, const Rectangle& region);
-/// Of a's errors there over b's. Means decide: a median would overlook what path tracing finds rarely and brightly.
+/// Ratio of a's errors over b's in the region. Uses means, since a median would miss path tracing's rare bright
+/// samples.
 Ratio region_ratio(const Comparison& comparison, std::string_view a, std::string_view b, const Rectangle& region);
 
-/// What each repetition's last frame differs by from the mean of the others, as a variance: noise alone, whatever a
-/// contender's images lack beside the reference. Needs two repetitions.
+/// Squared difference of each repetition's last frame from the mean of the others, scaled to a variance: noise alone,
+/// independent of bias. Requires two repetitions.
 std::vector<double> region_variances(const Comparison& comparison, std::string_view name, const Rectangle& region);
 
-/// Mean luminance of the region. Images have one size, as in all that follows.
+/// Mean luminance of the region. Here and below, images have the same size.
 double region_mean(const Image& image, const Rectangle& region);
 
-/// Which share of the reference's contrast in the region an image has kept: the slope of its luminance over that of the
-/// reference, both cut off at 1 as a display does. 1: all of it, 0: a flat image. Noise leaves it as it is.
+/// Share of the reference's contrast in the region kept by an image: slope of its luminance over the reference's, both
+/// clamped to 1 as on a display. 1: all of it, 0: a flat image. Unbiased by noise in the image.
 double contrast_kept(const Image& image, const Image& reference, const Rectangle& region);
 
-/// Which share of the reference's detail in the region an image has kept: the same of the differences between pixels
-/// side by side, and one above the other. Blur makes it small; noise leaves it as it is.
+/// Share of the reference's detail in the region kept by an image: the same slope for differences between horizontal
+/// and vertical neighbours. Blur reduces it; noise in the image does not bias it.
 double detail_kept(const Image& image, const Image& reference, const Rectangle& region);
 
-/// The comparison's images with crops at the regions.
+/// Images of the comparison with crops at the regions.
 ViewerBlock region_images(const std::string& title, const Comparison& comparison,
                           const std::vector<Rectangle>& regions);
 
-/// Sets a square image for everybody: `side` pixels, 24 in a quick run.
+/// Sets square images for all contenders: `side` pixels, 24 in a quick run.
 void use_square(const ExperimentContext& context, int side, StudyOptions& options);
-/// What use_square() sets, for ExperimentResult::setup: "160 × 160".
+/// Size set by use_square(), for ExperimentResult::setup: "160 × 160".
 std::string square_text(const ExperimentContext& context, int side);
 
 }  // namespace relume

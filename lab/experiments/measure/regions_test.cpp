@@ -7,7 +7,7 @@
 namespace relume {
 namespace {
 
-/// A bright quarter, upper left, on grey.
+/// A bright upper left quarter on grey.
 Image quarter() {
   Image image(32, 32);
   for (int y = 0; y < 32; ++y) {
@@ -58,7 +58,7 @@ TEST(Regions, VariancesAreNoiseWithoutWhatAllImagesLack) {
   }
   const std::vector<double> variances = region_variances(comparison, "dark", {"image"});
   ASSERT_EQ(variances.size(), 3u);
-  EXPECT_NEAR(variances[0], 0.09 * 2 / 3, 1e-6);  // the others' mean is 0.4
+  EXPECT_NEAR(variances[0], 0.09 * 2 / 3, 1e-6);  // mean of the others is 0.4
   EXPECT_NEAR((variances[0] + variances[1] + variances[2]) / 3, 0.07, 1e-6);
 }
 
@@ -78,7 +78,7 @@ TEST(Regions, ContrastSurvivesNoiseButNotBlur) {
   EXPECT_NEAR(contrast_kept(halved, reference, {"image"}), 0.5, 1e-6);
   EXPECT_NEAR(contrast_kept(blurred, reference, {"image"}), 0.0, 1e-6);
   EXPECT_NEAR(contrast_kept(noisy, reference, {"image"}), 1.0, 0.05);  // five standard errors
-  EXPECT_EQ(contrast_kept(noisy, blurred, {"image"}), 1);              // nothing to keep
+  EXPECT_EQ(contrast_kept(noisy, blurred, {"image"}), 1);              // no contrast to keep
 }
 
 TEST(Regions, DetailSurvivesNoiseButNotBlur) {
@@ -97,7 +97,7 @@ TEST(Regions, DetailSurvivesNoiseButNotBlur) {
   EXPECT_NEAR(detail_kept(reference, reference, {"image"}), 1.0, 1e-9);
   EXPECT_NEAR(detail_kept(noisy, reference, {"image"}), 1.0, 0.05);  // five standard errors
   EXPECT_LT(detail_kept(blurred, reference, {"image"}), 0.7);
-  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"image"}), 1);  // nothing to keep
+  EXPECT_EQ(detail_kept(noisy, Image(64, 64), {"image"}), 1);  // no detail to keep
 }
 
 }  // namespace

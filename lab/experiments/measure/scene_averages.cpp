@@ -20,7 +20,7 @@ FramePlanOfAverages plan_of(const ExperimentContext& context) {
   return {.skip = context.choose(32, 8), .count = context.choose(48, 8), .repetitions = context.choose(6, 3)};
 }
 
-/// Constants that matter to the bias of path graphs where they are quiet.
+/// Constants that matter for the bias of path graphs with low variance.
 bool is_moderate(float constant) { return constant == 0.01f || constant == 0.1f || constant == 1; }
 
 TableCell cell(const Estimate& e) { return {short_number(e.value), e.value, "± " + short_number(e.half_width())}; }
@@ -50,7 +50,7 @@ ChartBlock curves(const SceneAverages& scene) {
   Curve bias{"bias²", 0, false, {}};
   Curve variance{"variance", 1, false, {}};
   for (size_t i = 0; i < scene.graphs.size(); ++i) {
-    const double x = std::max(1e-3, static_cast<double>(scene.constants[i]));  // 0 does not fit on a logarithmic axis
+    const double x = std::max(1e-3, static_cast<double>(scene.constants[i]));  // 0 is not on a logarithmic axis
     bias.points.push_back({.x = x, .y = std::max(1e-9, scene.graphs[i].bias2.value)});
     variance.points.push_back({.x = x, .y = scene.graphs[i].variance.value});
   }
@@ -78,7 +78,7 @@ SceneAverages measure_averages(const ExperimentContext& context, const Experimen
   const PixelMask surfaces = surfaces_of(context, scene);
   const std::vector<NamedSettings> list = cache_contenders(context, scene);
   for (const NamedSettings& contender : list) {
-    if (all || contender.name != "apg")  // which is among the constants
+    if (all || contender.name != "apg")  // part of the constants
       result.caches.push_back(average_frames(context, scene, contender, plan_of(context), result.reference, surfaces));
   }
   for (const float constant : kConstants) {

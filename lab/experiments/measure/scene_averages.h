@@ -1,4 +1,4 @@
-// Bias and variance of caches on a scene, and how a page shows them.
+// Measures bias and variance of caches on a scene, and reports them.
 #pragma once
 
 #include <string>
@@ -11,27 +11,27 @@
 
 namespace relume {
 
-/// What claims about a difference of two figures call their threshold.
+/// Threshold text for claims about differences.
 inline constexpr const char* kBeyondNoise = "a difference beyond the noise (95 %)";
 
-/// Whose averages are measured.
+/// Set of measured caches.
 enum class CacheSet {
-  techniques,  ///< everybody's, of path graphs with moderate constants
-  constants,   ///< everybody's, of path graphs with all constants
+  techniques,  ///< all, with path graphs of moderate constants
+  constants,   ///< all, with path graphs of all constants
 };
 
 struct SceneAverages {
   std::string name;
   Reference reference;
   std::vector<FrameAverages> caches;  ///< path tracing first
-  std::vector<FrameAverages> graphs;  ///< apg with each of `constants`
-  std::vector<float> constants;       ///< growing
+  std::vector<FrameAverages> graphs;  ///< apg for each of `constants`
+  std::vector<float> constants;       ///< ascending
 };
 
-/// Throws ExperimentStopped.
+/// Measures the averages of a scene. Throws ExperimentStopped.
 SceneAverages measure_averages(const ExperimentContext& context, const ExperimentScene& scene, CacheSet caches);
 
-/// Adds tables, curves and images, and says what was rendered.
+/// Adds tables, curves and images, and the test conditions.
 void show_averages(const ExperimentContext& context, const std::vector<SceneAverages>& scenes,
                    ExperimentResult& result);
 

@@ -12,7 +12,7 @@
 namespace relume {
 namespace {
 
-/// The camera becomes the scene's first, at which everything then looks.
+/// Replaces the scene's cameras by the experiment's camera, if any.
 Scene with_camera(const ExperimentScene& from) {
   Scene scene = from.scene;
   if (!from.camera) return scene;
@@ -27,7 +27,7 @@ Scene with_camera(const ExperimentScene& from) {
   return scene;
 }
 
-/// The scene's settings as flags, then those of the experiment.
+/// Flags of the scene's settings, then of the experiment's.
 std::vector<std::pair<std::string, std::string>> flags(const ExperimentContext& context, const ExperimentScene& scene,
                                                        const StudyOptions& options) {
   RenderSettings settings = scene.settings;

@@ -1,5 +1,4 @@
-// What most experiments are made of: several techniques on a scene, against a reference, as `relume compare` measures
-// them.
+// Compares techniques on a scene with a reference, as `relume compare` does; the core of most experiments.
 #pragma once
 
 #include <string>
@@ -14,31 +13,31 @@
 namespace relume {
 
 struct StudyOptions {
-  /// As `relume compare --techniques` takes them: "path=cache:none,psf=cache:psf,psf.cell-size:0.05".
+  /// In the syntax of `relume compare --techniques`: "path=cache:none,psf=cache:psf,psf.cell-size:0.05".
   std::string techniques;
-  /// Settings for everybody, on top of the scene's. Those that might bias it do not reach the reference.
+  /// Settings for all techniques, in addition to the scene's. The reference omits those that may bias it.
   SettingTexts common = {};
-  SettingTexts reference = {};  ///< settings of the reference alone
-  int spp = 1;                  ///< samples a pixel; of each frame of an animation
-  double budget_s = 0;          ///< instead of spp: equal time
-  /// Frames of an animation, seconds; empty: the still scene. Only scenes without a camera of the experiment's own
-  /// move along their camera path.
+  SettingTexts reference = {};  ///< settings for the reference alone
+  int spp = 1;                  ///< samples per pixel; for an animation, per frame
+  double budget_s = 0;          ///< replaces spp: equal time
+  /// Frame times of an animation, in seconds; empty: a still scene. Scenes follow their camera path only without a
+  /// camera from the experiment.
   std::vector<float> times_s = {};
   int repetitions = 5;
   int reference_spp = 1024;
 };
 
-/// A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference, and small images.
-/// Throws ExperimentStopped, and Error for settings that do not fit.
+/// Runs the comparison. A quick run has two repetitions, a fortieth of the budget, at most 16 samples in the reference,
+/// and small images. Throws ExperimentStopped, and Error for invalid settings.
 Comparison study(const ExperimentContext& context, const ExperimentScene& scene, const StudyOptions& options);
 
-/// Frame times of an animation: `count` of them from 0 on, 24 a second.
+/// Times of `count` animation frames from 0 on, at 24 per second.
 std::vector<float> frame_times(int count);
 
-/// The contender of that name. Throws Error if there is none.
+/// Contender with this name. Throws Error if it is missing.
 const ContenderResult& contender_named(const Comparison& comparison, std::string_view name);
 
-/// Images, table, curves and frame times, with `title` before their titles.
+/// Images, table, curves and frame times, with titles prefixed by `title`.
 std::vector<Block> study_blocks(const std::string& title, const Comparison& comparison);
 
 }  // namespace relume

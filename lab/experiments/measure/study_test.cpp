@@ -28,7 +28,7 @@ TEST_F(StudyTest, ComparesAsTheCommandDoes) {
   EXPECT_EQ(c.contenders.size(), 2u);
   EXPECT_EQ(c.reference.image.width, 32);
   EXPECT_EQ(c.reference.spp, 16);
-  EXPECT_EQ(c.reference_settings.render.path.max_bounces, 6);  // of the scene's settings
+  EXPECT_EQ(c.reference_settings.render.path.max_bounces, 6);  // from the scene's settings
   EXPECT_GT(contender_named(c, "few").repetitions[0].mse, 0);
   const ContenderResult& all = contender_named(c, "all");
   EXPECT_EQ(all.repetitions.size(), 2u);

@@ -19,7 +19,7 @@
 namespace relume {
 namespace {
 
-/// A contender on its way: its session, and its points in each repetition.
+/// State of a contender: its session, and its points in each repetition.
 struct Runner {
   const TraceContender* contender;
   std::unique_ptr<TimedSession> session;
@@ -32,7 +32,7 @@ struct Runner {
   std::vector<float> map = {};
 };
 
-/// The camera when `degrees` of the way are left.
+/// Camera at `degrees` before the last view.
 std::optional<CameraPose> camera_on(const Turn& way, const ExperimentScene& scene, float degrees) {
   return turned_aside(scene, -degrees, way.aside_m * degrees / way.total_deg);
 }
@@ -54,7 +54,7 @@ void turn(const ExperimentContext& context, Runner& runner, const ExperimentScen
 
 void restart(const ExperimentContext& context, Runner& runner, const ExperimentScene& scene, const Turn& way,
              int seed) {
-  // Begins at the first view, so that the first frame knows of no motion.
+  // Starts at the first rendered view, so that the first frame has no motion.
   runner.session->session().set_camera(
       camera_on(way, scene, way.step_deg > 0 && runner.contender->samples_per_step > 0 ? way.total_deg : 0.0f));
   runner.session->restart(seed);
@@ -97,7 +97,7 @@ void take_maps(std::vector<Runner>& runners) {
   }
 }
 
-/// The grid of frames ends where the time does; what came after its last point counts too.
+/// Adds the last frame as a point if the grid of frames ended earlier.
 void end_repetition(Runner& runner, const TraceOptions& options) {
   if (!is_measured(runner.frames))
     runner.repetitions.back().push_back(point_of(runner, runner.session->session().image(), options));
@@ -150,7 +150,7 @@ std::vector<Trace> trace(const ExperimentContext& context, const std::string& st
     for (uint32_t frame = 0; frame < options.frames; ++frame) {
       render(runners.front(), options);
       for (size_t i = 1; i < runners.size(); ++i) {
-        // Not so many that a technique whose frames cost nothing never ends.
+        // Bounds the frame count, so that techniques with very fast frames also end.
         while (runners[i].time_s < runners.front().time_s && runners[i].frames < 8 * (frame + 1)) {
           context.check_stop();
           render(runners[i], options);
@@ -195,7 +195,7 @@ TracePoints median_points(const std::vector<TracePoints>& repetitions) {
 
 namespace {
 
-/// y at x, between points that are joined by lines in logarithms; the nearest end outside.
+/// y at x, interpolated linearly in logarithms; clamped to the end points.
 double interpolate(const TracePoints& points, TraceValue of_x, TraceValue of_y, double x) {
   if (points.empty()) return 0;
   if (x <= points.front().*of_x) return points.front().*of_y;

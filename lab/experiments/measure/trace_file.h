@@ -1,4 +1,4 @@
-// Traces in files: what an experiment has measured before it was interrupted.
+// Stores traces in files, for interrupted experiments.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@
 
 namespace relume {
 
-/// The file for such a measurement; empty if the context keeps none. Lens and reference are not in its name: each
-/// experiment has one of either for a scene.
+/// File of a measurement; empty if the context stores none. Its name excludes lens and reference: an experiment has one
+/// of each per scene.
 std::filesystem::path trace_file(const ExperimentContext& context, const ExperimentScene& scene,
                                  const std::vector<TraceContender>& contenders, const TraceOptions& options);
 
-/// An EXR with images and maps, and points as an attribute. Requires that images were taken. Throws Error.
+/// Writes an EXR with images and maps, and points in an attribute. Requires recorded images. Throws Error.
 void save_traces(const std::filesystem::path& file, const std::vector<Trace>& traces);
 
-/// std::nullopt if there is no such file, or it is something else.
+/// Reads such a file; std::nullopt if it is missing or invalid.
 std::optional<std::vector<Trace>> load_traces(const std::filesystem::path& file);
 
 }  // namespace relume

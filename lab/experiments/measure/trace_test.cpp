@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-/// value = factor · time^-1, ten points a decade.
+/// value = factor · time^-1, with ten points per decade.
 TracePoints hyperbola(double factor) {
   TracePoints points;
   for (int i = 0; i <= 20; ++i) {
@@ -44,7 +44,7 @@ TEST(Trace, EarlyRatiosEndWithTheFramesOfTheFirst) {
   EXPECT_NEAR(early_ratio(traces, 1, 2, 8).value, 3, 1e-9);
   EXPECT_GT(early_ratio(traces, 1, 0, 8.5).value, 3.1);
   EXPECT_GT(early_ratio(traces, 1, 2, 9).value, 3.1);
-  EXPECT_EQ(early_ratio(traces, 1, 2, 21).value, early_ratio(traces, 1, 2, 1000).value);  // there are no more
+  EXPECT_EQ(early_ratio(traces, 1, 2, 21).value, early_ratio(traces, 1, 2, 1000).value);  // no further points
   EXPECT_GT(mean_ratio(traces, 1, 2, &TracePoint::mse, 10, 20).value, 299);
 }
 
@@ -60,9 +60,9 @@ TEST(Trace, RepetitionsTellHowFarARatioIsKnown) {
 TEST(Trace, SpreadIsTheVarianceOfDistances) {
   Image reference(2, 1);
   Image image(2, 1);
-  image.at(0, 0) = Rgb(0.3f, 0.4f, 0.0f);  // at distance 0.5, the other at 0
+  image.at(0, 0) = Rgb(0.3f, 0.4f, 0.0f);  // at distance 0.5; the other one at 0
   EXPECT_NEAR(distance_spread(image, reference), 0.0625, 1e-7);
-  image.at(0, 0) = Rgb(50, 0, 0);  // shown as 1
+  image.at(0, 0) = Rgb(50, 0, 0);  // displayed as 1
   EXPECT_NEAR(distance_spread(image, reference), 0.25, 1e-7);
 }
 
@@ -72,11 +72,11 @@ TEST(Trace, DisplayErrorIsThatOfCutOffSrgbValues) {
   image.at(0, 0) = Rgb(0.5f, 0, 0);
   const double shown = 1.055 * std::pow(0.5, 1 / 2.4) - 0.055;
   EXPECT_NEAR(display_error(image, reference), shown * shown / 6, 1e-6);
-  image.at(0, 0) = Rgb(50, 0, 0);  // shown as 1
+  image.at(0, 0) = Rgb(50, 0, 0);  // displayed as 1
   EXPECT_NEAR(display_error(image, reference), 1.0 / 6, 1e-6);
 }
 
-/// Measures the box twice as an experiment that was interrupted would.
+/// Measures the box twice, as an interrupted experiment does.
 TEST(Trace, GoesOnFromWhatWasMeasured) {
   ExperimentContext context;
   context.quick = true;
@@ -93,12 +93,12 @@ TEST(Trace, GoesOnFromWhatWasMeasured) {
   const auto again = trace(context, "test", box, {contender}, options);
   ASSERT_EQ(again.size(), 1u);
   ASSERT_EQ(again[0].points.size(), first[0].points.size());
-  EXPECT_EQ(again[0].points.back().time_s, first[0].points.back().time_s);  // not measured again
+  EXPECT_EQ(again[0].points.back().time_s, first[0].points.back().time_s);  // reused
   EXPECT_EQ(again[0].repetitions[0].size(), first[0].repetitions[0].size());
   EXPECT_EQ(again[0].image.pixels, first[0].image.pixels);
   EXPECT_EQ(again[0].image_point.mse, first[0].image_point.mse);
   EXPECT_EQ(again[0].map, first[0].map);
-  // What is different is measured.
+  // Changed conditions require a new measurement.
   context.program = "another";
   EXPECT_FALSE(load_traces(trace_file(context, box, {contender}, options)));
   context.program.clear();
@@ -110,7 +110,7 @@ TEST(Trace, GoesOnFromWhatWasMeasured) {
   std::filesystem::remove_all(context.parts_folder);
 }
 
-/// Each contender has as much time as the first.
+/// Each contender runs for the same time as the first.
 TEST(Trace, ContendersHaveEqualTimes) {
   ExperimentContext context;
   context.quick = true;
@@ -129,7 +129,7 @@ TEST(Trace, ContendersHaveEqualTimes) {
   ASSERT_EQ(traces.size(), 2u);
   EXPECT_EQ(traces[0].points.back().frames, 16);
   EXPECT_EQ(traces[1].points.front().frames, 1);
-  // The last point lies within a frame of the end, wherever powers of two and halfway lie.
+  // The last point is within a frame of the end, independently of the grid.
   EXPECT_GE(traces[1].repetitions[0].back().time_s, traces[0].repetitions[0].back().time_s);
 }
 

@@ -84,7 +84,7 @@ std::string machine_text(const ExperimentRun& run) {
   return text;
 }
 
-/// A cell of a table: a bar would end it.
+/// Text of a table cell: escapes bars, which would end it.
 std::string cell_text(std::string_view text) {
   std::string cell;
   for (const char c : text) {

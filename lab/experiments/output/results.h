@@ -1,4 +1,4 @@
-// What experiments leave behind: JSON and a page each, and a page that leads to them.
+// Writes the results of experiments: JSON and a page each, and an index page.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace relume {
 
-/// What is known of the run beside the result.
+/// Metadata of the run.
 struct ExperimentRun {
   std::vector<std::pair<std::string, std::string>> machine;
   bool quick = false;
@@ -20,14 +20,14 @@ struct ExperimentRun {
 };
 
 /// {"name", "paper", "summary", "quick", "seconds", "scenes", "program", "machine", "setup", "claims": [{"id", "paper",
-/// "claim", "measured", "threshold", "verdict"}], "tables": [{"title", "columns", "rows"}], "curves"}; a row is a list
-/// of its name and its cells, with notes in brackets. Bars are tables of their parts.
+/// "claim", "measured", "threshold", "verdict"}], "tables": [{"title", "columns", "rows"}], "curves"}. A row is a list
+/// of its name and its cells, with notes in brackets. Bars are stored as tables of their parts.
 std::string to_json(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run);
 
-/// Claims first, what the experiment shows after them.
+/// Page with the claims, followed by the experiment's blocks.
 Page experiment_page(const Experiment& experiment, const ExperimentResult& result, const ExperimentRun& run);
 
-/// What an index tells of an experiment that was run.
+/// An experiment's entry in the index.
 struct ExperimentSummary {
   std::string name;
   std::string paper;
@@ -36,13 +36,13 @@ struct ExperimentSummary {
   std::vector<Claim> claims;
 };
 
-/// From what to_json() wrote. Throws Error that begins with `place` if it is something else.
+/// Reads the output of to_json(). Throws Error that begins with `place` if it is invalid.
 ExperimentSummary read_summary(std::string_view json, const std::string& place);
 
-/// A page that leads to those of experiments, which stand beside it as NAME.html, with all their claims.
+/// Index page with all claims and links to NAME.html in the same folder.
 Page index_page(const std::vector<ExperimentSummary>& experiments);
 
-/// The same claims as tables in Markdown, without links.
+/// The same claims as Markdown tables, without links.
 std::string index_markdown(const std::vector<ExperimentSummary>& experiments);
 
 }  // namespace relume

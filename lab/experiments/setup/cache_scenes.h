@@ -1,4 +1,4 @@
-// Caches of radiance, and the scenes in which experiments look at them.
+// Radiance caches, and the scenes of their experiments.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace relume {
 
-/// The caches of [Schipek22] and path tracing before them: "path", "psf", "apsf", "apg", "apg+apsf". Every frame shows
-/// one sample a pixel and what the cells know.
+/// Path tracing and the caches of [Schipek22]: "path", "psf", "apsf", "apg", "apg+apsf". Each frame displays one sample
+/// per pixel, filtered with the cells.
 std::vector<NamedSettings> cache_contenders(const ExperimentContext& context, const ExperimentScene& scene);
 
-/// The scenes of the experiments on caches: the box, the corridor, the mine, and Sponza if it is there.
+/// Scenes of the cache experiments: the box, the corridor, the mine, and Sponza if available.
 std::vector<ExperimentScene> cache_scenes(const ExperimentContext& context);
 
 }  // namespace relume

@@ -10,9 +10,9 @@
 namespace relume {
 namespace {
 
-constexpr int kBounces = 2;  // five rays a path
+constexpr int kBounces = 2;  // five rays per path
 
-/// A lamp that shines downwards.
+/// Adds a lamp that emits downwards.
 void add_lamp(Mesh& mesh, const Vec3& middle, float edge) {
   append(mesh, quad(middle - Vec3(0.5f * edge, 0, 0.5f * edge), {edge, 0, 0}, {0, 0, edge}));
 }
@@ -58,7 +58,7 @@ std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& contex
   result->scene.environment = {};
   result->scene.environment.kind = EnvironmentKind::constant;
   result->scene.environment.color = Rgb(0.004f, 0.006f, 0.01f);
-  // Four rows of fifty: behind the columns of both sides, on both floors.
+  // Four rows of fifty: behind the columns on both sides and both floors.
   Mesh lamps[2];
   for (uint32_t i = 0; i < 200; ++i) {
     const bool upper = i % 4 >= 2;

@@ -1,4 +1,4 @@
-// Scenes of the experiments on light selection and guiding, and what these have in common.
+// Scenes and settings of the experiments on light selection and guiding.
 #pragma once
 
 #include <optional>
@@ -12,28 +12,28 @@
 
 namespace relume {
 
-/// A built-in scene at rest, with two indirect rays as in [Dittebrandt20 §7].
+/// A static built-in scene with two indirect rays, as in [Dittebrandt20 §7].
 ExperimentScene learning_scene(std::string_view name);
 
-/// 256 lamps of all strengths over a plain: nothing hides anything.
+/// 256 lamps of varying power over a plain, without occlusion.
 ExperimentScene lamp_field();
 
-/// Sponza at night with 200 lamps in its arcades; std::nullopt if it is not there. Throws Error if it cannot be read.
+/// Sponza at night with 200 lamps in its arcades; std::nullopt if unavailable. Throws Error if it cannot be read.
 std::optional<ExperimentScene> sponza_with_lamps(const ExperimentContext& context);
 
-/// The scene with the light selection that references are rendered with: the light tree, which learns nothing, and has
-/// far less noise than power where lamps are many.
+/// The scene with the light selection of references: the light tree, which does not learn and has much less noise than
+/// sampling by power with many lamps.
 ExperimentScene plainly_sampled(ExperimentScene scene);
 
-/// Quadtrees that remember, spread what a leaf found to those around it, and move several leaves a frame: better than
-/// the paper's while nothing moves.
+/// Sets quadtrees with a memory, spreading to neighbouring leaves and several migrations per frame: better than the
+/// paper's in static scenes.
 void use_lasting_quadtrees(RenderSettings& settings);
-/// A light cache that forgets, explores by one table and chooses among buckets evenly, as in the paper.
+/// Sets the paper's light cache: no memory, a single table for exploration, and uniform buckets.
 void use_paper_cache(RenderSettings& settings);
 
-/// Samples a pixel of references in experiments on learning.
+/// Samples per pixel of references in learning experiments.
 int learning_reference_spp(const ExperimentContext& context);
-/// What these experiments have in common, for ExperimentResult::setup.
+/// Common conditions of these experiments, for ExperimentResult::setup.
 std::vector<std::pair<std::string, std::string>> learning_setup(const ExperimentContext& context);
 
 }  // namespace relume

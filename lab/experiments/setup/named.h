@@ -1,4 +1,4 @@
-// Looking things up by name.
+// Finds list elements by name.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace relume {
 
-/// The first of a list's elements whose `name` that is. Throws Error, with the names that exist, if there is none.
+/// First element with this `name`. Throws Error with the existing names if there is none.
 template <typename List>
 auto& named(List& list, std::string_view name) {
   std::vector<std::string> names;

@@ -8,7 +8,7 @@
 namespace relume {
 namespace {
 
-/// Of the scenes that a paper shows; for variations of them half as many will do.
+/// Samples per pixel for a paper's scenes; variations use half as many.
 int reference_spp(const ExperimentContext& context) { return context.choose(1024, 16); }
 
 }  // namespace

@@ -35,7 +35,7 @@ void add_light(Scene& scene, const PunctualLight& light, const Vec3& position, c
 void use_point_light(Scene& scene) {
   named(scene.nodes, "lamp").meshes.clear();
   PunctualLight light;
-  light.intensity = {23.2f, 17.1f, 8.2f};  // as bright below as the lamp that it replaces
+  light.intensity = {23.2f, 17.1f, 8.2f};  // same irradiance below as the lamp that it replaces
   add_light(scene, light, {0, 5.3f, 0}, {0.001f, 0, 0});
 }
 
@@ -48,7 +48,7 @@ void use_directional_light(Scene& scene, const Vec3& from) {
   add_light(scene, light, from, {0, 0, 0});
 }
 
-/// Puts a sphere of 20 · 4^levels triangles in the place of the tall box.
+/// Replaces the tall box by a sphere of 20 · 4^levels triangles.
 void use_dense_mesh(Scene& scene, int levels) {
   Node& node = named(scene.nodes, "tall box");
   Mesh& mesh = scene.meshes[static_cast<size_t>(node.meshes.front())];
@@ -69,7 +69,7 @@ void use_reflective_materials(Scene& scene) {
 void use_glass(Scene& scene) {
   Material clear = glass("boxes", 1.5f);
   named(scene.materials, "boxes") = clear;
-  // Off the floor, or the surfaces of two volumes would meet.
+  // Above the floor, since the surfaces of two volumes must not touch.
   for (const char* name : {"tall box", "short box"}) named(scene.nodes, name).transform.translation.y += 0.05f;
 }
 
@@ -118,7 +118,7 @@ ExperimentScene closed_box(BoxVariation variation) {
       use_glass(result.scene);
       break;
   }
-  // Looks past both boxes at the end of a turn from the wall behind it.
+  // Looks past both boxes; the turn starts at the wall behind.
   const Vec3 eye(1.9f, 2.9f, 2.2f);
   result.camera = camera_at(eye, eye + Vec3(-0.62f, -0.22f, -0.76f), 60);
   result.settings.path.max_bounces = 6;
@@ -134,7 +134,7 @@ ExperimentScene box_under(std::string_view box, DeltaLight light, int max_bounce
       break;
     case DeltaLight::directional:
       result.name += ", directional light";
-      use_directional_light(result.scene, {0.9f, 3.0f, 2.7f});  // by way of water or a mirror to the walls
+      use_directional_light(result.scene, {0.9f, 3.0f, 2.7f});  // reaches the walls through water or a mirror
       break;
   }
   return result;
@@ -178,7 +178,7 @@ ExperimentScene at_rest(ExperimentScene scene) {
   const std::vector<Node>& nodes = scene.scene.nodes;
   const auto node = std::find_if(nodes.begin(), nodes.end(), [](const Node& n) { return n.camera != kNone; });
   if (node == nodes.end()) throw Error("the scene '" + scene.name + "' has no camera");
-  CameraPose camera;  // built-in scenes have it on a node without parents
+  CameraPose camera;  // built-in scenes have it on a root node
   camera.to_world = glm::translate(Mat4(1), node->transform.translation) * glm::mat4_cast(node->transform.rotation);
   camera.camera = scene.scene.cameras[static_cast<size_t>(node->camera)];
   scene.camera = std::move(camera);
