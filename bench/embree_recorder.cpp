@@ -3,7 +3,7 @@
 #include <atomic>
 #include <bit>
 
-// The options of a query are its last argument in Embree 4, and precede the ray in Embree 3.
+// Query options are the last argument in Embree 4, and precede the ray in Embree 3.
 #if RTC_VERSION_MAJOR >= 4
 using IntersectOptions = RTCIntersectArguments;
 using OccludedOptions = RTCOccludedArguments;
@@ -16,7 +16,7 @@ using OccludedOptions = RTCIntersectContext;
 #define RELUME_PASS_ON scene, options, query
 #endif
 
-// The linker's names: __wrap_F is what callers of F reach, __real_F is F itself.
+// Linker names: callers of F reach __wrap_F; __real_F is F itself.
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
 extern "C" {
 void __real_rtcIntersect1(RELUME_ARGUMENTS(RTCRayHit, IntersectOptions));
@@ -32,7 +32,7 @@ QueryLog* current_log = nullptr;
 uint64_t found_sum = 0;
 std::atomic<RTCScene> last_scene{nullptr};
 
-/// Writes only a scene that is new, so that the threads of a frame share the cache line.
+/// Writes only if the scene changed, so that the frame's threads share the cache line.
 void note_scene(RTCScene scene) {
   if (last_scene.load(std::memory_order_relaxed) != scene) last_scene.store(scene, std::memory_order_relaxed);
 }
@@ -47,7 +47,7 @@ bool is_coherent(const IntersectOptions* options) {
 
 uint64_t bits(float value) { return std::bit_cast<uint32_t>(value); }
 
-/// The result of a query as a number.
+/// Query result as a number.
 uint64_t found(const RTCRayHit& query) {
   return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0 : bits(query.ray.tfar) + query.hit.primID;
 }

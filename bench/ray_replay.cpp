@@ -1,5 +1,5 @@
-// relume_ray_replay SCENE [--SETTING VALUE]...: how much of a frame is Embree's. Records the rays of one frame, then
-// times frames and the replay of those rays in turn, with one thread and with two (docs/performance.md).
+// relume_ray_replay SCENE [--SETTING VALUE]...: measures Embree's share of the frame time. Records the rays of one
+// frame, then times frames and replays of those rays in turn, with one and with two threads (docs/performance.md).
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -28,7 +28,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Replays a part of the log for each tile, spread over the threads as the tiles of a frame are.
+/// Replays part of the log per tile, distributed to threads like the tiles of a frame.
 struct ReplayKernel {
   const QueryLog* log = nullptr;
   RTCScene scene = nullptr;
@@ -71,19 +71,19 @@ Recording record(const Scene& scene, RenderSettings settings) {
   return recording;
 }
 
-/// Seconds, with one number of threads.
+/// Times with one number of threads, in seconds.
 struct Times {
   std::vector<double> frame_s;
   std::vector<double> replay_s;
 };
 
-/// One round: frames and replays in turn, on a session of its own, because only one may set TBB's threads at a time.
+/// Times frames and replays in turn. Uses a separate session, because only one at a time may set TBB's threads.
 void time_round(const Scene& scene, RenderSettings settings, const Recording& recording, int threads, Times& times) {
-  constexpr uint32_t kTileSize = 16;  // the backend's
+  constexpr uint32_t kTileSize = 16;  // same as the backend's
   settings.threads = threads;
   Session session(scene, settings);
   Backend backend(threads);
-  session.render_frame();  // warms up, and tells which scene to ask
+  session.render_frame();  // warms up and sets the last queried scene
   for (int i = 0; i < kFramesPerRound; ++i) {
     double start = now_s();
     session.render_frame();
